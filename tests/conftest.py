@@ -1,0 +1,29 @@
+"""Fixtures shared by all tests."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+class Recordings:
+    """Folder of recordings made by others; see docs/evidence.md for their sources."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def __truediv__(self, name: str) -> Path:
+        path = self.root / name
+        if not path.exists():
+            pytest.skip(f"no recordings at {self.root} (set BLUEKOI_RECORDINGS): {name}")
+        return path
+
+
+@pytest.fixture(scope="session")
+def recordings() -> Recordings:
+    """Real recordings; a test that asks for a missing one is skipped with the reason."""
+    return Recordings(Path(os.environ.get("BLUEKOI_RECORDINGS", ROOT.parent / "shared" / "data")))

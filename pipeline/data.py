@@ -23,6 +23,16 @@ PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
+class Frame:
+    """One picture of a recording: true time [s], luma (height, width) and, if asked, bgr."""
+
+    index: int
+    time_s: float
+    luma: npt.NDArray[np.uint8]
+    bgr: npt.NDArray[np.uint8] | None = None
+
+
+@dataclass(frozen=True)
 class Keypoints:
     """Detections of one trial, in raw camera pixels.
 
@@ -255,7 +265,7 @@ def read_track(path: str | Path) -> Track:
     recoil = [
         columns[f"recoil_{k}"] for k in ("x_m", "y_m", "heading_rad") if f"recoil_{k}" in columns
     ]
-    values = {name: columns[name] for name in TRACK_COLUMNS}
+    values: dict[str, Any] = {name: columns[name] for name in TRACK_COLUMNS}
     return Track(**values, recoil=np.column_stack(recoil) if recoil else np.zeros((0, 3)))
 
 

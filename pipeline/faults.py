@@ -37,7 +37,7 @@ class Fault(Exception):
 
 
 def fault(file: object, where: str, found: object, expected: str, cure: str = "") -> Fault:
-    """One-finding `Fault`, for `raise fault(path, "row 3, x", "'abc'", "a number", "...")`."""
+    """A `Fault` with one finding, to be raised by the caller."""
     return Fault(Finding(str(file), where, str(found), expected, cure))
 
 

@@ -62,7 +62,7 @@ class Robot(_Section):
         return self
 
     def aerodynamic_arm_m(self, head_length_m: float) -> float:
-        """l = h + hinge_to_com - (body_length + h - head_length) / 4, m, for head length h."""
+        """Aerodynamic arm l = h + hinge_to_com - (body_length + h - head_length) / 4, m, for head h."""
         body = self.body_length_m + head_length_m - self.head_length_m
         return head_length_m + self.hinge_to_com_m - body / 4
 

@@ -1,0 +1,12 @@
+"""Frames with true timestamps from one recording, and H.264 for the overlays.
+
+open_recording(paths)  -> Recording     what is in the files, checked, with remarks
+frames(recording)      -> Frame, ...    luma (and bgr) at the times the camera stamped
+encode(path, ...)                       an H.264 video that any browser plays
+"""
+
+from .reading import frames
+from .recording import Recording, open_recording
+from .writing import Encoder, encode
+
+__all__ = ["Encoder", "Recording", "encode", "frames", "open_recording"]

@@ -1,0 +1,188 @@
+"""What one video file holds: size, rate, rotation, frames declared and frames present."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import av
+import av.error
+
+from ..faults import Fault, fault
+from .boxes import Boxes
+
+LARGEST_SIDE_PX = 16384
+REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
+
+
+@dataclass(frozen=True)
+class Probe:
+    """One file: size as stored, container rate, counts, duration on its own clock, remarks."""
+
+    size_px: tuple[int, int]
+    codec: str
+    fps: float
+    duration_s: float
+    frames_declared: int
+    frames_present: int
+    rotation_deg: int
+    capture_fps: float | None
+    remarks: tuple[str, ...]
+
+
+def probe(path: Path, boxes: Boxes | None) -> Probe:
+    """Probe of a file, its first picture decoded to be sure that it can be.
+
+    Raises: Fault where the file is no video or its codec cannot be decoded.
+    """
+    with opened(path) as container:
+        stream = video_stream(container, path)
+        declared, present = _counts(stream, path.stat().st_size)
+        rotation = _first_rotation(container, stream, path)
+        fps = _rate(stream)
+        duration = _duration(container, stream, fps)
+        return Probe(
+            size_px=(stream.width, stream.height),
+            codec=stream.codec_context.name,
+            fps=fps,
+            duration_s=duration,
+            frames_declared=declared,
+            frames_present=present,
+            rotation_deg=rotation,
+            capture_fps=_capture_rate(container, stream),
+            remarks=_remarks(container, stream, boxes, (declared, present, rotation, fps)),
+        )
+
+
+def opened(path: Path) -> Any:
+    """Open container of a file; Fault in a person's words where that fails."""
+    try:
+        return av.open(str(path), metadata_errors="replace")
+    except (av.error.FFmpegError, OSError, ValueError) as error:
+        raise _not_a_video(path, error) from error
+
+
+def video_stream(container: Any, path: Path) -> Any:
+    """The first real video stream (a cover picture is none), decoding on all cores."""
+    for stream in container.streams.video:
+        context = stream.codec_context
+        if context is None or not (0 < stream.width <= LARGEST_SIDE_PX):
+            continue
+        stream.thread_type = "AUTO"
+        return stream
+    raise fault(
+        path, "", "no video stream that can be decoded", "H.264, HEVC or mp4v video", _CONVERT
+    )
+
+
+_CONVERT = "Convert it: ffmpeg -i FILE -c:v libx264 -crf 12 -fps_mode passthrough NEW.mp4"
+
+
+def _not_a_video(path: Path, error: Exception) -> Fault:
+    with path.open("rb") as file:
+        head = file.read(512)
+    text = head.isascii() and b"\0" not in head
+    found = "a text file" if text else f"no readable video ({_reason(error)})"
+    return fault(
+        path, "", found, "a video (mp4, mov, avi, mkv)", "Check that the copy is complete."
+    )
+
+
+def _reason(error: Exception) -> str:
+    return str(getattr(error, "strerror", None) or error).strip()
+
+
+def _counts(stream: Any, size: int) -> tuple[int, int]:
+    """Frames the index lists, and those whose bytes lie inside the file."""
+    entries = [(entry.pos, entry.size) for entry in stream.index_entries]
+    declared = int(stream.frames) or len(entries)
+    if not entries:
+        return declared, declared
+    lost = sum(1 for pos, length in entries if pos + length > size)
+    return declared, declared - lost
+
+
+def _first_rotation(container: Any, stream: Any, path: Path) -> int:
+    """Turn that the file asks for, counter-clockwise degrees, a multiple of 90."""
+    try:
+        for frame in container.decode(stream):
+            return round(frame.rotation / 90.0) * 90 % 360
+    except av.error.FFmpegError as error:
+        name = stream.codec_context.name
+        found = f"{name} that cannot be decoded ({_reason(error)})"
+        raise fault(path, "", found, "H.264, HEVC or mp4v video", _CONVERT) from error
+    raise fault(path, "", "not one readable frame", "a video with at least one frame")
+
+
+def _rate(stream: Any) -> float:
+    rate = stream.average_rate or stream.base_rate or stream.guessed_rate
+    return float(rate) if rate else 25.0
+
+
+def _duration(container: Any, stream: Any, fps: float) -> float:
+    """Length on the video's own clock (the container's may be that of the sound)."""
+    if stream.duration and stream.time_base:
+        return float(stream.duration * stream.time_base)
+    if container.duration:
+        return container.duration / av.time_base
+    return int(stream.frames) / fps
+
+
+def _capture_rate(container: Any, stream: Any) -> float | None:
+    """Rate at which a telephone says it took the pictures, where it says so."""
+    text = (container.metadata | stream.metadata).get("com.android.capture.fps", "")
+    try:
+        return float(text) or None
+    except ValueError:
+        return None
+
+
+def _remarks(
+    container: Any, stream: Any, boxes: Boxes | None, counts: tuple[int, int, int, float]
+) -> tuple[str, ...]:
+    declared, present, rotation, fps = counts
+    found = []
+    if present < declared or (boxes is not None and boxes.cut and present == declared):
+        found.append(
+            f"cut short: {present} of {declared} declared frames are in the file; the readable "
+            "ones are used"
+        )
+    if rotation:
+        found.append(_rotation_remark(rotation))
+    if boxes is not None:
+        found.extend(_box_remarks(container, boxes, fps))
+    if _is_variable(stream, fps):
+        found.append("variable frame rate: the timestamps of the frames are used")
+    return tuple(found)
+
+
+def _rotation_remark(rotation: int) -> str:
+    text = f"the file asks for a turn of {rotation} degrees, which was applied"
+    if rotation % 180:
+        text += (
+            "; width and height are swapped, so a camera matrix of the unturned picture is wrong"
+        )
+    return text
+
+
+def _box_remarks(container: Any, boxes: Boxes, fps: float) -> list[str]:
+    found = []
+    if boxes.trimmed_s * fps > REORDERED_FRAMES:
+        found.append(f"trimmed: an edit list leaves out the first {boxes.trimmed_s:.3f} s")
+    if boxes.gopro.get("EISE") == "Y":
+        found.append("filmed with stabilisation on: the picture may drift against the pool")
+    if boxes.gopro and not container.streams.audio:
+        found.append("a GoPro file without sound: make sure that it is no time-lapse or TimeWarp")
+    return found
+
+
+def _is_variable(stream: Any, fps: float) -> bool:
+    times = sorted(entry.timestamp for entry in stream.index_entries)
+    steps = [b - a for a, b in pairwise(times)]
+    if len(steps) < 3 or not stream.time_base:
+        return False
+    usual = 1.0 / fps
+    odd = sum(1 for step in steps if abs(float(step * stream.time_base) - usual) > 0.2 * usual)
+    return odd > 0

@@ -1,0 +1,147 @@
+"""Frames of a recording, one after the other, as the decoder gives them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any
+
+import av.error
+import numpy as np
+import numpy.typing as npt
+
+from ..data import Frame
+from .probe import opened, video_stream
+from .recording import Recording
+
+Luma = npt.NDArray[np.uint8]
+EPS_S = 1e-6
+
+
+def frames(recording: Recording, *, colour: bool = False) -> Iterator[Frame]:
+    """Frames of the recording's part in order, times in s from its first frame shown.
+
+    The luma is a view into the decoder's own picture where the format allows (no copy); bgr only
+    if `colour`. Unreadable pictures are left out; frames whose time repeats or goes back too.
+    `index` counts the frames read from the recording's start, those before start_s included.
+    """
+    last = -np.inf
+    for index, (time_s, picture) in enumerate(_timed(recording)):
+        if recording.end_s is not None and time_s > recording.end_s + EPS_S:
+            return
+        if time_s <= last or time_s < (recording.start_s or 0.0) - EPS_S:
+            continue
+        last = time_s
+        yield Frame(
+            index, time_s, _turned(luma(picture), recording), _bgr(picture, recording, colour)
+        )
+
+
+def spread(recording: Recording, count: int) -> Iterator[Frame]:
+    """About `count` frames spread evenly over the recording's part, decoded alone.
+
+    Only key frames are decoded: a background needs a few pictures, not all of them.
+    """
+    wanted = max(1, count)
+    keys = [list(_keyframes(recording, i)) for i in range(len(recording.paths))]
+    total = [(i, key) for i, chapter in enumerate(keys) for key in chapter]
+    picked = (
+        {total[j] for j in np.linspace(0, len(total) - 1, wanted).round().astype(int)}
+        if total
+        else set()
+    )
+    for i in range(len(recording.paths)):
+        chosen = {key for chapter, key in picked if chapter == i}
+        if chosen:
+            yield from _decoded_keys(recording, i, chosen)
+
+
+def luma(picture: Any) -> Luma:
+    """Brightness (height, width) of a decoded picture; a view where it is planar and 8 bit."""
+    plane, name = picture.planes[0], picture.format.name
+    if name.startswith(("yuv", "gray", "nv")) and not name.startswith("yuyv"):
+        depth = picture.format.components[0].bits
+        if depth == 8:
+            return _rows(plane, np.uint8)[: picture.height, : picture.width]
+        if name.endswith("le"):
+            wide = _rows(plane, np.dtype("<u2"))[: picture.height, : picture.width]
+            return (wide >> (depth - 8)).astype(np.uint8)
+    return picture.to_ndarray(format="gray")
+
+
+def _rows(plane: Any, dtype: Any) -> npt.NDArray[Any]:
+    width = plane.line_size // np.dtype(dtype).itemsize
+    return np.frombuffer(plane, dtype)[: plane.height * width].reshape(plane.height, width)
+
+
+def _bgr(picture: Any, recording: Recording, colour: bool) -> Luma | None:
+    return _turned(picture.to_ndarray(format="bgr24"), recording) if colour else None
+
+
+def _turned(image: Luma, recording: Recording) -> Luma:
+    turns = recording.rotation_deg // 90
+    return np.ascontiguousarray(np.rot90(image, turns)) if turns else image
+
+
+def _timed(recording: Recording) -> Iterator[tuple[float, Any]]:
+    """Time and picture of every readable frame of all chapters."""
+    count = 0
+    for i in range(len(recording.paths)):
+        for own_s, picture in _chapter(recording, i):
+            given = recording.fps
+            yield (count / given if given else recording.offset_s[i] + own_s), picture
+            count += 1
+
+
+def _chapter(recording: Recording, i: int) -> Iterator[tuple[float, Any]]:
+    """Time on the file's own clock (0 at its first frame) and picture of each readable frame."""
+    path = recording.paths[i]
+    with opened(path) as container:
+        stream = video_stream(container, path)
+        origin: float | None = None
+        for count, picture in enumerate(_decoded(container, stream)):
+            time_s = picture.time
+            if time_s is None:
+                time_s = count / recording.nominal_fps
+            if origin is None:
+                origin = time_s
+            if picture.width == stream.width and picture.height == stream.height:
+                yield time_s - origin, picture
+
+
+def _decoded(container: Any, stream: Any) -> Iterator[Any]:
+    """Pictures that can be decoded: a damaged packet costs its own picture only."""
+    for packet in _packets(container, stream):
+        with suppress(av.error.FFmpegError):
+            yield from packet.decode()
+
+
+def _packets(container: Any, stream: Any) -> Iterator[Any]:
+    with suppress(av.error.FFmpegError):
+        yield from container.demux(stream)
+
+
+def _keyframes(recording: Recording, i: int) -> Iterator[int]:
+    """Timestamps (stream units) of the key frames of a chapter inside the wanted part."""
+    path = recording.paths[i]
+    size = path.stat().st_size
+    with opened(path) as container:
+        stream = video_stream(container, path)
+        for entry in stream.index_entries:
+            time_s = float(entry.timestamp * stream.time_base) + recording.offset_s[i]
+            inside = (recording.start_s or 0.0) <= time_s <= (recording.end_s or np.inf)
+            whole = entry.pos + entry.size <= size
+            if entry.is_keyframe and whole and (inside or recording.fps):
+                yield int(entry.timestamp)
+
+
+def _decoded_keys(recording: Recording, i: int, chosen: set[int]) -> Iterator[Frame]:
+    path = recording.paths[i]
+    with opened(path) as container:
+        stream = video_stream(container, path)
+        for stamp in sorted(chosen):
+            container.seek(stamp, stream=stream, backward=True)
+            for picture in _decoded(container, stream):
+                time_s = (picture.time or 0.0) + recording.offset_s[i]
+                yield Frame(-1, time_s, _turned(luma(picture), recording))
+                break

@@ -1,0 +1,294 @@
+"""Footage: true timestamps, chapters, broken files; and videos for the overlays."""
+
+from __future__ import annotations
+
+import struct
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from pipeline.faults import Fault
+from pipeline.footage import encode, frames, open_recording
+from pipeline.footage.chapters import in_order
+from pipeline.footage.reading import spread
+
+SIZE = (160, 96)
+
+
+def picture(number: int) -> np.ndarray:
+    """A picture whose mean tells its number, with a bright top left corner."""
+    image = np.full(SIZE[::-1], 40 + 4 * number, np.uint8)
+    image[:24, :40] = 235
+    return image
+
+
+def write_video(
+    path: Path,
+    times: list[int],
+    *,
+    codec: str = "libx264",
+    pix_fmt: str = "yuv420p",
+    front: bool = True,
+) -> Path:
+    """A video whose frames are shown at `times` in units of 1/30000 s."""
+    options = {"movflags": "faststart"} if front else {}
+    with av.open(str(path), "w", format="mp4", options=options) as out:
+        stream = out.add_stream(codec, rate=Fraction(30000, 1001))
+        stream.width, stream.height, stream.pix_fmt = *SIZE, pix_fmt
+        stream.codec_context.time_base = Fraction(1, 30000)
+        stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "0"}
+        stream.codec_context.gop_size = 5
+        for number, time in enumerate(times):
+            frame = av.VideoFrame.from_ndarray(picture(number), format="gray")
+            frame.pts, frame.time_base = time, Fraction(1, 30000)
+            out.mux(stream.encode(frame))
+        out.mux(stream.encode(None))
+    return path
+
+
+def patched(path: Path, name: bytes, offset: int, content: bytes) -> Path:
+    """The file with bytes after the first box `name` replaced."""
+    data = bytearray(path.read_bytes())
+    at = data.index(name) + 4 + offset
+    data[at : at + len(content)] = content
+    path.write_bytes(bytes(data))
+    return path
+
+
+def stored(image: np.ndarray) -> np.ndarray:
+    """Luma of limited range that a grey picture becomes in the file."""
+    return 16 + image * 219 / 255
+
+
+def numbers(recording) -> list[int]:
+    grey = [(float(np.median(frame.luma)) - 16) * 255 / 219 for frame in frames(recording)]
+    return [round((value - 40) / 4) for value in grey]
+
+
+STEADY = [1001 * i for i in range(24)]
+
+
+def test_timestamps_are_those_of_the_container(tmp_path):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
+    times = [frame.time_s for frame in frames(recording)]
+    assert recording.nominal_fps == pytest.approx(30000 / 1001)
+    assert recording.frames_declared == recording.frames_present == 24
+    np.testing.assert_allclose(times, np.arange(24) * 1001 / 30000, atol=1e-9)
+    assert numbers(recording) == list(range(24))
+
+
+def test_variable_rate_keeps_each_frames_own_time(tmp_path):
+    times = [0, 1001, 3003, 4004, 7007, 8008]
+    recording = open_recording([write_video(tmp_path / "v.mp4", times)])
+    found = [frame.time_s for frame in frames(recording)]
+    np.testing.assert_allclose(found, np.array(times) / 30000, atol=1e-6)
+    assert any("variable frame rate" in remark for remark in recording.remarks)
+
+
+def test_given_rate_overrides_the_timestamps(tmp_path):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)], fps=120.0)
+    assert [f.time_s for f in frames(recording)][:3] == pytest.approx([0, 1 / 120, 2 / 120])
+    assert any("replaces" in remark for remark in recording.remarks)
+
+
+def test_part_of_a_recording(tmp_path):
+    path = write_video(tmp_path / "a.mp4", STEADY)
+    recording = open_recording([path], start_s=0.2, end_s=0.4)
+    times = [frame.time_s for frame in frames(recording)]
+    assert min(times) >= 0.2
+    assert max(times) <= 0.4
+    assert len(times) == 6
+
+
+def test_start_after_the_end_is_a_fault(tmp_path):
+    with pytest.raises(Fault, match="start_s"):
+        open_recording([write_video(tmp_path / "a.mp4", STEADY)], start_s=60.0)
+
+
+def test_chapters_are_joined_without_losing_time(tmp_path):
+    late = write_video(tmp_path / "GX020042.MP4", STEADY)
+    early = write_video(tmp_path / "GX010042.MP4", STEADY[:10])
+    recording = open_recording([late, early])
+    times = np.array([frame.time_s for frame in frames(recording)])
+    assert [path.name for path in recording.paths] == ["GX010042.MP4", "GX020042.MP4"]
+    np.testing.assert_allclose(np.diff(times), 1001 / 30000, atol=1e-4)
+    assert len(times) == 34
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["GX010042.MP4", "GX030042.MP4"], "chapter 02 missing"),
+        (["GX020042.MP4", "GX030042.MP4"], "chapter 01 missing"),
+        (["GX010042.MP4", "GX020043.MP4"], "several recordings"),
+        (["GX010042.MP4", "GX010042.MP4"], "named twice"),
+        ([], "no file"),
+    ],
+)
+def test_wrong_chapters_are_refused(names, message):
+    with pytest.raises(Fault, match=message):
+        in_order([Path(name) for name in names])
+
+
+def test_order_is_by_chapter_and_old_names_count(tmp_path):
+    old = [Path("GP020007.MP4"), Path("GOPR0007.MP4"), Path("GP010007.MP4")]
+    assert [p.name for p in in_order(old)] == ["GOPR0007.MP4", "GP010007.MP4", "GP020007.MP4"]
+
+
+def test_a_further_chapter_beside_it_is_remarked(tmp_path):
+    path = write_video(tmp_path / "GX010042.MP4", STEADY[:5])
+    (tmp_path / "GX020042.MP4").write_bytes(b"x")
+    (tmp_path / "GL010042.LRV").write_bytes(b"x")
+    remarks = open_recording([path]).remarks
+    assert any("GX020042.MP4" in remark and "LRV" not in remark for remark in remarks)
+
+
+@pytest.mark.parametrize("degrees", [90, 180, 270])
+def test_rotation_flag_is_applied_and_told(tmp_path, degrees):
+    cos, sin = {90: (0, 1), 180: (-1, 0), 270: (0, -1)}[degrees]
+    one = 1 << 16
+    matrix = struct.pack(">9i", cos * one, sin * one, 0, -sin * one, cos * one, 0, 0, 0, 1 << 30)
+    path = patched(write_video(tmp_path / "r.mp4", STEADY[:6]), b"tkhd", 40, matrix)
+    recording = open_recording([path])
+    shown = next(iter(frames(recording))).luma
+    turned = np.rot90(picture(0), -degrees // 90)
+    assert shown.shape == turned.shape == recording.size_px[::-1]
+    assert np.mean(np.abs(shown - stored(turned))) < 3
+    assert any("turn of" in remark for remark in recording.remarks)
+    assert any("camera matrix" in remark for remark in recording.remarks) == (degrees != 180)
+
+
+def test_ten_bit_hevc_arrives_as_eight(tmp_path):
+    path = write_video(tmp_path / "h.mp4", STEADY[:6], codec="libx265", pix_fmt="yuv420p10le")
+    recording = open_recording([path])
+    frame = next(iter(frames(recording)))
+    assert recording.codec == "hevc"
+    assert frame.luma.dtype == np.uint8
+    lit = frame.luma[4:20, 4:36].astype(float) - frame.luma[60:, 80:].mean()
+    assert lit.mean() == pytest.approx((235 - 40) * 219 / 255, abs=3)
+
+
+def test_colour_only_when_asked(tmp_path):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY[:4])])
+    assert next(iter(frames(recording))).bgr is None
+    assert next(iter(frames(recording, colour=True))).bgr.shape == (*SIZE[::-1], 3)
+
+
+def test_cut_file_gives_its_readable_frames(tmp_path):
+    path = write_video(tmp_path / "cut.mp4", STEADY)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) - 300])
+    recording = open_recording([path])
+    assert recording.frames_declared == 24
+    assert 1 <= recording.frames_present < 24
+    assert any("cut short" in remark and "24" in remark for remark in recording.remarks)
+    assert abs(len(list(frames(recording))) - recording.frames_present) <= 1
+
+
+def test_file_without_index_names_the_rescue(tmp_path):
+    path = write_video(tmp_path / "dead.mp4", STEADY, front=False)
+    data = path.read_bytes()
+    path.write_bytes(data[: data.rindex(b"moov") - 4])
+    with pytest.raises(Fault, match="untrunc"):
+        open_recording([path])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "0 bytes"),
+        (b"time_s,angle_deg\n0,1\n" * 20, "a text file"),
+        (bytes(range(256)) * 40, "no readable video"),
+        (b"\0\0\0\x08ftyp", "without its index"),
+    ],
+)
+def test_what_is_no_video_is_told_so(tmp_path, content, message):
+    path = tmp_path / "x.mp4"
+    path.write_bytes(content)
+    with pytest.raises(Fault, match=message) as caught:
+        open_recording([path])
+    assert "x.mp4" in str(caught.value)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(Fault, match="no such file"):
+        open_recording([tmp_path / "none.mp4"])
+
+
+@pytest.mark.parametrize(("letter", "refused"), [(b"S", True), (b"H", True), (b"W", False)])
+def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
+    path = write_video(tmp_path / "s.mp4", STEADY[:4], front=False)
+    data = path.read_bytes()
+    setting = b"VFOVc\x01\x00\x01" + letter + b"\0\0\0"
+    body = b"DEVC\0\x01" + struct.pack(">H", len(setting)) + setting
+    gpmf = struct.pack(">I", 8 + len(body)) + b"GPMF" + body
+    udta = struct.pack(">I", 8 + len(gpmf)) + b"udta" + gpmf
+    at = data.rindex(b"moov") - 4
+    moov = struct.unpack(">I", data[at : at + 4])[0]
+    longer = struct.pack(">I", moov + len(udta))
+    path.write_bytes(data[:at] + longer + data[at + 4 : at + moov] + udta)
+    if refused:
+        with pytest.raises(Fault, match=r"SuperView|HyperView"):
+            open_recording([path])
+    else:
+        assert open_recording([path]).frames_present == 4
+
+
+def test_trimmed_file_is_remarked(tmp_path):
+    path = write_video(tmp_path / "t.mp4", STEADY)
+    scale = av.open(str(path)).streams.video[0].time_base.denominator
+    start = struct.pack(">i", scale * 10 * 1001 // 30000)
+    recording = open_recording([patched(path, b"elst", 12, start)])
+    assert any("trimmed" in remark for remark in recording.remarks)
+    assert 13 <= len(list(frames(recording))) <= 15
+
+
+def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
+    few = list(spread(recording, 3))
+    assert [frame.time_s for frame in few] == pytest.approx(
+        [0.0, 10 * 1001 / 30000, 20 * 1001 / 30000]
+    )
+
+
+def test_overlay_video_can_be_played(tmp_path):
+    path = tmp_path / "o.mp4"
+    assert encode(path, (picture(i) for i in range(8)), fps=29.97, size=SIZE) == 8
+    data = path.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")
+    recording = open_recording([path])
+    assert recording.codec == "h264"
+    assert recording.size_px == SIZE
+    assert len(list(frames(recording))) == 8
+
+
+def test_failed_overlay_leaves_nothing(tmp_path):
+    def broken():
+        yield picture(0)
+        raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError, match="stop"):
+        encode(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.recordings
+def test_gopro_clip_opens_with_true_timestamps(recordings):
+    recording = open_recording([recordings / "gopro_clip" / "max-heromode.mp4"])
+    times = np.array([frame.time_s for frame in frames(recording)])
+    assert recording.nominal_fps == pytest.approx(30000 / 1001)
+    assert len(times) == recording.frames_declared == 315
+    np.testing.assert_allclose(np.diff(times), 1001 / 30000, atol=1e-6)
+
+
+@pytest.mark.recordings
+def test_true_variable_rate_and_its_constant_twin(recordings):
+    folder = recordings / "ball_videos"
+    true = [f.time_s for f in frames(open_recording([folder / "BallTossOut.mov"]))]
+    twin = [f.time_s for f in frames(open_recording([folder / "BallTossOut.mp4"]))]
+    assert len(true) == len(twin) == 32
+    assert np.ptp(np.diff(true)) == pytest.approx(8 / 600, abs=1e-6)
+    assert np.ptp(np.diff(twin)) < 1e-6

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.synthetic.tank import Robot
+from pipeline.synthetic.laws import Robot
 
 __all__ = [
     "KEYPOINTS",

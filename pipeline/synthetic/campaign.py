@@ -2,10 +2,9 @@
 
 import csv
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
-from functools import lru_cache
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -13,67 +12,38 @@ from typing import Any
 import numpy as np
 import yaml
 
-from pipeline.files import whole_file, write_json, write_text
+from pipeline.files import read_json, whole_file, write_json, write_text
 from pipeline.synthetic.design import Design
 from pipeline.synthetic.encode import write_video
+from pipeline.synthetic.film import frames_of, visible
 from pipeline.synthetic.motor_log import motor_angles, write_motor_log
-from pipeline.synthetic.optics import Camera, pool_corners
-from pipeline.synthetic.picture import Planes, Stage, add_light, draw_robot, finish, noise_tiles
-from pipeline.synthetic.scene import Scene, build_scene
+from pipeline.synthetic.optics import pool_corners
 from pipeline.synthetic.seal import seal
 from pipeline.synthetic.trial import Trial, camera_at, frame_truth, generator, prepare, summary
 
-__all__ = ["render_study", "render_trial", "write_study_files", "write_truth"]
+__all__ = [
+    "render_study",
+    "render_trial",
+    "seal_truth",
+    "write_motor",
+    "write_study_files",
+    "write_truth",
+]
 
 Progress = Callable[[str, int, int], None]
 
 
-def _silent(trial_id: str, done: int, total: int) -> None:
+def _silent(*_: object) -> None:
     return None
-
-
-@lru_cache(maxsize=4)
-def _scene(camera: Camera, caustics_of: Any, pool: tuple[float, ...], seed: int) -> Scene:
-    return build_scene(camera, caustics_of, pool_m=(pool[0], pool[1]), depth_m=pool[2], seed=seed)
-
-
-def stage_at(design: Design, time_s: float) -> Stage:
-    """Pool, camera, light and noise tiles of a design at a time (they change with the knock)."""
-    camera, state = camera_at(design, time_s), design.conditions
-    pool = (*design.tank.pool_m, design.pool_depth_m)
-    scene = _scene(camera, state, pool, design.seed)
-    tiles = noise_tiles(np.random.default_rng([design.seed, 7]), camera.size_px)
-    return Stage(scene, camera, state, tiles, None)
-
-
-def frames_of(design: Design, trial: Trial) -> Iterator[Planes]:
-    """The frames of a trial, in order."""
-    state = design.conditions
-    stages = {False: stage_at(design, -1.0)}
-    if state.nudge_at_s is not None:
-        stages[True] = stage_at(design, np.inf)
-    rng = generator(design, trial.plan.trial_id, "noise")
-    begin = int(rng.integers(0, 100))
-    offsets = state.exposure_s * ((np.arange(state.sub_frames) + 0.5) / state.sub_frames - 0.5)
-    for number, now in enumerate(trial.time_s):
-        stage = stages[state.nudge_at_s is not None and now >= state.nudge_at_s]
-        planes = add_light(stage, begin + number)
-        draw_robot(
-            planes,
-            stage,
-            trial.motion.pose(now + offsets),
-            robot=trial.tank.robot,
-            head_length_m=trial.plan.head_length_m,
-            floor_m=design.pool_depth_m,
-        )
-        yield finish(planes, stage, rng)
 
 
 def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
     """Write `ID.npz` (per frame) and `ID.json` (steady figures, laws) to the truth folder."""
     name = trial.plan.trial_id
     with whole_file(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
-        np.savez_compressed(out, **frame_truth(design, trial))
+        truth = frame_truth(design, trial)
+        seen = visible(design, trial, truth["keypoints_px"])
+        np.savez_compressed(out, **{**truth, "visible": seen})  # type: ignore[arg-type]
     laws = {"tank": asdict(trial.tank), "run": asdict(trial.run)}
     write_json(truth_folder / f"{name}.json", {**summary(trial), **laws})
 
@@ -94,12 +64,13 @@ def render_trial(
         preset=state.preset,
         threads=threads,
     )
-    _write_motor(design, trial, folder)
+    write_motor(design, trial, folder)
     write_truth(design, trial, truth_folder)
     return video
 
 
-def _write_motor(design: Design, trial: Trial, folder: Path) -> None:
+def write_motor(design: Design, trial: Trial, folder: Path) -> None:
+    """Write `motor/ID.csv` of a trial."""
     rng = generator(design, trial.plan.trial_id, "motor")
     rows = motor_angles(trial.motion, float(trial.time_s[-1]), rng)
     write_motor_log(folder / "motor" / f"{trial.plan.trial_id}.csv", rows)
@@ -144,8 +115,11 @@ def write_study_files(design: Design, folder: Path, *, source: str, fps: float |
 
 
 def seal_truth(design: Design, folder: Path, truth_folder: Path) -> str:
-    """Hash of the study's whole truth, written as `truth.sha256`; the truth as `truth.json`."""
-    trials = [summary(prepare(design, plan.trial_id)) for plan in design.plans]
+    """Hash of the study's whole truth (all trials' json), written as `truth.sha256`.
+
+    The sealed bytes themselves are `truth.json` in the truth folder.
+    """
+    trials = [read_json(truth_folder / f"{plan.trial_id}.json") for plan in design.plans]
     digest, content = seal({"design": asdict(design), "trials": trials})
     with whole_file(truth_folder / "truth.json") as path:
         path.write_bytes(content)

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from pipeline.synthetic.conditions import MIDDLE, Conditions
+from pipeline.synthetic.laws import Coefficients, Tank, bare_tank
 from pipeline.synthetic.optics import Camera, gopro_like
-from pipeline.synthetic.tank import Coefficients, Tank, bare_tank
 
 __all__ = ["TABLE_1", "Design", "Plan", "bare_design", "demo_design", "ladder_design"]
 

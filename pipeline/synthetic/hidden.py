@@ -9,6 +9,7 @@ import cmath
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from pipeline.faults import fault, nearest
 
@@ -61,7 +62,7 @@ class Law:
     acts_on: str
     statement: str
     usual: Mapping[str, float]
-    law: Callable[..., object]
+    law: Callable[..., Any]
 
 
 def linear_yaw_damping(now: Situation, *, N_r: float) -> tuple[complex, float]:
@@ -117,7 +118,7 @@ def servo_lag(time_s: float, drive: Drive, *, time_constant_s: float) -> Drive:
     return replace(drive, head_angle_rad=drive.head_angle_rad * (1 - (1 + x) * math.exp(-x)))
 
 
-def head_angle_offset(time_s: float, drive: Drive, *, offset_rad: float) -> Drive:
+def head_angle_offset(_time_s: float, drive: Drive, *, offset_rad: float) -> Drive:
     """Head angle short or over by a constant (rad)."""
     return replace(drive, head_angle_rad=drive.head_angle_rad + offset_rad)
 
@@ -132,12 +133,12 @@ def battery_sag(time_s: float, drive: Drive, *, loss_per_s: float) -> Drive:
     return replace(drive, thrust_gain=drive.thrust_gain / (1 + loss_per_s * max(time_s, 0.0)))
 
 
-def uniform_current(time_s: float, place: complex, *, u_m_s: float, v_m_s: float) -> complex:
+def uniform_current(_time_s: float, _place: complex, *, u_m_s: float, v_m_s: float) -> complex:
     """The same water velocity everywhere (m/s)."""
     return complex(u_m_s, v_m_s)
 
 
-def pool_gyre(time_s: float, place: complex, *, rate_rad_s: float, core_m: float) -> complex:
+def pool_gyre(_time_s: float, place: complex, *, rate_rad_s: float, core_m: float) -> complex:
     """Gaussian vortex about the pool's middle: `i w z exp(-|z|^2 / core^2)`."""
     z = place - complex(1.3, 0.8)
     return 1j * rate_rad_s * z * math.exp(-(abs(z) ** 2) / core_m**2)
@@ -186,28 +187,28 @@ def check_hidden(chosen: Chosen) -> None:
             raise fault("hidden effects", name, ", ".join(values), wanted)
 
 
-def _acting(chosen: Chosen, on: str) -> list[tuple[Callable[..., object], Mapping[str, float]]]:
+def _acting(chosen: Chosen, on: str) -> list[tuple[Callable[..., Any], Mapping[str, float]]]:
     return [(LAWS[name].law, values) for name, values in chosen.items() if LAWS[name].acts_on == on]
 
 
 def change_drive(chosen: Chosen, time_s: float, drive: Drive) -> Drive:
     """The drive after every chosen law of motor and servo."""
     for law, values in _acting(chosen, "drive"):
-        drive = law(time_s, drive, **values)  # type: ignore[assignment]
+        drive = law(time_s, drive, **values)
     return drive
 
 
 def extra_current(chosen: Chosen, time_s: float, place: complex) -> complex:
     """Water velocity (m/s) of every chosen law of the water."""
-    return sum((law(time_s, place, **v) for law, v in _acting(chosen, "current")), 0j)  # type: ignore[misc]
+    return sum((law(time_s, place, **v) for law, v in _acting(chosen, "current")), 0j)
 
 
 def extra_load(chosen: Chosen, now: Situation) -> tuple[complex, float, Situation]:
     """Force (N), moment (N m) of the chosen laws, and the situation with gains applied."""
     force, moment = 0j, 0.0
     for law, values in _acting(chosen, "load"):
-        more_force, more_moment = law(now, **values)  # type: ignore[misc]
+        more_force, more_moment = law(now, **values)
         force, moment = force + more_force, moment + more_moment
     for law, values in _acting(chosen, "gain"):
-        now = law(now, **values)  # type: ignore[assignment]
+        now = law(now, **values)
     return force, moment, now

@@ -43,6 +43,11 @@ class Camera:
     index_water: float = 1.333
 
 
+def _as_rows(matrix: np.ndarray) -> Matrix3:
+    one, two, three = ((float(row[0]), float(row[1]), float(row[2])) for row in matrix)
+    return one, two, three
+
+
 def looking_down(roll_deg: float, pitch_deg: float, turn_deg: float) -> Matrix3:
     """Rotation pool to cam of a camera that looks straight down but for three small angles.
 
@@ -53,11 +58,11 @@ def looking_down(roll_deg: float, pitch_deg: float, turn_deg: float) -> Matrix3:
     about_y = np.array([[math.cos(b), 0, math.sin(b)], [0, 1, 0], [-math.sin(b), 0, math.cos(b)]])
     about_z = np.array([[math.cos(c), -math.sin(c), 0], [math.sin(c), math.cos(c), 0], [0, 0, 1]])
     rows = about_x @ about_y @ about_z @ np.diag([1.0, -1.0, -1.0])
-    return tuple(tuple(float(value) for value in row) for row in rows)
+    return _as_rows(rows)
 
 
 def gopro_like(lens: str = "pinhole") -> Camera:
-    """A 1080p camera with about a HERO11's Linear (pinhole) or Wide (fisheye) lens over the pool."""
+    """A 1080p camera over the pool, about a HERO11's Linear (pinhole) or Wide (fisheye) lens."""
     linear = lens == "pinhole"
     return Camera(
         size_px=(1920, 1080),
@@ -87,7 +92,7 @@ def nudged(
     """The camera after a knock: moved by `shift_m` in the pool, turned about its own x, y, z."""
     knock = np.array(looking_down(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
     rows = knock @ np.array(camera.rotation)
-    rotation = tuple(tuple(float(value) for value in row) for row in rows)
+    rotation = _as_rows(rows)
     x, y, z = (a + b for a, b in zip(camera.centre_m, shift_m, strict=True))
     return replace(camera, rotation=rotation, centre_m=(x, y, z))
 
@@ -163,10 +168,11 @@ def to_pool(camera: Camera, pixels: np.ndarray, depth_m: float) -> np.ndarray:
     """
     bent = (np.asarray(pixels, float) - np.array(camera.middle_px)) / np.array(camera.focal_px)
     xy, step = bent.copy(), 1e-6
+    right, down = np.array([step, 0.0]), np.array([0.0, step])
     for _ in range(12):
         off = _bend(camera, xy) - bent
-        dx = (_bend(camera, xy + [step, 0]) - _bend(camera, xy - [step, 0])) / (2 * step)
-        dy = (_bend(camera, xy + [0, step]) - _bend(camera, xy - [0, step])) / (2 * step)
+        dx = (_bend(camera, xy + right) - _bend(camera, xy - right)) / (2 * step)
+        dy = (_bend(camera, xy + down) - _bend(camera, xy - down)) / (2 * step)
         slope = dx[:, 0] * dy[:, 1] - dx[:, 1] * dy[:, 0]
         xy[:, 0] -= (off[:, 0] * dy[:, 1] - off[:, 1] * dy[:, 0]) / slope
         xy[:, 1] -= (off[:, 1] * dx[:, 0] - off[:, 0] * dx[:, 1]) / slope

@@ -8,12 +8,13 @@ import numpy as np
 
 from pipeline.synthetic.body import Part, robot_parts
 from pipeline.synthetic.conditions import Conditions
+from pipeline.synthetic.glare import Patch
+from pipeline.synthetic.laws import Robot
 from pipeline.synthetic.optics import Camera, project
 from pipeline.synthetic.raster import paint, straight_pixels
 from pipeline.synthetic.scene import Scene, to_yuv
-from pipeline.synthetic.tank import Robot
 
-__all__ = ["Planes", "Stage", "add_light", "draw", "draw_robot", "finish", "noise_tiles"]
+__all__ = ["Planes", "Stage", "add_light", "add_noise", "draw", "draw_robot", "noise_tiles"]
 
 FLOOR_RGB = (128.0, 190.0, 214.0)
 SHADOW_SHIFT_M = 0.05 - 0.035j
@@ -31,13 +32,13 @@ class Planes:
 
 @dataclass(frozen=True)
 class Stage:
-    """Everything that stays the same over a recording: pool, camera, conditions, noise tiles."""
+    """What stays the same over a recording: pool, camera, conditions, noise tiles, lamps."""
 
     scene: Scene
     camera: Camera
     conditions: Conditions
     tiles: tuple[np.ndarray, np.ndarray]
-    glare: np.ndarray | None
+    lamps: tuple[Patch, ...] = ()
 
 
 def noise_tiles(
@@ -93,7 +94,14 @@ def _over(planes: Planes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
         chroma[...] = np.clip(np.rint(mixed), 0, 255)
 
 
-def draw(planes: Planes, stage: Stage, poses: Sequence[Sequence[Part]], *, height_m: float) -> None:
+def draw(
+    planes: Planes,
+    stage: Stage,
+    poses: Sequence[Sequence[Part]],
+    *,
+    height_m: float,
+    contrast: float = 1.0,
+) -> None:
     """Draw a body, averaged over its poses in the exposure, in place, at a height (m; < 0: wet)."""
     outlines = [part.outline for parts in poses for part in parts]
     flat = np.concatenate(outlines)
@@ -109,7 +117,7 @@ def draw(planes: Planes, stage: Stage, poses: Sequence[Sequence[Part]], *, heigh
     for parts in poses:
         ends = np.cumsum([len(part.outline) for part in parts])
         canvas[...] = 0
-        paint(canvas, cells[begin : begin + ends[-1]], ends, _colours(parts, 1.0))
+        paint(canvas, cells[begin : begin + ends[-1]], ends, _colours(parts, contrast))
         total += canvas
         begin += int(ends[-1])
     total /= len(poses)
@@ -151,17 +159,17 @@ def draw_robot(
     parts = [robot_parts(robot, head_length_m, pose, markers=markers) for pose in poses]
     if stage.conditions.shadow:
         _shadow(planes, stage, parts[len(parts) // 2], floor_m)
-    draw(planes, stage, parts, height_m=-robot.keypoint_depth_m)
+    depth, contrast = robot.keypoint_depth_m, stage.conditions.contrast
+    draw(planes, stage, parts, height_m=-depth, contrast=contrast)
 
 
-def finish(planes: Planes, stage: Stage, rng: np.random.Generator) -> Planes:
-    """Glare and sensor noise added: what the encoder gets."""
-    luma = planes.luma if stage.glare is None else cv2.add(planes.luma, stage.glare)
-    height, width = luma.shape
+def add_noise(planes: Planes, stage: Stage, rng: np.random.Generator) -> Planes:
+    """The frame with sensor noise: what the encoder gets."""
+    height, width = planes.luma.shape
     at = rng.integers(0, NOISE_MARGIN_PX, 2)
     tile = stage.tiles[0][at[0] : at[0] + height, at[1] : at[1] + width]
     share = stage.conditions.noise / 20
-    luma = cv2.addWeighted(luma, 1.0, tile, share, -128 * share)
+    luma = cv2.addWeighted(planes.luma, 1.0, tile, share, -128 * share)
     chroma = np.empty_like(planes.chroma)
     share = stage.conditions.chroma_noise / 20
     for c in (0, 1):

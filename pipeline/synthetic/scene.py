@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pipeline.synthetic.conditions import Conditions
 from pipeline.synthetic.optics import Camera, to_pool
 
 __all__ = ["Scene", "build_scene", "to_yuv"]
@@ -15,6 +14,7 @@ RIM_M = 0.055
 CAUSTIC_FRAMES = 120
 CAUSTIC_STEP_PX = 8
 AROUND_M = 1.2
+RAY_BENDING = 0.16
 
 
 @dataclass(frozen=True)
@@ -151,31 +151,29 @@ def caustics(floor: np.ndarray, strength: float, seed: int) -> np.ndarray:
     """
     waves = _waves(np.random.default_rng(seed))
     x, y = floor[..., 0].astype(np.float32), floor[..., 1].astype(np.float32)
-    frames = np.empty((CAUSTIC_FRAMES, *x.shape), np.uint8)
-    still = [(kx * x + ky * y + p, kx, ky, turns) for kx, ky, turns, p in waves]
-    for i in range(CAUSTIC_FRAMES):
-        xx = yy = xy = np.float32(0)
-        for phase, kx, ky, turns in still:
-            wave = np.cos(phase - np.float32(2 * np.pi * turns * i / CAUSTIC_FRAMES))
-            k2 = np.hypot(kx, ky) ** 1.6
-            xx, yy, xy = xx + wave * kx**2 / k2, yy + wave * ky**2 / k2, xy + wave * kx * ky / k2
-        size = 0.16
-        det = (1 - size * xx) * (1 - size * yy) - (size * xy) ** 2
-        light = np.clip(1 / np.maximum(np.abs(det), 0.2), 0, 4)
-        light = (light - light.mean()) / max(float(light.std()), 1e-6)
-        frames[i] = np.clip(128 * (1 + strength * light), 40, 255)
-    return frames
+    k2 = np.hypot(waves[:, 0], waves[:, 1]) ** 1.6
+    phase = (waves[:, 0, None] * x.ravel() + waves[:, 1, None] * y.ravel()) + waves[:, 3, None]
+    still = np.concatenate([np.cos(phase), np.sin(phase)]).astype(np.float32)
+    turned = 2 * np.pi * np.arange(CAUSTIC_FRAMES)[:, None] / CAUSTIC_FRAMES * waves[:, 2]
+    swing = np.concatenate([np.cos(turned), np.sin(turned)], axis=1)
+    bend = (waves[:, 0] ** 2, waves[:, 1] ** 2, waves[:, 0] * waves[:, 1])
+    xx, yy, xy = (
+        RAY_BENDING * (swing * np.tile(b / k2, 2)).astype(np.float32) @ still for b in bend
+    )
+    light = np.minimum(1 / np.maximum(np.abs((1 - xx) * (1 - yy) - xy**2), 0.2), 4)
+    light = (light - light.mean(axis=1, keepdims=True)) / light.std(axis=1, keepdims=True)
+    return np.clip(128 * (1 + strength * light), 40, 255).astype(np.uint8).reshape(-1, *x.shape)
 
 
 def build_scene(
-    camera: Camera, state: Conditions, *, pool_m: tuple[float, float], depth_m: float, seed: int
+    camera: Camera, caustic_rms: float, *, pool_m: tuple[float, float], depth_m: float, seed: int
 ) -> Scene:
     """Still picture and moving light for a camera; the same seed gives the same pool."""
     rgb, wet = _still_picture(camera, pool_m, depth_m, seed)
     yuv = to_yuv(rgb)
     half = (camera.size_px[0] // 2, camera.size_px[1] // 2)
     chroma = [cv2.resize(yuv[..., c], half, interpolation=cv2.INTER_AREA) for c in (1, 2)]
-    light = caustics(pool_map(camera, depth_m, CAUSTIC_STEP_PX), state.caustics, seed + 1)
+    light = caustics(pool_map(camera, depth_m, CAUSTIC_STEP_PX), caustic_rms, seed + 1)
     small = cv2.resize(wet, light.shape[:0:-1], interpolation=cv2.INTER_AREA)
     light = np.round(128 + (light.astype(np.float32) - 128) * small).astype(np.uint8)
     return Scene(

@@ -10,8 +10,9 @@ import numpy as np
 from pipeline.synthetic.body import keypoints
 from pipeline.synthetic.design import Design, Plan
 from pipeline.synthetic.encode import GOPRO_RATE
+from pipeline.synthetic.laws import Run, Tank
 from pipeline.synthetic.optics import Camera, nudged, project, resized
-from pipeline.synthetic.tank import Motion, Run, Tank, simulate, steady_turn
+from pipeline.synthetic.tank import Motion, simulate, steady_turn
 from pipeline.synthetic.water import draw_eddies
 
 __all__ = ["Trial", "camera_at", "frame_truth", "generator", "prepare", "summary"]

@@ -38,7 +38,7 @@ def draw_eddies(rng: np.random.Generator, rms_m_s: float, *, count: int = 6) -> 
     for _ in range(count):
         kx, ky = 2 * math.pi / rng.uniform(1.0, 3.0, 2)
         share = rms_m_s * math.sqrt(8 / (count * (kx**2 + ky**2)))
-        phase = tuple(float(p) for p in rng.uniform(0, 2 * math.pi, 3))
+        px, py, pt = (float(p) for p in rng.uniform(0, 2 * math.pi, 3))
         rate = 2 * math.pi / rng.uniform(4.0, 12.0)
-        eddies.append(Eddy(share, (float(kx), float(ky)), phase, float(rate)))
+        eddies.append(Eddy(share, (float(kx), float(ky)), (px, py, pt), float(rate)))
     return tuple(eddies)

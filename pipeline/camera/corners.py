@@ -1,0 +1,124 @@
+"""The camera of a study, from its lens and pool corners, judged by their reprojection."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Float
+from ..faults import fault
+from ..study import Setup
+from .lens import Lens
+from .plane import plane_camera
+from .pool import PoolCamera
+from .resection import PLACES, WRONG_SHARE, diagonal_px, fitting_order, pose, rectangle
+
+CLICK_PX = 1.0
+DOUBT_SHARE = 0.002
+REFERENCE_WIDTH_PX = 1920
+
+
+def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCamera:
+    """Camera of a study: lens, pose from the pool corners, refractive index, remarks.
+
+    size_px: (width, height) of the recording at hand, where known; a recording scaled in both
+    directions alike is followed, any other size is a fault. Without a matrix the corners give a
+    homography, whose cost is told in `bound_m` and the remarks.
+
+    Raises: Fault where the corners fit no pose; its cure says which order of corners would.
+    """
+    given, scale = setup.camera, _scale(setup, size_px)
+    corners_px = np.array(given.pool_corners_px, dtype=float)
+    corners_px = corners_px * scale + (scale - 1) / 2
+    corners_m = rectangle(setup.pool.length_m, setup.pool.width_m, given.pool_corners_height_m)
+    if given.matrix is None:
+        size = size_px or given.image_size_px
+        return plane_camera(corners_px, corners_m, setup.water.refractive_index, size)
+    assert given.image_size_px is not None
+    distortion = np.array(given.distortion or np.zeros(4), dtype=float)
+    matrix = np.array(given.matrix, dtype=float)
+    lens = Lens(given.model, matrix, distortion, given.image_size_px).scaled(scale)
+    return camera_from_corners(lens, corners_px, corners_m, setup.water.refractive_index)
+
+
+def camera_from_corners(
+    lens: Lens, corners_px: Float, corners_m: Float, index: float
+) -> PoolCamera:
+    """Camera whose pose brings the corners (4, 3) m nearest to their images (4, 2) px.
+
+    Raises: Fault where they lie outside the lens model or miss by more than 1.5 % of the pool's
+    diagonal in the picture.
+    """
+    rotation, translation, residuals = pose(lens, corners_px, corners_m, index)
+    width = lens.size_px[0]
+    spread = CLICK_PX * width / REFERENCE_WIDTH_PX
+    camera = PoolCamera(
+        size_px=lens.size_px,
+        corners_px=corners_px,
+        corners_m=corners_m,
+        refractive_index=index,
+        residuals_px=residuals,
+        corner_std_px=float(np.sqrt((np.sum(residuals**2) + 4 * spread**2) / 6)),
+        lens=lens,
+        rotation=rotation,
+        translation=translation,
+    )
+    _judge(camera)
+    return replace(camera, remarks=_doubts(camera))
+
+
+def _judge(camera: PoolCamera) -> None:
+    limit = WRONG_SHARE * diagonal_px(camera.corners_px)
+    if camera.rms_px <= limit and camera.center_m[2] > 0:
+        return
+    assert camera.lens is not None
+    fits = fitting_order(camera.lens, camera.corners_px, camera.corners_m, camera.refractive_index)
+    reasons = (
+        f"Another order fits: {fits}."
+        if fits
+        else "No order fits either: check pool length and width, matrix, distortion and model, and "
+        "that the corners were read in a raw frame (not undistorted) of this size."
+    )
+    worst = int(np.argmax(np.linalg.norm(camera.residuals_px, axis=1)))
+    raise fault(
+        "study.yaml",
+        "camera.pool_corners_px",
+        f"corners that miss the best pose by {camera.rms_px:.0f} px rms "
+        f"(most at pool {PLACES[worst]})",
+        f"images of pool {', '.join(PLACES)} in this order, within {limit:.0f} px",
+        reasons,
+    )
+
+
+def _doubts(camera: PoolCamera) -> tuple[str, ...]:
+    limit = DOUBT_SHARE * diagonal_px(camera.corners_px)
+    if camera.rms_px <= limit:
+        return ()
+    scale = np.linalg.norm(camera.corners_m[2] - camera.corners_m[0]) / diagonal_px(
+        camera.corners_px
+    )
+    return (
+        f"the pool corners miss the best pose by {camera.rms_px:.1f} px rms "
+        f"(about {1000 * scale * camera.rms_px:.0f} mm): look at them with `bluekoi pool`",
+    )
+
+
+def _scale(setup: Setup, size_px: tuple[int, int] | None) -> float:
+    """How many times larger the recording is than the picture study.yaml speaks of."""
+    declared = setup.camera.image_size_px
+    if size_px is None or declared is None or tuple(size_px) == tuple(declared):
+        return 1.0
+    ratios = [size_px[0] / declared[0], size_px[1] / declared[1]]
+    if abs(ratios[0] / ratios[1] - 1) < 0.002:
+        return float(np.mean(ratios))
+    turned = size_px[0] == declared[1] and size_px[1] == declared[0]
+    raise fault(
+        "study.yaml",
+        "camera.image_size_px",
+        f"{declared[0]} x {declared[1]}, but the recording has {size_px[0]} x {size_px[1]}",
+        "the recording's own size, or one scaled alike in both directions",
+        "The recording is turned by 90 degrees: calibrate and give the corners in turned frames."
+        if turned
+        else "Another field of view needs its own matrix and corners.",
+    )

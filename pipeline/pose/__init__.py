@@ -1,0 +1,98 @@
+"""Pose of the robot's two rigid parts, frame by frame, from keypoints in the pool frame.
+
+Core: hinge, core_center and tail_base lie on one axis. Head: head_tip and hinge. With u(a) =
+(cos a, sin a), c the centre of mass, psi the core's and theta the head's direction,
+    hinge = c + a u(psi), core_center = c, tail_base = c - b u(psi), head_tip = hinge + h u(theta).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float, Pose, Positions
+from ..faults import fault
+from ..study import Robot
+from .body import CONFIDENT, RIGID, Body, body_lengths, trusted_points
+from .fit import Fit, enough, with_noise, without_outliers
+
+OFF_LENGTH = 0.02
+LONG_GAP_S = 1.0
+
+__all__ = ["Body", "body_lengths", "rigid_pose"]
+
+
+def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose:
+    """Pose [x, y of the centre of mass, core heading unwrapped, head angle] with cov, per frame.
+
+    Weighted least squares on the points seen with likelihood 0.6 or more; the head angle is core
+    minus head, wrapped to (-pi, pi]. Distances between the parts are this trial's own medians, so
+    that an error of scale does not bend the pose; the robot's lengths stand in for parts never
+    seen together. Where the points carry no covariance it is estimated from how far they miss the
+    rigid body. A frame that misses it by more than chance (1 in 100 000) loses its worst point. NaN
+    where head_tip or two of the core's three points are not seen. cov (frames, 4, 4) is
+    independent from frame to frame.
+
+    Raises: Fault where no frame has enough points.
+    """
+    xy, cov = trusted_points(positions)
+    usable = enough(np.isfinite(xy[:, :, 0]))
+    if not np.any(usable):
+        raise _nothing_usable(positions, xy)
+    body = body_lengths(xy, np.zeros_like(cov), robot, head_length_m)
+    cov = with_noise(xy, cov, body)
+    body = body_lengths(xy, cov, robot, head_length_m)
+    fit, dropped = without_outliers(xy, cov, body)
+    values, spread = _as_pose(fit)
+    remarks = (
+        *positions.remarks,
+        *_length_remarks(body, robot, head_length_m),
+        *_frame_remarks(positions.time_s, np.isfinite(values[:, 0]), dropped),
+    )
+    return Pose(positions.time_s, values, spread, remarks)
+
+
+def _as_pose(fit: Fit) -> tuple[Float, Float]:
+    change = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, -1]])
+    values = fit.state @ change.T
+    known = np.isfinite(values[:, 2])
+    values[known, 2] = np.unwrap(values[known, 2])
+    values[:, 3] = -((np.pi - values[:, 3]) % (2 * np.pi) - np.pi)
+    return values, change @ fit.cov @ change.T
+
+
+def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str, ...]:
+    pairs = {
+        "hinge to core_center": (body.hinge_m, robot.hinge_to_com_m),
+        "core_center to tail_base": (body.tail_m, robot.com_to_tail_base_m),
+        "hinge to head_tip": (body.head_m, head_length_m),
+    }
+    return tuple(
+        f"{name} measures {1000 * found:.1f} mm in the pool, study.yaml or trials.csv say "
+        f"{1000 * known:.1f} mm"
+        for name, (found, known) in pairs.items()
+        if abs(found / known - 1) > OFF_LENGTH
+    )
+
+
+def _frame_remarks(time_s: Float, known: np.ndarray, dropped: int) -> tuple[str, ...]:
+    remarks = []
+    if not np.all(known):
+        remarks.append(f"pose: {int((~known).sum())} of {len(known)} frames lack keypoints")
+    if dropped:
+        remarks.append(f"pose: one keypoint left out in {dropped} frames, off the rigid body")
+    gap = np.max(np.diff(time_s[known]), initial=0.0)
+    if gap > LONG_GAP_S:
+        remarks.append(f"pose: a gap of {gap:.1f} s; whole turns in it would go unnoticed")
+    return tuple(remarks)
+
+
+def _nothing_usable(positions: Positions, xy: Float) -> Exception:
+    counts = np.isfinite(xy[:, :, 0]).sum(axis=0)
+    seen = ", ".join(f"{name} in {n}" for name, n in zip(RIGID, counts, strict=True))
+    return fault(
+        "keypoints",
+        "",
+        f"{seen} of {len(positions.time_s)} frames at likelihood {CONFIDENT} or more, never enough",
+        "frames with head_tip and two of hinge, core_center, tail_base",
+        "Map other names under `bodyparts:` in study.yaml, or look at the detections' overlay.",
+    )

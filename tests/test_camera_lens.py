@@ -1,0 +1,71 @@
+"""Lens models against OpenCV and against themselves."""
+
+import cv2
+import numpy as np
+import pytest
+
+from pipeline.camera.lens import Lens, directions, fold_radius, pixels
+
+MATRIX = np.array([[1130.0, 0, 955], [0, 1128, 542], [0, 0, 1]])
+PINHOLES = {
+    "none": [0, 0, 0, 0],
+    "barrel": [-0.28, 0.09, 0.0004, -0.0003, -0.012],
+    "pincushion": [0.2, 0.05, -0.001, 0.001, 0.01],
+    "rational": [0.3, -0.02, 0.0005, 0.0002, 0.02, 0.4, 0.05, 0.01],
+    "prism": [-0.2, 0.05, 0, 0, 0, 0, 0, 0, 0.001, 0.0002, -0.001, 0.0001],
+    "tilted": [-0.2, 0.05, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0.01, -0.02],
+}
+HERO11_WIDE = [0.034213889574, 0.067673207653, -0.074089699969, 0.029944425249]
+
+
+def grid(width: int = 1920, height: int = 1080) -> np.ndarray:
+    u, v = np.meshgrid(np.linspace(0, width - 1, 25), np.linspace(0, height - 1, 15))
+    return np.column_stack([u.ravel(), v.ravel()])
+
+
+@pytest.mark.parametrize("name", PINHOLES)
+def test_pinhole_pixels_come_back_to_rounding(name):
+    lens = Lens("pinhole", MATRIX, np.array(PINHOLES[name], dtype=float), (1920, 1080))
+    again = pixels(lens, directions(lens, grid()))
+    assert np.abs(again - grid()).max() < 1e-7
+
+
+def test_fisheye_pixels_come_back_and_agree_with_opencv():
+    lens = Lens("fisheye", MATRIX, np.array(HERO11_WIDE), (1920, 1080))
+    rays = directions(lens, grid())
+    assert np.abs(pixels(lens, rays) - grid()).max() < 1e-7
+    theirs = cv2.fisheye.projectPoints(
+        rays.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), MATRIX, np.array(HERO11_WIDE)
+    )[0]
+    assert np.abs(theirs.reshape(-1, 2) - grid()).max() < 1e-6
+
+
+def test_fisheye_sees_past_ninety_degrees():
+    lens = Lens("fisheye", MATRIX, np.zeros(4), (1920, 1080))
+    ray = np.array([[np.sin(1.7), 0.0, np.cos(1.7)]])
+    assert np.allclose(pixels(lens, ray), [[955 + 1130 * 1.7, 542]])
+    assert np.allclose(directions(lens, pixels(lens, ray)), ray)
+
+
+def test_pinhole_agrees_with_opencv_forward():
+    distortion = np.array(PINHOLES["barrel"])
+    lens = Lens("pinhole", MATRIX, distortion, (1920, 1080))
+    points = np.random.default_rng(1).uniform([-0.7, -0.4, 1], [0.7, 0.4, 1.1], (50, 3))
+    theirs = cv2.projectPoints(points, np.zeros(3), np.zeros(3), MATRIX, distortion)[0]
+    assert np.allclose(pixels(lens, points), theirs.reshape(-1, 2), atol=1e-9)
+
+
+def test_points_past_the_fold_and_behind_are_not_seen():
+    lens = Lens("pinhole", MATRIX, np.array([-0.3, 0, 0, 0.0]), (1920, 1080))
+    assert fold_radius(lens) == pytest.approx(1 / np.sqrt(0.9), abs=0.01)
+    points = np.array([[1.2, 0, 1], [0, 0, -1], [0.3, 0, 1]])
+    assert np.isnan(pixels(lens, points)[:, 0]).tolist() == [True, True, False]
+    edge = 955 + 1130 * fold_radius(lens) * (1 - 0.3 * fold_radius(lens) ** 2)
+    seen = directions(lens, np.array([[edge + 5, 542.0], [edge - 5, 542.0]]))
+    assert np.isnan(seen[:, 0]).tolist() == [True, False]
+
+
+def test_scaled_lens_sees_the_same_ray_through_the_scaled_pixel():
+    lens = Lens("fisheye", MATRIX, np.array(HERO11_WIDE), (1920, 1080))
+    doubled = grid() * 2 + 0.5
+    assert np.allclose(directions(lens.scaled(2), doubled), directions(lens, grid()), atol=1e-12)

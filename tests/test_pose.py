@@ -1,0 +1,160 @@
+"""Rigid pose on exact bodies, with noise of the stated width, missing parts and outliers."""
+
+import numpy as np
+import pytest
+
+from pipeline.data import PARTS, Positions
+from pipeline.faults import Fault
+from pipeline.pose import rigid_pose
+from pipeline.study import Robot
+
+ROBOT = Robot(
+    mass_kg=0.68,
+    yaw_inertia_kg_m2=0.0095,
+    body_length_m=0.331,
+    head_length_m=0.12,
+    head_span_m=0.069,
+    hinge_to_com_m=0.04,
+    tail_length_m=0.066,
+)
+HEAD_M = 0.12
+
+
+def truth(n: int = 300, turns: float = 1.5, phi: float = 0.5) -> np.ndarray:
+    """A circle: x, y, heading, head angle (frames, 4)."""
+    psi = 2 + np.linspace(0, 2 * np.pi * turns, n)
+    x, y = 1.3 + 0.5 * np.sin(psi), 0.8 - 0.5 * np.cos(psi)
+    return np.column_stack([x, y, psi, np.full(n, phi)])
+
+
+def positions(pose: np.ndarray, std_m: float = 0.0, *, scale: float = 1.0, stated=True, seed=1):
+    core = np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
+    theta = pose[:, 2] - pose[:, 3]
+    head = np.column_stack([np.cos(theta), np.sin(theta)])
+    center, hinge = pose[:, :2], pose[:, :2] + 0.04 * core
+    tail = center - 0.171 * core
+    points = [hinge + HEAD_M * head, hinge, center, tail, tail - 0.066 * core]
+    xy = np.stack(points, axis=1) * scale
+    xy = xy + np.random.default_rng(seed).normal(0, 1, xy.shape) * std_m
+    cov = np.broadcast_to(np.eye(2) * max(std_m, 1e-6) ** 2, (*xy.shape, 2)).copy()
+    if not stated:
+        cov[:] = np.nan
+    shape = xy.shape[:2]
+    return Positions(np.arange(len(pose)) / 30, PARTS, xy, cov, np.ones(shape))
+
+
+def changed(given: Positions, **fields) -> Positions:
+    return Positions(**{**given.__dict__, **fields})
+
+
+def test_exact_circle_comes_back_unwrapped():
+    expected = truth()
+    pose = rigid_pose(positions(expected), ROBOT, HEAD_M)
+    offset = pose.values[0, 2] - expected[0, 2]
+    assert np.isclose(offset % (2 * np.pi), 0, atol=1e-9) or np.isclose(
+        offset % (2 * np.pi), 2 * np.pi, atol=1e-9
+    )
+    assert np.allclose(pose.values - [0, 0, offset, 0], expected, atol=1e-9)
+    assert pose.remarks == ()
+
+
+@pytest.mark.parametrize("phi", [-2.0, -0.7, 0.0, 0.7, 2.0])
+def test_head_angle_is_core_minus_head(phi):
+    pose = rigid_pose(positions(truth(phi=phi)), ROBOT, HEAD_M)
+    assert np.allclose(pose.values[:, 3], phi, atol=1e-9)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_pulls_have_unit_width(stated):
+    expected = truth(n=1500)
+    pulls = []
+    for seed in range(4):
+        given = positions(expected, 0.0012, stated=stated, seed=seed)
+        pose = rigid_pose(given, ROBOT, HEAD_M)
+        miss = pose.values - expected
+        miss[:, 2] = (miss[:, 2] + np.pi) % (2 * np.pi) - np.pi
+        pulls.append(miss / np.sqrt(np.diagonal(pose.cov, axis1=1, axis2=2)))
+    width = np.std(np.concatenate(pulls), axis=0)
+    assert np.all((width > 0.93) & (width < 1.07)), width
+    assert np.all(np.abs(np.mean(np.concatenate(pulls), axis=0)) < 0.08)
+
+
+def test_whole_covariance_has_the_right_shape():
+    expected = truth(n=4000, turns=0.0)
+    pose = rigid_pose(positions(expected, 0.001), ROBOT, HEAD_M)
+    found = np.cov((pose.values - expected).T)
+    root = np.linalg.inv(np.linalg.cholesky(pose.cov.mean(axis=0)))
+    assert np.allclose(root @ found @ root.T, np.eye(4), atol=0.12)
+
+
+def test_unstated_noise_is_found_part_by_part():
+    given = positions(truth(n=2000), 0.0005)
+    rng = np.random.default_rng(8)
+    noisy = given.xy_m.copy()
+    noisy[:, 2] += rng.normal(0, 0.003, noisy[:, 2].shape)
+    unknown = changed(given, xy_m=noisy, cov_m2=np.full_like(given.cov_m2, np.nan))
+    poor = rigid_pose(
+        changed(unknown, cov_m2=np.zeros_like(noisy)[..., None] + np.eye(2) * 1e-6), ROBOT, HEAD_M
+    )
+    pose = rigid_pose(unknown, ROBOT, HEAD_M)
+    error = np.std(pose.values[:, :2] - truth(n=2000)[:, :2])
+    assert error < 0.6 * np.std(poor.values[:, :2] - truth(n=2000)[:, :2])
+
+
+def test_scale_error_does_not_bend_the_angles():
+    expected = truth()
+    pose = rigid_pose(positions(expected, scale=1.03), ROBOT, HEAD_M)
+    assert np.allclose(pose.values[:, 3], expected[:, 3], atol=1e-9)
+    assert np.allclose(pose.values[:, :2], 1.03 * expected[:, :2], atol=1e-9)
+    assert any("hinge to head_tip measures 123.6 mm" in remark for remark in pose.remarks)
+
+
+@pytest.mark.parametrize("lost", ["hinge", "core_center", "tail_base"])
+def test_a_part_missing_for_a_while_changes_nothing(lost):
+    expected, given = truth(), positions(truth())
+    likelihood = given.likelihood.copy()
+    likelihood[100:200, PARTS.index(lost)] = 0.3
+    pose = rigid_pose(changed(given, likelihood=likelihood), ROBOT, HEAD_M)
+    assert np.allclose(pose.values[:, [0, 1, 3]], expected[:, [0, 1, 3]], atol=1e-9)
+    assert np.all(np.isfinite(pose.cov))
+
+
+def test_a_core_centre_never_seen_follows_from_the_robot():
+    given = positions(truth(), scale=1.02)
+    keep = [0, 1, 3]
+    names = tuple(PARTS[i] for i in keep)
+    fewer = Positions(
+        given.time_s, names, given.xy_m[:, keep], given.cov_m2[:, keep], given.likelihood[:, keep]
+    )
+    pose = rigid_pose(fewer, ROBOT, HEAD_M)
+    assert np.allclose(pose.values[:, :2], 1.02 * truth()[:, :2], atol=1e-9)
+
+
+def test_frames_without_enough_points_are_nan_and_counted():
+    given = positions(truth())
+    xy = given.xy_m.copy()
+    xy[10:15, 0] = np.nan
+    xy[20:22, 1:3] = np.nan
+    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    lost = np.r_[10:15, 20:22]
+    assert np.isnan(pose.values[lost]).all()
+    assert np.isfinite(np.delete(pose.values, lost, axis=0)).all()
+    assert "pose: 7 of 300 frames lack keypoints" in pose.remarks
+
+
+@pytest.mark.parametrize("part", ["hinge", "core_center", "tail_base"])
+def test_a_confident_wrong_point_is_left_out(part):
+    expected, given = truth(), positions(truth(), 0.0005)
+    xy = given.xy_m.copy()
+    xy[50:60, PARTS.index(part)] += [0.05, -0.04]
+    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    assert np.abs(pose.values[50:60, :2] - expected[50:60, :2]).max() < 0.004
+    assert any("left out in 10 frames" in remark for remark in pose.remarks)
+
+
+def test_a_trial_without_a_head_is_a_fault():
+    given = positions(truth(n=50))
+    likelihood = given.likelihood.copy()
+    likelihood[:, 0] = 0.1
+    with pytest.raises(Fault, match=r"head_tip in 0.*of 50 frames.*bodyparts"):
+        rigid_pose(changed(given, likelihood=likelihood), ROBOT, HEAD_M)

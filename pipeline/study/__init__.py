@@ -1,0 +1,31 @@
+"""A study folder, read and checked at the door: the only reader of study.yaml and trials.csv."""
+
+from .reading import load_study, missing_files, missing_of
+from .types import (
+    KEYPOINT_SUFFIXES,
+    VIDEO_SUFFIXES,
+    Camera,
+    Detection,
+    Pool,
+    Robot,
+    Setup,
+    Study,
+    Trial,
+    Water,
+)
+
+__all__ = [
+    "KEYPOINT_SUFFIXES",
+    "VIDEO_SUFFIXES",
+    "Camera",
+    "Detection",
+    "Pool",
+    "Robot",
+    "Setup",
+    "Study",
+    "Trial",
+    "Water",
+    "load_study",
+    "missing_files",
+    "missing_of",
+]

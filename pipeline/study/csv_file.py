@@ -1,0 +1,122 @@
+"""trials.csv as checked `Trial`s."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ..faults import Finding, nearest
+from .messages import explain
+from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
+
+Rows = list[tuple[int, list[str]]]
+UNREADABLE = (OSError, UnicodeDecodeError, csv.Error)
+
+
+def read_trials(path: Path, findings: list[Finding]) -> list[Trial]:
+    """The good rows of a trials.csv; what is wrong with the others is told in `findings`."""
+    rows = _rows(path, findings)
+    if not rows:
+        return []
+    names = [cell.strip() for cell in rows[0][1]]
+    header = _header_findings(str(path), rows[0][0], names)
+    findings.extend(header)
+    if header:
+        return []
+    trials = [_trial(str(path), number, names, row, findings=findings) for number, row in rows[1:]]
+    known = [trial for trial in trials if trial is not None]
+    findings.extend(_duplicates(str(path), known))
+    return known
+
+
+def _rows(path: Path, findings: list[Finding]) -> Rows:
+    """Rows that are not blank, each with its line number in the file."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            reader = csv.reader(lines)
+            rows = [(reader.line_num, row) for row in reader if any(c.strip() for c in row)]
+    except FileNotFoundError:
+        findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
+        return []
+    except UNREADABLE as error:
+        findings.append(Finding(str(path), "", f"no readable csv ({error})", "a csv file"))
+        return []
+    if len(rows) < 2:
+        found = "a header without rows" if rows else "an empty file"
+        findings.append(Finding(str(path), "", found, "a header and a row a trial"))
+        return []
+    return rows
+
+
+def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
+    where = f"row {number}"
+    known = list(Trial.model_fields)
+    required = [name for name, info in Trial.model_fields.items() if info.is_required()]
+    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
+        return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas")]
+    unknown = [
+        Finding(path, where, f"unknown column '{name}'", "a known column", nearest(name, known))
+        for name in names
+        if name not in known
+    ]
+    missing = [
+        Finding(path, where, f"no column '{name}'", f"the columns {', '.join(required)}")
+        for name in required
+        if name not in names
+    ]
+    repeated = [
+        Finding(path, where, f"column '{name}' twice", "each column once")
+        for name in sorted({name for name in names if names.count(name) > 1})
+    ]
+    return unknown + missing + repeated
+
+
+def _trial(
+    path: str, number: int, names: list[str], row: list[str], *, findings: list[Finding]
+) -> Trial | None:
+    if len(row) != len(names):
+        found = f"{len(row)} cells"
+        findings.append(Finding(path, f"row {number}", found, f"{len(names)} cells, as the header"))
+        return None
+    cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
+    try:
+        trial = Trial.model_validate(cells)
+    except ValidationError as error:
+        place = f"row {number} ({cells.get('trial_id', '?')})"
+        findings.extend(explain(path, error, Trial, prefix=place))
+        return None
+    findings.extend(_path_findings(path, f"row {number} ({trial.trial_id})", trial))
+    return trial
+
+
+def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
+    named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
+    found = [
+        Finding(path, f"{row}, {column}", repr(name), "a path inside the study folder, no '..'")
+        for column, name in named
+        if ".." in Path(name).parts or Path(name).is_absolute() or "\0" in name
+    ]
+    suffixes = {Path(name).suffix.lower() for name in trial.sources}
+    known = {*VIDEO_SUFFIXES, *KEYPOINT_SUFFIXES}
+    if not trial.sources or not suffixes <= known:
+        expected = f"a video or keypoint file ({', '.join(sorted(known))})"
+        found.append(Finding(path, f"{row}, source", repr(trial.source), expected))
+    elif trial.reads_keypoints and len(trial.sources) > 1:
+        found.append(Finding(path, f"{row}, source", repr(trial.source), "one keypoint file"))
+    return found
+
+
+def _duplicates(path: str, trials: list[Trial]) -> list[Finding]:
+    ids = [trial.trial_id for trial in trials]
+    folded = [name.casefold() for name in ids]
+    return [
+        Finding(
+            path,
+            "trial_id",
+            f"'{name}' {folded.count(name.casefold())} times",
+            "each trial_id once (upper and lower case count as the same)",
+        )
+        for name in sorted({n for n in ids if folded.count(n.casefold()) > 1})
+    ]

@@ -1,0 +1,49 @@
+"""Validation errors as findings: file, row or key, what was found, what was expected, the cure."""
+
+from __future__ import annotations
+
+import reprlib
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ..faults import Finding, nearest
+
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = 110
+_BRIEF.maxlevel = 3
+
+
+def explain(
+    path: str, error: ValidationError, model: type[BaseModel], *, prefix: str = ""
+) -> list[Finding]:
+    """One finding for each thing that pydantic refused, in the order of the file."""
+    return [_finding(path, model, dict(item), prefix) for item in error.errors(include_url=False)]
+
+
+def _finding(path: str, model: type[BaseModel], item: dict[str, Any], prefix: str) -> Finding:
+    location = item["loc"]
+    where = ", ".join(filter(None, [prefix, ".".join(map(str, location))]))
+    if item["type"] == "extra_forbidden":
+        cure = nearest(str(location[-1]), _siblings(model, location[:-1]))
+        return Finding(path, where, "an unknown key", "a known key", cure)
+    if item["type"] == "missing":
+        thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
+        return Finding(path, where, "nothing", thing)
+    message = item["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
+    return Finding(path, where, brief(item["input"]), message)
+
+
+def _siblings(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
+    for key in location:
+        section = model.model_fields.get(str(key))
+        annotation = section.annotation if section else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            break
+        model = annotation
+    return list(model.model_fields)
+
+
+def brief(value: Any) -> str:
+    """`value` as Python writes it, cut short however deep or long it is."""
+    return _BRIEF.repr(value)

@@ -1,0 +1,69 @@
+"""study.yaml as a checked `Setup`."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from ..faults import Finding
+from .messages import brief, explain
+from .types import Setup
+
+MAX_BYTES = 250_000
+UNREADABLE = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
+
+
+class _OnceLoader(yaml.SafeLoader):
+    """Plain yaml, in which a key stands once."""
+
+
+def _mapping(loader: _OnceLoader, node: yaml.MappingNode) -> dict[Hashable, Any]:
+    names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+    if len(set(names)) < len(names):
+        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        raise yaml.constructor.ConstructorError(
+            None, None, f"the key '{twice}' stands twice", node.start_mark
+        )
+    return loader.construct_mapping(node, deep=True)
+
+
+_OnceLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+
+
+def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
+    """The setup in a study.yaml; None where something is wrong, told in `findings`."""
+    content = _content(path, findings)
+    if content is None:
+        return None
+    try:
+        return Setup.model_validate(content)
+    except ValidationError as error:
+        findings.extend(explain(str(path), error, Setup))
+    except RecursionError:
+        findings.append(Finding(str(path), "", "values nested without end", "plain yaml"))
+    return None
+
+
+def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            findings.append(Finding(str(path), "", f"{size} bytes", "a short text of plain yaml"))
+            return None
+        # A subclass of SafeLoader: plain values only, no Python objects.
+        content = yaml.load(path.read_text(encoding="utf-8-sig"), _OnceLoader)  # noqa: S506
+    except FileNotFoundError:
+        findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
+        return None
+    except UNREADABLE as error:
+        reason = " ".join(str(error).split())
+        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "plain yaml"))
+        return None
+    if not isinstance(content, dict):
+        findings.append(Finding(str(path), "", brief(content), "keys pool, robot, camera, ..."))
+        return None
+    return content

@@ -1,0 +1,300 @@
+"""The door: every fault of a study at once, each with file, place, found, expected and cure."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from pipeline.faults import Fault
+from pipeline.study import Camera, Robot, Trial, load_study, missing_files
+
+SETUP = {
+    "pool": {"length_m": 2.6, "width_m": 1.6, "depth_m": 0.3},
+    "robot": {
+        "mass_kg": 0.68,
+        "yaw_inertia_kg_m2": 0.0095,
+        "body_length_m": 0.331,
+        "head_length_m": 0.12,
+        "head_span_m": 0.069,
+        "hinge_to_com_m": 0.04,
+        "tail_length_m": 0.066,
+    },
+    "camera": {
+        "image_size_px": [1920, 1080],
+        "matrix": [[1130.0, 0, 955.0], [0, 1130.0, 542.0], [0, 0, 1]],
+        "distortion": [-0.12, 0.03, 0.0, 0.0, 0.0],
+        "pool_corners_px": [[371, 975], [1603, 926], [1579, 171], [341, 212]],
+    },
+}
+HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps,motor_log,start_s,end_s,role"
+ROW = "T01,keypoints/T01.csv,100,30,0.12,29.97,,,,"
+
+
+def changed(**sections):
+    """SETUP with sections updated; a value of None deletes the key."""
+    content = yaml.safe_load(yaml.safe_dump(SETUP))
+    for name, update in sections.items():
+        section = content.setdefault(name, {})
+        section.update(update)
+        for key in [key for key, value in update.items() if value is None]:
+            del section[key]
+    return content
+
+
+def write(folder: Path, content=None, rows=(ROW,), header=HEADER) -> Path:
+    folder.mkdir(exist_ok=True)
+    text = content if isinstance(content, str) else yaml.safe_dump(content or SETUP)
+    (folder / "study.yaml").write_text(text)
+    (folder / "trials.csv").write_text("\n".join([header, *rows]) + "\n")
+    return folder
+
+
+def findings(folder: Path):
+    with pytest.raises(Fault) as caught:
+        load_study(folder)
+    return caught.value.findings
+
+
+def only(folder: Path):
+    (finding,) = findings(folder)
+    return finding
+
+
+def test_a_good_study_is_read_with_its_defaults(tmp_path):
+    study = load_study(write(tmp_path / "s"))
+    trial = study.trial("T01")
+    assert study.setup.water.refractive_index == 1.333
+    assert study.setup.robot.keypoint_depth_m == 0.04
+    assert trial.head_angle_rad == pytest.approx(math.pi / 6)
+    assert trial.motor_log is None
+    assert trial.role is None
+    assert study.paths(trial) == (study.root / "keypoints/T01.csv",)
+    assert trial.condition == (100, 30, 0.12)
+
+
+def test_derived_geometry_by_hand():
+    robot = Robot(**SETUP["robot"])
+    assert robot.aerodynamic_arm_m(0.12) == pytest.approx(0.12 + 0.04 - 0.331 / 4)
+    assert robot.aerodynamic_arm_m(0.175) == pytest.approx(0.175 + 0.04 - (0.331 + 0.055) / 4)
+    assert robot.head_area_m2(0.12) == pytest.approx(0.00828)
+    assert robot.com_to_tail_base_m == pytest.approx(0.331 - 0.12 - 0.04)
+
+
+def test_all_faults_of_both_files_come_at_once(tmp_path):
+    content = changed(robot={"mas_kg": 0.68, "mass_kg": None}, pool={"width_m": "wide"})
+    rows = ["T01,keypoints/T01.csv,100,30,0.12,,,,,", "T02,../x.csv,abc,30,0.12,30,,,,"]
+    found = findings(write(tmp_path / "s", content, rows))
+    text = "\n".join(str(finding) for finding in found)
+    assert len(found) == 5
+    assert "robot.mas_kg: found an unknown key" in text
+    assert "Did you mean 'mass_kg'?" in text
+    assert "robot.mass_kg: found nothing; expected this key" in text
+    assert "pool.width_m: found 'wide'" in text
+    assert "row 2 (T01)" in text
+    assert "fps is required" in text
+    assert "row 3 (T02), power_pct: found 'abc'" in text
+
+
+@pytest.mark.parametrize(
+    ("section", "update", "where", "expected"),
+    [
+        ("robot", {"mass_kg": -0.68}, "robot.mass_kg", "greater than 0"),
+        ("robot", {"mass_kg": float("nan")}, "robot.mass_kg", "finite"),
+        ("robot", {"mass_kg": float("inf")}, "robot.mass_kg", "finite"),
+        ("robot", {"yaw_inertia_kg_m2": 0}, "robot.yaw_inertia_kg_m2", "greater than 0"),
+        ("robot", {"body_length_m": 0.1}, "robot", "smaller than body_length_m"),
+        ("water", {"refractive_index": 13.33}, "water.refractive_index", "less than or equal"),
+        ("camera", {"model": "fish eye"}, "camera.model", "'pinhole' or 'fisheye'"),
+        ("camera", {"distortion": [0.1, 0.2, 0.3]}, "camera", "found 3"),
+        ("camera", {"image_size_px": None}, "camera", "image_size_px is needed"),
+        ("camera", {"matrix": [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]}, "camera", "focal lengths"),
+        (
+            "camera",
+            {"pool_corners_px": [[371, 975], [1603, 926], [1579, 171]]},
+            "camera.pool_corners_px.3",
+            "an entry here",
+        ),
+        (
+            "camera",
+            {"pool_corners_px": [[371, 975], [341, 212], [1579, 171], [1603, 926]]},
+            "camera",
+            "go round the other way",
+        ),
+        (
+            "camera",
+            {"pool_corners_px": [[371, 975], [1579, 171], [1603, 926], [341, 212]]},
+            "camera",
+            "cross over or lie on a line",
+        ),
+        ("bodyparts", {"head_tp": "nose"}, "", "Did you mean 'head_tip'?"),
+        ("detection", {"sourc": "x"}, "detection.sourc", "Did you mean 'source'?"),
+    ],
+)
+def test_a_wrong_value_is_named_with_its_place(tmp_path, section, update, where, expected):
+    finding = only(write(tmp_path / "s", changed(**{section: update})))
+    assert finding.file.endswith("study.yaml")
+    assert finding.where == where
+    assert expected in str(finding)
+
+
+def test_a_misspelt_section_names_the_nearest(tmp_path):
+    found = findings(write(tmp_path / "s", {**SETUP, "watr": {}}))
+    assert "watr: found an unknown key; expected a known key. Did you mean 'water'?" in str(
+        found[0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "found None"),
+        ("[1, 2]", "found [1, 2]"),
+        ("robot: {mass_kg: 1, mass_kg: 2}", "'mass_kg' stands twice"),
+        ("a: !!python/object/apply:os.system ['true']", "no readable yaml"),
+        ("a: [", "no readable yaml"),
+        ("[" * 5000, "no readable yaml"),
+        ("a: 2026-13-45", "no readable yaml"),
+        ("x: " + "y" * 300_000, "300"),
+    ],
+)
+def test_unreadable_yaml_is_one_message(tmp_path, text, expected):
+    (folder := tmp_path / "s").mkdir()
+    (folder / "study.yaml").write_text(text)
+    (folder / "trials.csv").write_text(f"{HEADER}\n{ROW}\n")
+    assert expected in str(only(folder))
+
+
+def test_yaml_that_doubles_itself_is_refused_quickly(tmp_path):
+    bomb = "a0: &a0 [x, x]\n" + "".join(
+        f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60)
+    )
+    found = findings(write(tmp_path / "s", bomb))
+    assert all(len(str(finding)) < 500 for finding in found)
+    assert any("an unknown key" in str(finding) for finding in found)
+
+
+@pytest.mark.parametrize(
+    ("rows", "where", "expected"),
+    [
+        (["../T01,k/T01.csv,100,30,0.12,30,,,,"], "row 2 (../T01)", "letters, digits, _ and -"),
+        (["T01,../T01.csv,100,30,0.12,30,,,,"], "row 2 (T01), source", "inside the study folder"),
+        (["T01,/T01.csv,100,30,0.12,30,,,,"], "row 2 (T01), source", "inside the study folder"),
+        (["T01,k.csv,100,30,0.12,30,../m.csv,,,"], "row 2 (T01), motor_log", "inside the study"),
+        (["T01,k.txt,100,30,0.12,30,,,,"], "row 2 (T01), source", "a video or keypoint file"),
+        (["T01,k.csv;l.csv,100,30,0.12,30,,,,"], "row 2 (T01), source", "one keypoint file"),
+        (["T01,k.csv,100,30,0.12,30,,3,2,"], "row 2 (T01)", "end_s must come after start_s"),
+        (["T01,k.csv,100,30,0.12,30,,,,train"], "row 2 (T01), role", "'fit' or 'held_out'"),
+        (["T01,k.csv,100,30,0.12,0,,,,"], "row 2 (T01), fps", "greater than 0"),
+        (["T01,k.csv,100,300,0.12,30,,,,"], "row 2 (T01), head_angle_deg", "less than or equal"),
+        (["T01,k.csv,100,30"], "row 2", "10 cells, as the header"),
+        ([ROW, "", ROW.replace("T01,", "t01,", 1)], "trial_id", "each trial_id once"),
+        (["", "", "T09,k.csv,x,30,0.12,30,,,,"], "row 4 (T09), power_pct", "valid number"),
+        ([], "", "a header and a row a trial"),
+    ],
+)
+def test_a_wrong_row_is_named_with_its_line(tmp_path, rows, where, expected):
+    finding = findings(write(tmp_path / "s", rows=rows))[0]
+    assert finding.file.endswith("trials.csv")
+    assert finding.where == where
+    assert expected in str(finding)
+
+
+@pytest.mark.parametrize(
+    ("header", "expected"),
+    [
+        (HEADER.replace("head_length_m", "head_lenght_m"), "Did you mean 'head_length_m'?"),
+        (HEADER.replace(",power_pct", ""), "no column 'power_pct'"),
+        (HEADER + ",role", "column 'role' twice"),
+        (HEADER.replace(",", ";"), "columns separated by commas"),
+    ],
+)
+def test_a_wrong_header_is_named(tmp_path, header, expected):
+    found = findings(write(tmp_path / "s", header=header))
+    assert any(expected in str(finding) for finding in found)
+    assert found[0].where == "row 1"
+
+
+def test_an_empty_or_missing_trials_file(tmp_path):
+    folder = write(tmp_path / "s")
+    (folder / "trials.csv").write_text("")
+    assert "an empty file" in str(only(folder))
+    (folder / "trials.csv").write_bytes(b"\xff\xfe\x00trial_id")
+    assert "no readable csv" in str(only(folder))
+    (folder / "trials.csv").unlink()
+    assert "no such file" in str(only(folder))
+    assert "no such folder" in str(only(tmp_path / "nowhere"))
+    assert "found a file" in str(only(folder / "study.yaml"))
+
+
+def test_missing_files_are_named_by_trial(tmp_path):
+    study = load_study(write(tmp_path / "s"))
+    (finding,) = missing_files(study)
+    assert finding.where == "trial T01"
+    assert "keypoints/T01.csv" in finding.found
+    (study.root / "keypoints").mkdir()
+    (study.root / "keypoints/T01.csv").touch()
+    assert missing_files(study) == []
+
+
+def test_an_unknown_trial_names_the_nearest(tmp_path):
+    study = load_study(write(tmp_path / "s"))
+    with pytest.raises(Fault, match="Did you mean 'T01'"):
+        study.trial("T1")
+
+
+def test_chapters_are_split_at_semicolons():
+    trial = Trial(
+        trial_id="T01",
+        source="videos/GX010042.MP4; videos/GX020042.MP4",
+        power_pct=50,
+        head_angle_deg=0,
+        head_length_m=0.12,
+    )
+    assert trial.sources == ("videos/GX010042.MP4", "videos/GX020042.MP4")
+    assert not trial.reads_keypoints
+
+
+def test_corners_in_any_rotation_of_the_right_order_pass():
+    corners = SETUP["camera"]["pool_corners_px"]
+    for k in range(4):
+        assert Camera(pool_corners_px=corners[k:] + corners[:k]).matrix is None
+
+
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(yaml_bytes=st.binary(max_size=200), csv_bytes=st.binary(max_size=200))
+def test_any_bytes_are_a_fault_and_never_another_error(tmp_path, yaml_bytes, csv_bytes):
+    (tmp_path / "study.yaml").write_bytes(yaml_bytes)
+    (tmp_path / "trials.csv").write_bytes(csv_bytes)
+    with pytest.raises(Fault):
+        load_study(tmp_path)
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=6), inner),
+    max_leaves=6,
+)
+
+
+@settings(
+    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(section=st.sampled_from(["pool", "water", "robot", "camera", "bodyparts"]), data=st.data())
+def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
+    content = changed()
+    fields = {"water": {"density_kg_m3": 1.0}, "bodyparts": {"hinge": "h"}, **content}[section]
+    key = data.draw(st.sampled_from(sorted(fields)))
+    content.setdefault(section, {})[key] = data.draw(VALUES)
+    write(tmp_path, yaml.safe_dump(content, allow_unicode=True))
+    try:
+        sound = load_study(tmp_path).setup.robot.mass_kg > 0
+    except Fault as caught:
+        sound = all(f.where.startswith(section) or not f.where for f in caught.findings)
+    assert sound

@@ -60,7 +60,7 @@ def patched(path: Path, name: bytes, offset: int, content: bytes) -> Path:
 
 def stored(image: np.ndarray) -> np.ndarray:
     """Luma of limited range that a grey picture becomes in the file."""
-    return 16 + image * 219 / 255
+    return 16 + image.astype(float) * 219 / 255
 
 
 def numbers(recording) -> list[int]:

@@ -33,6 +33,7 @@ SKIN: Colour = (47.0, 62.0, 84.0)
 BACK: Colour = (66.0, 86.0, 112.0)
 SHEEN: Colour = (92.0, 114.0, 140.0)
 JOINT: Colour = (30.0, 38.0, 50.0)
+PALE: Colour = (205.0, 208.0, 200.0)
 FIN: Colour = (38.0, 46.0, 58.0)
 MARKERS: dict[str, Colour] = {
     "head_tip": (225.0, 40.0, 35.0),
@@ -115,8 +116,16 @@ def _tail_parts(robot: Robot, base: complex, core: complex, beat: float) -> list
     end = base - core * first * root_m
     return [
         Part(end + core * second * blade, FIN),
-        Part(end + 0.0052 * np.exp(2j * np.pi * np.arange(12) / 12), FIN),
+        Part(end + disc(0.0052, 12), FIN),
+        Part(base + disc(0.0076, 12), FIN),
         Part(base + core * first * root, FIN),
+    ]
+
+
+def _eyes(hinge: complex, head: complex, head_length_m: float) -> list[Part]:
+    places = [hinge + head * (0.72 * head_length_m + side * 0.0165j) for side in (1, -1)]
+    return [Part(p + disc(0.0042, 12), PALE) for p in places] + [
+        Part(p + disc(0.0022, 12), JOINT) for p in places
     ]
 
 
@@ -143,6 +152,7 @@ def robot_parts(
     parts += [Part(hinge + disc(0.0315), SKIN), Part(hinge + disc(0.020), JOINT, 0.55)]
     parts += _shaded([head_outline(head_length_m, inset) for inset in insets], hinge, head)
     parts += [Part(hinge + disc(0.006), JOINT)]
+    parts += _eyes(hinge, head, head_length_m)
     if markers:
         dot = disc(MARKER_RADIUS_M)
         parts += [

@@ -81,7 +81,7 @@ LADDER: Mapping[str, Conditions] = {
     "occluder": replace(MIDDLE, occluder=True),
     "hand": replace(MIDDLE, hand=True),
     "second_body": replace(MIDDLE, second_body=True),
-    "leaving": replace(MIDDLE, view_shift_m=0.55),
+    "leaving": replace(MIDDLE, view_shift_m=1.2),
     "nudged": replace(MIDDLE, nudge_at_s=1.5),
     "markers": replace(MIDDLE, markers=True),
 }

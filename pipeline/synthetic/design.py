@@ -99,7 +99,7 @@ def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
     return Design(name, plans, bare_tank(Tank()), seed, coefficients_at=at)
 
 
-def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.0) -> Design:
+def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> Design:
     """Three trials (straight, turn to either side) filmed under the given conditions."""
     plans = (
         Plan("T01", 100, 0.0, 0.12, longest_s),

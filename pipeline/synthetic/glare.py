@@ -28,9 +28,10 @@ def _lamp(rng: np.random.Generator, length_px: float) -> np.ndarray:
     turn = rng.uniform(0, math.pi)
     along = u * math.cos(turn) + v * math.sin(turn)
     across = v * math.cos(turn) - u * math.sin(turn)
-    ripple = 0.10 * np.sin(11 * along + rng.uniform(0, 6)) + 0.06 * np.sin(23 * along)
-    core = np.exp(-((across + ripple) ** 2) / 0.012 - along**4 / 0.7)
-    halo = 0.22 * np.exp(-(across**2) / 0.25 - along**2 / 0.9)
+    ripple = 0.07 * np.sin(5 * along + rng.uniform(0, 6)) + 0.03 * np.sin(13 * along)
+    broken = 0.55 + 0.45 * np.sin(19 * along + 9 * across + rng.uniform(0, 6))
+    core = np.exp(-((across + ripple) ** 2) / 0.010 - along**4 / 0.6) * broken
+    halo = 0.25 * np.exp(-(across**2) / 0.20 - along**2 / 0.9)
     return np.clip(core + halo - 0.02, 0, 1).astype(np.float32)
 
 

@@ -12,11 +12,10 @@ from pipeline.synthetic.glare import Patch
 from pipeline.synthetic.laws import Robot
 from pipeline.synthetic.optics import Camera, project
 from pipeline.synthetic.raster import paint, straight_pixels
-from pipeline.synthetic.scene import Scene, to_yuv
+from pipeline.synthetic.scene import FLOOR_RGB, Scene, to_yuv
 
 __all__ = ["Planes", "Stage", "add_light", "add_noise", "draw", "draw_robot", "noise_tiles"]
 
-FLOOR_RGB = (128.0, 190.0, 214.0)
 SHADOW_SHIFT_M = 0.05 - 0.035j
 NOISE_MARGIN_PX = 256
 

@@ -8,12 +8,14 @@ import numpy as np
 
 from pipeline.synthetic.optics import Camera, to_pool
 
-__all__ = ["Scene", "build_scene", "to_yuv"]
+__all__ = ["FLOOR_RGB", "Scene", "build_scene", "to_yuv"]
 
 RIM_M = 0.055
 CAUSTIC_FRAMES = 120
 CAUSTIC_STEP_PX = 8
 AROUND_M = 1.2
+FLOOR_RGB = (140.0, 204.0, 227.0)
+WALL_RGB = (104.0, 172.0, 202.0)
 RAY_BENDING = 0.16
 
 
@@ -65,10 +67,10 @@ def _mottle(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, 
 def floor_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.ndarray:
     """Reflectance of the floor, `(y, x)` at 1 mm: pale tiles of 10 cm, darker joints, speckle."""
     shape = (round(pool_m[1] * 1000), round(pool_m[0] * 1000))
-    y, x = np.mgrid[: shape[0], : shape[1]]
-    tiles = rng.normal(0, 0.025, (shape[0] // 100 + 1, shape[1] // 100 + 1))
-    shade = tiles[y // 100, x // 100].astype(np.float32)
-    joint = np.minimum(np.minimum(x % 100, 99 - x % 100), np.minimum(y % 100, 99 - y % 100)) < 2
+    tiles = rng.normal(0, 0.025, (shape[0] // 100 + 1, shape[1] // 100 + 1)).astype(np.float32)
+    shade = tiles.repeat(100, axis=0)[: shape[0]].repeat(100, axis=1)[:, : shape[1]]
+    in_joint = (np.arange(max(shape)) + 2) % 100 < 4
+    joint = in_joint[: shape[0], None] | in_joint[None, : shape[1]]
     speckle = 0.022 * _mottle(rng, shape, (3, 7, 40))
     return 1.0 + shade + speckle - 0.17 * cv2.GaussianBlur(joint.astype(np.float32), (0, 0), 1.2)
 
@@ -123,10 +125,10 @@ def _still_picture(
     def edge(distance: np.ndarray) -> np.ndarray:
         return np.clip(distance / pixel_m + 0.5, 0, 1).astype(np.float32)
 
-    ground = _tinted(_sample(ground_texture(rng, pool_m), surface, 250, -AROUND_M), (96, 93, 88))
-    tiles = _tinted(_sample(floor_texture(rng, pool_m), floor, 1000, 0.0), (128, 190, 214))
+    ground = _tinted(_sample(ground_texture(rng, pool_m), surface, 250, -AROUND_M), (106, 102, 97))
+    tiles = _tinted(_sample(floor_texture(rng, pool_m), floor, 1000, 0.0), FLOOR_RGB)
     wall_shade = 0.72 + 0.8 * np.clip(_inside(surface, pool_m), 0, 0.2)
-    water = _mix(_tinted(wall_shade, (96, 160, 190)), tiles, edge(_inside(floor, pool_m)))
+    water = _mix(_tinted(wall_shade, WALL_RGB), tiles, edge(_inside(floor, pool_m)))
     gap = -_inside(surface, pool_m) / RIM_M
     roundness = np.sin(np.pi * np.clip(gap, 0, 1)).astype(np.float32)
     rim = _tinted(0.80 + 0.20 * roundness, (205, 212, 220))

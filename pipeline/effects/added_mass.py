@@ -1,0 +1,28 @@
+"""Water carried along by the body.
+
+Kirchhoff's equations with added masses A11, A22 and added inertia A66 in the frame of the core;
+their cross terms are in the rates: surge gains (m + A22) v r, sway -(m + A11) u r, yaw the Munk
+moment -(A22 - A11) u v, which pushes a long body broadside on.
+A11 and A66 are tied to A22 by the proportions of a slender body (A11 = 0.1 A22, A66 = A22 L^2/12
+with the body length L). Zero at rest only as a force: it resists every acceleration.
+Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman (1977), sec. 4.13.
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge", "sway", "yaw")
+STATEMENT = (
+    "The water around the robot has to be accelerated with it, most of all sideways, so it "
+    "starts, drifts and turns as if it were heavier."
+)
+REGIME = "start-up and every change of speed; drifting turns"
+CONFUSED_WITH = ("tail_fin_lift", "motor_spin_up", "lift_lag")
+PARAMETERS = (Parameter("A22", "kg", 0.2, 0.0, 3.0, "added mass in sway"),)
+
+
+def inertia(length: float, A22: float) -> tuple[float, float, float]:
+    """Added mass in surge and sway (kg) and added yaw inertia (kg m2)."""
+    return 0.1 * A22, A22, A22 * length * length / 12.0

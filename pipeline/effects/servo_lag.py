@@ -1,0 +1,27 @@
+"""A head that takes time to turn.
+
+    phi(t) = phi (1 - k exp(-t / tau)),  t since the start of the trial
+
+Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("yaw", "sway")
+STATEMENT = "The head does not stand at its angle from the start: the servo takes time to turn it."
+REGIME = "the first second of turns"
+CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
+PARAMETERS = (
+    Parameter("k", "1", 0.5, -0.5, 1.2, "share of the angle missing at the start"),
+    Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
+)
+
+
+def drive(t: float, head_angle: float, k: float, tau: float) -> tuple[float, float]:
+    """Change of head angle (rad) and flapping frequency (Hz)."""
+    return -head_angle * k * math.exp(-t / tau), 0.0

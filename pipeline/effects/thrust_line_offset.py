@@ -1,0 +1,27 @@
+"""Thrust that misses the centre of mass when the head is turned.
+
+    N = T d sin(phi)
+
+The head's mass swings to one side with phi, and with it the centre of mass. Vanishes with the
+head straight. Source: rigid-body statics; MODEL equations place T through the centre of mass.
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("yaw",)
+STATEMENT = "With the head turned, the thrust passes beside the centre of mass and turns the robot."
+REGIME = "turns, in proportion to thrust; also before it moves"
+CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
+PARAMETERS = (
+    Parameter(
+        "d", "m", 0.003, -0.05, 0.05, "offset of the line of thrust at a head angle of 90 degrees"
+    ),
+)
+
+
+def force(T: float, sphi: float, d: float) -> tuple[float, float, float]:
+    """Yaw moment alone (N m)."""
+    return 0.0, 0.0, d * sphi * T

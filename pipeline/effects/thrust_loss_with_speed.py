@@ -1,0 +1,26 @@
+"""A tail that swims into its own advance.
+
+    dT = -k rho A f u        (thrust falls linearly with the advance ratio u / f)
+
+Vanishes at rest and with the tail at rest.
+Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves); Triantafyllou
+et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge",)
+STATEMENT = "The faster the robot already swims, the less thrust a tail beat gives."
+REGIME = "start-up against cruise: strong push at first, less at speed"
+CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
+PARAMETERS = (
+    Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance in one beat"),
+)
+
+
+def thrust(rho: float, A: float, f: float, uc: float, k: float) -> tuple[float]:
+    """Change of thrust (N)."""
+    return (-k * rho * A * f * uc,)

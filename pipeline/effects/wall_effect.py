@@ -1,0 +1,46 @@
+"""Water held up between the body and a wall.
+
+    D grows by k exp(-d / 0.15 m) for each wall at distance d
+
+Away from walls it vanishes. Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge", "sway")
+STATEMENT = "Close to a wall of the pool the robot is slowed."
+REGIME = "within some 0.3 m of a wall"
+CONFUSED_WITH = ("pool_gyre", "uniform_current")
+PARAMETERS = (
+    Parameter(
+        "k", "1", 0.5, -3.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
+    ),
+)
+
+
+def force(
+    rho: float,
+    A: float,
+    x: float,
+    y: float,
+    L_pool: float,
+    W_pool: float,
+    uc: float,
+    vc: float,
+    V: float,
+    k: float,
+) -> tuple[float, float, float]:
+    """Surge and sway (N)."""
+    near = (
+        math.exp(-max(x, 0.0) / 0.15)
+        + math.exp(-max(L_pool - x, 0.0) / 0.15)
+        + math.exp(-max(y, 0.0) / 0.15)
+        + math.exp(-max(W_pool - y, 0.0) / 0.15)
+    )
+    s = -0.5 * rho * A * k * near * V
+    return s * uc, s * vc, 0.0

@@ -1,0 +1,15 @@
+"""Compiled fixed-step simulation and filtering of any state-space model and its effects."""
+
+from .kernel import LANES, Kernel, compiled
+from .system import Effect, Parameter, Stage, System, effect_from_module
+
+__all__ = [
+    "LANES",
+    "Effect",
+    "Kernel",
+    "Parameter",
+    "Stage",
+    "System",
+    "compiled",
+    "effect_from_module",
+]

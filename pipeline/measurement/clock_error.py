@@ -1,0 +1,26 @@
+"""A wrong frame rate.
+
+True time runs (1 + k) times as fast as the recording's time.
+Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "measurement"
+CHANNELS = ("surge", "sway", "yaw")
+STATEMENT = "The frame rate is wrong: everything is seen too slow or too fast by the same share."
+REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
+CONFUSED_WITH = ("scale_error",)
+PARAMETERS = (Parameter("k", "1", 0.01, -0.6, 1.5, "share by which true time runs faster"),)
+
+
+def clock(k: float) -> tuple[float]:
+    """Change of the rate of true time."""
+    return (k,)
+
+
+def clock_ratio(k: float) -> float:
+    """Tail-beat frequency seen over motor log, minus 1."""
+    return k

@@ -1,0 +1,28 @@
+"""Lens distortion left over.
+
+    seen = true + k rho^2 (true - c), rho the distance from the point below the camera
+
+Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial distortion).
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "measurement"
+CHANNELS = ("surge", "sway")
+STATEMENT = (
+    "The lens correction is wrong: positions are bent outwards or inwards towards the edges."
+)
+REGIME = "towards the edges of the pool"
+CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
+PARAMETERS = (Parameter("k", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water"),)
+
+
+def observe(
+    x: float, y: float, x_cam: float, y_cam: float, k: float
+) -> tuple[float, float, float, float]:
+    """Change of what is seen (m, m, rad, rad)."""
+    dx, dy = x - x_cam, y - y_cam
+    s = k * (dx * dx + dy * dy)
+    return s * dx, s * dy, 0.0, 0.0

@@ -1,0 +1,31 @@
+"""Random forces of water that is never quite still.
+
+Three forces of their own that forget themselves within tau: g' = -g / tau + white noise, added to
+surge, sway and yaw. Present in every filter (their intensity is fitted), absent from simulations.
+Source: Kristensen, Madsen and Jorgensen, Automatica 40 (2004), 225 (grey-box diffusion terms).
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "disturbance"
+CHANNELS = ("surge", "sway", "yaw")
+STATEMENT = "The water is never quite still and pushes the robot about at random."
+PARAMETERS = (
+    Parameter("present", "1", 1.0, 0.0, 1.0, "1 where the forces act"),
+    Parameter("tau", "s", 0.5, 0.05, 10.0, "time within which a force is forgotten"),
+)
+STATES = ("g_surge", "g_sway", "g_yaw")
+
+
+def force(g_surge: float, g_sway: float, g_yaw: float) -> tuple[float, float, float]:
+    """Surge and sway (N) and yaw (N m) in the frame of the core."""
+    return g_surge, g_sway, g_yaw
+
+
+def own_rates(
+    g_surge: float, g_sway: float, g_yaw: float, tau: float
+) -> tuple[float, float, float]:
+    """Derivatives of the three forces (N/s, N m/s)."""
+    return -g_surge / tau, -g_sway / tau, -g_yaw / tau

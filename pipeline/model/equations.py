@@ -1,0 +1,127 @@
+"""The paper's equations 1 to 8, written without angles where a product of velocities will do.
+
+Symbols are the paper's (docs/conventions.md). The state is kept in the frame of the core, whose
+direction is psi = theta + phi: x, y (centre of mass, pool frame, m), psi (rad), u, v (velocity of
+the centre of mass along and across the core, to the left, m/s), r (yaw rate, rad/s). With the head
+angle phi constant this is Eq. 8 exactly; while the head is being turned the core keeps its
+direction and the head swings, as on the robot.
+
+With (u_h, v_h) the velocity relative to the water along and across the head plate,
+alpha = -atan2(v_h, u_h) and V^2 = u_h^2 + v_h^2:
+
+    V^2 sin 2 alpha = -2 u_h v_h        V^2 (1 - cos 2 alpha) = 2 v_h^2
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.trigonometry import sin_cos
+
+REST = 1e-12  # m2/s2 beside V^2, so that directions exist at rest, where every force is zero
+
+
+def clock() -> tuple[float]:
+    """Rate of true time against the recording's time."""
+    return (1.0,)
+
+
+def drive(head_angle: float, flap_hz: float) -> tuple[float, float]:
+    """Head angle phi (rad) and flapping frequency f (Hz) as commanded or measured."""
+    return head_angle, flap_hz
+
+
+def flow(
+    psi: float, u: float, v: float, phi: float, wx: float, wy: float
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Directions and velocities relative to the water (wx, wy), m/s.
+
+    Out: cos and sin of psi and phi, velocity along and across the core, along and across the
+    head plate, speed.
+    """
+    s, c = sin_cos(psi)
+    sp, cp = sin_cos(phi)
+    uc = u - (wx * c + wy * s)
+    vc = v - (wy * c - wx * s)
+    uh = uc * cp - vc * sp
+    vh = uc * sp + vc * cp
+    return c, s, cp, sp, uc, vc, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
+
+
+def thrust(rho: float, A: float, f: float, C_T: float) -> tuple[float]:
+    """Thrust along the core, N: T = C_T (1/2 rho A f^2)  (Eq. 1), C_T in m2."""
+    return (C_T * 0.5 * rho * A * f * f,)
+
+
+def plate(
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float, C_D0: float, C_Da: float
+) -> tuple[float, float]:
+    """Lift and drag of the head plate, in its own frame, N.
+
+    L = q C_L v_hat i,  C_L = C_La sin 2 alpha                  (2, 5)
+    D = -q C_D v_hat,   C_D = C_D0 + C_Da (1 - cos 2 alpha)      (3, 6)
+    """
+    k = 0.5 * rho * A
+    L = k * C_La * (-2.0 * uh * vh) / V
+    D = k * (C_D0 * V * V + C_Da * 2.0 * vh * vh) / V
+    return -L * vh - D * uh, L * uh - D * vh
+
+
+def force(
+    rho: float,
+    A: float,
+    l: float,  # noqa: E741
+    r: float,
+    uh: float,
+    vh: float,
+    cphi: float,
+    sphi: float,
+    T: float,
+    Xh: float,
+    Yh: float,
+    C_Ma: float,
+    C_Md: float,
+) -> tuple[float, float, float]:
+    """Surge and sway force (N) in the core's frame and yaw moment (N m).
+
+    M = q C_Ma sin 2 alpha - C_Md r |r|  (4, 7);  moment M + N l, N = Re[(L + D) conj(n)]  (8)
+    """
+    M = 0.5 * rho * A * C_Ma * (-2.0 * uh * vh) - C_Md * r * abs(r)
+    return T + Xh * cphi + Yh * sphi, Yh * cphi - Xh * sphi, M + Yh * l
+
+
+def inertia(m: float, I: float) -> tuple[float, float, float]:
+    """Mass against surge and sway (kg) and yaw inertia (kg m2)."""
+    return m, m, I
+
+
+def rates(
+    u: float,
+    v: float,
+    r: float,
+    cpsi: float,
+    spsi: float,
+    X: float,
+    Y: float,
+    N: float,
+    mx: float,
+    my: float,
+    J: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Derivatives of x, y, psi, u, v, r: Newton and Euler in the frame of the core (Eq. 8).
+
+    mx u' = X + my v r;  my v' = Y - mx u r;  J r' = N - (my - mx) u v
+    """
+    return (
+        u * cpsi - v * spsi,
+        u * spsi + v * cpsi,
+        r,
+        (X + my * v * r) / mx,
+        (Y - mx * u * r) / my,
+        (N - (my - mx) * u * v) / J,
+    )
+
+
+def observe(x: float, y: float, psi: float, phi: float) -> tuple[float, float, float, float]:
+    """What the camera gives: centre of mass (m), core heading and head angle (rad)."""
+    return x, y, psi, phi

@@ -1,0 +1,69 @@
+"""The two-plate system: its coefficients, its stages, and the effects that stand in the folders."""
+
+from __future__ import annotations
+
+import pkgutil
+from functools import lru_cache
+from importlib import import_module
+
+from .. import effects, measurement
+from ..integrate import Effect, Parameter, Stage, System, effect_from_module
+from . import disturbance, equations
+
+COEFFICIENTS = (
+    Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
+    Parameter("C_D0", "1", 0.5, 1e-3, 20.0, "profile drag"),
+    Parameter("C_Da", "1", 2.0, -1.0, 40.0, "drag that comes with the angle of attack"),
+    Parameter("C_La", "1", 3.14, -2.0, 40.0, "lift over sin 2 alpha"),
+    Parameter("C_Ma", "m", 0.1, -1.0, 2.0, "moment over sin 2 alpha"),
+    Parameter("C_Md", "kg m2", 0.12, -0.1, 5.0, "damping of the yaw rate squared"),
+)
+
+STAGES = (
+    Stage("clock", ("clock_rate",), equations.clock, open=True),
+    Stage("drive", ("phi", "f"), equations.drive, open=True),
+    Stage("water", ("wx", "wy"), None, open=True),
+    Stage(
+        "flow",
+        ("cpsi", "spsi", "cphi", "sphi", "uc", "vc", "uh", "vh", "V"),
+        equations.flow,
+    ),
+    Stage("thrust", ("T",), equations.thrust, open=True),
+    Stage("plate", ("Xh", "Yh"), equations.plate, open=True),
+    Stage("force", ("X", "Y", "N"), equations.force, open=True),
+    Stage("inertia", ("mx", "my", "J"), equations.inertia, open=True),
+    Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
+    Stage("observe", ("x", "y", "heading", "head_angle"), equations.observe, open=True),
+)
+
+STATES = ("x", "y", "psi", "u", "v", "r")
+CONSTANTS = (
+    "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
+    "L_pool", "W_pool", "x_cam", "y_cam", "psi0", "t_shift",
+)  # fmt: skip
+INPUTS = ("head_angle", "flap_hz")
+OBSERVATIONS = ("x", "y", "heading", "head_angle")
+
+
+def effect_names(package: object = effects) -> tuple[str, ...]:
+    """Names of the effects (or measurement causes) in a folder, in alphabetical order."""
+    return tuple(sorted(m.name for m in pkgutil.iter_modules(package.__path__)))  # type: ignore[attr-defined]
+
+
+@lru_cache(maxsize=1)
+def all_effects() -> tuple[Effect, ...]:
+    """The disturbance of the water, then all physical effects, then all measurement causes."""
+    modules = [disturbance] + [
+        import_module(f"{package.__name__}.{name}")
+        for package in (effects, measurement)
+        for name in effect_names(package)
+    ]
+    return tuple(effect_from_module(module, STAGES) for module in modules)
+
+
+@lru_cache(maxsize=1)
+def plates() -> System:
+    """The paper's model with every effect that may extend it."""
+    return System(
+        "plates", STATES, CONSTANTS, INPUTS, COEFFICIENTS, STAGES, OBSERVATIONS, all_effects()
+    )

@@ -1,0 +1,134 @@
+"""Simulations of the robot in plain words: a robot, a command, coefficients, and a path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import LANES, compiled
+from ..integrate.batch import STEP_S, propagate
+from ..study import Setup
+from .plates import CONSTANTS, plates
+
+NEVER_S = 1e9
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A simulated path: time_s (n,), state (n, 6) = x, y [m], theta [rad] (head direction),
+    x_dot, y_dot [m/s], theta_dot [rad/s], world axes (Eq. 8); heading_rad (n,): the core's."""
+
+    time_s: Float
+    state: Float
+    heading_rad: Float
+
+    @property
+    def speed_m_s(self) -> Float:
+        """Speed of the centre of mass, (n,)."""
+        return np.hypot(self.state[:, 3], self.state[:, 4])
+
+
+def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -> Float:
+    """Constants of one trial in the order of `CONSTANTS`, (constants,)."""
+    robot, pool = setup.robot, setup.pool
+    values = {
+        "rho": setup.water.density_kg_m3,
+        "A": robot.head_area_m2(head_length_m),
+        "A_ref": robot.head_area_m2(robot.head_length_m),
+        "l": robot.aerodynamic_arm_m(head_length_m),
+        "m": robot.mass_kg,
+        "I": robot.yaw_inertia_kg_m2,
+        "h": head_length_m,
+        "span": robot.head_span_m,
+        "length": robot.body_length_m + head_length_m - robot.head_length_m,
+        "x_hinge": robot.hinge_to_com_m,
+        "x_tail": robot.com_to_tail_base_m,
+        "L_pool": pool.length_m,
+        "W_pool": pool.width_m,
+        "x_cam": 0.5 * pool.length_m,
+        "y_cam": 0.5 * pool.width_m,
+        "psi0": heading_rad,
+        "t_shift": NEVER_S,
+    }
+    return np.array([values[name] for name in CONSTANTS])
+
+
+def simulate(
+    coefficients: Mapping[str, float],
+    *,
+    setup: Setup,
+    head_length_m: float,
+    head_angle_rad: float | Float,
+    flap_hz: float | Float,
+    duration_s: float,
+    dt_s: float = STEP_S,
+    start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    effects: Mapping[str, Mapping[str, float]] | None = None,
+) -> Simulation:
+    """Path from `start` (x, y, core heading, surge, sway, yaw rate; default: rest at the origin).
+
+    head_angle_rad and flap_hz are constants, or schedules sampled at multiples of `dt_s`.
+    """
+    n = round(duration_s / dt_s) + 1
+    times = np.arange(n) * dt_s
+    inputs = np.column_stack([np.broadcast_to(v, n) for v in (head_angle_rad, flap_hz)])
+    return simulate_at(
+        plates().values(coefficients, effects),
+        times,
+        inputs,
+        constants(setup, head_length_m, heading_rad=start[2]),
+        np.array(start, dtype=float),
+    )
+
+
+def simulate_at(
+    values: Float, times: Float, inputs: Float, trial_constants: Float, start: Float
+) -> Simulation:
+    """Path at given times for a full parameter vector of the system; start: (6,) or all states."""
+    kernel = compiled(plates())
+    state = np.zeros((1, len(kernel.system.all_states), LANES))
+    state[0, : len(start)] = start[:, None]
+    _, states = propagate(
+        kernel,
+        state,
+        np.repeat(values[None, :, None], LANES, axis=2),
+        np.repeat(trial_constants[None, :, None], LANES, axis=2),
+        times=times[None],
+        inputs=inputs[None],
+        keep_states=True,
+    )
+    return _in_world_axes(times, states[0, :, :6, 0], inputs[:, 0])
+
+
+def _in_world_axes(times: Float, body: Float, head_angle: Float) -> Simulation:
+    x, y, psi, u, v, r = body.T
+    c, s = np.cos(psi), np.sin(psi)
+    state = np.column_stack([x, y, psi - head_angle, u * c - v * s, u * s + v * c, r])
+    return Simulation(times, state, psi)
+
+
+def steady_turn(
+    coefficients: Mapping[str, float],
+    *,
+    setup: Setup,
+    head_length_m: float,
+    head_angle_rad: float,
+    flap_hz: float,
+    effects: Mapping[str, Mapping[str, float]] | None = None,
+    settle_s: float = 40.0,
+) -> tuple[float, float]:
+    """Speed (m/s) and radius (m, positive; inf for a straight run) after all has settled."""
+    run = simulate(
+        coefficients,
+        setup=setup,
+        head_length_m=head_length_m,
+        head_angle_rad=head_angle_rad,
+        flap_hz=flap_hz,
+        duration_s=settle_s,
+        effects=effects,
+    )
+    speed, yaw_rate = float(run.speed_m_s[-1]), abs(float(run.state[-1, 5]))
+    return speed, speed / yaw_rate if yaw_rate > 1e-6 else float("inf")

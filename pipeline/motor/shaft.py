@@ -1,0 +1,112 @@
+"""Motion of a shaft whose angle is read, wrapped, by a potentiometer with a dead zone.
+
+The reading is a(t) = phi(t) mod 2 pi + noise outside the dead zone and anything (stuck, noise)
+inside. The phase phi is found window by window as the strongest line of exp(i a), which a dead
+zone or single wrong readings cannot move far, then fitted over the whole log.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import CubicHermiteSpline
+
+from ..data import Float
+
+Mask = npt.NDArray[np.bool_]
+
+RATE_LIMIT_HZ = 40.0
+"""No flapping motor turns faster."""
+BINS = 72
+"""Bins of the shaft's circle in which the dead zone is looked for: 5 degrees each."""
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Unwrapped motion of a shaft.
+
+    time_s, phase_rad, good: (samples,): unwrapped phase read, and which readings are sound (not
+    in the dead zone, not wrong). center_s, hz: (windows,): rate over about one turn each; the sign
+    is the direction. dead_zone_rad: width of the dead zone.
+    """
+
+    time_s: Float
+    phase_rad: Float
+    good: Mask
+    center_s: Float
+    hz: Float
+    dead_zone_rad: float
+
+
+def wrapped(angle_rad: Float) -> Float:
+    """Angle brought to [-pi, pi)."""
+    return (angle_rad + np.pi) % (2 * np.pi) - np.pi
+
+
+def shaft_motion(time_s: Float, angle_rad: Float) -> Shaft:
+    """Unwrapped phase, rate over time and dead zone from wrapped readings, both (samples,)."""
+    center, rate, phase = _windows(time_s, angle_rad, 0.25)
+    turning = np.abs(rate[np.abs(rate) > 0.25])
+    period = 1.0 / np.median(turning) if turning.size else 1.0
+    center, rate, phase = _windows(time_s, angle_rad, float(np.clip(period, 0.1, 1.0)))
+    guess = _guess(time_s, center, rate, phase)
+    residual = wrapped(angle_rad - guess)
+    spread = max(1.4826 * float(np.median(np.abs(residual))), np.radians(0.25))
+    sound = np.abs(residual) < 5 * spread
+    dead = _dead_bins(guess, sound)
+    good = sound & ~dead[_bin(guess)]
+    width = 2 * np.pi * float(dead.mean())
+    return Shaft(time_s, guess + residual, good, center, rate, width)
+
+
+def _windows(time_s: Float, angle_rad: Float, width_s: float) -> tuple[Float, Float, Float]:
+    """Centre (s), rate (Hz) and phase at the centre (rad) of windows that overlap by half."""
+    span = time_s[-1] - time_s[0]
+    count = max(int(2 * span / width_s) - 1, 1)
+    starts = time_s[0] + np.linspace(0.0, max(span - width_s, 0.0), count)
+    rows = []
+    for start in starts:
+        inside = (time_s >= start) & (time_s <= start + width_s)
+        if inside.sum() >= 5:
+            rows.append(_line(time_s[inside], angle_rad[inside], start + width_s / 2))
+    return tuple(np.array(column) for column in zip(*rows, strict=True))  # type: ignore[return-value]
+
+
+def _line(time_s: Float, angle_rad: Float, center_s: float) -> tuple[float, float, float]:
+    """Strongest line of exp(i a): argmax_f |sum exp(i (a - 2 pi f (t - centre)))|."""
+    t, z = time_s - center_s, np.exp(1j * angle_rad)
+    span = max(float(np.ptp(t)), 1e-3)
+    limit = min(RATE_LIMIT_HZ, 0.45 / float(np.median(np.diff(time_s))))
+    middle, half, sums = 0.0, limit, np.zeros(0)
+    for points in (int(8 * limit * span) + 17, 33, 33):
+        trial = middle + np.linspace(-half, half, points)
+        sums = np.exp(-2j * np.pi * np.outer(trial, t)) @ z
+        middle = float(trial[np.argmax(np.abs(sums))])
+        half = 2 * half / (points - 1)
+    return center_s, middle, float(np.angle(sums[np.argmax(np.abs(sums))]))
+
+
+def _guess(time_s: Float, center_s: Float, rate_hz: Float, phase_rad: Float) -> Float:
+    """Phase at every sample: windows joined by the turns between them, then cubic Hermite."""
+    if len(center_s) == 1:
+        return phase_rad[0] + 2 * np.pi * rate_hz[0] * (time_s - center_s[0])
+    advance = np.pi * (rate_hz[1:] + rate_hz[:-1]) * np.diff(center_s)
+    steps = advance + wrapped(np.diff(phase_rad) - advance)
+    joined = phase_rad[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    inside = np.clip(time_s, center_s[0], center_s[-1])
+    curve = CubicHermiteSpline(center_s, joined, 2 * np.pi * rate_hz)
+    slope = np.where(time_s < center_s[0], rate_hz[0], rate_hz[-1])
+    return np.asarray(curve(inside) + 2 * np.pi * slope * (time_s - inside))
+
+
+def _bin(phase_rad: Float) -> npt.NDArray[np.int64]:
+    return np.minimum((phase_rad % (2 * np.pi)) / (2 * np.pi) * BINS, BINS - 1).astype(np.int64)
+
+
+def _dead_bins(phase_rad: Float, sound: Mask) -> Mask:
+    """Bins (BINS,) of the shaft's circle in which most readings are wrong."""
+    seen = np.bincount(_bin(phase_rad), minlength=BINS)
+    right = np.bincount(_bin(phase_rad), weights=sound.astype(float), minlength=BINS)
+    return (seen > 2) & (right < 0.6 * seen)

@@ -1,0 +1,138 @@
+"""Tail-beat frequency as the camera sees it.
+
+Periodogram by least squares (Lomb 1976; with a slow background instead of a constant): frames need
+not be equally spaced, and a beat above half the frame rate is found as long as the guess is near.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..data import Flapping, Float, Pose, Positions
+from .log import correlation_time
+from .shaft import wrapped
+
+RANGE = 0.25
+"""The beat is looked for within this share of the guess, on both sides."""
+BACKGROUND_BEATS = 3.0
+"""The slow background has one spline knot per so many beats."""
+
+
+def tail_beat(
+    source: Positions | Pose, guess_hz: float = float("nan"), *, flapping: Flapping | None = None
+) -> tuple[float, float]:
+    """Tail-beat frequency in the video and its standard deviation, Hz; NaN where it is not seen.
+
+    y(t) = background(t) + sum_k (A_k cos k phi + B_k sin k phi), k = 1, 2; phi = 2 pi f t. y is the
+    tail's angle to the core, or where tail points are missing the heading. With `flapping` phi
+    follows the motor's own rate over time (spin-up), scaled by one ratio of the clocks.
+
+    guess_hz: expected frequency; without it all frequencies below half the frame rate are tried.
+    """
+    time_s, signal = _signal(source)
+    if len(time_s) < 12:
+        return float("nan"), float("nan")
+    top = 0.45 / float(np.median(np.diff(time_s)))
+    guessed = np.isfinite(guess_hz) and guess_hz > 0
+    span = float(np.ptp(time_s))
+    low, high = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz) if guessed else (2 / span, top)
+    reference = guess_hz if guessed else np.sqrt(low * high)
+    warp = _motor_time(time_s, flapping)
+    return _search(warp, signal, (low, high), _background(time_s, reference))
+
+
+def _search(
+    time_s: Float, signal: Float, limits_hz: tuple[float, float], background: Float
+) -> tuple[float, float]:
+    span = float(np.ptp(time_s))
+    grid = np.arange(limits_hz[0], limits_hz[1], 0.1 / span)
+    weights = np.ones_like(signal)
+    for _ in range(4):
+        rest = [_residual(f, time_s, signal, background, weights) for f in grid]
+        best = grid[int(np.argmin([float(r @ (weights * r)) for r in rest]))]
+        residual = rest[int(np.argmin([float(r @ (weights * r)) for r in rest]))]
+        scale = max(1.4826 * float(np.median(np.abs(residual))), 1e-12)
+        weights = 1.0 / np.maximum(1.0, (np.abs(residual) / (2.5 * scale)) ** 2)
+    found = minimize_scalar(
+        lambda f: _misfit(f, time_s, signal, background, weights),
+        bounds=(best - 0.2 / span, best + 0.2 / span),
+        method="bounded",
+        options={"xatol": 1e-7},
+    )
+    return _uncertainty(float(found.x), time_s, signal, background, weights)
+
+
+def _signal(source: Positions | Pose) -> tuple[Float, Float]:
+    """Times and beating angle (rad) in the frames where it is seen."""
+    if isinstance(source, Pose):
+        angle = source.values[:, 2]
+    elif {"tail_tip", "tail_base", "core_center"} <= set(source.names):
+        angle = _tail_angle(source)
+    else:
+        return np.zeros(0), np.zeros(0)
+    seen = np.isfinite(angle)
+    return source.time_s[seen], angle[seen]
+
+
+def _tail_angle(positions: Positions) -> Float:
+    tail = positions.part("tail_tip") - positions.part("tail_base")
+    core = positions.part("tail_base") - positions.part("core_center")
+    both = ["tail_tip", "tail_base", "core_center"]
+    sure = positions.likelihood[:, [positions.names.index(n) for n in both]].min(axis=1) > 0.3
+    angle = wrapped(np.arctan2(tail[:, 1], tail[:, 0]) - np.arctan2(core[:, 1], core[:, 0]))
+    return np.where(sure, angle, np.nan)
+
+
+def _motor_time(time_s: Float, flapping: Flapping | None) -> Float:
+    """Time that passes evenly in motor phase: integral of hz(t) / flap_hz."""
+    if flapping is None or len(flapping.hz) < 3:
+        return time_s
+    fine = np.linspace(time_s[0], time_s[-1], 20 * len(time_s))
+    rate = np.interp(fine, flapping.time_s, flapping.hz) / flapping.flap_hz
+    rate = np.where(np.abs(rate - 1) < 0.02, 1.0, rate)
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(fine)
+    return np.interp(time_s, fine, np.concatenate([[0.0], np.cumsum(steps)]))
+
+
+def _background(time_s: Float, reference_hz: float) -> Float:
+    """Slow curve: low cosines (Chebyshev in time), (frames, terms)."""
+    span = float(np.ptp(time_s))
+    terms = int(np.clip(span * reference_hz / BACKGROUND_BEATS, 2, 12))
+    scaled = 2 * (time_s - time_s[0]) / span - 1
+    return np.polynomial.chebyshev.chebvander(scaled, terms)
+
+
+def _design(hz: float, time_s: Float, background: Float) -> Float:
+    phase = 2 * np.pi * hz * (time_s - time_s.mean())
+    waves = [g(k * phase) for k in (1, 2) for g in (np.cos, np.sin)]
+    return np.column_stack([*waves, background])
+
+
+def _residual(hz: float, time_s: Float, signal: Float, background: Float, weights: Float) -> Float:
+    design, root = _design(hz, time_s, background), np.sqrt(weights)
+    value = np.linalg.lstsq(design * root[:, None], signal * root, rcond=None)[0]
+    return np.asarray(signal - design @ value)
+
+
+def _misfit(hz: float, time_s: Float, signal: Float, background: Float, weights: Float) -> float:
+    residual = _residual(hz, time_s, signal, background, weights)
+    return float(residual @ (weights * residual))
+
+
+def _uncertainty(
+    hz: float, time_s: Float, signal: Float, background: Float, weights: Float
+) -> tuple[float, float]:
+    """Frequency and deviation from the curve of the misfit; NaN where the line is not there."""
+    step = 0.02 / float(np.ptp(time_s))
+    low, mid, high = (
+        _misfit(hz + k * step, time_s, signal, background, weights) for k in (-1, 0, 1)
+    )
+    none = _misfit(1e-9, time_s, signal, background, weights)
+    residual = _residual(hz, time_s, signal, background, weights)
+    inflation = correlation_time(residual * np.sqrt(weights))
+    variance = mid / max(float(weights.sum()) - background.shape[1] - 5, 1.0) * inflation
+    bend = (low - 2 * mid + high) / step**2
+    if none - mid < 15 * variance or bend <= 0:
+        return float("nan"), float("nan")
+    return hz, float(np.sqrt(2 * variance / bend))

@@ -1,0 +1,92 @@
+"""Smoothed motion of the robot with its rates, the tail-beat recoil taken out of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float, Pose, Track
+from ..faults import fault
+from .channels import angle_chain, planar_chain
+from .grid import Grid, filter_grid
+from .reference import filter_and_smooth
+from .search import Found
+from .speed import speed_and_std
+
+LEAST_FRAMES = 8
+
+
+def smooth(pose: Pose, flap_hz: float) -> Track:
+    """Mean motion of the trial by Kalman filter and smoother; see `motion` for the model.
+
+    Velocities and the yaw rate are states of the filter, the derivative of the smoothed position
+    without the recoil. Where nothing was seen the motion is bridged and its uncertainty grows.
+    Process noise and the true size of the measurement noise are the most likely ones.
+
+    flap_hz: flapping frequency; 0 or NaN for a body that does not beat.
+    Raises: Fault where fewer than 8 frames show the robot.
+    """
+    _check(pose)
+    hz = float(flap_hz) if np.isfinite(flap_hz) and flap_hz > 0 else 0.0
+    grid = filter_grid(pose.time_s, hz)
+    values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
+    heading = angle_chain(values[:, 2], cov[:, 2, 2], grid, hz)
+    turn = filter_and_smooth(heading.chain, heading.used)
+    head = angle_chain(values[:, 3], cov[:, 3, 3], grid, hz)
+    bend = filter_and_smooth(head.chain, head.used)
+    theta = turn.x[:, 0]
+    plane = planar_chain(values[:, :2], cov[:, :2, :2], grid, theta=theta, flap_hz=hz)
+    move = filter_and_smooth(plane.chain, plane.used)
+    at = grid.frame
+    return Track(
+        time_s=pose.time_s,
+        **_position(move.x[at], move.P[at]),
+        **_velocity(move.x[at], move.P[at], theta[at]),
+        heading_rad=theta[at],
+        heading_rad_std=np.sqrt(turn.P[at, 0, 0]),
+        yaw_rate_rad_s=turn.x[at, 1],
+        yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
+        head_angle_rad=bend.x[at, 0],
+        head_angle_rad_std=np.sqrt(bend.P[at, 0, 0]),
+        recoil=_recoil(move.x[at], turn.x[at], plane.chain.H[at]),
+        remarks=_remarks(pose, grid, plane, heading),
+    )
+
+
+def _check(pose: Pose) -> None:
+    seen = int(np.isfinite(pose.values[:, :3]).all(axis=1).sum())
+    if seen < LEAST_FRAMES:
+        cure = "Check the detection of this trial; a longer recording may help."
+        raise fault("pose", "", f"{seen} frames with a pose", f"{LEAST_FRAMES} or more", cure)
+
+
+def _position(x: Float, P: Float) -> dict[str, Float]:
+    names = {"x_m": x[:, 0], "y_m": x[:, 1]}
+    return names | {"x_m_std": np.sqrt(P[:, 0, 0]), "y_m_std": np.sqrt(P[:, 1, 1])}
+
+
+def _velocity(x: Float, P: Float, theta: Float) -> dict[str, Float]:
+    """Surge and sway turned into the pool frame, with speed and standard deviations."""
+    c, s = np.cos(theta), np.sin(theta)
+    turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
+    v = np.einsum("nij,nj->ni", turn, x[:, 2:4])
+    C = np.einsum("nij,njk,nlk->nil", turn, P[:, 2:4, 2:4], turn)
+    speed, std = speed_and_std(v, C)
+    velocity = {"vx_m_s": v[:, 0], "vy_m_s": v[:, 1], "speed_m_s": speed, "speed_m_s_std": std}
+    return velocity | {"vx_m_s_std": np.sqrt(C[:, 0, 0]), "vy_m_s_std": np.sqrt(C[:, 1, 1])}
+
+
+def _recoil(move: Float, turn: Float, H: Float) -> Float:
+    """Recoil (frames, 3): x, y in the pool frame [m] and heading [rad]."""
+    xy = np.einsum("npd,nd->np", H[:, :, 6:], move[:, 6:])
+    return np.column_stack([xy, turn[:, 3] if turn.shape[1] > 3 else np.zeros(len(turn))])
+
+
+def _remarks(pose: Pose, grid: Grid, plane: Found, heading: Found) -> tuple[str, ...]:
+    seen = np.isfinite(pose.values[:, :3]).all(axis=1)
+    used = (plane.used & heading.used)[grid.frame]
+    notes = list(pose.remarks)
+    if (~seen).any():
+        notes.append(f"{int((~seen).sum())} of {len(seen)} frames without a pose are bridged")
+    if (seen & ~used).any():
+        notes.append(f"{int((seen & ~used).sum())} frames set aside as wrong by the smoother")
+    return tuple(notes)

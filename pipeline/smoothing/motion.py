@@ -1,0 +1,114 @@
+"""Motion models: a mean motion whose acceleration dies out, and the tail-beat recoil on top.
+
+Mean motion of one coordinate (integrated Ornstein-Uhlenbeck acceleration, after Singer 1970):
+    p' = v,  v' = a + w_v,  a' = -a / tau + w_a
+so that speed approaches a steady value as it does in water. Recoil: a damped stochastic oscillator
+at the flapping frequency, stationary with standard deviation s.
+
+In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
+heading's own chain: in a steady turn they are constant, which they are not in the pool frame.
+    (x, y)' = Rot(theta) v ;  measured = (x, y) + Rot(theta) recoil
+Source of the exact discretisation: Bar-Shalom, Li, Kirubarajan, Estimation, 2001, sect. 6.2, 8.2.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from ..data import Float
+
+BEATS = 6.0
+"""The recoil keeps its amplitude and phase over about so many tail beats."""
+
+
+@numba.njit(cache=True)
+def heading_matrices(noise, dt, hz):  # type: ignore[no-untyped-def]
+    """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
+
+    noise: (tau s, density of w_v, density of w_a, recoil variance). dt: (n,) s, dt[0] unused.
+    """
+    n, d = len(dt), 5 if hz > 0 else 3
+    F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
+    F[0] = np.eye(d)
+    for k in range(1, n):
+        _mean_motion(F[k], Q[k], dt[k], noise, 1)
+        if hz > 0:
+            _recoil(F[k], Q[k], dt[k], hz, noise[3], 3)
+    return F, Q
+
+
+@numba.njit(cache=True)
+def planar_matrices(noise, dt, hz, theta):  # type: ignore[no-untyped-def]
+    """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
+
+    noise, dt as `heading_matrices`, the recoil variances of surge and sway being noise[3], [4].
+    theta: (n,) mean heading, rad.
+    """
+    n, d = len(dt), 10 if hz > 0 else 6
+    F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
+    F[0] = np.eye(d)
+    for k in range(1, n):
+        _mean_motion(F[k], Q[k], dt[k], noise, 2)
+        half = 0.5 * (theta[k] - theta[k - 1])
+        # chord over arc of a steady turn: the step is exact where surge and sway are constant
+        chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
+        c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
+        _turn(F[k], Q[k], c, s, chord)
+        if hz > 0:
+            _recoil(F[k], Q[k], dt[k], hz, noise[3], 6)
+            _recoil(F[k], Q[k], dt[k], hz, noise[4], 8)
+    return F, Q
+
+
+@numba.njit(cache=True)
+def _mean_motion(F, Q, dt, noise, m):  # type: ignore[no-untyped-def]
+    """Fill the blocks of m coordinates, order p (m), v (m), a (m)."""
+    tau, qv, qa = noise[0], noise[1], noise[2]
+    decay = np.exp(-dt / tau)
+    gain = -tau * np.expm1(-dt / tau)
+    for i in range(m):
+        v, a = m + i, 2 * m + i
+        F[i, i] = F[v, v] = 1.0
+        F[i, v] = dt
+        F[v, a], F[a, a] = gain, decay
+        F[i, a] = tau * (dt - gain)
+        Q[i, i] = qv * dt**3 / 3 + qa * dt**5 / 20
+        Q[v, v] = qv * dt + qa * dt**3 / 3
+        Q[a, a] = qa * dt
+        Q[i, v] = Q[v, i] = qv * dt**2 / 2 + qa * dt**4 / 8
+        Q[i, a] = Q[a, i] = qa * dt**3 / 6
+        Q[v, a] = Q[a, v] = qa * dt**2 / 2
+
+
+@numba.njit(cache=True)
+def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
+    """Turn what drives x and y from the body into the pool frame."""
+    for column in (2, 4):
+        f = F[0, column] * chord
+        F[0, column], F[0, column + 1] = c * f, -s * f
+        F[1, column], F[1, column + 1] = s * f, c * f
+        q = Q[0, column]
+        Q[0, column] = Q[column, 0] = c * q
+        Q[0, column + 1] = Q[column + 1, 0] = -s * q
+        Q[1, column] = Q[column, 1] = s * q
+        Q[1, column + 1] = Q[column + 1, 1] = c * q
+
+
+@numba.njit(cache=True)
+def _recoil(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    keep = np.exp(-dt * hz / BEATS)
+    c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
+    F[at, at] = F[at + 1, at + 1] = c
+    F[at, at + 1], F[at + 1, at] = -s, s
+    Q[at, at] = Q[at + 1, at + 1] = variance * (1 - keep**2)
+
+
+def planar_measurement(theta: Float, hz: float) -> Float:
+    """H (n, 2, d): measured x, y = mean position + recoil turned into the pool frame."""
+    H = np.zeros((len(theta), 2, 10 if hz > 0 else 6))
+    H[:, 0, 0] = H[:, 1, 1] = 1.0
+    if hz > 0:
+        H[:, 0, 6], H[:, 0, 8] = np.cos(theta), -np.sin(theta)
+        H[:, 1, 6], H[:, 1, 8] = np.sin(theta), np.cos(theta)
+    return H

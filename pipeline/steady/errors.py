@@ -1,0 +1,39 @@
+"""Covariance between the errors of a smoothed track at different times.
+
+A smoother's errors at neighbouring times are alike. They are taken as a smooth stationary process
+whose length in time, l = std of position / std of velocity, the track itself tells:
+    C(t, s) = std(t) std(s) exp(-(t - s)^2 / (2 l^2))
+To this the scatter of the path about the fitted curve is added, as far as its own correlation
+shows that it is more than smoothing error (water that moves, a wavering tail).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float
+
+
+def error_length(std: Float, rate_std: Float) -> float:
+    """Time over which errors stay alike, s, from deviations of a quantity and its derivative."""
+    return float(np.median(std) / max(float(np.median(rate_std)), 1e-300))
+
+
+def error_cov(time_s: Float, std: Float, length_s: float) -> Float:
+    """Covariance (n, n) of smoothed errors with deviation std (n,)."""
+    apart = (time_s[:, None] - time_s) / max(length_s, 1e-9)
+    return np.outer(std, std) * np.exp(-0.5 * apart**2)
+
+
+def scatter_cov(time_s: Float, residual: Float, parameters: int) -> Float:
+    """Covariance (n, n) of the residual: its variance, alike over its own correlation time."""
+    n = len(residual)
+    centred = residual - residual.mean()
+    lags = np.array([centred[k:] @ centred[: n - k] for k in range(n // 2)])
+    acf = lags / max(float(lags[0]), 1e-300)
+    stop = int(np.argmax(acf <= 0)) if np.any(acf <= 0) else len(acf)
+    samples = float(np.clip(1 + 2 * acf[1 : max(stop, 1)].sum(), 1.0, n / 4))
+    freedom = max(n / samples - parameters, 1.0) * samples
+    length = samples * float(np.median(np.diff(time_s))) / np.sqrt(2 * np.pi)
+    deviation = np.full(n, np.sqrt(float(centred @ centred) / freedom))
+    return error_cov(time_s, deviation, length)

@@ -1,0 +1,178 @@
+"""Where a trial is steady, and what its steady speed and radius are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Flapping, Float, Steady, Track
+from .circle import Circle, fit_circle
+from .errors import error_cov, error_length, scatter_cov
+from .plateau import Plateau, fit_plateau
+
+STRAIGHT_DEG = 20.0
+"""A path that bends less than this tells no radius."""
+LEAST_ARC_DEG = 40.0
+TOLERANCE = 0.02
+"""Steady: speed and turning rate change by less than this share over the stretch, or by less than
+can be told."""
+LEAST_S = 0.5
+RADIUS_SHARE = 0.05
+"""A radius known worse than this is told as too short an arc."""
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Frames of the steady stretch, and whether it is settled."""
+
+    frames: slice
+    settled: bool
+
+
+def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Steady:
+    """Steady speed, radius and arc of a trial, with quality and what to try next.
+
+    Speed: mean over the steady stretch, or v_inf of the start-up where it is not reached. Radius:
+    geometric circle through the smoothed positions of the stretch, inf for a straight run.
+    """
+    if len(track.time_s) < 8 or not np.isfinite(track.speed_m_s).all():
+        return _no_data(flapping, "fewer than 8 frames: film for longer or check the detection")
+    plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
+    stretch = _steady_stretch(track, plateau)
+    at = stretch.frames
+    speed, speed_std = _mean_speed(track, at) if stretch.settled else _extrapolated(plateau)
+    arc = float(_path_turn(track, at))
+    base = {
+        "flap_hz": flapping.flap_hz,
+        "speed_m_s": speed,
+        "speed_std_m_s": speed_std,
+        "arc_deg": abs(np.degrees(arc)),
+        "steady_from_s": float(track.time_s[at][0]),
+        "steady_to_s": float(track.time_s[at][-1]),
+    }
+    if abs(np.degrees(arc)) < STRAIGHT_DEG and abs(head_angle_rad) < np.radians(2.0):
+        return _straight(base, stretch, plateau)
+    return _turning(base, track, stretch, arc)
+
+
+def _no_data(flapping: Flapping, reason: str) -> Steady:
+    nan = float("nan")
+    return Steady(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
+
+
+def _steady_stretch(track: Track, plateau: Plateau) -> _Stretch:
+    """Longest stretch up to the end over which speed and turning rate do not change."""
+    t = track.time_s
+    latest = max(t[-1] - max(LEAST_S, 0.15 * (t[-1] - t[0])), t[0])
+    for start in np.linspace(t[0], latest, 40):
+        at = slice(int(np.searchsorted(t, start)), len(t))
+        if at.stop - at.start >= 6 and _does_not_change(track, at):
+            return _Stretch(at, True)
+    first = min(int(np.searchsorted(t, latest)), len(t) - 6)
+    return _Stretch(slice(first, len(t)), plateau.settled_s < t[-1])
+
+
+def _does_not_change(track: Track, at: slice) -> bool:
+    """Whether the trend over the stretch is below the tolerance in speed and in turning rate."""
+    t = track.time_s[at]
+    slope = _slope_weights(t)
+    span = float(np.ptp(t))
+    speed, rate = track.speed_m_s[at], track.yaw_rate_rad_s[at]
+    change = abs(float(slope @ speed)) * span
+    bend = abs(float(slope @ rate)) * span
+    told = 2 * span * np.sqrt(slope @ _speed_cov(track, at) @ slope)
+    told_bend = 2 * span * np.sqrt(slope @ _rate_cov(track, at) @ slope)
+    fast, turning = abs(float(np.mean(speed))), abs(float(np.mean(rate)))
+    return bool(
+        change < max(TOLERANCE * fast, min(told, 3 * TOLERANCE * fast))
+        and bend < max(2 * TOLERANCE * turning, min(told_bend, 6 * TOLERANCE * turning), 0.05)
+    )
+
+
+def _slope_weights(t: Float) -> Float:
+    centred = t - t.mean()
+    return np.asarray(centred / (centred @ centred))
+
+
+def _speed_cov(track: Track, at: slice) -> Float:
+    """Errors of the speed: derivative of a smooth process, so they nearly cancel in the mean."""
+    t, std = track.time_s[at], track.speed_m_s_std[at]
+    length = error_length(np.hypot(track.x_m_std, track.y_m_std) / np.sqrt(2), track.speed_m_s_std)
+    return error_cov(t, std, length)
+
+
+def _rate_cov(track: Track, at: slice) -> Float:
+    length = error_length(track.heading_rad_std, track.yaw_rate_rad_s_std)
+    return error_cov(track.time_s[at], track.yaw_rate_rad_s_std[at], length)
+
+
+def _mean_speed(track: Track, at: slice) -> tuple[float, float]:
+    """Mean speed over the stretch and its deviation."""
+    speed = track.speed_m_s[at]
+    cov = _speed_cov(track, at) + scatter_cov(track.time_s[at], speed, 1)
+    return float(speed.mean()), float(np.sqrt(cov.mean()))
+
+
+def _extrapolated(plateau: Plateau) -> tuple[float, float]:
+    return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
+
+
+def _path_turn(track: Track, at: slice) -> float:
+    """Angle by which the path turns over the stretch, rad, counter-clockwise positive."""
+    return float(np.ptp(track.heading_rad[at][[0, -1]])) * np.sign(
+        track.heading_rad[at][-1] - track.heading_rad[at][0]
+    )
+
+
+def _straight(base: dict[str, float], stretch: _Stretch, plateau: Plateau) -> Steady:
+    inf = float("inf")
+    if stretch.settled:
+        return Steady(**base, radius_m=inf, radius_std_m=inf, quality="straight", reason="")  # type: ignore[arg-type]
+    reason = (
+        f"speed still rises at the end; v_inf from the start-up, 99 % would be reached at "
+        f"{plateau.settled_s:.1f} s: film for longer or start nearer the wall"
+    )
+    return Steady(**base, radius_m=inf, radius_std_m=inf, quality="not_steady", reason=reason)  # type: ignore[arg-type]
+
+
+def _turning(base: dict[str, float], track: Track, stretch: _Stretch, arc: float) -> Steady:
+    at = stretch.frames
+    circle = _circle(track, at)
+    quality, reason = _judge(base, track, stretch, circle)
+    return Steady(
+        **base,  # type: ignore[arg-type]
+        radius_m=circle.radius_m,
+        radius_std_m=circle.radius_std_m,
+        quality=quality,
+        reason=reason,
+        turn=int(np.sign(arc)),
+        center_m=(float(circle.center_m[0]), float(circle.center_m[1])),
+    )
+
+
+def _circle(track: Track, at: slice) -> Circle:
+    t, xy = track.time_s[at], np.column_stack([track.x_m, track.y_m])[at]
+    std = np.hypot(track.x_m_std, track.y_m_std)[at] / np.sqrt(2)
+    rate = np.hypot(track.vx_m_s_std, track.vy_m_s_std)[at] / np.sqrt(2)
+    own = error_cov(t, std, error_length(std, rate))
+    first = fit_circle(xy, own)
+    return fit_circle(xy, own + scatter_cov(t, first.residual_m, 3))
+
+
+def _judge(
+    base: dict[str, float], track: Track, stretch: _Stretch, circle: Circle
+) -> tuple[str, str]:
+    if not stretch.settled:
+        return "not_steady", "speed or turning rate still change at the end: film for longer"
+    if base["arc_deg"] < LEAST_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
+        return "short_arc", (
+            f"an arc of {base['arc_deg']:.0f} degrees leaves the radius "
+            f"uncertain by {circle.radius_std_m:.3f} m: film for longer, or start so that the turn stays in the pool"
+        )
+    rate = abs(float(np.mean(track.yaw_rate_rad_s[stretch.frames])))
+    other = base["speed_m_s"] / rate if rate > 0 else float("inf")
+    apart = abs(other - circle.radius_m)
+    if apart > max(3 * circle.radius_std_m, 0.05 * circle.radius_m):
+        return "good", f"speed / yaw rate gives {other:.3f} m: the water may move"
+    return "good", ""

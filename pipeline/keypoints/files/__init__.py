@@ -1,0 +1,1 @@
+"""Readers of keypoint files: DeepLabCut csv and h5, SLEAP analysis h5."""

@@ -1,0 +1,96 @@
+"""Lists of names out of a pickle, read as text: nothing is ever unpickled.
+
+Pandas stores column names of its h5 tables as a pickle of lists, tuples and strings.
+`pickletools.genops` only splits a pickle into its steps; the few that build such literals are
+followed here by hand, any other (a class, a call) is refused.
+"""
+
+from __future__ import annotations
+
+import pickletools
+from typing import Any
+
+MARK = object()
+MOST_STEPS = 2_000_000
+VALUES = {
+    "UNICODE", "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "STRING", "BINSTRING",
+    "SHORT_BINSTRING", "INT", "BININT", "BININT1", "BININT2", "LONG", "LONG1", "FLOAT", "BINFLOAT",
+}  # fmt: skip
+SINGLES: dict[str, Any] = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False}
+EMPTY: dict[str, type] = {"EMPTY_LIST": list, "EMPTY_TUPLE": tuple, "EMPTY_DICT": dict}
+
+
+class NotLiteral(ValueError):
+    """The pickle holds something other than lists, tuples, dicts, strings and numbers."""
+
+
+def literal(pickled: bytes) -> Any:
+    """The list, tuple, dict, string or number that a pickle spells out.
+
+    Raises: NotLiteral where it would make anything else, or is damaged.
+    """
+    stack: list[Any] = []
+    memo: dict[int, Any] = {}
+    try:
+        for count, (step, argument, _) in enumerate(pickletools.genops(pickled)):
+            if count > MOST_STEPS:
+                raise NotLiteral("too long")
+            if step.name == "STOP":
+                return stack.pop()
+            _follow(step.name, argument, stack, memo)
+    except (IndexError, KeyError, TypeError, UnicodeDecodeError, ValueError) as error:
+        raise NotLiteral(str(error)) from error
+    raise NotLiteral("no end")
+
+
+def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) -> None:
+    if name in VALUES:
+        stack.append(argument)
+    elif name in SINGLES:
+        stack.append(SINGLES[name])
+    elif name in EMPTY:
+        stack.append(EMPTY[name]())
+    elif name in ("PROTO", "FRAME"):
+        return
+    elif name == "MARK":
+        stack.append(MARK)
+    elif name in ("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE"):
+        memo[len(memo) if name == "MEMOIZE" else int(argument)] = stack[-1]
+    elif name in ("GET", "BINGET", "LONG_BINGET"):
+        stack.append(memo[int(argument)])
+    else:
+        _gather(name, stack)
+
+
+def _gather(name: str, stack: list[Any]) -> None:
+    """Steps that take things off the stack and put one thing back."""
+    if name in ("TUPLE1", "TUPLE2", "TUPLE3"):
+        count = int(name[-1])
+        stack[-count:] = [tuple(stack[-count:])]
+    elif name == "APPEND":
+        stack[-2].append(stack.pop())
+    elif name == "SETITEM":
+        value, key = stack.pop(), stack.pop()
+        stack[-1][key] = value
+    elif name in ("TUPLE", "LIST", "DICT", "APPENDS", "SETITEMS"):
+        _from_mark(name, stack)
+    else:
+        raise NotLiteral(f"step {name}")
+
+
+def _from_mark(name: str, stack: list[Any]) -> None:
+    at = len(stack) - 1 - next(i for i, item in enumerate(reversed(stack)) if item is MARK)
+    items = stack[at + 1 :]
+    del stack[at:]
+    if name == "TUPLE":
+        stack.append(tuple(items))
+    elif name == "LIST":
+        stack.append(items)
+    elif name == "APPENDS":
+        stack[-1].extend(items)
+    else:
+        pairs = dict(zip(items[::2], items[1::2], strict=True))
+        if name == "DICT":
+            stack.append(pairs)
+        else:
+            stack[-1].update(pairs)

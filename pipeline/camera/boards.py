@@ -35,7 +35,7 @@ class Board:
         """Inner corners (columns * rows, 3) on the board, row by row."""
         x, y = np.meshgrid(np.arange(self.columns), np.arange(self.rows))
         flat = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-        return flat * self.square_m
+        return np.asarray(flat * self.square_m, dtype=np.float64)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,275 @@
+"""What geometry error is left: rigid keypoint distances mapped over the pool name it.
+
+Needs no ground truth: the head's and the core's lengths are known and must come out the same
+everywhere. Which error bends them is told by the pattern over the pool.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import f as f_distribution
+
+from ..data import Float, Positions
+from ..study import Robot
+from .distances import Distances, Geometry, camera_patterns, keypoint_patterns, rigid_distances
+from .pool import PoolCamera
+
+FALSE_ALARM = 0.001
+RIVAL_MARGIN = 6.0
+MAP_CELLS = (8, 5)
+ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """One possible error: its name, parameters, how large each may plausibly be, its statement."""
+
+    name: str
+    parameters: tuple[str, ...]
+    widths: tuple[float, ...]
+    units: tuple[str, ...]
+    sentence: str
+
+
+SUSPECTS = (
+    Suspect("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by"),
+    Suspect(
+        "lens_error", ("focal", "k1"), (0.02, 0.05), ("-", "-"), "the lens differs from its matrix"
+    ),
+    Suspect(
+        "camera_shift",
+        ("tilt_x_rad", "tilt_y_rad"),
+        (0.02, 0.02),
+        ("rad", "rad"),
+        "the camera has turned since the corners were taken by",
+    ),
+    Suspect("keypoint_depth", ("depth_m",), (0.02,), ("m",), "the keypoints lie deeper by"),
+    Suspect(
+        "uncorrected_refraction",
+        ("refractive_index",),
+        (0.33,),
+        ("-",),
+        "light is bent more at the surface than assumed, by an index of",
+    ),
+    *(
+        Suspect("keypoint_bias", (f"{part}_m",), (0.005,), ("m",), f"{part} is marked off by")
+        for part in ("head_tip", "hinge", "core_center", "tail_base")
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One suspect fitted alone: its parameters' values and std, and how much it explains.
+
+    gain: fall of the misfit (chi-squared of independent frames, less the price of implausibly
+    large values). p_value: chance of such a pattern with nothing wrong, trials as clusters.
+    """
+
+    suspect: Suspect
+    values: tuple[float, ...]
+    stds: tuple[float, ...]
+    gain: float
+    p_value: float
+
+    @property
+    def text(self) -> str:
+        """The statement with its numbers."""
+        terms = [
+            f"{name} {value:+.3g} +- {std:.1g}" + ("" if unit == "-" else f" {unit}")
+            for name, value, std, unit in zip(
+                self.suspect.parameters, self.values, self.stds, self.suspect.units, strict=True
+            )
+        ]
+        return f"{self.suspect.sentence}: {', '.join(terms)}"
+
+
+@dataclass(frozen=True)
+class DistanceMap:
+    """Relative error of rigid distances over the pool, for a picture.
+
+    x_edges_m, y_edges_m: cell borders. excess: (rows, columns) mean of measured / known - 1, NaN
+    where the robot never was; std: of that mean; count: distances in the cell; model: what the
+    named error predicts there.
+    """
+
+    x_edges_m: Float
+    y_edges_m: Float
+    excess: Float
+    std: Float
+    count: Float
+    model: Float
+
+
+@dataclass(frozen=True)
+class GeometryCheck:
+    """What the rigid distances say: outcome `nothing`, or the name of the error that explains them.
+
+    best: the estimate behind it; rivals: names that explain them as well; estimates: all, best
+    first; mean_excess, mean_excess_std: overall relative error of length, trials as clusters.
+    """
+
+    outcome: str
+    sentence: str
+    best: Estimate | None
+    rivals: tuple[str, ...]
+    estimates: tuple[Estimate, ...]
+    mean_excess: float
+    mean_excess_std: float
+    map: DistanceMap
+
+
+def check_geometry(
+    camera: PoolCamera,
+    trials: Sequence[Positions],
+    *,
+    depth_m: float,
+    head_lengths_m: Sequence[float],
+    robot: Robot,
+) -> GeometryCheck:
+    """Outcome of the rigid distances of one campaign, mapped with `camera` at `depth_m`.
+
+    Each suspect's pattern d(distance)/d(parameter) is fitted alone by weighted least squares with
+    a prior of plausible width; it is named when its F test, with trials as independent clusters,
+    would pass by chance once in 1000 over all suspects. Nothing less than that is reported.
+
+    Raises: Fault where no rigid pair is ever seen.
+    """
+    distances = rigid_distances(trials, head_lengths_m, robot)
+    patterns = {
+        **camera_patterns(Geometry(camera, depth_m), distances),
+        **keypoint_patterns(distances),
+    }
+    fits = [
+        estimate(suspect, patterns, distances)
+        for suspect in SUSPECTS
+        if set(suspect.parameters) <= set(patterns)
+    ]
+    fits.sort(key=lambda fit: -fit.gain)
+    mean, std = _overall(distances)
+    certain = [fit for fit in fits if fit.p_value < FALSE_ALARM / len(fits)]
+    best = certain[0] if certain else None
+    rivals: tuple[str, ...] = ()
+    if best is not None:
+        near = [f for f in fits if f is not best and f.gain > best.gain - RIVAL_MARGIN]
+        rivals = tuple(_name(fit) for fit in near)
+    return GeometryCheck(
+        outcome=best.suspect.name if best else "nothing",
+        sentence=_sentence(best, rivals, mean, std),
+        best=best,
+        rivals=rivals,
+        estimates=tuple(fits),
+        mean_excess=mean,
+        mean_excess_std=std,
+        map=_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
+    )
+
+
+def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances) -> Estimate:
+    """One suspect fitted to the distances alone."""
+    design = np.column_stack([patterns[name] for name in suspect.parameters])
+    weight = 1 / distances.std_m**2
+    prior = np.diag(1 / np.array(suspect.widths) ** 2)
+    normal = design.T @ (design * weight[:, None]) + prior
+    pull = design.T @ (weight * distances.excess_m)
+    values = np.linalg.solve(normal, pull)
+    cov, trials = _clustered(design, values, distances, normal)
+    k = len(values)
+    wald = float(values @ np.linalg.solve(cov, values)) / k
+    return Estimate(
+        suspect=suspect,
+        values=tuple(map(float, values)),
+        stds=tuple(map(float, np.sqrt(np.diag(cov)))),
+        gain=float(pull @ values),
+        p_value=float(f_distribution.sf(wald, k, max(1, trials - k))),
+    )
+
+
+def estimate_depth(
+    camera: PoolCamera,
+    trials: Sequence[Positions],
+    *,
+    depth_m: float,
+    head_lengths_m: Sequence[float],
+    robot: Robot,
+) -> tuple[float, float]:
+    """Depth of the keypoints, m, and its std, for trials mapped with `camera` at a guess `depth_m`.
+
+    The depth at which the rigid distances come out right, everything else being right: 1 mm of
+    depth is worth about 0.04 % of length from 2 m up, so it needs lengths and pool known well.
+    """
+    distances = rigid_distances(trials, head_lengths_m, robot)
+    suspect = Suspect("keypoint_depth", ("depth_m",), (1.0,), ("m",), "the keypoints lie deeper by")
+    patterns = camera_patterns(Geometry(camera, depth_m), distances)
+    found = estimate(suspect, patterns, distances)
+    return depth_m + found.values[0], found.stds[0]
+
+
+def _clustered(
+    design: Float, values: Float, distances: Distances, normal: Float
+) -> tuple[Float, int]:
+    """Covariance of the values: the larger of independent frames and trials as clusters."""
+    bread = np.linalg.inv(normal)
+    miss = (distances.excess_m - design @ values) / distances.std_m**2
+    labels = np.unique(distances.trial)
+    pulls = np.array([design[distances.trial == t].T @ miss[distances.trial == t] for t in labels])
+    meat = pulls.T @ pulls * len(labels) / max(1, len(labels) - 1)
+    sandwich = bread @ meat @ bread
+    spread = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(bread), 1.0))
+    return bread * np.outer(spread, spread), len(labels)
+
+
+def _overall(distances: Distances) -> tuple[float, float]:
+    """Weighted mean of the relative excess and its std, trials as clusters."""
+    relative = distances.excess_m / distances.known_m
+    weight = (distances.known_m / distances.std_m) ** 2
+    mean = float(np.average(relative, weights=weight))
+    labels = np.unique(distances.trial)
+    pulls = [np.sum((weight * (relative - mean))[distances.trial == trial]) for trial in labels]
+    return mean, float(np.sqrt(np.sum(np.square(pulls)))) / float(np.sum(weight))
+
+
+def _predicted(best: Estimate | None, patterns: dict[str, Float], size: int) -> Float:
+    if best is None:
+        return np.zeros(size)
+    terms = zip(best.suspect.parameters, best.values, strict=True)
+    return np.sum([patterns[name] * value for name, value in terms], axis=0)
+
+
+def _map(camera: PoolCamera, distances: Distances, predicted: Float) -> DistanceMap:
+    length, width = camera.pool_size_m
+    x_edges = np.linspace(0, length, MAP_CELLS[0] + 1)
+    y_edges = np.linspace(0, width, MAP_CELLS[1] + 1)
+    middle = (distances.front_m + distances.back_m) / 2
+    weight = (distances.known_m / distances.std_m) ** 2
+
+    def summed(values: Float) -> Float:
+        grid = np.histogram2d(*middle.T, bins=(x_edges, y_edges), weights=values)[0]
+        return np.asarray(grid.T, dtype=np.float64)
+
+    total = summed(weight)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return DistanceMap(
+            x_edges_m=x_edges,
+            y_edges_m=y_edges,
+            excess=summed(weight * distances.excess_m / distances.known_m) / total,
+            std=1 / np.sqrt(total),
+            count=summed(np.ones_like(weight)),
+            model=summed(weight * predicted / distances.known_m) / total,
+        )
+
+
+def _name(fit: Estimate) -> str:
+    part = fit.suspect.parameters[0].removesuffix("_m")
+    return f"keypoint_bias of {part}" if fit.suspect.name == "keypoint_bias" else fit.suspect.name
+
+
+def _sentence(best: Estimate | None, rivals: tuple[str, ...], mean: float, std: float) -> str:
+    length = f"rigid lengths come out {100 * mean:+.2f} +- {100 * std:.2f} % over the pool"
+    if best is None:
+        return f"{length}; no geometry error shows"
+    also = f"; as well explained by {', '.join(rivals)}" if rivals else ""
+    return f"{length}; {best.text}{also}"

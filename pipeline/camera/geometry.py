@@ -14,13 +14,12 @@ from scipy.stats import f as f_distribution
 
 from ..data import Float, Positions
 from ..study import Robot
+from .distance_map import DistanceMap, distance_map
 from .distances import Distances, Geometry, camera_patterns, keypoint_patterns, rigid_distances
 from .pool import PoolCamera
 
 FALSE_ALARM = 0.001
 RIVAL_MARGIN = 6.0
-MAP_CELLS = (8, 5)
-ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -88,23 +87,6 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class DistanceMap:
-    """Relative error of rigid distances over the pool, for a picture.
-
-    x_edges_m, y_edges_m: cell borders. excess: (rows, columns) mean of measured / known - 1, NaN
-    where the robot never was; std: of that mean; count: distances in the cell; model: what the
-    named error predicts there.
-    """
-
-    x_edges_m: Float
-    y_edges_m: Float
-    excess: Float
-    std: Float
-    count: Float
-    model: Float
-
-
-@dataclass(frozen=True)
 class GeometryCheck:
     """What the rigid distances say: outcome `nothing`, or the name of the error that explains them.
 
@@ -164,7 +146,7 @@ def check_geometry(
         estimates=tuple(fits),
         mean_excess=mean,
         mean_excess_std=std,
-        map=_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
+        map=distance_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
     )
 
 
@@ -237,29 +219,6 @@ def _predicted(best: Estimate | None, patterns: dict[str, Float], size: int) -> 
         return np.zeros(size)
     terms = zip(best.suspect.parameters, best.values, strict=True)
     return np.sum([patterns[name] * value for name, value in terms], axis=0)
-
-
-def _map(camera: PoolCamera, distances: Distances, predicted: Float) -> DistanceMap:
-    length, width = camera.pool_size_m
-    x_edges = np.linspace(0, length, MAP_CELLS[0] + 1)
-    y_edges = np.linspace(0, width, MAP_CELLS[1] + 1)
-    middle = (distances.front_m + distances.back_m) / 2
-    weight = (distances.known_m / distances.std_m) ** 2
-
-    def summed(values: Float) -> Float:
-        grid = np.histogram2d(*middle.T, bins=(x_edges, y_edges), weights=values)[0]
-        return np.asarray(grid.T, dtype=np.float64)
-
-    total = summed(weight)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return DistanceMap(
-            x_edges_m=x_edges,
-            y_edges_m=y_edges,
-            excess=summed(weight * distances.excess_m / distances.known_m) / total,
-            std=1 / np.sqrt(total),
-            count=summed(np.ones_like(weight)),
-            model=summed(weight * predicted / distances.known_m) / total,
-        )
 
 
 def _name(fit: Estimate) -> str:

@@ -19,18 +19,8 @@ STEP_S = 1 / 60
 
 def switches(system: System, values: Float) -> np.ndarray:
     """Which effects any of the parameter vectors `(..., parameters)` uses, uint8 `(effects,)`."""
-    strengths = [values[..., system.slots(e.name)] for e in system.effects]
-    first = [
-        np.any(s[..., 0] != 0) or _linear_pair(e.name, s)
-        for e, s in zip(system.effects, strengths, strict=True)
-    ]
-    return np.array(first, dtype=np.uint8)
-
-
-def _linear_pair(name: str, strengths: Float) -> bool:
-    """Effects whose further parameters act with a strength of 0 (current, bias, shift)."""
-    pairs = ("uniform_current", "keypoint_bias", "camera_shift")
-    return name in pairs and bool(np.any(strengths != 0))
+    on = [np.any(values[..., system.slots(e.name)[: e.strengths]] != 0) for e in system.effects]
+    return np.array(on, dtype=np.uint8)
 
 
 def propagate(

@@ -45,7 +45,8 @@ class Stage:
 class Effect:
     """One physical or measuring statement that may be absent or present.
 
-    It is absent when its first parameter, the strength, is 0; the others give it its form.
+    It is absent when its strengths, the first `strengths` parameters, are 0; the others give it
+    its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
     measurements -> function of the parameters that predicts them.
@@ -63,6 +64,7 @@ class Effect:
     evidence: Mapping[str, Function] = field(default_factory=dict)
     confused_with: tuple[str, ...] = ()
     regime: str = ""
+    strengths: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +130,9 @@ class System:
         if "." not in parameter.name:
             return parameter.start
         effect, name = parameter.name.split(".", 1)
-        return 0.0 if name == self.effect(effect).parameters[0].name else parameter.start
+        found = self.effect(effect)
+        strengths = [p.name for p in found.parameters[: found.strengths]]
+        return 0.0 if name in strengths else parameter.start
 
 
 def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
@@ -158,4 +162,5 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         evidence=dict(getattr(module, "EVIDENCE", {})),
         confused_with=tuple(getattr(module, "CONFUSED_WITH", ())),
         regime=getattr(module, "REGIME", ""),
+        strengths=getattr(module, "STRENGTHS", 1),
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-
 from numba import njit
 
 FAST = frozenset({"nsz", "contract", "arcp", "reassoc"})

@@ -14,6 +14,7 @@ CHANNELS = ("sway", "yaw")
 STATEMENT = "The camera was moved: from some moment on everything is seen displaced."
 REGIME = "from one trial or moment on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
+STRENGTHS = 2
 PARAMETERS = (
     Parameter("dx", "m", 0.005, -0.3, 0.3, "displacement in x"),
     Parameter("dy", "m", 0.005, -0.3, 0.3, "displacement in y"),

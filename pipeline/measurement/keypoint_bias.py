@@ -13,6 +13,7 @@ CHANNELS = ("sway", "yaw")
 STATEMENT = "A keypoint is always placed beside its true point on the robot."
 REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "camera_shift")
+STRENGTHS = 2
 PARAMETERS = (
     Parameter("by", "m", 0.003, -0.05, 0.05, "displacement to the left of the core"),
     Parameter("bx", "m", 0.003, -0.05, 0.05, "displacement along the core"),

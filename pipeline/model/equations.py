@@ -70,7 +70,7 @@ def plate(
 def force(
     rho: float,
     A: float,
-    l: float,  # noqa: E741
+    l: float,
     r: float,
     uh: float,
     vh: float,

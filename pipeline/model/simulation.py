@@ -19,7 +19,8 @@ NEVER_S = 1e9
 @dataclass(frozen=True)
 class Simulation:
     """A simulated path: time_s (n,), state (n, 6) = x, y [m], theta [rad] (head direction),
-    x_dot, y_dot [m/s], theta_dot [rad/s], world axes (Eq. 8); heading_rad (n,): the core's."""
+    x_dot, y_dot [m/s], theta_dot [rad/s], world axes (Eq. 8); heading_rad (n,): the core's.
+    """
 
     time_s: Float
     state: Float

@@ -157,7 +157,7 @@ def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances)
     prior = np.diag(1 / np.array(suspect.widths) ** 2)
     normal = design.T @ (design * weight[:, None]) + prior
     pull = design.T @ (weight * distances.excess_m)
-    values = np.linalg.solve(normal, pull)
+    values = np.asarray(np.linalg.solve(normal, pull), dtype=np.float64)
     cov, trials = _clustered(design, values, distances, normal)
     k = len(values)
     wald = float(values @ np.linalg.solve(cov, values)) / k

@@ -28,7 +28,7 @@ def plane_camera(
     corners' plane seen from `LOWEST_HEIGHT_M` above the pool's middle, plus that of a lens with
     k1 = -0.2 (an action camera's wide mode) whose corners were fitted.
     """
-    to_plane = _through_four(corners_px, corners_m[:, :2])
+    to_plane = through_four(corners_px, corners_m[:, :2])
     depth, lens = depth_bound_m(corners_m, index), lens_bound_m(corners_m)
     size = size_px or _covering(corners_px)
     _check_order(corners_px, corners_m, size)
@@ -72,7 +72,7 @@ def lens_bound_m(corners_m: Float) -> float:
     shift = -turn @ (middle + np.array([0, 0, height]))
     grid = _grid(corners_m, float(middle[2]))
     image, marks = (pixels(lens, points @ turn + shift) for points in (grid, corners_m))
-    back = _through_four(marks, corners_m[:, :2])
+    back = through_four(marks, corners_m[:, :2])
     return float(np.max(np.linalg.norm(transformed(back, image) - grid[:, :2], axis=1)))
 
 
@@ -81,7 +81,7 @@ def _grid(corners_m: Float, z: float) -> Float:
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, z)])
 
 
-def _through_four(source: Float, target: Float) -> Float:
+def through_four(source: Float, target: Float) -> Float:
     """The homography through four pairs of points, solved in double precision."""
     rows = []
     for (u, v), (x, y) in zip(source, target, strict=True):

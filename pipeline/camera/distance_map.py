@@ -1,0 +1,56 @@
+"""Rigid distances over the pool, cell by cell: the data of a picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from .distances import Distances
+from .pool import PoolCamera
+
+MAP_CELLS = (8, 5)
+
+
+@dataclass(frozen=True)
+class DistanceMap:
+    """Relative error of rigid distances over the pool, for a picture.
+
+    x_edges_m, y_edges_m: cell borders. excess: (rows, columns) mean of measured / known - 1, NaN
+    where the robot never was; std: of that mean; count: distances in the cell; model: what the
+    named error predicts there.
+    """
+
+    x_edges_m: Float
+    y_edges_m: Float
+    excess: Float
+    std: Float
+    count: Float
+    model: Float
+
+
+def distance_map(camera: PoolCamera, distances: Distances, predicted: Float) -> DistanceMap:
+    """Relative excess of the distances over the pool beside what a named error predicts (n,)."""
+    length, width = camera.pool_size_m
+    x_edges = np.linspace(0, length, MAP_CELLS[0] + 1)
+    y_edges = np.linspace(0, width, MAP_CELLS[1] + 1)
+    middle = (distances.front_m + distances.back_m) / 2
+    weight = (distances.known_m / distances.std_m) ** 2
+
+    def summed(values: Float) -> Float:
+        grid = np.histogram2d(middle[:, 0], middle[:, 1], bins=[x_edges, y_edges], weights=values)[
+            0
+        ]
+        return np.asarray(grid.T, dtype=np.float64)
+
+    total = summed(weight)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return DistanceMap(
+            x_edges_m=x_edges,
+            y_edges_m=y_edges,
+            excess=summed(weight * distances.excess_m / distances.known_m) / total,
+            std=1 / np.sqrt(total),
+            count=summed(np.ones_like(weight)),
+            model=summed(weight * predicted / distances.known_m) / total,
+        )

@@ -49,7 +49,7 @@ class Effect:
     its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> function of the parameters that predicts them.
+    measurements -> how many times the strength they change by.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Effect:
     channels: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     rates: Function | None = None
-    evidence: Mapping[str, Function] = field(default_factory=dict)
+    evidence: Mapping[str, float] = field(default_factory=dict)
     confused_with: tuple[str, ...] = ()
     regime: str = ""
     strengths: int = 1

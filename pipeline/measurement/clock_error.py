@@ -13,14 +13,10 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The frame rate is wrong: everything is seen too slow or too fast by the same share."
 REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
 CONFUSED_WITH = ("scale_error",)
+EVIDENCE = {"clock_ratio": 1.0}
 PARAMETERS = (Parameter("k", "1", 0.01, -0.6, 1.5, "share by which true time runs faster"),)
 
 
 def clock(k: float) -> tuple[float]:
     """Change of the rate of true time."""
     return (k,)
-
-
-def clock_ratio(k: float) -> float:
-    """Tail-beat frequency seen over motor log, minus 1."""
-    return k

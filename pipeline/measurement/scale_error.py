@@ -14,6 +14,7 @@ CHANNELS = ("surge", "sway")
 STATEMENT = "The scale is wrong: all lengths are seen too long or too short by the same share."
 REGIME = "everything, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
+EVIDENCE = {"scale": 1.0}
 PARAMETERS = (Parameter("k", "1", 0.01, -0.3, 0.3, "share by which lengths are seen too long"),)
 
 
@@ -22,8 +23,3 @@ def observe(
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
     return k * (x - 0.5 * L_pool), k * (y - 0.5 * W_pool), 0.0, 0.0
-
-
-def scale(k: float) -> float:
-    """Rigid lengths seen over true, minus 1."""
-    return k

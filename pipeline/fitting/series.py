@@ -1,0 +1,63 @@
+"""What a fit is made to: one time series a trial, and the noise that is in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..data import Float
+
+
+@dataclass(frozen=True)
+class Series:
+    """One trial as the filter sees it.
+
+    times (n,), inputs (n, inputs), constants (constants,), seen (n, observations) with NaN where
+    missing, noise (n, observations, observations), mean (states,) and cov (states, states) before
+    the first frame. group: what trials share that have coefficients of their own (a power).
+    condition: what repeats share. evidence: name -> (value, std) of side measurements.
+    """
+
+    name: str
+    group: str
+    condition: str
+    times: Float
+    inputs: Float
+    constants: Float
+    seen: Float
+    noise: Float
+    mean: Float
+    cov: Float
+    evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Strength of what is random.
+
+    disturbance (3 or fewer,): stationary standard deviation of each disturbing state, in the order
+    of the disturbance's states; tau: its correlation time [s]. scale (observations,): factor on
+    the stated standard deviation of each observation.
+    """
+
+    disturbance: Float
+    tau: float
+    scale: Float
+
+    def __post_init__(self) -> None:
+        if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or self.tau <= 0:
+            raise ValueError("noise strengths must be positive")
+
+
+@dataclass(frozen=True)
+class Free:
+    """One number that a fit may change: a parameter, for all groups or for one alone."""
+
+    name: str
+    group: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Name in tables: `C_Md` or `C_Md@50`."""
+        return self.name if self.group is None else f"{self.name}@{self.group}"

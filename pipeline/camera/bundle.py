@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from ..data import Float
@@ -15,7 +17,9 @@ from .lens import Lens, directions, pixels
 FOCAL_SHARES = (0.45, 0.65, 0.95, 1.4, 2.1)
 SMALLEST_COSINE = 0.05
 ROUNDS = 60
-LOST_PX = 300.0
+PLACE_ROUNDS = 12
+SMALLEST_GAIN = 1e-9
+LOST_PX = -3000.0
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,7 @@ def fit_lens(views: list[View], model: str, terms: int, size_px: tuple[int, int]
         lens = lens_of(np.append(begin, np.zeros(terms)), model, size_px)
         poses = start_poses(lens, views)
         if poses is not None:
-            fits.append(adjust(lens, poses, views, rounds=12))
+            fits.append(adjust(lens, poses, views, rounds=8))
     if not fits:
         raise ValueError(f"no starting focal length suits the {model} model")
     best = min(fits, key=lambda fit: fit.rms_px)
@@ -62,24 +66,25 @@ def adjust(lens: Lens, poses: Float, views: list[View], *, rounds: int = ROUNDS)
     Each view's pose is eliminated from the normal equations (their form is an arrow), so the cost
     grows with the number of views, not its cube.
     """
-    state, damping = parameters(lens), 1e-3
-    misses = _misses(state, poses, lens, views)
+    state, damping, given = parameters(lens), 1e-3, _problem(lens, views)
+    misses = _misses(state, poses, given)
     for _ in range(rounds):
-        parts = _normal_parts(state, poses, lens, views, misses)
+        parts = _normal_parts(state, poses, given, misses)
         while damping < 1e12:
             step, moves = _step(parts, damping)
-            tried = _misses(state + step, poses + moves, lens, views)
-            if _cost(tried) < _cost(misses):
+            tried = _misses(state + step, poses + moves, given)
+            if np.sum(tried**2) < np.sum(misses**2):
                 break
             damping *= 8
         else:
             break
-        gain = 1 - _cost(tried) / _cost(misses)
+        gain = 1 - np.sum(tried**2) / np.sum(misses**2)
         state, poses, misses, damping = state + step, poses + moves, tried, damping / 10
-        if gain < 1e-10:
+        if gain < SMALLEST_GAIN:
             break
-    lens_cov = _sandwich(_normal_parts(state, poses, lens, views, misses))
-    return Fitted(lens_of(state, lens.model, lens.size_px), poses, tuple(misses), lens_cov)
+    lens_cov = _sandwich(_normal_parts(state, poses, given, misses))
+    residuals = tuple(misses[part] for part in given.slices)
+    return Fitted(lens_of(state, lens.model, lens.size_px), poses, residuals, lens_cov)
 
 
 def place_views(lens: Lens, views: list[View]) -> Fitted:
@@ -87,17 +92,24 @@ def place_views(lens: Lens, views: list[View]) -> Fitted:
     poses = start_poses(lens, views)
     if poses is None:
         raise ValueError("a held-out view lies outside the lens model")
-    state, damping = parameters(lens), 1e-3
-    misses = _misses(state, poses, lens, views)
-    for _ in range(30):
-        parts = _normal_parts(state, poses, lens, views, misses)
-        moves = np.array([_solve(d, damping, g) for _, _, d, _, g in parts])
-        tried = _misses(state, poses + moves, lens, views)
-        better = np.array([_cost([t]) < _cost([m]) for t, m in zip(tried, misses, strict=True)])
-        damping = damping / 10 if np.any(better) else damping * 10
+    state, damping, given = parameters(lens), np.full(len(views), 1e-3), _problem(lens, views)
+    misses = _misses(state, poses, given)
+    cost = np.array([np.sum(misses[part] ** 2) for part in given.slices])
+    for _ in range(PLACE_ROUNDS):
+        parts = _normal_parts(state, poses, given, misses)
+        damped = parts.pose * (1 + damping[:, None, None] * np.eye(6)) + 1e-30 * np.eye(6)
+        moves = np.linalg.solve(damped, parts.pose_pull[:, :, None])[:, :, 0]
+        tried = _misses(state, poses + moves, given)
+        after = np.array([np.sum(tried[part] ** 2) for part in given.slices])
+        better = after < cost
+        if not np.any(after < (1 - SMALLEST_GAIN) * cost) and np.all(damping > 1e3):
+            break
+        damping = np.where(better, damping / 10, damping * 100)
         poses = np.where(better[:, None], poses + moves, poses)
-        misses = [t if b else m for t, m, b in zip(tried, misses, better, strict=True)]
-    return Fitted(lens, poses, tuple(misses), np.zeros((len(state), len(state))))
+        misses = np.where(better[given.which, None], tried, misses)
+        cost = np.minimum(cost, after)
+    residuals = tuple(misses[part] for part in given.slices)
+    return Fitted(lens, poses, residuals, np.zeros((len(state), len(state))))
 
 
 def parameters(lens: Lens) -> Float:
@@ -128,83 +140,101 @@ def start_poses(lens: Lens, views: list[View]) -> Float | None:
     return np.array(poses)
 
 
-Parts = list[tuple[Float, Float, Float, Float, Float]]
+@dataclass(frozen=True)
+class _Problem:
+    """All corners of all views in one: board_m (n, 3), image_px (n, 2), view number (n,)."""
+
+    board_m: Float
+    image_px: Float
+    which: npt.NDArray[np.intp]
+    slices: tuple[slice, ...]
+    model: str
+    size_px: tuple[int, int]
 
 
-def _misses(state: Float, poses: Float, lens: Lens, views: list[View]) -> list[Float]:
-    tried = lens_of(state, lens.model, lens.size_px)
+@dataclass(frozen=True)
+class _Parts:
+    """Normal equations, view by view: lens (v, p, p), cross (v, p, 6), pose (v, 6, 6), and J'r."""
+
+    lens: Float
+    cross: Float
+    pose: Float
+    lens_pull: Float
+    pose_pull: Float
+
+
+def _problem(lens: Lens, views: list[View]) -> _Problem:
+    counts = [len(view.board_m) for view in views]
+    ends = np.cumsum([0, *counts])
+    return _Problem(
+        board_m=np.concatenate([view.board_m for view in views]),
+        image_px=np.concatenate([view.image_px for view in views]),
+        which=np.repeat(np.arange(len(views)), counts),
+        slices=tuple(slice(a, b) for a, b in pairwise(ends)),
+        model=lens.model,
+        size_px=lens.size_px,
+    )
+
+
+def _misses(state: Float, poses: Float, given: _Problem) -> Float:
+    """Found minus modelled corner (n, 2), px."""
     turns = Rotation.from_rotvec(poses[:, :3]).as_matrix()
-    placed = [
-        view.board_m @ turn.T + pose[3:]
-        for view, turn, pose in zip(views, turns, poses, strict=True)
-    ]
-    image = np.nan_to_num(pixels(tried, np.concatenate(placed)), nan=-LOST_PX * 10)
-    ends = np.cumsum([len(view.board_m) for view in views])[:-1]
-    return [v.image_px - i for v, i in zip(views, np.split(image, ends), strict=True)]
+    placed = np.einsum("nij,nj->ni", turns[given.which], given.board_m) + poses[given.which, 3:]
+    image = pixels(lens_of(state, given.model, given.size_px), placed)
+    return given.image_px - np.nan_to_num(image, nan=LOST_PX)
 
 
-def _cost(misses: list[Float]) -> float:
-    return float(sum(np.sum(m**2) for m in misses))
+def _normal_parts(state: Float, poses: Float, given: _Problem, misses: Float) -> _Parts:
+    size = len(state)
+    slope = np.empty((*misses.shape, size + 6))
+    for i, step in enumerate(np.diag(1e-6 * np.maximum(1.0, np.abs(state)))):
+        slope[:, :, i] = (misses - _misses(state + step, poses, given)) / step[i]
+    for i, step in enumerate(1e-7 * np.eye(6)):
+        slope[:, :, size + i] = (misses - _misses(state, poses + step, given)) / 1e-7
+    blocks, pulls = [], []
+    for part in given.slices:
+        rows = slope[part].reshape(-1, size + 6)
+        blocks.append(rows.T @ rows)
+        pulls.append(rows.T @ misses[part].ravel())
+    block, pull = np.array(blocks), np.array(pulls)
+    return _Parts(
+        lens=block[:, :size, :size],
+        cross=block[:, :size, size:],
+        pose=block[:, size:, size:],
+        lens_pull=pull[:, :size],
+        pose_pull=pull[:, size:],
+    )
 
 
-def _normal_parts(
-    state: Float, poses: Float, lens: Lens, views: list[View], misses: list[Float]
-) -> Parts:
-    """Per view: J'J of the lens, lens by pose, of the pose; J'r of the lens and of the pose."""
-    columns = []
-    for i in range(len(state)):
-        step = np.zeros(len(state))
-        step[i] = 1e-6 * max(1.0, abs(state[i]))
-        moved = _misses(state + step, poses, lens, views)
-        columns.append([(m - t).ravel() / step[i] for m, t in zip(misses, moved, strict=True)])
-    for i in range(6):
-        step = np.zeros(6)
-        step[i] = 1e-7
-        moved = _misses(state, poses + step, lens, views)
-        columns.append([(m - t).ravel() / 1e-7 for m, t in zip(misses, moved, strict=True)])
-    parts = []
-    for k, miss in enumerate(misses):
-        slope = np.column_stack([column[k] for column in columns])
-        a, b = slope[:, : len(state)], slope[:, len(state) :]
-        r = miss.ravel()
-        parts.append((a.T @ a, a.T @ b, b.T @ b, a.T @ r, b.T @ r))
-    return parts
-
-
-def _step(parts: Parts, damping: float) -> tuple[Float, Float]:
-    normal = sum(p[0] for p in parts)
-    reduced = normal + damping * np.diag(np.diag(normal))
-    pull = np.sum([p[3] for p in parts], axis=0)
-    inverses = [np.linalg.pinv(_damped(p[2], damping)) for p in parts]
-    for (_, cross, _, _, g), inverse in zip(parts, inverses, strict=True):
-        reduced = reduced - cross @ inverse @ cross.T
-        pull = pull - cross @ inverse @ g
+def _step(parts: _Parts, damping: float) -> tuple[Float, Float]:
+    """Step of the lens (p,) and of the poses (v, 6): Schur complement of the arrow."""
+    normal = parts.lens.sum(axis=0)
+    inverse = np.linalg.inv(_damped(parts.pose, damping))
+    share = parts.cross @ inverse
+    reduced = _damped(normal[None], damping)[0] - np.sum(
+        share @ np.swapaxes(parts.cross, 1, 2), axis=0
+    )
+    pull = np.sum(parts.lens_pull - (share @ parts.pose_pull[:, :, None])[:, :, 0], axis=0)
     step = _scaled_solve(reduced, pull)
-    moves = [i @ (p[4] - p[1].T @ step) for p, i in zip(parts, inverses, strict=True)]
-    return step, np.array(moves)
+    left = parts.pose_pull - np.einsum("vpi,p->vi", parts.cross, step)
+    return step, np.einsum("vij,vj->vi", inverse, left)
 
 
-def _sandwich(parts: Parts) -> Float:
+def _sandwich(parts: _Parts) -> Float:
     """Covariance of the lens: bread of the reduced normal matrix, meat of each view's own pull."""
-    size = len(parts[0][0])
-    bread, meat = np.zeros((size, size)), np.zeros((size, size))
-    for a, cross, d, pull, g in parts:
-        inverse = np.linalg.pinv(d)
-        bread += a - cross @ inverse @ cross.T
-        own = pull - cross @ inverse @ g
-        meat += np.outer(own, own)
+    inverse = np.linalg.inv(_damped(parts.pose, 1e-12))
+    share = parts.cross @ inverse
+    bread = np.sum(parts.lens - share @ np.swapaxes(parts.cross, 1, 2), axis=0)
+    own = parts.lens_pull - (share @ parts.pose_pull[:, :, None])[:, :, 0]
+    views = len(own)
     scale = 1 / np.sqrt(np.maximum(np.diag(bread), 1e-30))
-    inverse = np.linalg.pinv(bread * np.outer(scale, scale)) * np.outer(scale, scale)
-    views = len(parts)
-    return inverse @ meat @ inverse * views / max(1, views - 1)
+    inner = np.linalg.pinv(bread * np.outer(scale, scale)) * np.outer(scale, scale)
+    return np.asarray(inner @ (own.T @ own) @ inner * views / max(1, views - 1))
 
 
-def _damped(matrix: Float, damping: float) -> Float:
-    return matrix + damping * np.diag(np.diag(matrix))
-
-
-def _solve(matrix: Float, damping: float, pull: Float) -> Float:
-    return np.asarray(np.linalg.pinv(_damped(matrix, damping)) @ pull)
+def _damped(matrices: Float, damping: float) -> Float:
+    diagonal = np.einsum("vii->vi", matrices)
+    return matrices + (damping * diagonal + 1e-30)[:, :, None] * np.eye(matrices.shape[1])
 
 
 def _scaled_solve(matrix: Float, pull: Float) -> Float:

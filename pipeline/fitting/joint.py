@@ -97,13 +97,13 @@ def normal_equations(
         [np.einsum("nop,no->p", j, e) for j, e in zip(jacobian, whitened, strict=True)]
     )
     logl = np.array([f.log_likelihood for f in filtered])
-    h, g, l = _evidence(kernel, series, free, points)
-    return Normal(hessian + h, gradient + g, logl + l)
+    side = _evidence(kernel, series, free, points)
+    return Normal(hessian + side.hessian, gradient + side.gradient, logl + side.log_likelihood)
 
 
 def _evidence(
     kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
-) -> tuple[Float, Float, Float]:
+) -> Normal:
     """Side measurements as further prediction errors: each effect says what it predicts."""
     n, p = len(series), len(free)
     hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
@@ -114,7 +114,7 @@ def _evidence(
             hessian[i] += np.outer(row, row)
             gradient[i] += row * error
             logl[i] -= 0.5 * error * error + np.log(std) + 0.5 * np.log(2 * np.pi)
-    return hessian, gradient, logl
+    return Normal(hessian, gradient, logl)
 
 
 def _predicted_evidence(

@@ -1,0 +1,23 @@
+"""Coefficients from trials: the paper's three steps at each power, and one set for all."""
+
+from .joint import Tuned, determined, table, tune
+from .paper_steps import three_steps
+from .results import coefficients, simulations, table_1, table_2
+from .series import condition, study_series, trial_series
+from .stability import growth_per_s
+
+__all__ = [
+    "Tuned",
+    "coefficients",
+    "condition",
+    "determined",
+    "growth_per_s",
+    "simulations",
+    "study_series",
+    "table",
+    "table_1",
+    "table_2",
+    "three_steps",
+    "trial_series",
+    "tune",
+]

@@ -1,0 +1,103 @@
+"""One set of coefficients for all powers, from whole trajectories of all trials at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Fit, Free, Noise, Series, fit, fit_noise, jackknife_cov, trial_values
+from ..integrate import Kernel, compiled
+from ..model import COEFFICIENTS, plates
+
+FIRST_NOISE = Noise(np.array([0.005, 0.005, 0.0005]), 0.5, np.ones(4))
+"""Disturbance of the water before it is fitted: 5 mN, 5 mN, 0.5 mN m, forgotten within 0.5 s."""
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """A joint fit with its noise and its covariance by leaving out trials, (p, p)."""
+
+    fit: Fit
+    noise: Noise
+    cov: Float
+    base: Float
+
+    @property
+    def std(self) -> Float:
+        """Standard deviations (p,)."""
+        return np.sqrt(np.diag(self.cov))
+
+    def trial_values(self, kernel: Kernel, series: Sequence[Series]) -> list[Float]:
+        """Full parameter vector for each trial."""
+        return [
+            trial_values(kernel, self.base, self.fit.free, self.fit.values, s.group) for s in series
+        ]
+
+
+def tune(
+    series: Sequence[Series],
+    free: Sequence[Free] | None = None,
+    *,
+    base: Float | None = None,
+    noise: Noise | None = None,
+    start: dict[str, float] | None = None,
+) -> Tuned:
+    """Joint fit of the free numbers (default: the six coefficients); without `noise` that too."""
+    kernel = compiled(plates())
+    free = tuple(free or (Free(p.name) for p in COEFFICIENTS))
+    base = plates().values({}) if base is None else base
+    found = fit(kernel, series, base, free, noise or FIRST_NOISE, start=start)
+    if noise is None:
+        points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
+        noise = fit_noise(kernel, series, points, FIRST_NOISE)
+        found = fit(kernel, series, base, free, noise, start=found.by_label())
+    return Tuned(found, noise, jackknife_cov(found.normal, moving(kernel, found)), base)
+
+
+def moving(kernel: Kernel, found: Fit) -> np.ndarray:
+    """Which fitted numbers are off their bounds, (p,)."""
+    parameters = {p.name: p for p in kernel.system.parameters}
+    return np.array(
+        [
+            parameters[f.name].lower < v < parameters[f.name].upper
+            for f, v in zip(found.free, found.values, strict=True)
+        ]
+    )
+
+
+def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
+    """Coefficient -> value, std, naive_std, unit, whether the data determine it, and why not."""
+    parameters = {p.name: p for p in plates().parameters}
+    naive = np.sqrt(np.diag(tuned.fit.naive_cov))
+    return {
+        f.label: {
+            "value": float(tuned.fit.values[i]),
+            "std": float(tuned.std[i]),
+            "naive_std": float(naive[i]),
+            "unit": parameters[f.name].unit,
+            **determined(f.name, float(tuned.fit.values[i]), float(max(tuned.std[i], naive[i]))),
+        }
+        for i, f in enumerate(tuned.fit.free)
+    }
+
+
+def determined(name: str, value: float, std: float) -> dict[str, Any]:
+    """Whether a number is determined (deviation below 30 % of it or of its usual size), and why."""
+    parameter = {p.name: p for p in plates().parameters}[name]
+    size = max(abs(value), abs(parameter.start))
+    at_bound = value <= parameter.lower or value >= parameter.upper
+    yes = bool(np.isfinite(std) and std < 0.3 * size and not at_bound)
+    reason = "" if yes else _reason(at_bound, std, size)
+    return {"determined": yes, "why": reason}
+
+
+def _reason(at_bound: bool, std: float, size: float) -> str:
+    if at_bound:
+        return "at the edge of what is plausible: the data ask for physics that is not in the model"
+    return (
+        f"its deviation is {100 * std / size:.0f} % of its size: these trials hardly depend on it"
+    )

@@ -1,0 +1,161 @@
+"""The paper's three steps at each power, as published (section V-A).
+
+Step 1: straight runs of the 1x head give C_T and C_D0, one pair for all powers, from equilibrium
+speeds and, since the mass is known, from the start. The paper assigns C_Da to this step too; a
+straight run holds alpha at 0 and says nothing about it, so it is fitted in step 2.
+Step 2: turns of the 1x head give C_La and C_Ma for all powers, C_Da and C_Md at each power.
+Step 3: turns of the longer head are predicted, not fitted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..data import Steady
+from ..fitting import Free, Series
+from ..model import plates, steady_turn
+from ..study import Study, Trial
+from .joint import Tuned, determined, tune
+
+STRAIGHT_BELOW_DEG = 3.0
+COMMON = ("C_T", "C_D0", "C_La", "C_Ma")
+PER_POWER = ("C_Da", "C_Md")
+
+
+def three_steps(
+    study: Study, series: Sequence[Series], steady: Mapping[str, Steady]
+) -> tuple[dict[str, Any], Tuned | None, Tuned | None]:
+    """Result by power as in coefficients.json, and the fits of steps 1 and 2.
+
+    A step whose trials are missing is None and its coefficients are said to be undetermined.
+    """
+    trials = {t.trial_id: t for t in study.trials}
+    one_x = [s for s in series if _is_one_x(study, trials[s.name])]
+    straight = [s for s in one_x if is_straight(trials[s.name])]
+    turns = [s for s in one_x if not is_straight(trials[s.name])]
+    first = tune(straight, [Free("C_T"), Free("C_D0")]) if straight else None
+    second = _second(turns, first) if turns else None
+    powers = sorted({s.group for s in series}, key=float)
+    result = {p: _power(study, p, series, steady, (first, second)) for p in powers}
+    return result, first, second
+
+
+def is_straight(trial: Trial) -> bool:
+    """Whether the head was straight."""
+    return abs(trial.head_angle_deg) < STRAIGHT_BELOW_DEG
+
+
+def _is_one_x(study: Study, trial: Trial) -> bool:
+    return abs(trial.head_length_m - study.setup.robot.head_length_m) < 1e-6
+
+
+def _second(turns: Sequence[Series], first: Tuned | None) -> Tuned:
+    groups = sorted({s.group for s in turns}, key=float)
+    free = [Free("C_La"), Free("C_Ma"), *(Free(c, g) for g in groups for c in PER_POWER)]
+    base = plates().values(first.fit.by_label() if first else {})
+    if first is None:
+        free = [Free("C_T"), Free("C_D0"), *free]
+    return tune(turns, free, base=base)
+
+
+def _power(
+    study: Study,
+    power: str,
+    series: Sequence[Series],
+    steady: Mapping[str, Steady],
+    fits: tuple[Tuned | None, Tuned | None],
+) -> dict[str, Any]:
+    here = [s for s in series if s.group == power]
+    flap_hz = float(np.mean([s.inputs[0, 1] for s in here]))
+    coefficients = {name: _coefficient(name, power, fits) for name in (*COMMON, *PER_POWER)}
+    values = {name: c["value"] for name, c in coefficients.items()}
+    return {
+        "flap_hz": flap_hz,
+        "coefficients": coefficients,
+        "steps": _comparisons(study, here, steady, values, flap_hz),
+    }
+
+
+def _coefficient(name: str, power: str, fits: tuple[Tuned | None, Tuned | None]) -> dict[str, Any]:
+    parameter = {p.name: p for p in plates().parameters}[name]
+    for step, fitted in enumerate(fits, start=1):
+        labels = [f.label for f in fitted.fit.free] if fitted else []
+        label = next((k for k in (name, f"{name}@{power}") if k in labels), None)
+        if fitted and label:
+            i = labels.index(label)
+            value, std = float(fitted.fit.values[i]), float(fitted.std[i])
+            return {"value": value, "std": std, "unit": parameter.unit, "step": step,
+                    **determined(name, value, std)}  # fmt: skip
+    why = "no straight runs of the 1x head" if name in ("C_T", "C_D0") else (
+        "no turns of the 1x head at this power: straight runs hold alpha at 0 and say nothing of it"
+    )  # fmt: skip
+    return {"value": parameter.start, "std": None, "unit": parameter.unit, "step": None,
+            "determined": False, "why": why}  # fmt: skip
+
+
+def _comparisons(
+    study: Study,
+    series: Sequence[Series],
+    steady: Mapping[str, Steady],
+    coefficients: Mapping[str, float],
+    flap_hz: float,
+) -> dict[str, Any]:
+    """Measured and simulated speed and radius by condition of one power, both sides in one."""
+    trials = {t.trial_id: t for t in study.trials}
+    groups: dict[tuple[float, float], list[str]] = {}
+    for s in series:
+        key = (abs(trials[s.name].head_angle_deg), trials[s.name].head_length_m)
+        groups.setdefault(key, []).append(s.name)
+    return {
+        f"{angle:g} deg, {length:g} m": {
+            "head_angle_deg": angle,
+            "head_length_m": length,
+            "trials": ids,
+            "step": _step_of(study, angle, length),
+            **_compare(study, (angle, length), [steady[i] for i in ids if i in steady],
+                       coefficients, flap_hz),
+        }
+        for (angle, length), ids in sorted(groups.items())
+    }  # fmt: skip
+
+
+def _step_of(study: Study, angle: float, length: float) -> int:
+    if abs(length - study.setup.robot.head_length_m) > 1e-6:
+        return 3
+    return 1 if angle < STRAIGHT_BELOW_DEG else 2
+
+
+def _compare(
+    study: Study,
+    condition: tuple[float, float],
+    measured: Sequence[Steady],
+    coefficients: Mapping[str, float],
+    flap_hz: float,
+) -> dict[str, Any]:
+    angle, length = condition
+    speed, radius = steady_turn(
+        coefficients,
+        setup=study.setup,
+        head_length_m=length,
+        head_angle_rad=np.radians(angle if angle >= STRAIGHT_BELOW_DEG else 0.0),
+        flap_hz=flap_hz,
+    )
+    speeds = [s.speed_m_s for s in measured if np.isfinite(s.speed_m_s)]
+    radii = [
+        s.radius_m for s in measured if np.isfinite(s.radius_m) and angle >= STRAIGHT_BELOW_DEG
+    ]
+    seen_radius = float(np.mean(radii)) if radii else None
+    return {
+        "speed_m_s": float(np.mean(speeds)) if speeds else None,
+        "speed_spread_m_s": float(np.std(speeds, ddof=1)) if len(speeds) > 1 else None,
+        "radius_m": seen_radius,
+        "radius_spread_m": float(np.std(radii, ddof=1)) if len(radii) > 1 else None,
+        "model_speed_m_s": speed,
+        "model_radius_m": radius if np.isfinite(radius) else None,
+        "radius_difference_pct": 100 * (radius - seen_radius) / seen_radius
+        if seen_radius
+        else None,
+    }

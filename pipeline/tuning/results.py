@@ -1,0 +1,146 @@
+"""What tuning writes: coefficients.json, Tables I and II, and the model's path for every trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..data import Float, Steady
+from ..fitting import Series, ensemble, open_combinations, shoot
+from ..integrate import compiled
+from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
+from ..study import Study
+from .joint import Tuned, table, tune
+from .paper_steps import three_steps
+from .stability import growth_per_s, verdict
+
+DRAWS = 200
+
+
+def coefficients(
+    study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
+) -> tuple[dict[str, Any], Tuned]:
+    """Content of coefficients.json, and the joint fit."""
+    steps, _, _ = three_steps(study, series, steady)
+    joint = tune(series)
+    values = joint.fit.by_label()
+    draws = ensemble(joint.fit, joint.cov, DRAWS, np.random.default_rng(seed))
+    growth = {
+        p: growth_per_s(values, setup=study.setup, flap_hz=s["flap_hz"]) for p, s in steps.items()
+    }
+    return {
+        "unit_reading": UNIT_READING,
+        "paper_steps": steps,
+        "joint": {
+            "coefficients": table(joint),
+            "outcome": joint.fit.outcome,
+            "trials": [s.name for s in series],
+            "noise": {
+                "disturbance": joint.noise.disturbance,
+                "unit": ["N", "N", "N m"],
+                "correlation_time_s": joint.noise.tau,
+            },
+            "ensemble": {"names": list(values), "values": draws},
+            "undetermined": undetermined(joint),
+            "straight_swimming": verdict(max(growth.values())) | {"by_power": growth},
+        },
+    }, joint
+
+
+def undetermined(tuned: Tuned) -> list[dict[str, str]]:
+    """Combinations of coefficients that the data leave open, in words, with a trial that helps."""
+    starts = {p.name: abs(p.start) for p in plates().parameters}
+    scale = np.array([starts[f.name] for f in tuned.fit.free])
+    cov = np.maximum(tuned.cov, 0) if tuned.cov.ndim == 1 else tuned.cov
+    names = [f.label for f in tuned.fit.free]
+    return [_in_words(v, names) for v in open_combinations(cov, tuned.fit.values, scale)]
+
+
+def _in_words(vector: Float, names: Sequence[str]) -> dict[str, str]:
+    parts = [(w, n) for w, n in zip(vector, names, strict=True) if abs(w) > 0.3]
+    combination = " ".join(f"{w:+.1f} d{n}/{n}" for w, n in parts)
+    involved = {n.split("@")[0] for _, n in parts}
+    if involved <= {"C_T", "C_D0"}:
+        sentence = "Speeds fix only C_T/C_D0; the start from rest separates them."
+        trial = "straight runs filmed from rest, at 60 frames/s"
+    elif involved & {"C_Da", "C_La", "C_Ma", "C_Md"}:
+        sentence = "Straight runs hold alpha at 0: they fix C_T/C_D0 but none of " + ", ".join(
+            sorted(involved & {"C_Da", "C_La", "C_Ma", "C_Md"})
+        )
+        trial = "turns at two head angles, both sides, at the same power"
+    else:
+        sentence, trial = "These trials hardly depend on this combination.", "turns at other angles"
+    return {"combination": combination, "sentence": sentence, "trial": trial}
+
+
+def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Columns of table1.csv: this study's coefficients at each power beside the paper's."""
+    powers = list(steps)
+    out: dict[str, list[Any]] = {"power_pct": [float(p) for p in powers]}
+    out["flap_hz"] = [steps[p]["flap_hz"] for p in powers]
+    out["paper_flap_hz"] = [FLAP_HZ.get(int(float(p)), np.nan) for p in powers]
+    for parameter in COEFFICIENTS:
+        name = parameter.name
+        cells = [steps[p]["coefficients"][name] for p in powers]
+        unit = "" if parameter.unit == "1" else "_" + parameter.unit.replace(" ", "_")
+        out[f"{name}{unit}"] = [c["value"] for c in cells]
+        out[f"{name}_std{unit}"] = [np.nan if c["std"] is None else c["std"] for c in cells]
+        out[f"{name}_determined"] = [c["determined"] for c in cells]
+        out[f"paper_{name}{unit}"] = [
+            TABLE_1.get(int(float(p)), {}).get(name, np.nan) for p in powers
+        ]
+    return out
+
+
+def table_2(study: Study, steps: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Columns of table2.csv: model minus data in radius, %, for every turning condition."""
+    rows = [
+        (p, c)
+        for p in steps
+        for c in steps[p]["steps"].values()
+        if c["step"] != 1 and c["radius_m"] is not None and c["head_angle_deg"] > 0
+    ]
+    one_x = study.setup.robot.head_length_m
+
+    def published(p: str, c: Mapping[str, Any]) -> float:
+        key = (round(c["head_angle_deg"]), 1.0 if abs(c["head_length_m"] - one_x) < 1e-6 else 1.5)
+        return TABLE_2_PCT.get(key, {}).get(int(float(p)), np.nan)
+
+    return {
+        "power_pct": [float(p) for p, _ in rows],
+        "head_angle_deg": [c["head_angle_deg"] for _, c in rows],
+        "head_length_m": [c["head_length_m"] for _, c in rows],
+        "used_in_tuning": [c["step"] == 2 for _, c in rows],
+        "radius_m": [c["radius_m"] for _, c in rows],
+        "model_radius_m": [_number(c["model_radius_m"]) for _, c in rows],
+        "difference_pct": [_number(c["radius_difference_pct"]) for _, c in rows],
+        "paper_difference_pct": [published(p, c) for p, c in rows],
+    }
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def simulations(
+    series: Sequence[Series], joint: Tuned, steps: Mapping[str, Any]
+) -> dict[str, dict[str, Float]]:
+    """Trial -> columns of simulations/ID.csv: joint and per-power model from fitted starts."""
+    kernel = compiled(plates())
+    per_power = [
+        plates().values({n: c["value"] for n, c in steps[s.group]["coefficients"].items()})
+        for s in series
+    ]
+    runs = {
+        "joint": shoot(kernel, series, joint.trial_values(kernel, series)),
+        "paper": shoot(kernel, series, per_power),
+    }
+    out: dict[str, dict[str, Float]] = {}
+    for i, s in enumerate(series):
+        out[s.name] = {"time_s": s.times}
+        for label, shots in runs.items():
+            for k, name in enumerate(("x_m", "y_m", "heading_rad")):
+                out[s.name][f"{label}_{name}"] = shots[i].observed[:, k]
+    return out

@@ -1,0 +1,63 @@
+"""Whether a fitted model swims straight: eigenvalues of straight swimming (MODEL audit 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..integrate import LANES, compiled
+from ..integrate.batch import propagate
+from ..model import constants, plates, simulate
+from ..study import Setup
+
+SPAN_S = 0.02
+STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
+
+
+def growth_per_s(
+    coefficients: Mapping[str, float],
+    *,
+    setup: Setup,
+    flap_hz: float,
+    effects: Mapping[str, Mapping[str, float]] | None = None,
+) -> float:
+    """Largest real part of the eigenvalues of heading, surge, sway and yaw about straight running.
+
+    The flow over a short span is differenced about the terminal speed; heading alone is neutral.
+    """
+    head = setup.robot.head_length_m
+    run = simulate(coefficients, setup=setup, head_length_m=head, head_angle_rad=0.0,
+                   flap_hz=flap_hz, duration_s=20.0, effects=effects)  # fmt: skip
+    kernel = compiled(plates())
+    state = np.zeros((1, len(kernel.system.all_states), LANES))
+    state[0, 3] = run.speed_m_s[-1]
+    for lane, i in enumerate(STATES, start=1):
+        state[0, i, lane] += 1e-6
+    values = plates().values(coefficients, effects)
+    _, states = propagate(
+        kernel,
+        state,
+        np.repeat(values[None, :, None], LANES, axis=2),
+        np.repeat(constants(setup, head)[None, :, None], LANES, axis=2),
+        times=np.array([[0.0, SPAN_S]]),
+        inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
+        keep_states=True,
+    )
+    end = states[0, 1, STATES, :]
+    F = (end[:, 1 : 1 + len(STATES)] - end[:, :1]) / 1e-6
+    # the heading's own eigenvalue is 1 (0 per second): leave it out
+    return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / SPAN_S)
+
+
+def verdict(growth: float) -> dict[str, Any]:
+    """Eigenvalue and a sentence for the report."""
+    if growth > 0.05:
+        sentence = (
+            f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t). "
+            "A robot that does is steadied by something the model lacks."
+        )
+    else:
+        sentence = f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)."
+    return {"eigenvalue_per_s": growth, "stable": growth <= 0.05, "sentence": sentence}

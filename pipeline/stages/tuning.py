@@ -1,0 +1,62 @@
+"""Coefficients, Tables I and II, and the model's path for every trial."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..campaign import Campaign, load_campaign
+from ..data import Flapping, write_columns
+from ..faults import fault
+from ..files import write_json
+from ..fitting import Series
+from ..study import load_study
+from ..tuning import coefficients, simulations, study_series, table_1, table_2
+from .layout import Layout, remove
+
+
+def tuning(study: Path, results: Path) -> None:
+    """Write coefficients.json, table1.csv, table2.csv and simulations/ID.csv of all good trials."""
+    loaded, layout = load_study(study), Layout(results)
+    campaign = load_campaign(results, loaded)
+    series = campaign_series(campaign)
+    remove((results / "simulations").glob("*.csv"))
+    found, joint = coefficients(loaded, series, campaign.steady)
+    steps = found["paper_steps"]
+    for name, columns in simulations(series, joint, steps).items():
+        write_columns(results / "simulations" / f"{name}.csv", columns)
+    write_columns(results / "table1.csv", table_1(steps))
+    write_columns(results / "table2.csv", table_2(loaded, steps))
+    write_json(layout.coefficients, found)
+
+
+def campaign_series(campaign: Campaign) -> list[Series]:
+    """Trials of a campaign as the fit takes them.
+
+    Raises: Fault where no trial can be used.
+    """
+    series = study_series(
+        campaign.study, campaign.poses, campaign.tracks, campaign_flapping(campaign)
+    )
+    if not series:
+        raise fault(campaign.study.root, "", "no trial with a track", "one or more",
+                    "See status/ in the results folder for what each trial lacks.")  # fmt: skip
+    return series
+
+
+def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
+    """Flapping frequency of each trial as its tracks stage found it."""
+    told = {i: campaign.statuses[i].get("flapping") for i in campaign.tracks}
+    return {
+        i: Flapping(
+            flap_hz=f["flap_hz"],
+            flap_hz_std=f["flap_hz_std"] or 0.0,
+            source=f["source"],
+            video_hz=np.nan if f["video_hz"] is None else f["video_hz"],
+            video_hz_std=np.nan if f["video_hz_std"] is None else f["video_hz_std"],
+            agrees=bool(f["agrees"]),
+        )
+        for i, f in told.items()
+        if f
+    }

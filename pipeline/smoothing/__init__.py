@@ -11,6 +11,7 @@ from .grid import Grid, filter_grid
 from .reference import filter_and_smooth
 from .search import Found
 from .speed import speed_and_std
+from .twin import smoothed
 
 LEAST_FRAMES = 8
 
@@ -29,12 +30,11 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
     hz = float(flap_hz) if np.isfinite(flap_hz) and flap_hz > 0 else 0.0
     grid = filter_grid(pose.time_s, hz)
     values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
-    heading = angle_chain(values[:, 2], cov[:, 2, 2], grid, hz)
+    heading, plane = _most_likely(values, cov, grid, hz)
     turn = filter_and_smooth(heading.chain, heading.used)
-    head = angle_chain(values[:, 3], cov[:, 3, 3], grid, hz)
+    head = angle_chain(values[:, 3], cov[:, 3, 3], grid, flap_hz=hz, resting=True)
     bend = filter_and_smooth(head.chain, head.used)
     theta = turn.x[:, 0]
-    plane = planar_chain(values[:, :2], cov[:, :2, :2], grid, theta=theta, flap_hz=hz)
     move = filter_and_smooth(plane.chain, plane.used)
     at = grid.frame
     return Track(
@@ -57,6 +57,22 @@ def _check(pose: Pose) -> None:
     if seen < LEAST_FRAMES:
         cure = "Check the detection of this trial; a longer recording may help."
         raise fault("pose", "", f"{seen} frames with a pose", f"{LEAST_FRAMES} or more", cure)
+
+
+def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Found, Found]:
+    """Chains of heading and position, both at rest in the first frame or both moving."""
+
+    def tried(turn_rests: bool, move_rests: bool, heading: Found | None) -> tuple[Found, Found]:
+        heading = heading or angle_chain(
+            values[:, 2], cov[:, 2, 2], grid, flap_hz=hz, resting=turn_rests
+        )
+        theta = smoothed(heading.chain, heading.used).x[:, 0]
+        at = {"theta": theta, "flap_hz": hz, "resting": move_rests}
+        return heading, planar_chain(values[:, :2], cov[:, :2, :2], grid, **at)
+
+    rest = tried(True, True, None)
+    moving = tried(True, False, rest[0])
+    return rest if rest[1].cost <= moving[1].cost else tried(False, False, None)
 
 
 def _position(x: Float, P: Float) -> dict[str, Float]:

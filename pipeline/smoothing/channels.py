@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..data import Float
@@ -10,85 +13,129 @@ from .grid import Grid
 from .motion import heading_matrices, planar_matrices, planar_measurement
 from .search import Found, most_likely
 
-# Spread of the weak prior: log of time constant, noise of rate and of acceleration, recoil
-# variances, scale of the measurement variance
-SPREAD_TAU, SPREAD_NOISE, SPREAD_RECOIL, SPREAD_R = 1.0, 3.0, 3.0, 1.0
+SPREADS = (1.0, 3.0, 3.0, 3.0)
+"""Spread of the weak prior of log tau, noise of rate, noise of acceleration, start-up factor."""
+SPREAD_RECOIL, SPREAD_R = 3.0, 1.0
+AT_REST = 0.01
+"""A body at rest at the first frame moves at less than this share of its usual speed."""
 
 
-def angle_chain(angle: Float, variance: Float, grid: Grid, flap_hz: float) -> Found:
-    """Most likely chain of an angle (nodes,) [rad, unwrapped] with its variance, NaN unseen."""
-    seen = np.isfinite(angle) & np.isfinite(variance)
-    R = np.where(seen, variance, 1.0)[:, None, None]
-    z = np.where(seen, angle, 0.0)[:, None]
-    rate, recoil = _scales(grid, z, R, seen)
-    H = np.zeros((len(z), 1, 5 if flap_hz > 0 else 3))
+@dataclass(frozen=True)
+class _Measured:
+    """Measurements z (nodes, m) with variance R (nodes, m, m) where seen (nodes,).
+
+    kick: (nodes,) start-up window. speed: usual rate of change of z. variance: usual one of R.
+    """
+
+    z: Float
+    R: Float
+    seen: Mask
+    kick: Float
+    speed: float
+    variance: float
+
+
+def angle_chain(
+    angle: Float, variance: Float, grid: Grid, *, flap_hz: float, resting: bool
+) -> Found:
+    """Most likely chain of an angle (nodes,) [rad, unwrapped] with its variance, NaN unseen.
+
+    resting: whether it does not turn in the first frame.
+    """
+    data = _measured(angle[:, None], variance[:, None, None], grid)
+    H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
     H[:, 0, 0] = 1.0
     H[:, 0, 3:4] = 1.0
-
-    def build(logs: Float) -> Chain:
-        noise = _noise(logs, grid, rate, recoil)
-        F, Q = heading_matrices(noise, grid.dt_s, flap_hz)
-        x0, P0 = _prior(z, seen, (rate, grid.scale_s), noise[3:], flap_hz > 0)
-        return Chain(F, Q, H, R * np.exp(logs[-1]), z, x0, P0)
-
-    start, spread = _start(1)
-    return most_likely(build, seen, start=start, spread=spread)
+    return _found(
+        data,
+        grid,
+        H,
+        lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, data.kick),
+        resting=resting,
+    )
 
 
-def planar_chain(xy: Float, cov: Float, grid: Grid, *, theta: Float, flap_hz: float) -> Found:
+def planar_chain(
+    xy: Float, cov: Float, grid: Grid, *, theta: Float, flap_hz: float, resting: bool
+) -> Found:
     """Most likely chain of a position (nodes, 2) [m] with its covariance (nodes, 2, 2).
 
-    theta: (nodes,) mean heading, rad.
+    theta: (nodes,) mean heading, rad. resting: whether it is at rest in the first frame.
     """
-    seen = np.isfinite(xy).all(axis=1) & np.isfinite(cov).all(axis=(1, 2))
-    R = np.where(seen[:, None, None], cov, np.eye(2))
-    z = np.where(seen[:, None], xy, 0.0)
-    speed, recoil = _scales(grid, z, R, seen)
-    H = planar_measurement(theta, flap_hz)
+    data = _measured(xy, cov, grid)
+    return _found(
+        data,
+        grid,
+        planar_measurement(theta, flap_hz),
+        lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, data.kick, theta),
+        resting=resting,
+    )
+
+
+def _found(
+    data: _Measured,
+    grid: Grid,
+    H: Float,
+    matrices: Callable[[Float], tuple[Float, Float]],
+    *,
+    resting: bool,
+) -> Found:
+    """Most likely chain of these measurements, matrices (F, Q) given the noise."""
+    m = data.z.shape[1]
+    recoils = (H.shape[2] - 3 * m) // 2
+    units = _units(data, grid, recoils)
 
     def build(logs: Float) -> Chain:
-        noise = _noise(logs, grid, speed, recoil)
-        F, Q = planar_matrices(noise, grid.dt_s, flap_hz, theta)
-        x0, P0 = _prior(z, seen, (speed, grid.scale_s), noise[3:], flap_hz > 0)
-        return Chain(F, Q, H, R * np.exp(logs[-1]), z, x0, P0)
+        noise = units * np.exp(logs[:-1])
+        F, Q = matrices(noise)
+        x0, P0 = _prior(data, grid.scale_s, noise[4:], resting)
+        return Chain(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
-    start, spread = _start(2)
-    return most_likely(build, seen, start=start, spread=spread)
-
-
-def _start(recoils: int) -> tuple[Float, Float]:
-    """Start and spread of the logs: tau, rate noise, acceleration noise, recoils, scale of R."""
-    spread = [SPREAD_TAU, SPREAD_NOISE, SPREAD_NOISE, *[SPREAD_RECOIL] * recoils, SPREAD_R]
-    return np.zeros(len(spread)), np.array(spread)
+    spread = np.array([*SPREADS, *[SPREAD_RECOIL] * recoils, SPREAD_R])
+    return most_likely(build, data.seen, spread=spread)
 
 
-def _noise(logs: Float, grid: Grid, speed: float, variance: float) -> Float:
-    """Time constant tau (s), density of rate noise, density of acceleration noise, recoil variances."""
-    T = grid.scale_s
-    units = [2 * T, (0.05 * speed) ** 2 / T, (0.3 * speed / T) ** 2 / T]
-    return np.array([*units, *[variance] * (len(logs) - 4)]) * np.exp(logs[:-1])
-
-
-def _scales(grid: Grid, z: Float, R: Float, seen: Mask) -> tuple[float, float]:
-    """Usual speed of a coordinate (per s) and measurement variance: the units of the noise."""
-    t, at, variance = grid.time_s[seen], z[seen], float(np.median(np.trace(R[seen].T)))
+def _measured(z: Float, R: Float, grid: Grid) -> _Measured:
+    seen: Mask = np.isfinite(z).all(axis=1) & np.isfinite(R).all(axis=(1, 2))
+    m = z.shape[1]
+    R = np.where(seen[:, None, None], R, np.eye(m))
+    z = np.where(seen[:, None], z, 0.0)
+    t, at = grid.time_s[seen], z[seen]
+    variance = float(np.median(np.trace(R[seen].T))) / m
     lag = max(min(10, len(t) // 3), 1)
     rates = np.abs(at[lag:] - at[:-lag]).max(axis=1) / (t[lag:] - t[:-lag])
     floor = np.sqrt(variance) / max(float(np.ptp(t)), 1e-9)
-    return float(max(np.quantile(rates, 0.8), floor)), variance / z.shape[1]
+    speed = float(max(np.quantile(rates, 0.8), floor))
+    return _Measured(z, R, seen, _kick(grid, t, at), speed, variance)
 
 
-def _prior(
-    z: Float, seen: Mask, scales: tuple[float, float], recoil: Float, oscillates: bool
-) -> tuple[Float, Float]:
+def _kick(grid: Grid, time_s: Float, z: Float) -> Float:
+    """Window exp(-|t - t_start| / T) around the onset of the motion, (nodes,).
+
+    Onset: where the path leaves its first place by a fiftieth of its extent.
+    """
+    away = np.linalg.norm(z - np.median(z[:5], axis=0), axis=1)
+    moved = away > 0.02 * max(float(np.quantile(away, 0.95)), 1e-300)
+    lasting = np.minimum.accumulate(moved[::-1])[::-1]
+    onset = time_s[int(np.argmax(lasting))] if lasting.any() else time_s[0]
+    return np.asarray(
+        np.exp(-np.abs(grid.time_s - max(onset - grid.scale_s, time_s[0])) / grid.scale_s)
+    )
+
+
+def _units(data: _Measured, grid: Grid, recoils: int) -> Float:
+    """Units of tau (s), density of rate noise and of acceleration noise, start-up, recoils."""
+    T, speed = grid.scale_s, data.speed
+    densities = [2 * T, (0.02 * speed) ** 2 / T, (0.1 * speed / T) ** 2 / T]
+    return np.array([*densities, 3.0, *[data.variance] * recoils])
+
+
+def _prior(data: _Measured, T: float, recoil: Float, resting: bool) -> tuple[Float, Float]:
     """Prior of the first state: wide in position, rate and acceleration; recoil stationary."""
-    speed, T = scales
-    m = z.shape[1]
-    start = np.median(z[seen][:5], axis=0)
-    reach = float(np.ptp(z[seen], axis=0).max()) + speed * T
-    widths = [reach**2] * m + [(10 * speed) ** 2] * m + [(10 * speed / T) ** 2] * m
-    x0 = np.concatenate([start, np.zeros(2 * m)])
-    if oscillates:
-        widths += [float(v) for v in np.repeat(recoil, 2)]
-        x0 = np.concatenate([x0, np.zeros(2 * len(recoil))])
-    return x0, np.diag(widths)
+    z, m = data.z[data.seen], data.z.shape[1]
+    reach = float(np.ptp(z, axis=0).max()) + data.speed * T
+    rate = (AT_REST if resting else 3.0) * data.speed
+    widths = [reach**2] * m + [rate**2] * m + [(3 * data.speed / T) ** 2] * m
+    x0 = np.zeros(3 * m + 2 * len(recoil))
+    x0[:m] = z[:5].mean(axis=0)
+    return x0, np.diag([*widths, *np.repeat(recoil, 2)])

@@ -2,7 +2,8 @@
 
 Mean motion of one coordinate (integrated Ornstein-Uhlenbeck acceleration, after Singer 1970):
     p' = v,  v' = a + w_v,  a' = -a / tau + w_a
-so that speed approaches a steady value as it does in water. Recoil: a damped stochastic oscillator
+so that speed approaches a steady value as it does in water. Around the start w_a is larger, by a
+factor that is searched with the rest: forces set in there. Recoil: a damped stochastic oscillator
 at the flapping frequency, stationary with standard deviation s.
 
 In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
@@ -23,48 +24,51 @@ BEATS = 6.0
 
 
 @numba.njit(cache=True)
-def heading_matrices(noise, dt, hz):  # type: ignore[no-untyped-def]
+def heading_matrices(noise, dt, hz, kick):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
-    noise: (tau s, density of w_v, density of w_a, recoil variance). dt: (n,) s, dt[0] unused.
+    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance). dt: (n,) s,
+    dt[0] unused. kick: (n,) from 0 to 1, by which the start-up factor multiplies w_a.
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
     F[0] = np.eye(d)
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, 1)
+        _mean_motion(F[k], Q[k], dt[k], noise, kick[k])
         if hz > 0:
-            _recoil(F[k], Q[k], dt[k], hz, noise[3], 3)
+            _recoil(F[k], Q[k], dt[k], hz, noise[4], 3)
     return F, Q
 
 
 @numba.njit(cache=True)
-def planar_matrices(noise, dt, hz, theta):  # type: ignore[no-untyped-def]
+def planar_matrices(noise, dt, hz, kick, theta):  # type: ignore[no-untyped-def]
     """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
 
-    noise, dt as `heading_matrices`, the recoil variances of surge and sway being noise[3], [4].
+    noise, dt as `heading_matrices`, the recoil variances of surge and sway being noise[4], [5].
     theta: (n,) mean heading, rad.
     """
     n, d = len(dt), 10 if hz > 0 else 6
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
     F[0] = np.eye(d)
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, 2)
+        _mean_motion(F[k], Q[k], dt[k], noise, kick[k])
         half = 0.5 * (theta[k] - theta[k - 1])
         # chord over arc of a steady turn: the step is exact where surge and sway are constant
         chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
         c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
         _turn(F[k], Q[k], c, s, chord)
         if hz > 0:
-            _recoil(F[k], Q[k], dt[k], hz, noise[3], 6)
-            _recoil(F[k], Q[k], dt[k], hz, noise[4], 8)
+            _recoil(F[k], Q[k], dt[k], hz, noise[4], 6)
+            _recoil(F[k], Q[k], dt[k], hz, noise[5], 8)
     return F, Q
 
 
 @numba.njit(cache=True)
-def _mean_motion(F, Q, dt, noise, m):  # type: ignore[no-untyped-def]
-    """Fill the blocks of m coordinates, order p (m), v (m), a (m)."""
-    tau, qv, qa = noise[0], noise[1], noise[2]
+def _mean_motion(F, Q, dt, noise, kick):  # type: ignore[no-untyped-def]
+    """Fill the blocks of the m = 1 or 2 coordinates, order p (m), v (m), a (m)."""
+    m = 1 if len(F) in (3, 5) else 2
+    tau, qv = noise[0], noise[1]
+    qa = noise[2] * (1.0 + noise[3] * kick)
     decay = np.exp(-dt / tau)
     gain = -tau * np.expm1(-dt / tau)
     for i in range(m):

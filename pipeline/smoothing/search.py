@@ -19,36 +19,39 @@ GATE_TAIL = 1e-5
 
 @dataclass(frozen=True)
 class Found:
-    """Chain with its noise, the measurements that count, and the logarithms chosen."""
+    """Chain with its noise, the measurements that count, the logarithms chosen and their cost."""
 
     chain: Chain
     used: Mask
     logs: Float
+    cost: float
 
 
 def most_likely(
-    build: Callable[[Float], Chain], seen: Mask, *, start: Float, spread: Float, rounds: int = 3
+    build: Callable[[Float], Chain], seen: Mask, *, spread: Float, rounds: int = 3
 ) -> Found:
     """Chain whose noise has the greatest posterior, with outliers set aside.
 
-    -2 log p = -2 log L(z | noise) + sum ((log noise - start) / spread)^2; the prior is weak (a
-    factor e^spread) and keeps a noise that the data do not show from running off to zero.
+    -2 log p = -2 log L(z | noise) + sum (log noise / spread)^2; the prior is weak (a factor
+    e^spread about the unit) and keeps a noise that the data do not show from running off to zero.
     A measurement is set aside where it lies beyond the gate of what all the others, before and
     after it, predict (deletion residual); those set aside are tried again in each round.
 
     build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all.
+    cost is that of the first round, in which outliers count as lying on the gate.
     """
-    gate = float(chi2.isf(GATE_TAIL, build(start).z.shape[1]))
-    logs, used = start, seen
+    logs, used, costs = np.zeros(len(spread)), seen, []
+    gate = float(chi2.isf(GATE_TAIL, build(logs).z.shape[1]))
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
-        logs = _search(build, used, limit, logs, (start, spread))
+        logs, cost = _search(build, used, limit, logs, spread)
+        costs.append(cost)
         chain = build(logs)
         kept = seen & (_deletion_squares(chain, _within(chain, used, limit)) <= gate)
-        if turn and np.array_equal(kept, used):
+        if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    return Found(build(logs), used, logs)
+    return Found(build(logs), used, logs, costs[0])
 
 
 def _within(chain: Chain, used: Mask, gate: float) -> Mask:
@@ -59,22 +62,18 @@ def _within(chain: Chain, used: Mask, gate: float) -> Mask:
 
 
 def _search(
-    build: Callable[[Float], Chain],
-    used: Mask,
-    gate: float,
-    logs: Float,
-    prior: tuple[Float, Float],
-) -> Float:
-    center, spread = prior
+    build: Callable[[Float], Chain], used: Mask, gate: float, start: Float, spread: Float
+) -> tuple[Float, float]:
+    """Logarithms of least cost, and the cost, by quasi-Newton steps on differences."""
 
     def cost(at: Float) -> float:
-        bounded = np.clip(at, center - 5 * spread, center + 5 * spread)
-        value = twin.likelihood(build(bounded), used, gate)
-        return value + float(np.sum(((at - center) / spread) ** 2)) if np.isfinite(value) else 1e12
+        value = twin.likelihood(build(at), used, gate)
+        return value + float(np.sum((at / spread) ** 2)) if np.isfinite(value) else 1e12
 
-    simplex = np.vstack([logs, logs + np.diag(np.minimum(spread, 1.5))])
-    options = {"initial_simplex": simplex, "maxfev": 60 * len(logs), "xatol": 0.1, "fatol": 0.1}
-    return np.asarray(minimize(cost, logs, method="Nelder-Mead", options=options).x)
+    options = {"eps": 1e-3, "maxiter": 25, "ftol": 1e-5, "gtol": 0.1}
+    bounds = [(-6 * s, 6 * s) for s in spread]
+    found = minimize(cost, start, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(found.x), float(found.fun)
 
 
 def _deletion_squares(chain: Chain, used: Mask) -> Float:

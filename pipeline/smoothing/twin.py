@@ -42,29 +42,47 @@ def smoothed(chain: Chain, used: Mask) -> Smoothed:
 
 
 @numba.njit(cache=True)
-def _predict(F, x, P, Q):  # type: ignore[no-untyped-def]
-    """State x <- F x, P <- F P F' + Q, zeros of F skipped."""
+def _pattern(F):  # type: ignore[no-untyped-def]
+    """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
+    n, d, _ = F.shape
+    rows, columns = np.empty(d * d, np.int64), np.empty(d * d, np.int64)
+    count = 0
+    for i in range(d):
+        for j in range(d):
+            for k in range(n):
+                if F[k, i, j] != 0.0:
+                    rows[count], columns[count] = i, j
+                    count += 1
+                    break
+    return rows[:count], columns[:count]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
+    """State x <- F x, P <- F P F' + Q in place; work: (rows, columns, two (d, d), one (d,))."""
+    rows, columns, half, full, new = work
     d = len(x)
-    new = np.zeros(d)
-    half = np.zeros((d, d))
-    full = np.zeros((d, d))
+    half[:] = 0.0
+    full[:] = 0.0
+    new[:] = 0.0
+    for e in range(len(rows)):
+        i, j = rows[e], columns[e]
+        f = F[i, j]
+        new[i] += f * x[j]
+        for m in range(d):
+            half[i, m] += f * P[j, m]
+    for e in range(len(rows)):
+        i, j = rows[e], columns[e]
+        f = F[i, j]
+        for m in range(d):
+            full[i, m] += f * half[m, j]
     for i in range(d):
-        for k in range(d):
-            f = F[i, k]
-            if f != 0.0:
-                new[i] += f * x[k]
-                for j in range(d):
-                    half[i, j] += f * P[k, j]
-    for i in range(d):
-        for k in range(d):
-            f = F[i, k]
-            if f != 0.0:
-                for j in range(d):
-                    full[i, j] += f * half[j, k]
-    return new, full + Q
+        x[i] = new[i]
+        for m in range(d):
+            P[i, m] = full[i, m] + Q[i, m]
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _inverse(S):  # type: ignore[no-untyped-def]
     """Inverse and determinant of a 1 x 1 or 2 x 2 matrix."""
     out = np.empty_like(S)
@@ -73,38 +91,74 @@ def _inverse(S):  # type: ignore[no-untyped-def]
         return out, S[0, 0]
     det = S[0, 0] * S[1, 1] - S[0, 1] * S[1, 0]
     out[0, 0], out[1, 1] = S[1, 1] / det, S[0, 0] / det
-    out[0, 1] = out[1, 0] = -S[0, 1] / det
+    out[0, 1] = out[1, 0] = -0.5 * (S[0, 1] + S[1, 0]) / det
     return out, det
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
+def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
+    p, d = H.shape
+    HP[:] = 0.0
+    for q in range(p):
+        y[q] = z[q]
+        for i in range(d):
+            h = H[q, i]
+            if h != 0.0:
+                y[q] -= h * x[i]
+                for m in range(d):
+                    HP[q, m] += h * P[i, m]
+    for q in range(p):
+        for r in range(p):
+            for i in range(d):
+                S[q, r] += HP[q, i] * H[r, i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
+    """State x <- x + K y, P <- P - K H P with K = (H P)' S^-1."""
+    p, d = HP.shape
+    for i in range(d):
+        for r in range(p):
+            g = 0.0
+            for q in range(p):
+                g += HP[q, i] * Si[q, r]
+            x[i] += g * y[r]
+            for m in range(d):
+                P[i, m] -= g * HP[r, m]
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     n, p, d = H.shape
     size = n if keep else 1
     xp, Pp = np.zeros((size, d)), np.zeros((size, d, d))
     Sis, ys = np.zeros((size, p, p)), np.zeros((size, p))
+    rows, columns = _pattern(F)
+    work = (rows, columns, np.empty((d, d)), np.empty((d, d)), np.empty(d))
     squares = np.full(n, np.nan)
     x, P, total = x0.copy(), P0.copy(), 0.0
+    HP, S, y = np.empty((p, d)), np.empty((p, p)), np.empty(p)
     for k in range(n):
         if k:
-            x, P = _predict(F[k], x, P, Q[k])
+            _predict(F[k], Q[k], x, P, work)
         if keep:
             xp[k], Pp[k] = x, P
         if not used[k]:
             continue
-        HP = H[k] @ P
-        S = HP @ H[k].T + R[k]
-        y = z[k] - H[k] @ x
+        S[:] = R[k]
+        _innovation(H[k], x, P, z[k], S, y, HP)
         Si, det = _inverse(S)
-        square = y @ (Si @ y)
+        square = 0.0
+        for q in range(p):
+            for r in range(p):
+                square += y[q] * Si[q, r] * y[r]
         squares[k] = square
         total += min(square, gate) + np.log(det) + p * LOG_2_PI
         if keep:
             Sis[k], ys[k] = Si, y
         if square <= gate:
-            gain = Si @ HP
-            x = x + y @ gain
-            P = P - HP.T @ gain
+            _correct(x, P, HP, Si, y)
     return total, squares, xp, Pp, Sis, ys
 
 

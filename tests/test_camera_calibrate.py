@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from pipeline.camera.boards import Board, View, detect, read_board
 from pipeline.camera.bundle import fit_lens, parameters
 from pipeline.camera.calibrate import best_model, calibrate_files, calibrate_pictures
-from pipeline.camera.judge import judged
+from pipeline.camera.judge import chosen, judged
 from pipeline.camera.lens import Lens, pixels
 from pipeline.camera.pictures import from_frames
 from pipeline.camera.profile import read_profile
@@ -80,14 +80,14 @@ def test_exact_corners_give_the_lens_back(lens):
 
 def test_lens_uncertainty_is_of_the_right_width():
     pulls = []
-    for seed in range(16):
+    for seed in range(10):
         rng = np.random.default_rng(100 + seed)
         views = views_of(PINHOLE, poses(20, rng), 0.2, rng)
         fit = fit_lens(views, "pinhole", 4, SIZE)
         miss = parameters(fit.lens) - parameters(PINHOLE)
         pulls.append(miss / np.sqrt(np.diag(fit.lens_cov)))
     width = float(np.sqrt(np.mean(np.square(pulls))))
-    assert 0.8 < width < 1.3, width
+    assert 0.75 < width < 1.35, width
 
 
 def test_the_model_is_chosen_by_views_held_out():
@@ -122,7 +122,15 @@ def test_calibrations_that_cannot_be_right_are_refused_with_the_reason(change, r
         matrix[0, 2] -= 90 if change == "cropped" else 0
         lens = Lens("pinhole", matrix, PINHOLE.distortion, SIZE)
     views = views_of(lens, where, 3.0 if change == "noisy" else 0.1, rng)
-    with pytest.raises(Fault, match=reason):
+    found = judged(views, "pinhole", 4, SIZE)
+    assert any(reason in words for words in found.refusals)
+    assert chosen([found]) is None
+
+
+def test_a_refused_calibration_names_its_reasons_and_the_cure():
+    rng = np.random.default_rng(9)
+    views = views_of(PINHOLE, poses(14, rng, tilt=0.05), 0.1, rng)
+    with pytest.raises(Fault, match=r"frontally: 0 of 14(.|\n)*tilted by 20 to 45 degrees"):
         best_model(views, "pinhole", SIZE)
 
 
@@ -140,7 +148,7 @@ def test_a_view_grossly_off_is_left_out_and_named():
     views = views_of(PINHOLE, poses(15, rng), 0.15, rng)
     spoilt = views[3].image_px + rng.normal(0, 6, views[3].image_px.shape)
     views[3] = View("shaken", views[3].board_m, spoilt)
-    best, _ = best_model(views, "pinhole", SIZE)
+    best = judged(views, "pinhole", 4, SIZE)
     assert len(best.left_out) == 1
     assert "shaken" in best.left_out[0]
 
@@ -183,7 +191,7 @@ def test_charuco_boards_may_be_partly_out_of_view():
     for i, pose in enumerate(board_poses(14, seed=5)):
         pose[3:5] -= [0.05, 0.04]
         frames.append(Frame(i, i / 30, warped(flat, 80 / 0.025, pose)))
-    whole = [detect(f.luma, read_board("9x6", 25, "charuco"), "x") for f in frames]
+    whole = [detect(f.luma, read_board("9x6", 25, "charuco"), "x") for f in frames[:6]]
     assert any(view is not None and len(view.board_m) < 54 for view in whole)
     result = calibrate_pictures(
         from_frames(frames), pattern="9x6", square_mm=25, board="charuco", model="pinhole"

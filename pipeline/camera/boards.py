@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -19,6 +20,7 @@ DICTIONARIES = (
 MARKER_SHARE = 0.75
 WINDOW_SHARES = (0.12, 0.18, 0.25, 0.32)
 FEWEST_CORNERS = 12
+SURE_SHARE = 0.3
 
 
 @dataclass(frozen=True)
@@ -107,9 +109,12 @@ def _charuco(grey: Grey, board: Board, name: str) -> View | None:
         if best is None or len(numbers) > len(best.board_m):
             placed = board.corners_m[np.ravel(numbers)]
             best = View(name, placed, np.asarray(corners, dtype=float).reshape(-1, 2))
+        if len(best.board_m) > SURE_SHARE * len(board.corners_m):
+            break
     return best
 
 
+@lru_cache(maxsize=16)
 def _charuco_detector(board: Board, dictionary: str) -> cv2.aruco.CharucoDetector:
     squares = (board.columns + 1, board.rows + 1)
     markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))

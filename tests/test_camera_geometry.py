@@ -1,0 +1,236 @@
+"""Geometry errors made one at a time and named from rigid distances; the calibration's own std."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
+from pipeline.camera.corners_picture import pool_corners_picture
+from pipeline.camera.geometry import check_geometry, estimate_depth
+from pipeline.camera.resection import rectangle
+from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
+from pipeline.data import Positions
+from pipeline.faults import Fault
+from pipeline.study import Robot, Setup
+
+ROBOT = {
+    "mass_kg": 0.68,
+    "yaw_inertia_kg_m2": 0.0095,
+    "body_length_m": 0.331,
+    "head_length_m": 0.12,
+    "head_span_m": 0.069,
+    "hinge_to_com_m": 0.04,
+    "tail_length_m": 0.066,
+}
+PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+DEPTH_M = 0.04
+LENS = Lens(
+    "pinhole",
+    np.array([[1130.0, 0, 955], [0, 1130, 542], [0, 0, 1]]),
+    np.array([-0.12, 0.03, 0.0004, -0.0003, 0]),
+    (1920, 1080),
+)
+
+
+def camera_above(lens: Lens = LENS, size: tuple[float, float] = (2.6, 1.6)) -> PoolCamera:
+    turn = Rotation.from_rotvec([0.04, -0.03, 0.01]).as_matrix() @ np.diag([1.0, -1.0, -1.0])
+    shift = -turn @ np.array([1.25, 0.85, 2.3])
+    corners = rectangle(*size, 0.0)
+    blank = PoolCamera(
+        size_px=lens.size_px,
+        corners_px=np.zeros((4, 2)),
+        corners_m=corners,
+        refractive_index=1.333,
+        residuals_px=np.zeros((4, 2)),
+        corner_std_px=1.0,
+        lens=lens,
+        rotation=turn,
+        translation=shift,
+    )
+    return camera_from_corners(lens, project(blank, corners), corners, 1.333)
+
+
+TRUTH = camera_above()
+
+
+def body(n: int, rng: np.random.Generator, *, tip_m: float = 0.12) -> np.ndarray:
+    """Rigid points (n, 4, 2) all over the pool."""
+    center = rng.uniform([0.25, 0.25], [2.35, 1.35], (n, 2))
+    psi = rng.uniform(-np.pi, np.pi, n)
+    theta = psi - rng.choice([-0.7, 0.0, 0.7], n)
+    core = np.column_stack([np.cos(psi), np.sin(psi)])
+    head = np.column_stack([np.cos(theta), np.sin(theta)])
+    hinge = center + 0.04 * core
+    return np.stack([hinge + tip_m * head, hinge, center, center - 0.171 * core], axis=1)
+
+
+def campaign(
+    believed: PoolCamera, *, seed=1, noise_px=0.4, tip_m=0.12, depth_m=DEPTH_M, truth=TRUTH
+) -> list[Positions]:
+    """Twelve trials seen by the true camera and mapped by the believed one."""
+    rng = np.random.default_rng(seed)
+    trials = []
+    for _ in range(12):
+        points = body(120, rng, tip_m=tip_m).reshape(-1, 2)
+        image = project(truth, np.column_stack([points, np.full(len(points), -depth_m)]))
+        image = image + rng.normal(0, noise_px, image.shape)
+        xy = to_pool(believed, image, DEPTH_M).reshape(120, 4, 2)
+        ones = np.ones((120, 4))
+        cov = np.full((120, 4, 2, 2), np.nan)
+        trials.append(Positions(np.arange(120) / 30, PARTS, xy, cov, ones))
+    return trials
+
+
+def checked(believed: PoolCamera, **made):
+    return check_geometry(
+        believed,
+        campaign(believed, **made),
+        depth_m=DEPTH_M,
+        head_lengths_m=[0.12] * 12,
+        robot=Robot(**ROBOT),
+    )
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_is_said_of_clean_data(seed):
+    found = checked(TRUTH, seed=seed)
+    assert found.outcome == "nothing"
+    assert abs(found.mean_excess) < 5 * found.mean_excess_std + 1e-5
+    assert found.rivals == ()
+    assert "no geometry error shows" in found.sentence
+
+
+def test_a_pool_measured_short_is_a_scale_error():
+    corners = rectangle(2.6 * 0.985, 1.6 * 0.985, 0.0)
+    believed = camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333)
+    found = checked(believed)
+    assert found.outcome == "scale_error" or "scale_error" in found.rivals
+    scale = next(e for e in found.estimates if e.suspect.name == "scale_error")
+    assert scale.values[0] == pytest.approx(0.015, abs=0.002)
+    assert found.mean_excess == pytest.approx(-0.015, abs=0.002)
+
+
+def test_a_wrong_distortion_is_a_lens_error():
+    wrong = Lens("pinhole", LENS.matrix, LENS.distortion * [0.6, 1, 1, 1, 1], LENS.size_px)
+    believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
+    found = checked(believed)
+    assert found.outcome == "lens_error"
+    assert found.best.values[1] == pytest.approx(-0.048, abs=0.02)
+
+
+def test_a_camera_turned_after_the_corners_were_taken_is_a_camera_shift():
+    turn = Rotation.from_rotvec([0.012, -0.008, 0]).as_matrix()
+    moved = replace(TRUTH, rotation=turn @ TRUTH.rotation, translation=turn @ TRUTH.translation)
+    found = checked(TRUTH, truth=moved)
+    assert found.outcome == "camera_shift"
+    assert found.best.values[0] == pytest.approx(0.012, abs=0.003)
+    assert found.best.values[1] == pytest.approx(-0.008, abs=0.003)
+
+
+def test_refraction_left_out_is_named_or_named_among_rivals():
+    dry = replace(TRUTH, refractive_index=1.0)
+    found = checked(dry)
+    names = {found.outcome, *found.rivals}
+    assert "uncorrected_refraction" in names
+    assert names <= {"uncorrected_refraction", "keypoint_depth", "scale_error"}
+
+
+def test_a_head_tip_marked_short_is_a_keypoint_bias_of_that_part():
+    found = checked(TRUTH, tip_m=0.117)
+    assert found.outcome == "keypoint_bias"
+    assert found.best.suspect.parameters == ("head_tip_m",)
+    assert found.best.values[0] == pytest.approx(-0.003, abs=0.0004)
+
+
+def test_the_map_shows_the_error_and_what_the_named_cause_predicts():
+    wrong = Lens("pinhole", LENS.matrix, LENS.distortion * [0.6, 1, 1, 1, 1], LENS.size_px)
+    believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
+    grid = checked(believed).map
+    seen = grid.count > 50
+    assert grid.excess.shape == (5, 8)
+    assert np.corrcoef(grid.excess[seen], grid.model[seen])[0, 1] > 0.9
+
+
+def test_depth_comes_from_the_same_distances_with_an_honest_std():
+    pulls = []
+    for seed in range(6):
+        trials = campaign(TRUTH, seed=seed, depth_m=0.07)
+        depth, std = estimate_depth(
+            TRUTH, trials, depth_m=DEPTH_M, head_lengths_m=[0.12] * 12, robot=Robot(**ROBOT)
+        )
+        pulls.append((depth - 0.07) / std)
+        assert std < 0.004
+    assert np.sqrt(np.mean(np.square(pulls))) < 1.8
+
+
+def test_trials_without_rigid_pairs_are_a_fault():
+    trials = campaign(TRUTH)[:1]
+    blind = replace(trials[0], likelihood=np.zeros((120, 4)))
+    with pytest.raises(Fault, match="no two neighbouring rigid keypoints"):
+        check_geometry(TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**ROBOT))
+
+
+def test_calibration_modes_are_what_misclicked_corners_do():
+    rng = np.random.default_rng(2)
+    spot = project(TRUTH, np.array([[0.3, 0.3, -0.04], [2.2, 1.3, -0.04]]))
+    camera = replace(TRUTH, corner_std_px=1.0)
+    modes = calibration_modes(camera, spot, DEPTH_M)
+    assert modes.shape == (2, 2, 8)
+    places = []
+    for _ in range(120):
+        clicked = TRUTH.corners_px + rng.normal(0, 1.0, (4, 2))
+        again = camera_from_corners(LENS, clicked, TRUTH.corners_m, 1.333)
+        places.append(to_pool(again, spot, DEPTH_M))
+    found = np.std(places, axis=0)
+    stated = np.sqrt(np.diagonal(calibration_covariance(camera, spot, DEPTH_M), axis1=1, axis2=2))
+    assert np.allclose(found, stated, rtol=0.25)
+    wider = calibration_modes(camera, spot, DEPTH_M, lens_std=np.array([5.0, 5, 2, 2, 0.01]))
+    assert wider.shape == (2, 2, 13)
+
+
+def drawn_pool(camera: PoolCamera) -> np.ndarray:
+    """A frame with a bright floor inside dark rims, the edges curved as the lens makes them."""
+    along = np.linspace(0, 1, 60)[:, None]
+    ring = [a + along * (b - a) for a, b in zip(camera.corners_m, np.roll(camera.corners_m, -1, 0),
+                                                strict=True)]  # fmt: skip
+    outline = project(camera, np.concatenate(ring))
+    frame = np.full((1080, 1920), 60, np.uint8)
+    cv2.fillPoly(frame, [np.round(outline * 16).astype(np.int32)], 170, cv2.LINE_AA, 4)
+    noise = np.random.default_rng(1).normal(0, 3, frame.shape)
+    return np.clip(cv2.GaussianBlur(frame, (0, 0), 1.2) + noise, 0, 255).astype(np.uint8)
+
+
+def setup_with(corners_px: np.ndarray) -> Setup:
+    return Setup.model_validate(
+        {
+            "robot": ROBOT,
+            "camera": {
+                "model": "pinhole",
+                "image_size_px": (1920, 1080),
+                "matrix": LENS.matrix.tolist(),
+                "distortion": LENS.distortion.tolist(),
+                "pool_corners_px": corners_px.tolist(),
+            },
+        }
+    )
+
+
+def test_pool_picture_finds_better_corners_than_those_clicked(tmp_path):
+    clicked = TRUTH.corners_px + np.array([[5.0, -4], [-6, 3], [4, 6], [-3, -5]])
+    found = pool_corners_picture(drawn_pool(TRUTH), setup_with(clicked), tmp_path / "pool.png")
+    assert np.abs(found.suggested_px - TRUTH.corners_px).max() < 1.0
+    assert np.abs(found.offset_px).max() > 1.0
+    assert np.all(found.share > 0.8)
+    assert np.all(found.bend_px < 0.7)
+    assert any("pool_corners_px: [[" in line for line in found.sentences)
+    assert (tmp_path / "pool.png").stat().st_size > 10_000
+
+
+def test_pool_picture_is_drawn_even_where_the_corners_fit_no_camera(tmp_path):
+    rolled = np.roll(TRUTH.corners_px, 1, axis=0)
+    found = pool_corners_picture(drawn_pool(TRUTH), setup_with(rolled), tmp_path / "pool.png")
+    assert "begin with the corner now listed second" in found.sentences[0]
+    assert (tmp_path / "pool.png").exists()

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 from ..faults import fault
-from .channels import angle_chain, planar_chain
+from .channels import angle_chain, moving_cost, planar_chain
 from .grid import Grid, filter_grid
 from .reference import filter_and_smooth
 from .search import Found
@@ -14,6 +14,8 @@ from .speed import speed_and_std
 from .twin import smoothed
 
 LEAST_FRAMES = 8
+SURELY_RESTS = 12.0
+"""Twice the log likelihood by which rest in the first frame beats motion beyond doubt."""
 
 
 def smooth(pose: Pose, flap_hz: float) -> Track:
@@ -71,6 +73,8 @@ def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Foun
         return heading, planar_chain(values[:, :2], cov[:, :2, :2], grid, **at)
 
     rest = tried(True, True, None)
+    if moving_cost(rest[1]) - rest[1].cost > SURELY_RESTS:
+        return rest
     moving = tried(True, False, rest[0])
     return rest if rest[1].cost <= moving[1].cost else tried(False, False, None)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,13 +11,16 @@ from ..data import Float
 from .chain import Chain, Mask
 from .grid import Grid
 from .motion import heading_matrices, planar_matrices, planar_measurement
-from .search import Found, most_likely
+from .search import Found, gate_of, most_likely
+from .twin import likelihood
 
 SPREADS = (1.0, 3.0, 3.0, 3.0)
 """Spread of the weak prior of log tau, noise of rate, noise of acceleration, start-up factor."""
 SPREAD_RECOIL, SPREAD_R = 3.0, 1.0
 AT_REST = 0.01
 """A body at rest at the first frame moves at less than this share of its usual speed."""
+MOVING = 3.0
+"""Prior width of a rate, in usual speeds, where it moves."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,18 @@ def planar_chain(
         lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, data.kick, theta),
         resting=resting,
     )
+
+
+def moving_cost(found: Found) -> float:
+    """Cost of a chain found at rest, were it moving in the first frame; the noise unchanged."""
+    chain = found.chain
+    m = chain.z.shape[1]
+    P0 = chain.P0.copy()
+    rates = np.arange(m, 2 * m)
+    P0[rates, rates] *= (MOVING / AT_REST) ** 2
+    gate = gate_of(m)
+    other = replace(chain, P0=P0)
+    return found.cost + likelihood(other, found.used, gate) - likelihood(chain, found.used, gate)
 
 
 def _found(
@@ -134,7 +149,7 @@ def _prior(data: _Measured, T: float, recoil: Float, resting: bool) -> tuple[Flo
     """Prior of the first state: wide in position, rate and acceleration; recoil stationary."""
     z, m = data.z[data.seen], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
-    rate = (AT_REST if resting else 3.0) * data.speed
+    rate = (AT_REST if resting else MOVING) * data.speed
     widths = [reach**2] * m + [rate**2] * m + [(3 * data.speed / T) ** 2] * m
     x0 = np.zeros(3 * m + 2 * len(recoil))
     x0[:m] = z[:5].mean(axis=0)

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from ..data import Float
 from . import twin
 from .chain import Chain, Mask
+from .descent import descend
 
 GATE_TAIL = 1e-5
 """A right measurement is refused about so often."""
@@ -41,7 +41,7 @@ def most_likely(
     cost is that of the first round, in which outliers count as lying on the gate.
     """
     logs, used, costs = np.zeros(len(spread)), seen, []
-    gate = float(chi2.isf(GATE_TAIL, build(logs).z.shape[1]))
+    gate = gate_of(build(logs).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         logs, cost = _search(build, used, limit, logs, spread)
@@ -54,6 +54,11 @@ def most_likely(
     return Found(build(logs), used, logs, costs[0])
 
 
+def gate_of(size: int) -> float:
+    """Squared normalised distance beyond which a measurement of `size` numbers is refused."""
+    return float(chi2.isf(GATE_TAIL, size))
+
+
 def _within(chain: Chain, used: Mask, gate: float) -> Mask:
     if not np.isfinite(gate):
         return used
@@ -64,16 +69,13 @@ def _within(chain: Chain, used: Mask, gate: float) -> Mask:
 def _search(
     build: Callable[[Float], Chain], used: Mask, gate: float, start: Float, spread: Float
 ) -> tuple[Float, float]:
-    """Logarithms of least cost, and the cost, by quasi-Newton steps on differences."""
+    """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
 
     def cost(at: Float) -> float:
         value = twin.likelihood(build(at), used, gate)
         return value + float(np.sum((at / spread) ** 2)) if np.isfinite(value) else 1e12
 
-    options = {"eps": 1e-3, "maxiter": 25, "ftol": 1e-5, "gtol": 0.1}
-    bounds = [(-6 * s, 6 * s) for s in spread]
-    found = minimize(cost, start, method="L-BFGS-B", bounds=bounds, options=options)
-    return np.asarray(found.x), float(found.fun)
+    return descend(cost, start)
 
 
 def _deletion_squares(chain: Chain, used: Mask) -> Float:

@@ -46,3 +46,9 @@ def nearest(name: str, known: Iterable[str]) -> str:
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     return f"Did you mean '{close[0]}'?" if close else f"Known: {', '.join(names)}."
+
+
+def printable(text: str) -> str:
+    """`text` with the control characters of hostile input made harmless for a terminal."""
+    lines = text.splitlines()
+    return "\n".join("".join(c if c.isprintable() else "?" for c in line) for line in lines)

@@ -1,0 +1,5 @@
+"""`python -m pipeline` is `bluekoi`."""
+
+from .cli import main
+
+main()

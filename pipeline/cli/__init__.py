@@ -1,0 +1,41 @@
+"""The command `bluekoi`; each command imports what it needs only when it is called."""
+
+from __future__ import annotations
+
+import click
+
+from ..faults import Fault, printable
+from .check import check
+from .doctor import doctor
+from .run import run
+from .stage import stage
+
+EXIT_CODES = """\b
+Exit codes: 0 done; 1 a fault in the study, the files or the machine; 2 wrong use of this command;
+3 done, but some trials went wrong (each is named); 130 interrupted.
+"""
+
+
+class _Plainly(click.Group):
+    """A group of commands that tells a user's fault in words and ends with exit code 1."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except Fault as fault:
+            click.echo(printable(str(fault)), err=True)
+            ctx.exit(1)
+
+
+@click.group(
+    cls=_Plainly,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=EXIT_CODES,
+)
+@click.version_option(package_name="bluekoi", prog_name="bluekoi")
+def main() -> None:
+    """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
+
+
+for _command in (run, check, doctor, stage):
+    main.add_command(_command)

@@ -1,0 +1,68 @@
+"""`bluekoi run`: the whole way, by Snakemake."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess  # nosec: our own interpreter, a list of arguments, no shell
+import sys
+from pathlib import Path
+
+import click
+
+PACKAGE = Path(__file__).resolve().parents[1]
+SOME_TRIALS_BAD = 3
+
+
+def workflow_folder() -> Path:
+    """Folder with Snakefile and config: the checkout, or the copy that installing makes."""
+    checkout = PACKAGE.parent
+    return checkout if (checkout / "Snakefile").is_file() else PACKAGE / "workflow" / "files"
+
+
+def command(study: str, results: Path | None, cores: str, further: tuple[str, ...]) -> list[str]:
+    """Arguments that start Snakemake on a study."""
+    home = workflow_folder()
+    values = {"study": study} | ({"results": str(results)} if results else {})
+    return [
+        *(sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile")),
+        *("--workflow-profile", str(home / "config" / "profiles" / "default")),
+        *("--cores", cores, "--config"),
+        *(f"{key}={json.dumps(value)}" for key, value in values.items()),
+        *further,
+    ]
+
+
+@click.command(context_settings={"ignore_unknown_options": True})
+@click.argument("study", default="demo")
+@click.option("--results", type=click.Path(path_type=Path), help="Folder for the results.")
+@click.option("--cores", default="all", show_default=True, help="How many jobs at once.")
+@click.argument("further", nargs=-1, type=click.UNPROCESSED)
+@click.pass_context
+def run(
+    ctx: click.Context, study: str, results: Path | None, cores: str, further: tuple[str, ...]
+) -> None:
+    """Analyse STUDY, a folder or `demo`; what was done already is kept.
+
+    FURTHER options go to Snakemake as they stand, after `--`.
+    """
+    if study != "demo":
+        from ..study import load_study  # noqa: PLC0415
+
+        load_study(study)
+    environment = {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", "")}
+    done = subprocess.run(  # noqa: S603
+        command(study, results, cores, further), env=environment, check=False
+    )
+    ctx.exit(_exit_code(done.returncode, results or Path("results") / Path(study).resolve().name))
+
+
+def _exit_code(returned: int, results: Path) -> int:
+    """0 where all is well, 3 where all is there but some trials are bad, else 1."""
+    if returned == 0:
+        return 0
+    from ..stages.layout import Layout  # noqa: PLC0415
+
+    last = Layout(results).last_results
+    complained = not (results / "outcome.json").is_file()
+    return SOME_TRIALS_BAD if complained and all(path.is_file() for path in last) else 1

@@ -1,0 +1,55 @@
+"""One trial's try at a stage: it ends in a status file, so that a bad trial stops only itself."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..faults import Fault
+from ..files import read_json, write_json
+from .layout import remove
+
+log = logging.getLogger(__name__)
+
+
+def attempt(
+    status: Path,
+    trial_id: str,
+    work: Callable[[], Mapping[str, Any]],
+    *,
+    products: Sequence[Path],
+    stale: Sequence[Path] = (),
+) -> None:
+    """Write the status of a trial: what `work` returned, or why it could not be done.
+
+    `products` are the files that the work writes, `stale` those of an earlier run that hang on
+    them. On failure none of them is left. A defect of ours counts as a failure of this trial; its
+    traceback goes to the log.
+    """
+    remove(stale)
+    try:
+        found = {"trial_id": trial_id, "ok": True, "message": "", **work()}
+    except Fault as error:
+        found = _failed(trial_id, str(error))
+        log.warning("%s", error)
+    except Exception as error:  # one trial must not stop the others, whatever is wrong with it
+        found = _failed(trial_id, f"{trial_id}: a defect of this program, {error!r}; see the log")
+        log.exception("trial %s", trial_id)
+    if not found["ok"]:
+        remove(products)
+    sizes = {
+        f"{path.parent.name}/{path.name}": path.stat().st_size for path in products if found["ok"]
+    }
+    write_json(status, {**found, "products": sizes})
+
+
+def _failed(trial_id: str, message: str) -> dict[str, Any]:
+    return {"trial_id": trial_id, "ok": False, "message": message, "remarks": []}
+
+
+def good_trials(statuses: Sequence[Path]) -> list[str]:
+    """Ids of the trials that went well, in the order of their status files."""
+    found = [read_json(path) for path in statuses]
+    return [str(status["trial_id"]) for status in found if status["ok"]]

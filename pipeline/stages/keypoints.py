@@ -1,0 +1,84 @@
+"""Detections of one trial, from its footage or its keypoint file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from .. import keypoints as sources
+from ..data import Frame, Keypoints
+from ..faults import Fault, fault
+from ..keypoints.deeplabcut import write
+from ..study import Study, Trial, load_study, missing_of
+from .attempt import attempt
+from .layout import Layout
+
+
+def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
+    """Write keypoints/ID.csv, its covariances and how it went."""
+    loaded, layout = load_study(study), Layout(results)
+    trial = loaded.trial(trial_id)
+    attempt(
+        layout.detection(trial_id),
+        trial_id,
+        lambda: _detect(loaded, trial, layout.keypoints(trial_id), threads),
+        products=layout.of_detection(trial_id),
+        stale=layout.of_tracks(trial_id),
+    )
+
+
+def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, Any]:
+    if missing := missing_of(study, trial):
+        raise Fault(missing)
+    found, notes = (
+        _from_file(study, trial) if trial.reads_keypoints else _seen(study, trial, threads)
+    )
+    if len(found.time_s) == 0:
+        raise fault(study.paths(trial)[0], "", "no frames", "frames between start_s and end_s")
+    write(path, found)
+    return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
+
+
+def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
+    found = sources.source("deeplabcut").read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
+
+
+def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
+    import cv2  # noqa: PLC0415  only where there is footage
+
+    from ..footage import frames, open_recording  # noqa: PLC0415
+
+    cv2.setNumThreads(threads)
+    detector = sources.source(study.setup.detection.source)
+    recording = open_recording(
+        study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+    )
+    colour = getattr(detector, "COLOUR", False)
+
+    def film() -> Iterator[Frame]:
+        return frames(recording, colour=colour)
+
+    found = detector.detect(film, study.setup, trial)
+    short = recording.frames_present < recording.frames_declared and trial.end_s is None
+    return found, {
+        "source": study.setup.detection.source,
+        "frames_declared": recording.frames_declared,
+        "size_px": list(recording.size_px),
+        "cut_short": _cut_short(study, trial, recording) if short else "",
+    }
+
+
+def _cut_short(study: Study, trial: Trial, recording: Any) -> str:
+    """What to say of a recording that holds fewer frames than it declares; it is used so far."""
+    return str(
+        fault(
+            study.paths(trial)[-1],
+            f"trial {trial.trial_id}",
+            f"{recording.frames_present} of {recording.frames_declared} declared frames",
+            "all of them",
+            "Copy it again from the card, or set end_s in trials.csv to accept what is there; "
+            "the readable frames were used.",
+        )
+    )

@@ -1,0 +1,92 @@
+"""Pose, smoothed motion and steady state of one trial."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..camera import map_keypoints, pool_camera
+from ..data import Flapping, Keypoints, Positions, write_pose, write_track
+from ..faults import Fault, fault
+from ..files import read_json
+from ..keypoints.deeplabcut import read
+from ..motor import compare, flapping_from_log, flapping_given, tail_beat
+from ..pose import rigid_pose
+from ..smoothing import smooth
+from ..steady import steady_state, write_steady
+from ..study import Study, Trial, load_study
+from .attempt import attempt
+from .layout import Layout
+
+
+def tracks(study: Path, results: Path, trial_id: str) -> None:
+    """Write poses/ID.csv, tracks/ID.csv, steady/ID.csv and how the trial went."""
+    loaded, layout = load_study(study), Layout(results)
+    trial = loaded.trial(trial_id)
+    attempt(
+        layout.status(trial_id),
+        trial_id,
+        lambda: _track(loaded, trial, layout),
+        products=layout.of_tracks(trial_id),
+    )
+
+
+def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
+    detection = read_json(layout.detection(trial.trial_id))
+    if not detection["ok"]:
+        return detection
+    size = detection.get("size_px")
+    camera = pool_camera(study.setup, (size[0], size[1]) if size else None)
+    found = _detections(layout.keypoints(trial.trial_id), trial)
+    positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
+    flapping = flapping_of(study, trial, positions)
+    pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    track = smooth(pose, flapping.flap_hz)
+    steady = steady_state(track, flapping, trial.head_angle_rad)
+    write_pose(layout.pose(trial.trial_id), pose)
+    write_track(layout.track(trial.trial_id), track)
+    write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
+    remarks = [*detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
+    return {**detection, "remarks": list(dict.fromkeys(remarks)), "flapping": _told(flapping)}
+
+
+def _detections(path: Path, trial: Trial) -> Keypoints:
+    """Keypoints as the stage before wrote them: our names, already cut to the part to use."""
+    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+    return read(path, whole, {})
+
+
+def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
+    """Flapping frequency by motor log, else as given, else from the tail in the video.
+
+    Raises: Fault where none of the three tells it.
+    """
+    log = study.motor_path(trial)
+    if log is None and trial.flap_hz is None:
+        return _from_video(study, trial, positions)
+    flapping = flapping_given(trial.flap_hz) if log is None else flapping_from_log(log)
+    if flapping.flap_hz <= 0:
+        return flapping
+    return compare(flapping, tail_beat(positions, flapping.flap_hz, flapping=flapping))
+
+
+def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
+    hz, std = tail_beat(positions)
+    if not hz > 0:
+        raise fault(
+            study.root / "trials.csv",
+            f"trial {trial.trial_id}",
+            "neither motor_log nor flap_hz, and no tail beat seen in the video",
+            "a flapping frequency",
+            "Give motor_log or flap_hz.",
+        )
+    remark = "no motor log and no flap_hz: flapping frequency taken from the tail in the video"
+    return Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
+
+
+def _told(flapping: Flapping) -> dict[str, Any]:
+    names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "agrees")
+    return {name: getattr(flapping, name) for name in names}
+
+
+__all__ = ["Fault", "flapping_of", "tracks"]

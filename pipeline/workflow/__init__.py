@@ -1,0 +1,41 @@
+"""What the Snakefile leans on: the plan of a run, its fingerprints, its progress."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..faults import Fault, printable
+from .plan import Plan, forget_lost, make_plan
+from .progress import Progress, follow
+from .settings import check_settings
+
+__all__ = ["Plan", "Progress", "begin", "follow", "shell_prefix"]
+
+
+def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
+    """Plan of the run that Snakemake is about to make; ends it with a plain message on a fault.
+
+    A run proper also forgets trials whose results were taken away, so that they run again.
+    """
+    try:
+        plan = make_plan(check_settings(config, schema))
+    except Fault as fault:
+        sys.stderr.write(printable(str(fault)) + "\n")
+        sys.exit(1)
+    if workflow.is_main_process and not workflow.output_settings.dryrun:
+        forget_lost(plan)
+    return plan
+
+
+def shell_prefix(workflow: Any) -> str:
+    """Shell text before each command, so that it finds this very interpreter and package.
+
+    Without activating its environment, `snakemake` would run whatever `python3` is on the PATH.
+    """
+    if workflow.deployment_settings.deployment_method:
+        return f"export PYTHONPATH={shlex.quote(str(Path(workflow.basedir)))}; "
+    return f'export PATH={shlex.quote(str(Path(sys.executable).parent))}:"$PATH"; '

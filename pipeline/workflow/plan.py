@@ -1,0 +1,170 @@
+"""What a run is about: the study at hand, its results folder, and what each job depends on.
+
+The Snakefile asks a `Plan` for inputs and for the fingerprints that make a job run again: of the
+code that it runs through, of its row in trials.csv, of the parts of study.yaml that it reads.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..faults import Fault, fault
+from ..files import read_json
+from ..study import Study, Trial, load_study
+from .provenance import fingerprint
+
+DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One run; folders as given, so that logs and reports show what the person wrote."""
+
+    folder: Path
+    results: Path
+    study: Study
+    is_demo: bool
+    overlays: bool
+
+    @property
+    def trials(self) -> list[str]:
+        """Ids of all trials, in the order of trials.csv."""
+        return [trial.trial_id for trial in self.study.trials]
+
+    @property
+    def filmed(self) -> list[str]:
+        """Ids of the trials that have footage."""
+        return [trial.trial_id for trial in self.study.trials if not trial.reads_keypoints]
+
+    def goals(self) -> list[str]:
+        """Files that a run is made for."""
+        return [str(self.results / "steady.csv")]
+
+    def sources(self, wildcards: Any) -> list[str]:
+        """Files of a trial to detect in; one that is missing is left to the stage to tell."""
+        trial = self.study.trial(wildcards.trial)
+        return [self._named(name) for name in trial.sources if self._comes(name)]
+
+    def motor(self, wildcards: Any) -> list[str]:
+        """Motor log of a trial, where it has one."""
+        name = self.study.trial(wildcards.trial).motor_log
+        return [self._named(name)] if name and self._comes(name) else []
+
+    def _named(self, name: str) -> str:
+        return str(self.folder / name)
+
+    def _comes(self, name: str) -> bool:
+        return self.is_demo or (self.study.root / name).is_file()
+
+    def code(self, stage: str) -> str:
+        """Fingerprint of all source files that a stage runs through."""
+        return fingerprint(f"stages.{stage}")
+
+    def figure_code(self, wildcards: Any) -> str:
+        """Fingerprint of one figure's own file and of what it draws with."""
+        return fingerprint("stages.figure", f"figures.{wildcards.figure}")
+
+    def detection(self, wildcards: Any) -> str:
+        """Fingerprint of what the detection of a trial depends on beside its source."""
+        trial, setup = self.study.trial(wildcards.trial), self.study.setup
+        if not trial.reads_keypoints:
+            return _hash(_without(_row(trial), "role"), setup.model_dump(mode="json"))
+        row = {name: getattr(trial, name) for name in DETECTION_COLUMNS}
+        return _hash(row, setup.bodyparts)
+
+    def motion(self, wildcards: Any) -> str:
+        """Fingerprint of what the pose and the track of a trial depend on beside detections."""
+        setup = self.study.setup.model_dump(mode="json")
+        row = _without(_row(self.study.trial(wildcards.trial)), "role")
+        return _hash(row, _without(setup, "detection"))
+
+    def fit(self) -> str:
+        """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
+        rows = [_row(trial) for trial in self.study.trials]
+        return _hash(rows, _without(self.study.setup.model_dump(mode="json"), "detection"))
+
+
+def make_plan(settings: Mapping[str, Any]) -> Plan:
+    """Plan of a run by its checked settings; the demo's study files are laid out if need be.
+
+    Raises: Fault with all that is wrong with the study, or where the results cannot be written.
+    """
+    is_demo = settings["study"] == "demo" and not Path("demo/study.yaml").is_file()
+    folder = Path(settings["demo_folder"] if is_demo else settings["study"])
+    if is_demo:
+        _lay_out_demo(folder)
+    study = load_study(folder)
+    results = Path(settings["results"] or Path("results") / folder.resolve().name)
+    _prepare(results)
+    return Plan(folder, results, study, is_demo=is_demo, overlays=settings["overlays"])
+
+
+def _lay_out_demo(folder: Path) -> None:
+    """Study files of the demo; skipped where they stand and were written by this very code."""
+    stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
+    files = [folder / "study.yaml", folder / "trials.csv", stamp]
+    if all(path.is_file() for path in files) and stamp.read_text(encoding="utf-8") == code:
+        return
+    from ..files import write_text  # noqa: PLC0415
+    from ..stages.demo import lay_out  # noqa: PLC0415  heavy, and only once
+
+    lay_out(folder)
+    write_text(stamp, code)
+
+
+def _prepare(results: Path) -> None:
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+        (probe := results / ".writable").touch()
+        probe.unlink()
+    except OSError as error:
+        found = f"'{error.strerror}'"
+        raise fault(results, "", found, "a results folder that can be written to") from error
+
+
+def forget_lost(plan: Plan) -> list[Path]:
+    """Status files taken away because a result that they vouch for is gone or has another size.
+
+    A trial's job declares its status file alone, since a bad trial has no results to declare; so
+    a deleted or truncated result would not be missed otherwise.
+    """
+    lost = [path for path in _statuses(plan) if not _whole(plan.results, path)]
+    for path in lost:
+        path.unlink()
+    return lost
+
+
+def _statuses(plan: Plan) -> list[Path]:
+    folders = (plan.results / "status" / "keypoints", plan.results / "status")
+    paths = [folder / f"{trial}.json" for folder in folders for trial in plan.trials]
+    return [path for path in paths if path.is_file()]
+
+
+def _whole(results: Path, status: Path) -> bool:
+    try:
+        products = read_json(status).get("products", {})
+    except Fault:
+        return False
+    return all(_size(results / name) == size for name, size in products.items())
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.is_file() else -1
+
+
+def _row(trial: Trial) -> dict[str, Any]:
+    return trial.model_dump(mode="json")
+
+
+def _without(content: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {key: value for key, value in content.items() if key not in names}
+
+
+def _hash(*content: Any) -> str:
+    text = json.dumps(content, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -1,0 +1,128 @@
+"""What a run is doing, in one line: stage, trial, how many of how many, how long still."""
+
+from __future__ import annotations
+
+import logging
+import sys
+import time
+from pathlib import Path
+from typing import Any, TextIO
+
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from .remaining import Timing, duration
+
+NOISE = {
+    LogEvent.WORKFLOW_STARTED,
+    LogEvent.RESOURCES_INFO,
+    LogEvent.RUN_INFO,
+    LogEvent.JOB_INFO,
+    LogEvent.JOB_STARTED,
+    LogEvent.JOB_FINISHED,
+    LogEvent.SHELLCMD,
+    LogEvent.PROGRESS,
+    LogEvent.JOB_ERROR,
+    LogEvent.GROUP_INFO,
+    LogEvent.GROUP_ERROR,
+}
+OWN_WORDS = ("CalledProcessError", "At least one job did not complete", "Exiting because a job")
+LOCKED = (
+    "Another run is at work in this folder. Wait for it to end. If none is running, the last one "
+    "was killed: `snakemake --unlock`, then start again; finished trials are kept."
+)
+EVERY_S = 2.0
+
+
+def told_by_us(record: logging.LogRecord) -> bool:
+    """Whether Snakemake's own text of this record is left out, since `Progress` tells it."""
+    event = getattr(record, "event", None)
+    return event in NOISE or record.levelno < logging.WARNING or _ours(record)
+
+
+def _ours(record: logging.LogRecord) -> bool:
+    text = record.getMessage()
+    return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
+
+
+class Progress(logging.Handler):
+    """Log handler that turns Snakemake's events into short lines on `stream`.
+
+    On a terminal the line is rewritten in place; in a file a line comes every two seconds.
+    """
+
+    def __init__(self, report: Path, stream: TextIO = sys.stderr) -> None:
+        super().__init__(logging.INFO)
+        self.report, self.stream = report, stream
+        self.live = stream.isatty()
+        self.timing = Timing()
+        self.last_s = 0.0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Tell one event."""
+        event, found = getattr(record, "event", None), record.__dict__
+        if event == LogEvent.RUN_INFO and "stats" in found:
+            self.timing.expect(found["stats"])
+        elif event == LogEvent.JOB_INFO:
+            self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
+            self._line(_name(found), now=not self.live and self.last_s == 0.0)
+        elif event == LogEvent.JOB_FINISHED:
+            self.timing.finish(found["job_id"], time.monotonic())
+            self._line("", now=self.timing.done == self.timing.total)
+        elif event == LogEvent.JOB_ERROR:
+            self._trouble(found)
+        elif "cannot be locked" in record.getMessage():
+            self._say(LOCKED)
+        elif record.getMessage().startswith("Nothing to be done"):
+            self._say(f"Everything is up to date: {self.report}")
+
+    def _line(self, name: str, *, now: bool) -> None:
+        moment = time.monotonic()
+        if not (self.live or now or moment - self.last_s > EVERY_S):
+            return
+        self.last_s = moment
+        left = self.timing.left_s(moment)
+        ends = f"  about {duration(left)} left" if left is not None else ""
+        head = f"[{self.timing.done}/{self.timing.total}]"
+        text = f"{head} {name or self.timing.running()}{ends}".rstrip()
+        self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
+        self.stream.flush()
+
+    def _trouble(self, found: dict[str, Any]) -> None:
+        paths = [Path(name) for name in found.get("log") or []]
+        text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
+        lines = [line for line in text.splitlines() if line.strip()]
+        shown = lines if found["rule_name"] == "outcome" else lines[-12:]
+        self._say("\n".join(shown) or "no word of why")
+        if found["rule_name"] != "outcome":
+            self._say(
+                f"The stage {found['rule_name']} ended there; more in {', '.join(map(str, paths))}"
+            )
+
+    def _say(self, text: str) -> None:
+        self.stream.write(("\r\x1b[K" if self.live else "") + text + "\n")
+        self.stream.flush()
+
+    def farewell(self) -> None:
+        """Name the report, where there is one."""
+        if self.report.is_file():
+            self._say(f"Report: {self.report}")
+
+
+def _name(found: dict[str, Any]) -> str:
+    of = " ".join(str(value) for value in (found.get("wildcards") or {}).values())
+    return f"{found['rule_name']} {of}".strip()
+
+
+def follow(workflow: Any, report: Path) -> Progress:
+    """Progress attached to a Snakemake workflow that is about to run.
+
+    A dry run, `--verbose` and the jobs of a cluster keep Snakemake's own words.
+    """
+    progress, settings = Progress(report), workflow.output_settings
+    if workflow.is_main_process and not (settings.dryrun or settings.verbose):
+        logger = logging.getLogger("snakemake.logging")
+        for handler in logger.handlers:
+            if handler.name == "DefaultStreamHandler":
+                handler.addFilter(lambda record: not told_by_us(record))
+        logger.addHandler(progress)
+    return progress

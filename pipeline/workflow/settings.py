@@ -1,0 +1,39 @@
+"""The configuration, checked against config/schema.yaml."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+from jsonschema import Draft202012Validator, ValidationError
+
+from ..faults import Fault, Finding, nearest
+
+
+def check_settings(config: Mapping[str, Any], schema_path: Path) -> dict[str, Any]:
+    """The configuration as a plain dict.
+
+    Raises: Fault with every key that the schema does not know, misses, or wants otherwise.
+    """
+    schema = yaml.safe_load(schema_path.read_text(encoding="utf-8"))
+    content = dict(config)
+    errors = Draft202012Validator(schema).iter_errors(content)
+    findings = [finding for error in errors for finding in _findings(error)]
+    if findings:
+        raise Fault(findings)
+    return content
+
+
+def _findings(error: ValidationError) -> Iterator[Finding]:
+    place = ".".join(map(str, error.absolute_path))
+    if error.validator == "additionalProperties":
+        known = list(error.schema["properties"])
+        for key in sorted(set(error.instance) - set(known)):
+            where = f"{place}.{key}" if place else key
+            cure = nearest(str(key), known)
+            yield Finding("configuration", where, "an unknown key", "a known key", cure)
+        return
+    expected = " ".join(error.schema.get("description", "").split())
+    yield Finding("configuration", place, error.message, expected or "what schema.yaml says")

@@ -1,0 +1,1 @@
+"""The silhouette detector's parts: background, search, template, edges, tail, tracking."""

@@ -1,0 +1,86 @@
+"""The pool without the robot: the median of a few pictures, and where the robot never left it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import cv2
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+
+Image = npt.NDArray[np.uint8]
+SAMPLES = 7
+KEPT = 16
+
+
+def sample(film: Iterable[Frame], count: int = SAMPLES) -> list[Frame]:
+    """About `count` frames spread over a film, their luma copied.
+
+    A film that can jump (`spread`) decodes those alone; another is run through once, keeping every
+    k-th frame and doubling k when there are too many.
+    """
+    jump = getattr(film, "spread", None)
+    if jump is not None:
+        return [_copied(frame) for frame in jump(count)]
+    kept: list[Frame] = []
+    step = 1
+    for i, frame in enumerate(film):
+        if i % step:
+            continue
+        kept.append(_copied(frame))
+        if len(kept) > KEPT:
+            kept, step = kept[::2], step * 2
+    places = np.unique(np.linspace(0, len(kept) - 1, min(count, len(kept))).round().astype(int))
+    return [kept[i] for i in places] if kept else []
+
+
+def _copied(frame: Frame) -> Frame:
+    return Frame(frame.index, frame.time_s, np.array(frame.luma))
+
+
+def median(images: Sequence[Image]) -> Image:
+    """Median (height, width) of pictures, exact; the lower middle of an even number."""
+    return _median(np.stack(images))
+
+
+@numba.njit(cache=True)
+def _median(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Odd-even transposition sort of whole rows: nothing but minima and maxima."""
+    count, height, width = stack.shape
+    out = np.empty((height, width), np.uint8)
+    rows = np.empty((count, width), np.uint8)
+    for y in range(height):
+        for k in range(count):
+            rows[k] = stack[k, y]
+        for turn in range(count):
+            for k in range(turn % 2, count - 1, 2):
+                for x in range(width):
+                    a, b = rows[k, x], rows[k + 1, x]
+                    rows[k, x], rows[k + 1, x] = min(a, b), max(a, b)
+        out[y] = rows[(count - 1) // 2]
+    return out
+
+
+def noise_level(images: Sequence[Image], background: Image) -> float:
+    """Usual deviation of a picture from the background, grey levels (robust, every 7th pixel)."""
+    thin = background[::7, ::7].astype(np.int16)
+    deviation = [np.median(np.abs(image[::7, ::7] - thin)) for image in images]
+    return max(1.0, 1.4826 * float(np.median(deviation)))
+
+
+def without_resident(background: Image, size_px: float) -> Image:
+    """Background with what is dark or bright and as wide as the robot taken out of it.
+
+    For a robot that hardly moves and so became part of the median: a closing (or opening, where
+    that changes more) wider than the robot bridges it with its surroundings.
+    """
+    shrink = max(1, int(size_px / 12))
+    small = cv2.resize(background, None, fx=1 / shrink, fy=1 / shrink, interpolation=cv2.INTER_AREA)
+    width = int(2 * round(size_px / shrink) + 1)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+    filled = cv2.morphologyEx(cv2.medianBlur(small, 3), cv2.MORPH_CLOSE, disc)
+    full = cv2.resize(filled, background.shape[::-1], interpolation=cv2.INTER_LINEAR)
+    return np.maximum(full, background)

@@ -1,0 +1,128 @@
+"""The robot's own outline, learned from a few frames spread over the recording."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+from ...study import Robot, Trial
+from .edges import measure, pick
+from .search import Blob, blobs, poses_of
+from .template import CORE_STATIONS, HEAD_STATIONS, Template, first_template, learned
+from .tracking import Fit, Scene, fitted, plausible, reaches
+
+Float = npt.NDArray[np.float64]
+ROUNDS = (0.016, 0.012, 0.010, 0.008, 0.008, 0.008)
+INSIDE_PX = 2.5
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """A learned template, the frames it was learned from, and how well it fits them."""
+
+    template: Template
+    frames: int
+    support: float
+
+
+def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) -> Lesson | None:
+    """Template learned from the samples in which a robot-like blob is found; None without any.
+
+    Fit, move each station by its median offset over frames and both sides, fit again.
+    """
+    seen = [(f, blobs(f.luma, scene.floor, scene.plane, scene.noise)) for f in samples]
+    first = _first(seen, robot, trial)
+    if first is None:
+        return None
+    starts = [
+        (frame, best) for frame, found in seen if (best := _start(frame, found, scene, first))
+    ]
+    if not starts:
+        return None
+    template, fits = first, [(frame, one) for frame, one in starts]
+    for size in ROUNDS:
+        shape = template.shape()
+        reach = reaches(scene, size, size, size)
+        fits = [(f, fitted(f.luma, scene, shape, one.pose, reach)) for f, one in fits]
+        kept = _agreeing(fits)
+        template = learned(template, *_offsets(kept, scene, template, int(reach[-1])))
+    shape = template.shape()
+    last = [fitted(f.luma, scene, shape, one.pose, reaches(scene, 0.008, 0.008)) for f, one in fits]
+    return Lesson(template, len(last), float(np.median([one.support[2] for one in last])))
+
+
+def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+    """Fits not much worse than the best: a hand's blob must not teach the robot's shape."""
+    best = max(one.support[2] for _, one in fits)
+    return [(frame, one) for frame, one in fits if one.support[2] > best - 0.3]
+
+
+def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
+    """Generic template of the width of the blobs that could be the robot by length and area."""
+    length = trial.head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m
+    likely = []
+    for _, found in seen:
+        fitting = [b for b in found if 0.05 * length**2 < b.area_m2 < 0.5 * length**2]
+        fitting = [b for b in fitting if 0.03 * length < b.half_width_m < 0.25 * length]
+        likely += sorted(fitting, key=lambda b: abs(_extent(b) - length))[:1]
+    if not likely:
+        return None
+    half = float(np.median([b.half_width_m for b in likely]))
+    return first_template(robot, trial, half, float(np.median([b.skin for b in likely])))
+
+
+def _extent(blob: Blob) -> float:
+    """Longest way across a blob, m."""
+    angles = np.linspace(0, math.pi, 24, endpoint=False)
+    across = blob.outline_m @ np.stack([np.cos(angles), np.sin(angles)])
+    return float(np.ptp(across, axis=0).max())
+
+
+def _start(frame: Frame, found: list[Blob], scene: Scene, template: Template) -> Fit | None:
+    """Best coarse fit of the generic template to any likely blob of a frame."""
+    shape = template.shape()
+    reach = reaches(scene, 0.026, 0.022, 0.018, 0.014, 0.012)
+    tried = [
+        fitted(frame.luma, scene, shape, pose, reach)
+        for blob in found
+        if plausible(blob, template)
+        for pose in poses_of(blob, template, scene.head_angle_rad)
+    ]
+    tried = [one for one in tried if abs(one.pose[3] - scene.head_angle_rad) < 0.6]
+    return min(tried, key=lambda one: one.spread_px / max(sum(one.support), 0.1), default=None)
+
+
+def _offsets(
+    fits: Sequence[tuple[Frame, Fit]], scene: Scene, template: Template, reach: int
+) -> tuple[Float, Float]:
+    """Offsets [m] and grey levels inside, (frames, stations), NaN where not looked for or seen."""
+    kept = template.kept()
+    shape = template.shape()
+    count = 2 * (HEAD_STATIONS + CORE_STATIONS)
+    offsets, greys = np.full((2, len(fits), count), np.nan)
+    for row, (frame, one) in enumerate(fits):
+        pictures = (frame.luma, scene.floor)
+        found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
+        scale = np.hypot(slope[:, 0], slope[:, 1])
+        offsets[row, kept] = found / scale
+        greys[row, kept] = _inside(frame, scene, template, one.pose)
+    return offsets, greys
+
+
+def _inside(frame: Frame, scene: Scene, template: Template, pose: Float) -> Float:
+    """Grey level a little inside each point of the outline."""
+    points, normals, part, _ = template.shape()
+    angle = np.where(part == 0, pose[2] - pose[3], pose[2])
+    place = points - normals * (INSIDE_PX / scene.plane.px_per_m)
+    turned = (place[:, 0] + 1j * place[:, 1]) * np.exp(1j * angle)
+    uv = scene.plane.pixels(np.column_stack([turned.real, turned.imag]) + pose[:2])
+    height, width = frame.luma.shape
+    ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
+    return np.array(
+        [pick(frame.luma, *p) if fine else np.nan for p, fine in zip(uv, ok, strict=True)]
+    )

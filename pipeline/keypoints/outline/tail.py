@@ -1,0 +1,116 @@
+"""The tail, a thin chain behind the caudal base, traced from there to its tip."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from .edges import LEAST_CONTRAST, Pictures, pick
+
+Float = npt.NDArray[np.float64]
+SWEEP_RAD = 1.1
+RAYS = 45
+TURN_RAD = 0.5
+
+
+@numba.njit(cache=True)
+def trace(
+    pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
+) -> tuple[Float, float, float, float]:
+    """Tip (2,) [px], its direction from the picture's u axis [rad], support and side error [px].
+
+    base: (2,) px of the caudal base; back_rad: direction backwards along the core, in the picture.
+    Going out along circles about the base, the tail's bearing is the coverage's centre near the
+    last bearing; the tip lies where the traced line has the tail's length. Support: share of the
+    line that is covered, less what is covered beyond the tip.
+    """
+    height, width = pictures[0].shape
+    tip = np.full(2, math.nan)
+    reach = length_px + 4.0
+    if not (reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach):
+        return tip, math.nan, 0.0, math.nan
+    bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
+    bend = 0.0
+    u, v = base[0], base[1]
+    travelled = 0.0
+    covered, beyond, steps, past = 0.0, 0.0, 0, 0
+    scatter = 0.0
+    radius = 3.0
+    heading = bearing
+    while radius < 1.25 * length_px:
+        found, cover = _bearing(pictures, base, (bearing + bend, radius), skin)
+        if travelled < length_px:
+            covered += 1.0 if cover > 0.5 else 0.0
+            steps += 1
+            if cover > 0.3:
+                scatter += ((found - bearing - bend) * radius) ** 2
+                bend = 0.7 * (found - bearing)
+                bearing = found
+            nu = base[0] + radius * math.cos(bearing)
+            nv = base[1] + radius * math.sin(bearing)
+            stride = math.hypot(nu - u, nv - v)
+            heading = math.atan2(nv - v, nu - u)
+            if travelled + stride >= length_px:
+                share = (length_px - travelled) / stride
+                tip[0], tip[1] = u + share * (nu - u), v + share * (nv - v)
+            travelled += stride
+            u, v = nu, nv
+        elif radius > length_px * 1.1:
+            beyond += 1.0 if cover > 0.5 else 0.0
+            past += 1
+        radius += 1.0
+    support = covered / max(steps, 1) - 0.5 * beyond / max(past, 1)
+    return tip, heading, support, math.sqrt(scatter / max(steps, 1))
+
+
+@numba.njit(cache=True)
+def _first_bearing(
+    pictures: Pictures, base: Float, back_rad: float, radius: float, skin: float
+) -> float:
+    """Bearing of the tail's first half: of all rays from the base the one covered most."""
+    best, most = back_rad, -1.0
+    for k in range(RAYS):
+        angle = back_rad + SWEEP_RAD * (2.0 * k / (RAYS - 1) - 1.0)
+        total = 0.0
+        r = 3.0
+        while r < radius:
+            u, v = base[0] + r * math.cos(angle), base[1] + r * math.sin(angle)
+            total += _cover(pictures, u, v, skin)
+            r += 1.0
+        total -= 0.02 * abs(angle - back_rad) * radius
+        if total > most:
+            best, most = angle, total
+    return best
+
+
+@numba.njit(cache=True)
+def _bearing(
+    pictures: Pictures, base: Float, polar: tuple[float, float], skin: float
+) -> tuple[float, float]:
+    """Centre of the coverage on an arc about the base, and its largest value."""
+    angle, radius = polar
+    half = min(TURN_RAD, 5.0 / radius)
+    weight, moment, most = 0.0, 0.0, 0.0
+    count = 2 * math.ceil(2 * half * radius) + 1
+    for k in range(count):
+        a = angle + half * (2.0 * k / (count - 1) - 1.0)
+        cover = _cover(
+            pictures, base[0] + radius * math.cos(a), base[1] + radius * math.sin(a), skin
+        )
+        most = max(most, cover)
+        if cover > 0.25:
+            weight += cover
+            moment += cover * a
+    return (moment / weight if weight > 0 else angle), most
+
+
+@numba.njit(cache=True)
+def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
+    """Coverage at a pixel: 0 floor, 1 skin."""
+    depth = pick(pictures[1], u, v) - skin
+    if abs(depth) < LEAST_CONTRAST:
+        return 0.0
+    return min(max((depth + skin - pick(pictures[0], u, v)) / depth, 0.0), 1.0)

@@ -1,0 +1,186 @@
+"""The robot's outline: two rigid parts about a hinge, their half-widths learned from the footage.
+
+Head: radii about a point on its axis, symmetric, in axes with the hinge at 0 and the nose at
+(head length, 0). Core: half-widths along its axis, hinge at 0, caudal base at (-core length, 0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...study import Robot, Trial
+from .edges import Shape
+
+Float = npt.NDArray[np.float64]
+HEAD, CORE = 0, 1
+MIDDLE = 0.55
+CORE_STATIONS = 36
+HEAD_STATIONS = 25
+CORE_END = 0.03
+WIDEST = 2.6
+
+
+@dataclass(frozen=True)
+class Template:
+    """Outline in metres.
+
+    angles, radii: (HEAD_STATIONS,) of the head about (MIDDLE head_m, 0), angle 0 at the nose.
+    along, half: (CORE_STATIONS,) of the core, along <= 0. head_skin, core_skin: grey levels at
+    the stations of both sides (2, stations). joint_m: nearer to the hinge nothing is looked for.
+    """
+
+    head_m: float
+    core_m: float
+    com_m: float
+    tail_m: float
+    angles: Float
+    radii: Float
+    along: Float
+    half: Float
+    head_skin: Float
+    core_skin: Float
+    joint_m: float
+
+    def shape(self) -> Shape:
+        """Points (n, 2), outward normals (n, 2), part (n,), skin (n,): both sides of both parts."""
+        head, core = self._head(), self._core()
+        mirror = np.array([1.0, -1.0])
+        points = np.concatenate([head, head * mirror, core, core * mirror])
+        sides = (_normals(head), _normals(core))
+        normals = np.concatenate([side for n in sides for side in (n, n * mirror)])
+        part = np.repeat([HEAD, CORE], [2 * len(head), 2 * len(core)])
+        skin = np.concatenate([self.head_skin.ravel(), self.core_skin.ravel()])
+        kept = self.kept()
+        return points[kept], normals[kept], part[kept], skin[kept]
+
+    def kept(self) -> npt.NDArray[np.bool_]:
+        """Which of the stations (head, head mirrored, core, core mirrored) are looked for."""
+        head = np.hypot(*self._head().T) > self.joint_m
+        core = np.hypot(*self._core().T) > self.joint_m
+        core[-1] = False
+        nose_once = head.copy()
+        nose_once[0] = False
+        return np.concatenate([head, nose_once, core, core])
+
+    def outline(self, head_angle_rad: float) -> Float:
+        """Closed outline (n, 2) of head and core, hinge at 0, core along x: for comparing blobs."""
+        c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
+        turn = np.array([[c, -s], [s, c]])
+        mirror = np.array([1.0, -1.0])
+        head, core = self._head(), self._core()
+        front = np.concatenate([(head * mirror)[::-1], head]) @ turn.T
+        rear = np.concatenate([core, (core * mirror)[::-1]])
+        return np.concatenate([front, rear])
+
+    def _head(self) -> Float:
+        middle = MIDDLE * self.head_m
+        return np.column_stack(
+            [middle + self.radii * np.cos(self.angles), self.radii * np.sin(self.angles)]
+        )
+
+    def _core(self) -> Float:
+        return np.column_stack([self.along, self.half])
+
+
+def _normals(line: Float) -> Float:
+    """Unit normals (n, 2) of a line that runs from the nose back along the left side."""
+    step = np.gradient(line, axis=0)
+    normal = np.column_stack([step[:, 1], -step[:, 0]])
+    if line[0, 1] == 0.0:
+        normal[0] = (1.0, 0.0)
+    size = np.maximum(np.hypot(*normal.T), 1e-12)
+    return normal / size[:, None]
+
+
+def first_template(
+    robot: Robot, trial: Trial, half_width_m: float, skin: float, core_shape: float = 1.7
+) -> Template:
+    """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
+    head_m = trial.head_length_m
+    core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
+    angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATIONS)
+    share = np.linspace(0.0, 1.0 - CORE_END, CORE_STATIONS)
+    end = 0.25 * half_width_m
+    return Template(
+        head_m=head_m,
+        core_m=core_m,
+        com_m=robot.hinge_to_com_m,
+        tail_m=robot.tail_length_m,
+        angles=angles,
+        radii=_egg(angles, head_m, half_width_m),
+        along=-share * core_m,
+        half=end + (half_width_m - end) * (1 - share**core_shape),
+        head_skin=np.full((2, HEAD_STATIONS), skin),
+        core_skin=np.full((2, CORE_STATIONS), skin),
+        joint_m=1.22 * half_width_m,
+    )
+
+
+def _egg(angles: Float, head_m: float, half_m: float) -> Float:
+    """Radii of a blunt head: |y / w|^2.4 + |x / front|^2.4 = 1 in front, straight sides behind."""
+    front = (1 - MIDDLE) * head_m
+    c, s = np.cos(angles), np.sin(angles)
+    ahead = (np.abs(s / half_m) ** 2.4 + np.abs(np.maximum(c, 0) / front) ** 2.4) ** (-1 / 2.4)
+    return np.where(c > 0, ahead, half_m / np.maximum(s, 0.3))
+
+
+def learned(template: Template, offsets_m: Float, skins: Float, share: float = 1.0) -> Template:
+    """Template whose stations moved by the median offset seen over frames and both sides.
+
+    offsets_m: (frames, stations of both parts and sides), NaN where not seen. skins: grey levels,
+    the same shape. The nose stays at the head's length: what the whole head moved along its axis
+    is taken back.
+    """
+    h, c = HEAD_STATIONS, CORE_STATIONS
+    parts = (offsets_m[:, :h], offsets_m[:, h : 2 * h], offsets_m[:, 2 * h : 2 * h + c])
+    core_right = offsets_m[:, 2 * h + c :]
+    head = _smooth(_both(parts[0], parts[1]))
+    core = _smooth(_both(parts[2], core_right))
+    radial = np.sum(_normals(template._head()) * _radial(template), axis=1)
+    radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
+    lateral = np.abs(_normals(template._core())[:, 1])
+    half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 5e-4)
+    grey = np.nanmedian(np.where(np.isfinite(skins), skins, np.nan), axis=0)
+    sides = np.split(grey, [h, 2 * h, 2 * h + c])
+    return replace(
+        template,
+        radii=_nose_at_length(template, radii),
+        half=half,
+        head_skin=_known(np.stack(sides[:2]), template.head_skin),
+        core_skin=_known(np.stack(sides[2:]), template.core_skin),
+    )
+
+
+def _known(found: Float, before: Float) -> Float:
+    return np.where(np.isfinite(found), found, before)
+
+
+def _radial(template: Template) -> Float:
+    return np.column_stack([np.cos(template.angles), np.sin(template.angles)])
+
+
+def _both(left: Float, right: Float) -> Float:
+    """Median over frames and both sides, 0 where nothing was seen, ends carried on."""
+    pair = np.concatenate([left, right])
+    seen = np.isfinite(pair).sum(axis=0) >= 2
+    if not seen.any():
+        return np.zeros(pair.shape[1])
+    where = np.arange(pair.shape[1])
+    return np.interp(where, where[seen], np.nanmedian(pair[:, seen], axis=0))
+
+
+def _smooth(values: Float) -> Float:
+    padded = np.concatenate([[2 * values[0] - values[1]], values, [2 * values[-1] - values[-2]]])
+    return 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+
+
+def _nose_at_length(template: Template, radii: Float) -> Float:
+    """Radii of the same outline moved along the axis so that the nose is at the head's length."""
+    shift = template.head_m * (1 - MIDDLE) - radii[0]
+    x = radii * np.cos(template.angles) + shift
+    y = radii * np.sin(template.angles)
+    angles = np.unwrap(np.arctan2(y, x))
+    return np.interp(template.angles, angles, np.hypot(x, y))

@@ -1,0 +1,178 @@
+"""The template followed from frame to frame, found anew where it was lost, and learned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+from .background import Image
+from .edges import HALF_PX, Shape, fit
+from .plane import Plane
+from .search import Blob, blobs, poses_of
+from .tail import trace
+from .template import HEAD, Template
+
+Float = npt.NDArray[np.float64]
+PRIOR = np.array([3e3, 3e3, 30.0, 30.0])
+FOUND = 0.55
+MOST_BEND = 0.7
+ARCS = 8
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stays the same over a recording: background, plane, noise [grey levels], head angle."""
+
+    floor: Image
+    plane: Plane
+    noise: float
+    head_angle_rad: float
+
+    @property
+    def maps(self) -> tuple[Float, Float]:
+        """Coefficients and scale of the plane's map to pixels."""
+        return self.plane.to_px, self.plane.scale_m
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One frame's fit.
+
+    pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (4, 4) of offsets of
+    1 px; scores: (4, 4) sum of the squared pull of the outline's arcs (both in body axes).
+    support: share of the outline's points found where the template has them: head, core, all.
+    spread_px: robust width of the offsets. tail: tip (2,) px, direction, support, side error.
+    """
+
+    pose: Float
+    information: Float
+    scores: Float
+    support: tuple[float, float, float]
+    spread_px: float
+    tail: tuple[Float, float, float, float]
+
+
+def reaches(scene: Scene, *sizes_m: float) -> npt.NDArray[np.int64]:
+    """Search lengths in px, at least what an edge needs."""
+    px = [max(HALF_PX + 2, round(size * scene.plane.px_per_m)) for size in sizes_m]
+    return np.array([min(p, 40) for p in px], dtype=np.int64)
+
+
+def tolerance_px(scene: Scene) -> float:
+    """How far from the template an edge may lie and still support it."""
+    return max(1.0, 0.0024 * scene.plane.px_per_m)
+
+
+def fitted(
+    frame: Image, scene: Scene, shape: Shape, start: Float, reach: npt.NDArray[np.int64]
+) -> Fit:
+    """The template fitted to a frame from a starting pose, without its tail."""
+    pose, offset, weight, slope = fit(
+        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR)
+    )
+    near = np.abs(np.nan_to_num(offset, nan=np.inf)) < tolerance_px(scene)
+    head = shape[2] == HEAD
+    support = (float(near[head].mean()), float(near[~head].mean()), float(near.mean()))
+    seen = np.abs(offset[np.isfinite(offset)])
+    spread = 1.4826 * float(np.median(seen)) if len(seen) else float("inf")
+    pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
+    nothing = (np.full(2, np.nan), math.nan, 0.0, math.nan)
+    return Fit(pose, *_information(pose, offset, weight, slope), support, spread, nothing)
+
+
+def _information(pose: Float, offset: Float, weight: Float, slope: Float) -> tuple[Float, Float]:
+    """Information of the pose and scores of the outline's arcs, x and y along and across."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    body = slope.copy()
+    body[:, 0], body[:, 1] = c * slope[:, 0] + s * slope[:, 1], c * slope[:, 1] - s * slope[:, 0]
+    pull = body * (weight * np.nan_to_num(offset))[:, None]
+    arcs = np.add.reduceat(pull, np.arange(0, len(pull), ARCS), axis=0)
+    return (body * weight[:, None]).T @ body, arcs.T @ arcs
+
+
+def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
+    """The best fit to any blob of a frame, either way round; None where none is good enough."""
+    steps = reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
+    starts = [
+        pose
+        for blob in blobs(frame, scene.floor, scene.plane, scene.noise)
+        if plausible(blob, template)
+        for pose in poses_of(blob, template, scene.head_angle_rad)
+    ]
+    tried = [fitted(frame, scene, shape, start, steps) for start in starts]
+    best = max(tried, key=lambda one: one.support[2], default=None)
+    return best if best is not None and good(best, scene) else None
+
+
+def plausible(blob: Blob, template: Template) -> bool:
+    """Whether a blob is of the robot's order of size."""
+    usual = 1.4 * template.half.max() * (template.head_m + template.core_m)
+    return 0.35 * usual < blob.area_m2 < 4.0 * usual
+
+
+def good(one: Fit, scene: Scene) -> bool:
+    """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
+    bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
+    return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MOST_BEND
+
+
+def follow(
+    film: Iterable[Frame], scene: Scene, template: Template
+) -> tuple[list[float], list[Fit | None]]:
+    """Times and fits of all frames; None where the robot was not found."""
+    shape = template.shape()
+    times: list[float] = []
+    fits: list[Fit | None] = []
+    for frame in film:
+        one = _next(frame, scene, template, shape, (times, fits))
+        times.append(frame.time_s)
+        fits.append(None if one is None else with_tail(frame.luma, scene, template, one))
+    return times, fits
+
+
+def _next(
+    frame: Frame,
+    scene: Scene,
+    template: Template,
+    shape: Shape,
+    past: tuple[list[float], list[Fit | None]],
+) -> Fit | None:
+    start = _predicted(frame.time_s, *past)
+    if start is not None:
+        one = fitted(frame.luma, scene, shape, start, reaches(scene, 0.016, 0.010, 0.008))
+        if good(one, scene):
+            return one
+    return found_anew(frame.luma, scene, template, shape)
+
+
+def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]) -> Float | None:
+    """Pose expected at a time from the last two fits; None where the last frames had none."""
+    if not fits or fits[-1] is None:
+        return None
+    if len(fits) < 2 or (before := fits[-2]) is None:
+        return fits[-1].pose.copy()
+    ahead = (time_s - times[-1]) / (times[-1] - times[-2])
+    return fits[-1].pose + min(ahead, 2.0) * (fits[-1].pose - before.pose)
+
+
+def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
+    """The fit with its tail traced."""
+    x, y, heading, _ = one.pose
+    back = np.array([math.cos(heading), math.sin(heading)])
+    base_m = np.array([x, y]) - template.core_m * back
+    ends = scene.plane.pixels(np.stack([base_m, base_m - template.tail_m * back]))
+    along = ends[1] - ends[0]
+    skin = float(np.median(template.core_skin))
+    tail = trace(
+        (frame, scene.floor),
+        ends[0],
+        math.atan2(along[1], along[0]),
+        float(np.hypot(*along)),
+        skin,
+    )
+    return Fit(one.pose, one.information, one.scores, one.support, one.spread_px, tail)

@@ -1,0 +1,91 @@
+"""Keypoints of the robot from its outline against the pool: a rigid head, a rigid core, a tail.
+
+A background from a few pictures; the outline's half-widths learned from the same pictures; then,
+frame by frame, the template fitted to the edges from where the robot is expected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from ..data import PARTS, Frame, Keypoints
+from ..faults import fault
+from ..study import Setup, Trial
+from .outline.background import median, noise_level, sample, without_resident
+from .outline.learning import Lesson, learn
+from .outline.outcome import keypoints_of
+from .outline.plane import Plane, plane_of
+from .outline.tracking import Fit, Scene, follow
+
+TAUGHT = 0.6
+
+
+def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
+    """Keypoints head_tip, hinge, core_center, tail_base, tail_tip of every frame, in pixels.
+
+    Likelihood is the share of the outline found where the template has it, graded; covariances
+    come from how neighbouring stretches of outline disagree. Where the robot is not found: NaN
+    and likelihood 0.
+
+    Raises: Fault where the footage holds no frame.
+    """
+    samples = sample(frames())
+    if not samples:
+        raise fault(trial.source, "", "no frames", "footage with frames")
+    plane = plane_of(setup)
+    scene, lesson, remarks = _taught(samples, plane, setup, trial)
+    if lesson is None:
+        times = [frame.time_s for frame in frames()]
+        return _nothing(times, (*remarks, "no robot was found against the background"))
+    times, fits = follow(frames(), scene, lesson.template)
+    if not times:
+        raise fault(trial.source, "", "no frames", "frames between start_s and end_s")
+    remarks = (*remarks, *_lost(times, fits))
+    return keypoints_of(times, fits, scene, lesson.template, remarks)
+
+
+def _taught(
+    samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
+) -> tuple[Scene, Lesson | None, tuple[str, ...]]:
+    """Scene and learned template; from a background bridged at the resting place if need be."""
+    images = [frame.luma for frame in samples]
+    floor = median(images)
+    noise = noise_level(images, floor)
+    scene = Scene(floor, plane, noise, trial.head_angle_rad)
+    lesson = learn(samples, scene, setup.robot, trial)
+    if lesson is not None and lesson.support > TAUGHT and 2 * lesson.frames > len(samples):
+        return scene, lesson, ()
+    filled = without_resident(floor, setup.robot.head_span_m * plane.px_per_m)
+    second_scene = Scene(filled, plane, noise, trial.head_angle_rad)
+    second = learn(samples, second_scene, setup.robot, trial)
+    if second is None or (lesson is not None and _worth(lesson) >= _worth(second)):
+        return scene, lesson, ()
+    remark = "the robot hardly left its place: its background was bridged from around it"
+    return second_scene, second, (remark,)
+
+
+def _worth(lesson: Lesson) -> float:
+    return lesson.support * lesson.frames
+
+
+def _lost(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:
+    """A remark on the frames without a robot."""
+    gone = [time for time, one in zip(times, fits, strict=True) if one is None]
+    if not gone:
+        return ()
+    text = f"{len(gone)} of {len(times)} frames without the robot (first at {gone[0]:.2f} s)"
+    return (text,)
+
+
+def _nothing(times: Sequence[float], remarks: tuple[str, ...]) -> Keypoints:
+    n, p = len(times), len(PARTS)
+    return Keypoints(
+        np.array(times),
+        PARTS,
+        np.full((n, p, 2), np.nan),
+        np.zeros((n, p)),
+        np.full((n, p, 2, 2), np.nan),
+        remarks,
+    )

@@ -68,6 +68,8 @@ def seen_from(origin: Float, points: Float, index: float) -> Float:
     Points above the surface come back unchanged; points below come back as the place on the
     surface through which their light goes, so that a straight line from there is the ray in air.
     """
+    if not np.any(points[:, 2] < 0):
+        return points
     way = points[:, :2] - origin[:2]
     depth = np.maximum(-points[:, 2], 0.0)
     share = surface_share(np.hypot(way[:, 0], way[:, 1]), float(origin[2]), depth, index)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from ..data import Float
@@ -19,6 +20,11 @@ ORDERS = {
     (0, 3, 2, 1): "swap the second and the fourth",
 }
 WRONG_SHARE = 0.015
+ROUNDS = 100
+STEP = 1e-7
+SMALLEST_GAIN = 1e-12
+SMALLEST_MISS_PX = 1e-9
+CLEARLY_WORSE = 30.0
 
 
 def pose(
@@ -42,11 +48,32 @@ def pose(
         return np.nan_to_num(corners_px - image, nan=1e4).ravel()
 
     starts = _starts(rays[:, :2] / rays[:, 2:], corners_m)
-    scale = np.array([0.1, 0.1, 0.1, 1, 1, 1])
-    fits = [least_squares(misses, s, x_scale=scale, xtol=1e-14, ftol=1e-14) for s in starts]
-    best = min(fits, key=lambda fit: fit.cost)
-    turn = Rotation.from_rotvec(best.x[:3]).as_matrix()
-    return turn, best.x[3:], best.fun.reshape(4, 2)
+    costs = [float(np.sum(misses(start) ** 2)) for start in starts]
+    likely = [s for s, c in zip(starts, costs, strict=True) if c <= CLEARLY_WORSE * min(costs)]
+    fits = [least_squares(misses, start) for start in likely]
+    best, left = min(fits, key=lambda fit: float(np.sum(fit[1] ** 2)))
+    return Rotation.from_rotvec(best[:3]).as_matrix(), best[3:], left.reshape(4, 2)
+
+
+def least_squares(misses: Callable[[Float], Float], start: Float) -> tuple[Float, Float]:
+    """Parameters and residuals of the least sum of squares, by Levenberg-Marquardt from `start`."""
+    state, damping = start, 1e-4
+    residuals = misses(state)
+    for _ in range(ROUNDS):
+        slope = np.column_stack(
+            [(misses(state + step) - residuals) / STEP for step in np.eye(len(state)) * STEP]
+        )
+        normal, pull = slope.T @ slope, -slope.T @ residuals
+        step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), pull)
+        tried = misses(state + step)
+        settled = pull @ step <= SMALLEST_GAIN * np.sum(residuals**2) + SMALLEST_MISS_PX**2
+        if np.sum(tried**2) < np.sum(residuals**2):
+            state, residuals, damping = state + step, tried, damping / 10
+        else:
+            damping *= 10
+        if settled or damping > 1e8:
+            break
+    return state, residuals
 
 
 def rectangle(length_m: float, width_m: float, height_m: float) -> Float:

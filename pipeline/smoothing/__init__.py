@@ -15,7 +15,8 @@ from .twin import smoothed
 
 LEAST_FRAMES = 8
 SURELY_RESTS = 12.0
-"""Twice the log likelihood by which rest in the first frame beats motion beyond doubt."""
+"""Twice the log likelihood by which one start beats the other beyond doubt; in doubt
+the body starts from rest, as trials do."""
 
 
 def smooth(pose: Pose, flap_hz: float) -> Track:
@@ -76,7 +77,7 @@ def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Foun
     if moving_cost(rest[1]) - rest[1].cost > SURELY_RESTS:
         return rest
     moving = tried(True, False, rest[0])
-    return rest if rest[1].cost <= moving[1].cost else tried(False, False, None)
+    return rest if moving[1].cost > rest[1].cost - SURELY_RESTS else tried(False, False, None)
 
 
 def _position(x: Float, P: Float) -> dict[str, Float]:

@@ -16,7 +16,7 @@ from .twin import likelihood
 
 SPREADS = (1.0, 3.0, 3.0, 3.0)
 """Spread of the weak prior of log tau, noise of rate, noise of acceleration, start-up factor."""
-SPREAD_RECOIL, SPREAD_R = 3.0, 1.0
+SPREAD_RECOIL, SPREAD_R = 3.0, 0.7
 AT_REST = 0.01
 """A body at rest at the first frame moves at less than this share of its usual speed."""
 MOVING = 3.0
@@ -99,11 +99,12 @@ def _found(
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2
     units = _units(data, grid, recoils)
+    x0, widths = _prior(data, grid.scale_s, recoils, resting)
 
     def build(logs: Float) -> Chain:
         noise = units * np.exp(logs[:-1])
         F, Q = matrices(noise)
-        x0, P0 = _prior(data, grid.scale_s, noise[4:], resting)
+        P0 = np.diag(np.concatenate([widths, np.repeat(noise[4:], 2)]))
         return Chain(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
     spread = np.array([*SPREADS, *[SPREAD_RECOIL] * recoils, SPREAD_R])
@@ -145,12 +146,12 @@ def _units(data: _Measured, grid: Grid, recoils: int) -> Float:
     return np.array([*densities, 3.0, *[data.variance] * recoils])
 
 
-def _prior(data: _Measured, T: float, recoil: Float, resting: bool) -> tuple[Float, Float]:
-    """Prior of the first state: wide in position, rate and acceleration; recoil stationary."""
+def _prior(data: _Measured, T: float, recoils: int, resting: bool) -> tuple[Float, Float]:
+    """Mean of the first state, and prior variances of position, rate and acceleration: wide."""
     z, m = data.z[data.seen], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
     rate = (AT_REST if resting else MOVING) * data.speed
     widths = [reach**2] * m + [rate**2] * m + [(3 * data.speed / T) ** 2] * m
-    x0 = np.zeros(3 * m + 2 * len(recoil))
-    x0[:m] = z[:5].mean(axis=0)
-    return x0, np.diag([*widths, *np.repeat(recoil, 2)])
+    x0 = np.zeros(3 * m + 2 * recoils)
+    x0[:m] = np.median(z[:5], axis=0)
+    return x0, np.array(widths)

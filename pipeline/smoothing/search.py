@@ -40,11 +40,14 @@ def most_likely(
     build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all.
     cost is that of the first round, in which outliers count as lying on the gate.
     """
-    logs, used, costs = np.zeros(len(spread)), seen, []
+    logs, used, costs = _lively(spread), seen, []
     gate = gate_of(build(logs).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         logs, cost = _search(build, used, limit, logs, spread)
+        if np.any(logs > 2 * spread):
+            again = _search(build, used, limit, 2 * _lively(spread), spread)
+            logs, cost = again if again[1] < cost else (logs, cost)
         costs.append(cost)
         chain = build(logs)
         kept = seen & (_deletion_squares(chain, _within(chain, used, limit)) <= gate)
@@ -64,6 +67,16 @@ def _within(chain: Chain, used: Mask, gate: float) -> Mask:
         return used
     squares = twin.innovations(chain, used, gate)
     return used & ~(squares > gate)
+
+
+def _lively(spread: Float) -> Float:
+    """Start of the search: process noise above its unit, so that no motion looks like an outlier.
+
+    From below, the search may run off to a huge measurement noise that explains everything.
+    """
+    start = 0.6 * spread
+    start[[0, -1]] = 0.0
+    return start
 
 
 def _search(

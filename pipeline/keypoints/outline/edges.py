@@ -200,19 +200,20 @@ def fit(
     maps: tuple[Float, Float],
     shape: Shape,
     pose: Float,
-    how: tuple[npt.NDArray[np.int64], Float],
+    how: tuple[npt.NDArray[np.int64], Float, float],
 ) -> tuple[Float, Float, Float, Float]:
     """Pose (4,) that fits the outline; offsets left (n,); weights (n,); slopes (n, 4).
 
-    how: reaches [px], prior. Gauss-Newton with Tukey's weights, a step for each of `reaches`; the
-    prior is the information (4,) that ties each step, so that a hidden part does not run away.
+    how: reaches [px]; prior; width [px]. Gauss-Newton with Tukey's weights, a step for each of
+    `reaches`. The prior is the information (4,) that ties each step, so that a hidden part does
+    not run away; offsets are outliers from 4.7 widths on, at least the given width.
     """
-    reaches, prior = how
+    reaches, prior, width = how
     here = pose.copy()
     offset, slope = measure(pictures, maps, shape, here, reaches[0])
     weight = np.zeros(len(offset))
     for turn in range(len(reaches)):
-        limit = 4.7 * spread_of(offset)
+        limit = 4.7 * max(width, spread_of(offset))
         normal = np.diag(prior)
         side = np.zeros(4)
         for i in range(len(offset)):

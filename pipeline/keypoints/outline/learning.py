@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...data import Frame
 from ...study import Robot, Trial
-from .edges import measure, pick
+from .edges import Shape, measure, pick
 from .search import Blob, blobs, poses_of
 from .template import CORE_STATIONS, HEAD_STATIONS, Template, first_template, learned
 from .tracking import Fit, Scene, fitted, plausible, reaches
@@ -48,7 +48,10 @@ def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) ->
     for size in ROUNDS:
         shape = template.shape()
         reach = reaches(scene, size, size, size)
-        fits = [(f, fitted(f.luma, scene, shape, one.pose, reach)) for f, one in fits]
+        fits = [
+            (f, fitted(f.luma, scene, shape, one.pose, reach, width_px=0.4 * reach[-1]))
+            for f, one in fits
+        ]
         kept = _agreeing(fits)
         template = learned(template, *_offsets(kept, scene, template, int(reach[-1])))
     shape = template.shape()
@@ -69,7 +72,8 @@ def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial)
     for _, found in seen:
         fitting = [b for b in found if 0.05 * length**2 < b.area_m2 < 0.5 * length**2]
         fitting = [b for b in fitting if 0.03 * length < b.half_width_m < 0.25 * length]
-        likely += sorted(fitting, key=lambda b: abs(_extent(b) - length))[:1]
+        fitting = [b for b in fitting if 0.6 * length < _extent(b) < 1.7 * length]
+        likely += sorted(fitting, key=lambda b: -abs(b.contrast))[:1]
     if not likely:
         return None
     half = float(np.median([b.half_width_m for b in likely]))
@@ -88,13 +92,13 @@ def _start(frame: Frame, found: list[Blob], scene: Scene, template: Template) ->
     shape = template.shape()
     reach = reaches(scene, 0.026, 0.022, 0.018, 0.014, 0.012)
     tried = [
-        fitted(frame.luma, scene, shape, pose, reach)
+        fitted(frame.luma, scene, shape, pose, reach, width_px=0.3 * reach[-1])
         for blob in found
         if plausible(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
     ]
     tried = [one for one in tried if abs(one.pose[3] - scene.head_angle_rad) < 0.6]
-    return min(tried, key=lambda one: one.spread_px / max(sum(one.support), 0.1), default=None)
+    return max(tried, key=lambda one: one.nearness, default=None)
 
 
 def _offsets(
@@ -110,19 +114,25 @@ def _offsets(
         found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
         scale = np.hypot(slope[:, 0], slope[:, 1])
         offsets[row, kept] = found / scale
-        greys[row, kept] = _inside(frame, scene, template, one.pose)
+        greys[row, kept] = _inside(frame, scene, shape, (one.pose, found / scale))
     return offsets, greys
 
 
-def _inside(frame: Frame, scene: Scene, template: Template, pose: Float) -> Float:
-    """Grey level a little inside each point of the outline."""
-    points, normals, part, _ = template.shape()
+def _inside(frame: Frame, scene: Scene, shape: Shape, at: tuple[Float, Float]) -> Float:
+    """Grey level (n,) a little inside the edge found at each point, NaN where none was found.
+
+    at: pose (4,), offsets (n,) [m].
+    """
+    points, normals, part, _ = shape
+    pose, offset_m = at
     angle = np.where(part == 0, pose[2] - pose[3], pose[2])
-    place = points - normals * (INSIDE_PX / scene.plane.px_per_m)
+    depth = np.nan_to_num(offset_m) - INSIDE_PX / scene.plane.px_per_m
+    place = points + normals * depth[:, None]
     turned = (place[:, 0] + 1j * place[:, 1]) * np.exp(1j * angle)
     uv = scene.plane.pixels(np.column_stack([turned.real, turned.imag]) + pose[:2])
     height, width = frame.luma.shape
     ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
+    ok &= np.isfinite(offset_m)
     return np.array(
         [pick(frame.luma, *p) if fine else np.nan for p, fine in zip(uv, ok, strict=True)]
     )

@@ -63,7 +63,7 @@ def _blob(
     luma, floor = (image[y : y + h, x : x + w].astype(np.int16) for image in pictures)
     inside = np.zeros((h, w), np.uint8)
     cv2.drawContours(inside, [contour - [x, y]], -1, 1, -1)
-    contrast = float(np.median((floor - luma)[inside > 0]))
+    contrast = _contrast((floor - luma)[inside > 0])
     if abs(contrast) < 8:
         return None
     solid = ((floor - luma) / contrast > 0.5).astype(np.uint8) & cv2.dilate(
@@ -87,6 +87,12 @@ def _blob(
         skin=float(np.median(luma[filled[1:-1, 1:-1] > 0])),
         contrast=contrast,
     )
+
+
+def _contrast(change: npt.NDArray[np.int16]) -> float:
+    """Contrast of the body in a blob, of its sign; a shadow beside the body is fainter."""
+    sign = 1.0 if np.median(change) >= 0 else -1.0
+    return sign * float(np.percentile(sign * change, 80))
 
 
 def poses_of(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:

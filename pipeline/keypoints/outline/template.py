@@ -120,10 +120,10 @@ def first_template(
 
 
 def _egg(angles: Float, head_m: float, half_m: float) -> Float:
-    """Radii of a blunt head: |y / w|^2.4 + |x / front|^2.4 = 1 in front, straight sides behind."""
+    """Radii of a blunt head: |y / w|^2.1 + |x / front|^2.1 = 1 in front, straight sides behind."""
     front = (1 - MIDDLE) * head_m
     c, s = np.cos(angles), np.sin(angles)
-    ahead = (np.abs(s / half_m) ** 2.4 + np.abs(np.maximum(c, 0) / front) ** 2.4) ** (-1 / 2.4)
+    ahead = (np.abs(s / half_m) ** 2.1 + np.abs(np.maximum(c, 0) / front) ** 2.1) ** (-1 / 2.1)
     return np.where(c > 0, ahead, half_m / np.maximum(s, 0.3))
 
 
@@ -143,7 +143,9 @@ def learned(template: Template, offsets_m: Float, skins: Float, share: float = 1
     radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
     lateral = np.abs(_normals(template._core())[:, 1])
     half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 5e-4)
-    grey = np.nanmedian(np.where(np.isfinite(skins), skins, np.nan), axis=0)
+    seen = np.isfinite(skins).any(axis=0)
+    grey = np.full(skins.shape[1], np.nan)
+    grey[seen] = np.nanmedian(skins[:, seen], axis=0)
     sides = np.split(grey, [h, 2 * h, 2 * h + c])
     return replace(
         template,

@@ -22,6 +22,7 @@ PRIOR = np.array([3e3, 3e3, 30.0, 30.0])
 FOUND = 0.55
 MOST_BEND = 0.7
 ARCS = 8
+NEAR_M = 0.014
 
 
 @dataclass(frozen=True)
@@ -46,14 +47,14 @@ class Fit:
     pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (4, 4) of offsets of
     1 px; scores: (4, 4) sum of the squared pull of the outline's arcs (both in body axes).
     support: share of the outline's points found where the template has them: head, core, all.
-    spread_px: robust width of the offsets. tail: tip (2,) px, direction, support, side error.
+    nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,) px, direction, support, side error.
     """
 
     pose: Float
     information: Float
     scores: Float
     support: tuple[float, float, float]
-    spread_px: float
+    nearness: float
     tail: tuple[Float, float, float, float]
 
 
@@ -69,20 +70,29 @@ def tolerance_px(scene: Scene) -> float:
 
 
 def fitted(
-    frame: Image, scene: Scene, shape: Shape, start: Float, reach: npt.NDArray[np.int64]
+    frame: Image,
+    scene: Scene,
+    shape: Shape,
+    start: Float,
+    reach: npt.NDArray[np.int64],
+    *,
+    width_px: float = 0.1,
 ) -> Fit:
-    """The template fitted to a frame from a starting pose, without its tail."""
+    """The template fitted to a frame from a starting pose, without its tail.
+
+    width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
+    """
     pose, offset, weight, slope = fit(
-        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR)
+        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR, width_px)
     )
     near = np.abs(np.nan_to_num(offset, nan=np.inf)) < tolerance_px(scene)
     head = shape[2] == HEAD
     support = (float(near[head].mean()), float(near[~head].mean()), float(near.mean()))
-    seen = np.abs(offset[np.isfinite(offset)])
-    spread = 1.4826 * float(np.median(seen)) if len(seen) else float("inf")
+    share = np.abs(np.nan_to_num(offset, nan=np.inf)) / (NEAR_M * scene.plane.px_per_m)
+    nearness = float(np.clip(1.0 - share, 0.0, 1.0).mean())
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     nothing = (np.full(2, np.nan), math.nan, 0.0, math.nan)
-    return Fit(pose, *_information(pose, offset, weight, slope), support, spread, nothing)
+    return Fit(pose, *_information(pose, offset, weight, slope), support, nearness, nothing)
 
 
 def _information(pose: Float, offset: Float, weight: Float, slope: Float) -> tuple[Float, Float]:
@@ -175,4 +185,4 @@ def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
         float(np.hypot(*along)),
         skin,
     )
-    return Fit(one.pose, one.information, one.scores, one.support, one.spread_px, tail)
+    return Fit(one.pose, one.information, one.scores, one.support, one.nearness, tail)

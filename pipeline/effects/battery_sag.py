@@ -14,7 +14,7 @@ CHANNELS = ("surge",)
 STATEMENT = "The longer a trial lasts, the weaker the push: the supply sags."
 REGIME = "late in long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
-PARAMETERS = (Parameter("k", "1/s", 0.03, -0.2, 0.3, "share of thrust lost per second"),)
+PARAMETERS = (Parameter("k", "1/s", 0.03, 0.0, 0.3, "share of thrust lost per second"),)
 
 
 def thrust(rho: float, A: float, f: float, t: float, C_T: float, k: float) -> tuple[float]:

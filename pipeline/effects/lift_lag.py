@@ -18,7 +18,7 @@ STATEMENT = "The lift of the head follows changes of angle and speed with a dela
 REGIME = "start of turns and every change; nothing in the steady circle"
 CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
 PARAMETERS = (
-    Parameter("k", "1", 0.5, -0.5, 1.2, "share of the lift that lags"),
+    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the lift that lags"),
     Parameter("s", "1", 4.0, 0.5, 40.0, "head lengths travelled while it builds up"),
 )
 STATES = ("z",)

@@ -17,7 +17,7 @@ STATEMENT = (
 )
 REGIME = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
-PARAMETERS = (Parameter("k", "1/s", 0.03, -0.5, 0.5, "growth of the drag coefficient per second"),)
+PARAMETERS = (Parameter("k", "1/s", 0.03, 0.0, 0.5, "growth of the drag coefficient per second"),)
 
 
 def force(

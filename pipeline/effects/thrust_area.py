@@ -15,7 +15,7 @@ CHANNELS = ("surge",)
 STATEMENT = "A longer head does not make the tail push harder, as Eq. 1 says it does."
 REGIME = "trials with another head than 1x"
 CONFUSED_WITH = ("centre_of_mass_shift", "added_mass")
-PARAMETERS = (Parameter("k", "1", 0.5, -0.5, 1.5, "share of the growth that is not there"),)
+PARAMETERS = (Parameter("k", "1", 0.5, 0.0, 1.5, "share of the growth that is not there"),)
 
 
 def thrust(rho: float, f: float, C_T: float, A: float, A_ref: float, k: float) -> tuple[float]:

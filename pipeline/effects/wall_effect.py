@@ -18,7 +18,7 @@ REGIME = "within some 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
 PARAMETERS = (
     Parameter(
-        "k", "1", 0.5, -3.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
+        "k", "1", 0.5, 0.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
     ),
 )
 

@@ -8,7 +8,7 @@ from importlib import import_module
 
 from .. import effects, measurement
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
-from . import disturbance, equations
+from . import disturbance, equations, residual
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -47,13 +47,14 @@ OBSERVATIONS = ("x", "y", "heading", "head_angle")
 
 def effect_names(package: object = effects) -> tuple[str, ...]:
     """Names of the effects (or measurement causes) in a folder, in alphabetical order."""
-    return tuple(sorted(m.name for m in pkgutil.iter_modules(package.__path__)))  # type: ignore[attr-defined]
+    found = pkgutil.iter_modules(package.__path__)  # type: ignore[attr-defined]
+    return tuple(sorted(module.name for module in found))
 
 
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
-    """The disturbance of the water, then all physical effects, then all measurement causes."""
-    modules = [disturbance] + [
+    """Disturbance of the water, nameless residual, physical effects, measurement causes."""
+    modules = [disturbance, residual] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)

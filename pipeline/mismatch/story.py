@@ -1,0 +1,244 @@
+"""mismatch.json and its details, told from what the search found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fitting import Series
+from ..integrate import compiled
+from ..model import plates
+from ..study import Study
+from .find import Found
+from .locate import LEAST_SHARE
+from .search import Trialled
+from .select import weights
+from .setting import CHANNELS, best_next_trial
+
+RIVAL_WEIGHT = 0.02
+MOST_POINTS = 400
+
+
+def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+    """Content of mismatch.json as the contract lists it."""
+    told = causes(found)
+    others = rivals(found)
+    return {
+        "verdict": found.verdict,
+        "sentence": sentence(found, told, others),
+        "causes": told,
+        "rivals": others,
+        "where": where(found),
+        "held_out": {
+            "trials": list(found.held_out),
+            "baseline": dict(found.errors["baseline"]),
+            "extended": dict(found.errors["extended"]),
+            "noise_floor_path_rmse_m": found.floor_m,
+        },
+        "next_trial": next_trial(found, study, series),
+    }
+
+
+def causes(found: Found) -> list[dict[str, Any]]:
+    """The chosen effects, the one whose loss costs most first."""
+    if found.verdict == "unexplained":
+        return [_unexplained(found)]
+    if found.verdict == "none":
+        return []
+    total = found.choice.chosen.total
+    loss = {name: total - model.total for name, model in found.dropped.items()}
+    return [_cause(found, name, loss[name]) for name in sorted(loss, key=lambda n: -loss[n])]
+
+
+def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
+    effect = plates().effect(name)
+    return {
+        "name": name,
+        "kind": effect.kind,
+        "channels": list(effect.channels),
+        "regime": effect.regime,
+        "parameters": _parameters(found, name),
+        "weight": _weight(found, name),
+        "held_out_gain": loss,
+        "sentence": effect.statement,
+    }
+
+
+def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
+    tuned = found.extended
+    units = {p.name: p.unit for p in plates().parameters}
+    return {
+        f.name.split(".", 1)[1]: {"value": float(v), "std": float(s), "unit": units[f.name]}
+        for f, v, s in zip(tuned.fit.free, tuned.fit.values, tuned.std, strict=True)
+        if f.name.startswith(name + ".")
+    }
+
+
+def _round_of(found: Found, name: str) -> tuple[Trialled, ...]:
+    """The refits among which an effect was chosen."""
+    return found.choice.tried[found.choice.chosen.effects.index(name)]
+
+
+def _weight(found: Found, name: str) -> float:
+    totals = {t.effects[-1]: t.total for t in _round_of(found, name)}
+    later = found.choice.chosen.effects[found.choice.chosen.effects.index(name) + 1 :]
+    return weights({k: v for k, v in totals.items() if k not in later})[name]
+
+
+def _unexplained(found: Found) -> dict[str, Any]:
+    channels = sorted({CHANNELS[d.channel] for d in found.dependences[:2]}, key=CHANNELS.index)
+    first = found.dependences[0]
+    return {
+        "name": "unexplained",
+        "kind": "physics",
+        "channels": channels,
+        "regime": f"depends on {first.variable}",
+        "parameters": _parameters(found, "residual"),
+        "weight": 1.0,
+        "sentence": "A force is missing that none of the named causes explains well; it is "
+        f"modelled by a fitted residual term and depends most on {first.variable}.",
+    }
+
+
+def rivals(found: Found) -> list[dict[str, Any]]:
+    """Candidates that would have done nearly as well in place of a chosen one."""
+    out = []
+    for name in found.choice.chosen.effects if found.verdict != "none" else ():
+        totals = {t.effects[-1]: t.total for t in _round_of(found, name)}
+        totals = {k: v for k, v in totals.items()
+                  if k == name or k not in found.choice.chosen.effects}  # fmt: skip
+        for other, weight in weights(totals).items():
+            if other != name and weight >= RIVAL_WEIGHT:
+                out.append({"name": other, "in_place_of": name, "weight": weight,
+                            "how_to_tell_apart": _apart(name, other)})  # fmt: skip
+    return sorted(out, key=lambda r: -r["weight"])
+
+
+def _apart(name: str, other: str) -> str:
+    first, second = plates().effect(name), plates().effect(other)
+    return (
+        f"{name} acts in {first.regime or 'all trials'}, "
+        f"{other} in {second.regime or 'all trials'}: film where only one of them should act"
+    )
+
+
+def where(found: Found) -> list[dict[str, Any]]:
+    """Channels and variables that foretell the missing force, the largest share first."""
+    strong = [d for d in found.dependences if d.share >= LEAST_SHARE][:8]
+    if found.verdict == "none":
+        return []
+    return [
+        {
+            "channel": CHANNELS[d.channel],
+            "variable": d.variable,
+            "share": d.share,
+            "trials": list(d.trials),
+        }
+        for d in strong
+    ]
+
+
+def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+    """The trial that would separate the verdict from its nearest rival best."""
+    kernel = compiled(plates())
+    first, second, names = _two_models(found)
+    flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
+            for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
+    base = found.baseline.base.copy()
+    values = [_values(kernel, base, model) for model in (first, second)]
+    best = best_next_trial(study, kernel, values[0], values[1], flap)
+    why = f"here {names[0]} and {names[1]} part most: {best['apart_mm']:.0f} mm rms of path in 4 s"
+    return best | {"why": why}
+
+
+def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
+    last = sorted(found.choice.tried[-1], key=lambda t: -t.total)
+    chosen = found.choice.chosen
+    if not chosen.effects:
+        other = last[0] if last else found.residual
+        return chosen, other, ("the baseline", other.effects[-1])
+    options = sorted(_round_of(found, chosen.effects[0]), key=lambda t: -t.total)
+    other = next((t for t in options if t.effects[-1] not in chosen.effects), found.choice.bare)
+    return chosen, other, (" and ".join(chosen.effects), (other.effects or ("the baseline",))[-1])
+
+
+def _values(kernel: Any, base: Any, model: Trialled) -> Any:
+    slots = {p.name: i for i, p in enumerate(kernel.system.parameters)}
+    out = base.copy()
+    for f, v in zip(model.fit.free, model.fit.values, strict=True):
+        out[slots[f.name]] = v
+    return out
+
+
+def sentence(
+    found: Found, told: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
+) -> str:
+    """One sentence of verdict, plain words first."""
+    before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
+    proof = f"on trials not fitted the path error falls from {before:.1f} to {after:.1f} mm"
+    if found.verdict == "none":
+        return "Nothing beyond the noise: the model as it stands explains these recordings."
+    if found.verdict == "unexplained":
+        return (
+            f"Something is missing that no known cause explains; modelled as a residual, {proof}."
+        )
+    names = " and ".join(str(c["name"]) for c in told)
+    doubt = [r for r in others if r["weight"] > 0.2]
+    if doubt:
+        names += " (or " + ", ".join(sorted({str(r["name"]) for r in doubt})) + ", not told apart)"
+    blame = "The measurement is at fault" if found.verdict == "measurement" else "Physics left out"
+    return f"{blame}: {names}; {proof}."
+
+
+def details(found: Found, series: Sequence[Series]) -> dict[str, Any]:
+    """Content of mismatch_detail.json: forces along the paths, dependences, candidates."""
+    return {
+        "forces": {
+            f.name: {
+                "time_s": f.times,
+                "x_m": f.states[:, 0],
+                "y_m": f.states[:, 1],
+                "surge_N": f.force[:, 0],
+                "sway_N": f.force[:, 1],
+                "yaw_Nm": f.force[:, 2],
+                "surge_std": f.std[:, 0],
+                "sway_std": f.std[:, 1],
+                "yaw_std": f.std[:, 2],
+            }
+            for f in found.forces
+        },
+        "candidates": [
+            {
+                "round": i + 1,
+                "name": t.effects[-1],
+                "beside": list(t.effects[:-1]),
+                "held_out_gain": t.total - _before(found, i).total,
+                "trials_better": int(np.sum(t.worth > _before(found, i).worth)),
+                "trials": len(series),
+                "outcome": t.fit.outcome,
+                "parameters": {
+                    k.split(".", 1)[1]: v
+                    for k, v in t.fit.by_label().items()
+                    if k.startswith(t.effects[-1] + ".")
+                },
+            }
+            for i, tried in enumerate(found.choice.tried)
+            for t in sorted(tried, key=lambda t: -t.total)
+        ],
+        "foretold": [dict(s) for s in found.choice.screens],
+        "coefficients": {
+            name: {f.label: {"value": float(v), "std": float(s)} for f, v, s in zip(
+                tuned.fit.free, tuned.fit.values, tuned.std, strict=True)}
+            for name, tuned in (("before", found.baseline), ("after", found.extended))
+        },
+    }  # fmt: skip
+
+
+def _before(found: Found, number: int) -> Trialled:
+    """The model that a round of the search started from."""
+    if number == 0:
+        return found.choice.bare
+    name = found.choice.chosen.effects[number - 1]
+    return next(t for t in found.choice.tried[number - 1] if t.effects[-1] == name)

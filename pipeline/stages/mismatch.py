@@ -1,0 +1,52 @@
+"""What was left out: mismatch.json, its details, and the extended model's paths."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..campaign import load_campaign
+from ..data import Flapping, read_columns, write_columns
+from ..files import write_json
+from ..fitting import Series, shoot
+from ..integrate import compiled
+from ..mismatch import find_mismatch
+from ..mismatch.story import details, mismatch_json
+from ..model import plates
+from ..study import load_study
+from .tuning import campaign_flapping, campaign_series
+
+CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+
+log = logging.getLogger(__name__)
+
+
+def mismatch(study: Path, results: Path) -> None:
+    """Write mismatch.json, mismatch_detail.json and the extended paths in simulations/ID.csv."""
+    loaded = load_study(study)
+    campaign = load_campaign(results, loaded)
+    flapping = campaign_flapping(campaign)
+    series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
+    found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
+    kernel = compiled(plates())
+    shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
+    for one, shot in zip(series, shots, strict=True):
+        path = results / "simulations" / f"{one.name}.csv"
+        columns = read_columns(path, ("time_s",))
+        columns |= {f"extended_{k}": shot.observed[:, i] for i, k in enumerate(
+            ("x_m", "y_m", "heading_rad"))}  # fmt: skip
+        write_columns(path, columns)
+    write_json(results / "mismatch_detail.json", details(found, series))
+    write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
+
+
+def with_clock(series: Series, flapping: Flapping) -> Series:
+    """Series with the tail beat seen against the motor log as evidence on the clock."""
+    video_hz, flap_hz, std_hz = flapping.video_hz, flapping.flap_hz, flapping.video_hz_std
+    if not (np.isfinite(video_hz) and flap_hz > 0):
+        return series
+    std = np.hypot(CLOCK_STD, (std_hz if np.isfinite(std_hz) else 0.0) / flap_hz)
+    return replace(series, evidence={"clock_ratio": (video_hz / flap_hz - 1, float(std))})

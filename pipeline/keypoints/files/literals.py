@@ -79,7 +79,10 @@ def _gather(name: str, stack: list[Any]) -> None:
 
 
 def _from_mark(name: str, stack: list[Any]) -> None:
-    at = len(stack) - 1 - next(i for i, item in enumerate(reversed(stack)) if item is MARK)
+    marks = [i for i, item in enumerate(stack) if item is MARK]
+    if not marks:
+        raise NotLiteral(f"step {name} without a mark")
+    at = marks[-1]
     items = stack[at + 1 :]
     del stack[at:]
     if name == "TUPLE":

@@ -1,0 +1,370 @@
+"""Keypoint files: DeepLabCut csv and h5, SLEAP h5, odd ones and hostile ones."""
+
+from __future__ import annotations
+
+import contextlib
+import pickle
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from pipeline.data import PARTS, Keypoints
+from pipeline.faults import Fault
+from pipeline.keypoints import deeplabcut, sleap, source, sources
+from pipeline.keypoints.files.literals import NotLiteral, literal
+from pipeline.keypoints.files.noise import white_noise_px
+from pipeline.study import Trial
+
+
+def trial(**changes) -> Trial:
+    values = {
+        "trial_id": "T01", "source": "k.csv", "power_pct": 50, "head_angle_deg": 0,
+        "head_length_m": 0.12, "fps": 30.0,
+    }  # fmt: skip
+    return Trial(**(values | changes))
+
+
+def table(parts=PARTS, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
+    coords = ["x", "y", "likelihood"] if likelihood else ["x", "y"]
+    head = [["scorer", *["s"] * len(parts) * len(coords)]]
+    if who:
+        head.append(["individuals", *[who] * len(parts) * len(coords)])
+    head.append(["bodyparts", *[p for p in parts for _ in coords]])
+    head.append(["coords", *coords * len(parts)])
+    body = [
+        [str(i)] + [{"x": f"{10 * k + i}", "y": f"{k}", "likelihood": "0.9"}[c]
+                    for k in range(len(parts)) for c in coords]
+        for i in range(rows)
+    ]  # fmt: skip
+    return head + body
+
+
+def save(path: Path, rows: list[list[str]]) -> Path:
+    path.write_text("\n".join(",".join(row) for row in rows) + "\n", encoding="utf-8")
+    return path
+
+
+def test_sources_are_the_modules_of_the_folder():
+    assert {"deeplabcut", "sleap", "silhouette"} <= set(sources())
+    assert source("deeplabcut") is deeplabcut
+    with pytest.raises(Fault, match="Did you mean 'silhouette'"):
+        source("silhouete")
+
+
+def test_plain_csv(tmp_path):
+    found = deeplabcut.read(save(tmp_path / "k.csv", table()), trial())
+    assert found.names == PARTS
+    assert found.time_s == pytest.approx(np.arange(4) / 30)
+    assert found.part("core_center")[3] == pytest.approx([23, 2])
+    assert np.all(found.likelihood == 0.9)
+
+
+def test_columns_are_found_by_name_in_any_order(tmp_path):
+    rows = table()
+    order = [0, *np.random.default_rng(1).permutation(np.arange(1, len(rows[0])))]
+    shuffled = save(tmp_path / "s.csv", [[row[i] for i in order] for row in rows])
+    plain = save(tmp_path / "p.csv", rows)
+    a, b = deeplabcut.read(shuffled, trial()), deeplabcut.read(plain, trial())
+    np.testing.assert_array_equal(a.xy_px, b.xy_px)
+
+
+def test_first_row_without_values_is_kept(tmp_path):
+    rows = table()
+    rows[3] = ["0", *[""] * (len(rows[0]) - 1)]
+    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    assert len(found.time_s) == 4
+    assert np.isnan(found.xy_px[0]).all()
+    assert np.all(found.likelihood[0] == 0)
+
+
+def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
+    rows = table()
+    rows[4][1:4] = ["", "", "1.0"]
+    rows[5][1:4] = ["0.0", "0.0", "0.0"]
+    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    assert found.likelihood[1, 0] == 0.0
+    assert np.isnan(found.xy_px[2, 0]).all()
+
+
+def test_labels_without_likelihood_and_picture_paths(tmp_path):
+    rows = table(likelihood=False)
+    for i, row in enumerate(rows[3:]):
+        row[0] = f"labeled-data/v/img{10 * i:04d}.png"
+    found = deeplabcut.read(save(tmp_path / "CollectedData_x.csv", rows), trial())
+    assert found.time_s == pytest.approx(np.arange(4) * 10 / 30)
+    assert np.all(found.likelihood == 1.0)
+
+
+def test_of_several_animals_the_one_with_the_parts_is_taken(tmp_path):
+    ours, other = table(who="fish"), table(("nose", "tail"), who="toy")
+    rows = [a + b[1:] for a, b in zip(ours, other, strict=True)]
+    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    assert found.names == PARTS
+    assert deeplabcut.read_any(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
+
+
+def test_of_two_robots_the_one_seen_most_is_taken_and_told(tmp_path):
+    ours, other = table(who="fish"), table(who="toy")
+    for row in other[4:6]:
+        row[1:] = [""] * (len(row) - 1)
+    rows = [a + b[1:] for a, b in zip(other, ours, strict=True)]
+    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    assert np.isfinite(found.xy_px).all()
+    assert any("toy" in remark for remark in found.remarks)
+
+
+def test_body_parts_are_mapped_names_with_spaces_too(tmp_path):
+    names = ("Nose tip", "hinge", "Butt/Proximal Tail", "tail_base", "tail_tip")
+    path = save(tmp_path / "k.csv", table(names))
+    mapped = {"head_tip": "Nose tip", "core_center": "Butt/Proximal Tail"}
+    assert deeplabcut.read(path, trial(), mapped).names == PARTS
+    with pytest.raises(Fault, match="no head_tip"):
+        deeplabcut.read(path, trial())
+
+
+def test_parts_that_are_not_needed_may_be_missing(tmp_path):
+    path = save(tmp_path / "k.csv", table(("head_tip", "core_center", "tail_base")))
+    assert deeplabcut.read(path, trial()).names == ("head_tip", "core_center", "tail_base")
+
+
+def test_filtered_files_are_told(tmp_path):
+    found = deeplabcut.read(save(tmp_path / "k_filtered.csv", table()), trial())
+    assert any("filtered" in remark for remark in found.remarks)
+
+
+def test_part_of_the_recording(tmp_path):
+    path = save(tmp_path / "k.csv", table(rows=60))
+    found = deeplabcut.read(path, trial(start_s=0.5, end_s=1.0))
+    assert found.time_s[[0, -1]] == pytest.approx([0.5, 1.0])
+    with pytest.raises(Fault, match="no frame in that part"):
+        deeplabcut.read(path, trial(start_s=50.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda rows: [], "empty file"),
+        (lambda rows: rows[:3], "without a single frame"),
+        (lambda rows: rows[1:], "no row 'scorer'"),
+        (lambda rows: [*rows, rows[3][:-1]], "row 8: found 15 cells"),
+        (lambda rows: [*rows[:5], ["2", "abc", *rows[5][2:]]], "row 6: found 'abc'"),
+        (lambda rows: [*rows[:5], ["2", "1e300", *rows[5][2:]]], "expected pixels"),
+        (lambda rows: [row[:1] + row[1:4] * 5 for row in rows], "twice"),
+        (lambda rows: [row[:1] + row[2:] for row in rows], "without x or y"),
+        (lambda rows: [["time_s", "angle_deg"], ["0", "1"]], "no row 'scorer'"),
+    ],
+)
+def test_wrong_files_are_told_with_the_place(tmp_path, change, message):
+    path = save(tmp_path / "k.csv", change(table()))
+    with pytest.raises(Fault, match=message) as caught:
+        deeplabcut.read(path, trial())
+    assert "k.csv" in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"scorer\n"])
+def test_damaged_h5_is_a_fault(tmp_path, content):
+    path = tmp_path / "k.h5"
+    path.write_bytes(content)
+    with pytest.raises(Fault, match=r"k\.h5"):
+        deeplabcut.read(path, trial())
+
+
+def fixed_h5(path: Path, **changes) -> Path:
+    """A DataFrame in pandas' fixed format, as DeepLabCut's older files are."""
+    names = {"scorer": ["s"], "bodyparts": list(PARTS), "coords": ["x", "y", "likelihood"]}
+    codes = {
+        "scorer": np.zeros(15), "bodyparts": np.repeat(np.arange(5), 3),
+        "coords": np.tile(np.arange(3), 5),
+    }  # fmt: skip
+    with h5py.File(path, "w") as file:
+        group = file.create_group("df_with_missing")
+        group.attrs.update({"pandas_type": "frame", "nblocks": 1, "block0_items_nlevels": 3})
+        for k, level in enumerate(names):
+            group[f"block0_items_level{k}"] = np.array(names[level], dtype="S")
+            group[f"block0_items_label{k}"] = codes[level].astype(np.int8)
+        group["block0_values"] = changes.get("values", np.full((6, 15), 0.5))
+        group["axis1"] = np.arange(6)
+        for name, item in changes.get("more", {}).items():
+            del group[name]
+            group[name] = item
+    return path
+
+
+def test_fixed_h5(tmp_path):
+    values = np.arange(90, dtype=float).reshape(6, 15)
+    values[:, 2::3] = 0.5
+    found = deeplabcut.read(fixed_h5(tmp_path / "k.h5", values=values), trial())
+    assert found.names == PARTS
+    assert found.xy_px[2, 1] == pytest.approx(values[2, 3:5])
+
+
+def test_links_out_of_an_h5_are_refused(tmp_path):
+    link = h5py.ExternalLink("/etc/other.h5", "/values")
+    path = fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
+    with pytest.raises(Fault, match="link to elsewhere"):
+        deeplabcut.read(path, trial())
+
+
+class Evil:
+    def __reduce__(self):
+        return (Path.touch, (Path("unpickled"),))
+
+
+def table_h5(path: Path, names: bytes) -> Path:
+    rows = np.zeros(4, dtype=[("index", "<i8"), ("values_block_0", "<f8", (15,))])
+    rows["index"] = np.arange(4)
+    rows["values_block_0"] = np.arange(15) / 20
+    with h5py.File(path, "w") as file:
+        group = file.create_group("df_with_missing")
+        group.attrs["pandas_type"] = "frame_table"
+        group["table"] = rows
+        group["table"].attrs["values_block_0_kind"] = np.bytes_(names)
+    return path
+
+
+@pytest.mark.parametrize("protocol", [0, 1, 2])
+def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = [("s", p, c) for p in PARTS for c in ("x", "y", "likelihood")]
+    good = table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
+    assert deeplabcut.read(good, trial()).names == PARTS
+    bad = table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], Evil()], 0))
+    with pytest.raises(Fault, match="no readable h5"):
+        deeplabcut.read(bad, trial())
+    with pytest.raises(NotLiteral):
+        literal(pickle.dumps(Evil(), protocol))
+    assert not (tmp_path / "unpickled").exists()
+
+
+@given(
+    st.recursive(
+        st.one_of(st.text(max_size=9), st.integers(-(2**40), 2**40), st.booleans(), st.none()),
+        lambda inner: st.one_of(st.lists(inner, max_size=4), st.tuples(inner, inner)),
+        max_leaves=12,
+    ),
+    st.integers(0, 5),
+)
+@settings(max_examples=60, deadline=None)
+def test_literals_are_what_pickle_would_give(value, protocol):
+    assert literal(pickle.dumps(value, protocol)) == value
+
+
+@given(st.binary(max_size=200))
+@settings(max_examples=150, deadline=None)
+def test_any_bytes_are_a_literal_or_refused(content):
+    with contextlib.suppress(NotLiteral):
+        assert isinstance(literal(content), (str, int, float, list, tuple, dict, type(None)))
+
+
+@given(st.text(alphabet="scorebdypatxlikh,0123456789.-\n\r\"' \0é", max_size=300))
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_any_text_is_read_or_a_fault(tmp_path, text):
+    path = tmp_path / "f.csv"
+    path.write_text("scorer,s,s\n" + text, encoding="utf-8", newline="")
+    with pytest.raises(Fault, match=r"f\.csv"):
+        deeplabcut.read(path, trial())
+
+
+def sleap_h5(path: Path, tracks: int = 1) -> Path:
+    values = np.arange(tracks * 2 * 5 * 7, dtype=float).reshape(tracks, 2, 5, 7)
+    values[0, :, 2, 3] = np.nan
+    with h5py.File(path, "w") as file:
+        file["tracks"] = values
+        file["node_names"] = np.array(PARTS, dtype="S")
+        file["track_names"] = np.array([f"fish{i}" for i in range(tracks)], dtype="S")
+        file["point_scores"] = np.full((tracks, 5, 7), 0.8)
+    return path
+
+
+def test_sleap_is_told_from_deeplabcut(tmp_path):
+    path = sleap_h5(tmp_path / "a.analysis.h5")
+    found = deeplabcut.read(path, trial())
+    assert found.names == PARTS
+    assert found.xy_px[4, 1] == pytest.approx([7 + 4, 35 + 7 + 4])
+    assert found.likelihood[3, 2] == 0.0
+    np.testing.assert_array_equal(sleap.read(path, trial()).xy_px, found.xy_px)
+
+
+def test_sleap_of_two_tracks_takes_one_and_tells(tmp_path):
+    found = deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=2), trial())
+    assert any("fish" in remark for remark in found.remarks)
+
+
+def test_what_is_written_is_read_back(tmp_path):
+    rng = np.random.default_rng(3)
+    spread = rng.normal(size=(20, 5, 2, 2))
+    cov = spread @ spread.transpose(0, 1, 3, 2)
+    xy = rng.uniform(0, 2000, (20, 5, 2))
+    xy[3, 1], cov[3, 1] = np.nan, np.nan
+    likelihood = np.where(np.isfinite(xy[..., 0]), rng.uniform(0.2, 1, (20, 5)), 0.0)
+    time_s = np.cumsum(rng.uniform(0.02, 0.05, 20))
+    given_points = Keypoints(time_s, PARTS, xy, likelihood, cov)
+    deeplabcut.write(tmp_path / "T01.csv", given_points)
+    found = deeplabcut.read(tmp_path / "T01.csv", trial())
+    assert (tmp_path / "T01.cov.csv").is_file()
+    np.testing.assert_allclose(found.xy_px, xy, rtol=1e-5)
+    np.testing.assert_allclose(found.cov_px2, cov, rtol=1e-6)
+    np.testing.assert_allclose(found.time_s, time_s, rtol=1e-8)
+
+
+@pytest.mark.parametrize("sigma", [0.2, 1.0])
+def test_white_noise_is_found_under_swimming_tail_beat_and_outliers(sigma):
+    rng = np.random.default_rng(5)
+    t = np.arange(240) / 29.97
+    motion = 200 * t + 15 * np.sin(2 * np.pi * 5.8 * t) * np.minimum(1, t)
+    xy = np.column_stack([motion, 0.5 * motion]) + rng.normal(0, sigma, (240, 2))
+    xy[::40] += 60.0
+    assert white_noise_px(xy, np.ones(240)) == pytest.approx(sigma, rel=0.35)
+
+
+FILES = [
+    ("dlc_csv/bsoid_raw_clip1DLC_resnet50_OpenFieldHighResApr8shuffle1_1030000.csv", 7200, 6),
+    ("dlc_csv/deepof_testDLC_csv_table.csv", 97, 14),
+    ("dlc_csv/deepof_testDLC_csv_table_madlc.csv", 97, 28),
+    ("dlc_csv/deepof_testDLC_h5_table_multi.h5", 100, 28),
+    ("dlc_csv/ethome_openfield_dlc_inference_example_missingdata.csv", 2330, 4),
+    ("dlc_csv/heatmapper_test.csv", 10377, 3),
+    ("dlc_csv/madlc_demo_CollectedData_Daniel.csv", 42, 32),
+    ("openfield_mouse/labeled-data/m4s1/CollectedData_Pranav.h5", 116, 4),
+]
+
+
+@pytest.mark.recordings
+@pytest.mark.parametrize(("name", "frames", "parts"), FILES)
+def test_other_peoples_files_read_whole(recordings, name, frames, parts):
+    found = deeplabcut.read_any(recordings / name, 30.0)
+    assert found.xy_px.shape == (frames, parts, 2)
+    assert np.all(found.likelihood[np.isnan(found.xy_px[..., 0])] == 0)
+
+
+@pytest.mark.recordings
+def test_csv_and_h5_of_the_same_network_agree(recordings):
+    folder = recordings / "openfield_mouse" / "predictions"
+    stem = "m3v1mp4DLC_resnet50_openfieldAug20shuffle1_30000"
+    a = deeplabcut.read_any(folder / f"{stem}.csv", 30.0)
+    b = deeplabcut.read_any(folder / f"{stem}.h5", 30.0)
+    assert a.names == b.names == ("snout", "leftear", "rightear", "tailbase")
+    np.testing.assert_allclose(a.xy_px, b.xy_px)
+
+
+@pytest.mark.recordings
+def test_blank_first_row_of_a_real_file_is_kept(recordings):
+    name = "dlc_csv/ethome_openfield_dlc_inference_example_missingdata.csv"
+    found = deeplabcut.read_any(recordings / name, 30.0)
+    assert found.time_s[0] == 0.0
+    assert np.isnan(found.part("snout")[0]).all()
+    assert np.isfinite(found.part("leftear")[0]).all()
+
+
+@pytest.mark.recordings
+def test_zebrafish_files_read(recordings):
+    files = sorted((recordings / "zebrafish_kinematics" / "dlc").glob("*.csv"))
+    found = [deeplabcut.read_any(path, 1000.0) for path in files]
+    assert len(found) == 7
+    assert all(one.names == ("TS", "S1", "S2", "T1", "T2", "T3", "T4") for one in found)

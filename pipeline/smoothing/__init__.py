@@ -65,19 +65,18 @@ def _check(pose: Pose) -> None:
 def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Found, Found]:
     """Chains of heading and position, both at rest in the first frame or both moving."""
 
-    def tried(turn_rests: bool, move_rests: bool, heading: Found | None) -> tuple[Found, Found]:
-        heading = heading or angle_chain(
-            values[:, 2], cov[:, 2, 2], grid, flap_hz=hz, resting=turn_rests
-        )
+    def tried(resting: bool) -> tuple[Found, Found]:
+        at = {"flap_hz": hz, "resting": resting}
+        heading = angle_chain(values[:, 2], cov[:, 2, 2], grid, **at)
         theta = smoothed(heading.chain, heading.used).x[:, 0]
-        at = {"theta": theta, "flap_hz": hz, "resting": move_rests}
-        return heading, planar_chain(values[:, :2], cov[:, :2, :2], grid, **at)
+        return heading, planar_chain(values[:, :2], cov[:, :2, :2], grid, theta=theta, **at)
 
-    rest = tried(True, True, None)
-    if moving_cost(rest[1]) - rest[1].cost > SURELY_RESTS:
+    rest = tried(True)
+    costs = sum(found.cost for found in rest)
+    if sum(moving_cost(found) for found in rest) - costs > SURELY_RESTS:
         return rest
-    moving = tried(True, False, rest[0])
-    return rest if moving[1].cost > rest[1].cost - SURELY_RESTS else tried(False, False, None)
+    moving = tried(False)
+    return moving if sum(found.cost for found in moving) < costs - SURELY_RESTS else rest
 
 
 def _position(x: Float, P: Float) -> dict[str, Float]:

@@ -46,6 +46,7 @@ def angle_chain(
     resting: whether it does not turn in the first frame.
     """
     data = _measured(angle[:, None], variance[:, None, None], grid)
+    kick = data.kick * resting
     H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
     H[:, 0, 0] = 1.0
     H[:, 0, 3:4] = 1.0
@@ -53,7 +54,7 @@ def angle_chain(
         data,
         grid,
         H,
-        lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, data.kick),
+        lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, kick),
         resting=resting,
     )
 
@@ -66,11 +67,12 @@ def planar_chain(
     theta: (nodes,) mean heading, rad. resting: whether it is at rest in the first frame.
     """
     data = _measured(xy, cov, grid)
+    kick = data.kick * resting
     return _found(
         data,
         grid,
         planar_measurement(theta, flap_hz),
-        lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, data.kick, theta),
+        lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, kick, theta),
         resting=resting,
     )
 
@@ -104,7 +106,9 @@ def _found(
     def build(logs: Float) -> Chain:
         noise = units * np.exp(logs[:-1])
         F, Q = matrices(noise)
-        P0 = np.diag(np.concatenate([widths, np.repeat(noise[4:], 2)]))
+        steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
+        first = np.concatenate([widths[:2], widths[2:] + steady])
+        P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(noise[4:], 2)]))
         return Chain(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
     spread = np.array([*SPREADS, *[SPREAD_RECOIL] * recoils, SPREAD_R])
@@ -142,16 +146,19 @@ def _kick(grid: Grid, time_s: Float, z: Float) -> Float:
 def _units(data: _Measured, grid: Grid, recoils: int) -> Float:
     """Units of tau (s), density of rate noise and of acceleration noise, start-up, recoils."""
     T, speed = grid.scale_s, data.speed
-    densities = [2 * T, (0.02 * speed) ** 2 / T, (0.1 * speed / T) ** 2 / T]
+    densities = [2 * T, (0.002 * speed) ** 2 / T, (0.01 * speed / T) ** 2 / T]
     return np.array([*densities, 3.0, *[data.variance] * recoils])
 
 
 def _prior(data: _Measured, T: float, recoils: int, resting: bool) -> tuple[Float, Float]:
-    """Mean of the first state, and prior variances of position, rate and acceleration: wide."""
+    """Mean of the first state, and prior variances of position, rate and acceleration.
+
+    From rest the acceleration is anything; in motion it is that of the process, and a little more.
+    """
     z, m = data.z[data.seen], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
     rate = (AT_REST if resting else MOVING) * data.speed
-    widths = [reach**2] * m + [rate**2] * m + [(3 * data.speed / T) ** 2] * m
+    push = (3.0 if resting else 0.05) * data.speed / T
     x0 = np.zeros(3 * m + 2 * recoils)
     x0[:m] = np.median(z[:5], axis=0)
-    return x0, np.array(widths)
+    return x0, np.array([reach**2, rate**2, push**2])

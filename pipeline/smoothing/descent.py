@@ -17,7 +17,7 @@ LONGEST = 2.0
 
 
 def descend(
-    cost: Callable[[Float], float], start: Float, *, enough: float = 0.2, steps: int = 30
+    cost: Callable[[Float], float], start: Float, *, enough: float = 0.2, steps: int = 16
 ) -> tuple[Float, float]:
     """Place and value of a minimum of `cost` by BFGS with forward differences.
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..data import Float
 
-BEATS = 6.0
+BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats."""
 
 

@@ -5,26 +5,57 @@ from __future__ import annotations
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
+from ..data import Float
 from .chain import Chain, Mask, Smoothed
+from .twin import backward
 
 
 def filter_and_smooth(chain: Chain, used: Mask) -> Smoothed:
-    """Smoothed states by filterpy's Kalman filter and Rauch-Tung-Striebel smoother.
+    """Smoothed states: filterpy's Kalman filter, then the backward pass of Bryson and Frazier.
 
     used: (n,) measurements that count; the others are gaps (`update(None)`). State and measurements
-    are one-dimensional, the form that is right in filterpy 1.4 and 2.0 alike.
-    Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
+    are one-dimensional, the form that is right in filterpy 1.4 and 2.0 alike. filterpy's own
+    `rts_smoother` gives the same (`rauch_tung_striebel`), but inverts the predicted covariance,
+    which a motion without process noise makes singular.
     """
     n, p, d = chain.H.shape
-    kf = KalmanFilter(dim_x=d, dim_z=p)
-    kf.x, kf.P = chain.x0.copy(), chain.P0.copy()
+    kf = _filter(chain)
+    means, covs = np.empty((n, d)), np.empty((n, d, d))
+    inverses, innovations = np.zeros((n, p, p)), np.zeros((n, p))
+    for k in range(n):
+        _step(kf, chain, k, bool(used[k]))
+        means[k], covs[k] = kf.x_prior, 0.5 * (kf.P_prior + kf.P_prior.T)
+        if used[k]:
+            inverses[k], innovations[k] = kf.SI, kf.y
+    return backward(chain, used, means=means, covs=covs, inverses=inverses, innovations=innovations)
+
+
+def rauch_tung_striebel(chain: Chain, used: Mask) -> Smoothed:
+    """The same by filterpy's own smoother, for chains whose process noise is not singular.
+
+    Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
+    """
+    n, _, d = chain.H.shape
+    kf = _filter(chain)
     means, covs = np.empty((n, d)), np.empty((n, d, d))
     for k in range(n):
-        if k:
-            kf.predict(F=chain.F[k], Q=chain.Q[k])
-        kf.H = chain.H[k]
-        kf.update(chain.z[k] if used[k] else None, R=chain.R[k])
-        kf.P = 0.5 * (kf.P + kf.P.T)
+        _step(kf, chain, k, bool(used[k]))
         means[k], covs[k] = kf.x, kf.P
     x, P, _, _ = kf.rts_smoother(means, covs, list(chain.F), list(chain.Q))
-    return Smoothed(x, 0.5 * (P + np.swapaxes(P, 1, 2)))
+    return Smoothed(np.asarray(x), np.asarray(P))
+
+
+def _filter(chain: Chain) -> KalmanFilter:
+    _, p, d = chain.H.shape
+    kf = KalmanFilter(dim_x=d, dim_z=p)
+    kf.x, kf.P = chain.x0.copy(), chain.P0.copy()
+    return kf
+
+
+def _step(kf: KalmanFilter, chain: Chain, k: int, used: bool) -> None:
+    """Predict to time k (the first is the prior itself), then update where it was measured."""
+    d = len(chain.x0)
+    F: Float = chain.F[k] if k else np.eye(d)
+    kf.predict(F=F, Q=chain.Q[k] if k else np.zeros((d, d)))
+    kf.H = chain.H[k]
+    kf.update(chain.z[k] if used else None, R=chain.R[k])

@@ -74,7 +74,7 @@ def _lively(spread: Float) -> Float:
 
     From below, the search may run off to a huge measurement noise that explains everything.
     """
-    start = 0.6 * spread
+    start = 1.4 * spread
     start[[0, -1]] = 0.0
     return start
 

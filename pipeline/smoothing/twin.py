@@ -41,6 +41,17 @@ def smoothed(chain: Chain, used: Mask) -> Smoothed:
     return Smoothed(*_backward(c.F, c.H, xp, Pp, Si, y, used))
 
 
+def backward(
+    chain: Chain, used: Mask, *, means: Float, covs: Float, inverses: Float, innovations: Float
+) -> Smoothed:
+    """States given all measurements, from what a filter predicted.
+
+    means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):
+    S^-1 and y where used.
+    """
+    return Smoothed(*_backward(chain.F, chain.H, means, covs, inverses, innovations, used))
+
+
 @numba.njit(cache=True)
 def _pattern(F):  # type: ignore[no-untyped-def]
     """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
@@ -176,6 +187,7 @@ def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # n
             G = HS @ H[k] + C.T @ (G @ C)
         xs[k] = xp[k] - Pp[k] @ g
         Ps[k] = Pp[k] - Pp[k] @ (G @ Pp[k])
+        Ps[k] = 0.5 * (Ps[k] + Ps[k].T)
         if k:
             g = F[k].T @ g
             G = F[k].T @ (G @ F[k])

@@ -86,7 +86,7 @@ def moving_cost(found: Found) -> float:
     P0[rates, rates] *= (MOVING / AT_REST) ** 2
     gate = gate_of(m)
     other = replace(chain, P0=P0)
-    return found.cost + likelihood(other, found.used, gate) - likelihood(chain, found.used, gate)
+    return found.cost + likelihood(other, found.seen, gate) - likelihood(chain, found.seen, gate)
 
 
 def _found(

@@ -19,9 +19,10 @@ GATE_TAIL = 1e-5
 
 @dataclass(frozen=True)
 class Found:
-    """Chain with its noise, the measurements that count, the logarithms chosen and their cost."""
+    """Chain with its noise, its measurements, those that count, the logarithms and their cost."""
 
     chain: Chain
+    seen: Mask
     used: Mask
     logs: Float
     cost: float
@@ -54,7 +55,7 @@ def most_likely(
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    return Found(build(logs), used, logs, costs[0])
+    return Found(build(logs), seen, used, logs, costs[0])
 
 
 def gate_of(size: int) -> float:

@@ -15,13 +15,11 @@ from pipeline.workflow import begin, follow, shell_prefix
 configfile: Path(workflow.basedir) / "config/default.yaml"
 
 
-conda: "config/environment.yaml"
-
-
 plan = begin(workflow, config, Path(workflow.basedir) / "config/schema.yaml")
 R = plan.results
 LOGS, TIMES = R / "logs", R / "benchmarks"
-STAGE = f"python3 -m pipeline stage --study {str(plan.folder)!r} --results {str(R)!r}"
+AT = plan.options
+ENV = "config/environment.yaml"
 progress = follow(workflow, R / "report.html")
 shell.prefix(shell_prefix(workflow))
 
@@ -48,49 +46,79 @@ if plan.is_demo:
         output:
             video=plan.folder / "videos/{trial}.mp4",
             motor=plan.folder / "motor/{trial}.csv",
-        log: LOGS / "demo/{trial}.log",
+        conda: ENV
+        log: LOGS / "demo/{trial}.log"
         benchmark: TIMES / "demo/{trial}.tsv"
-        params: code=plan.code("demo"),
+        params: at=AT, code=plan.code("demo"),
         resources: mem_mb=900, runtime=20,
-        shell: "{STAGE} --trial {wildcards.trial} --threads {threads} demo &> {log:q}"
+        shell: "python3 -m pipeline stage demo {params.at} --trial {wildcards.trial} --threads {threads} &> {log:q}"
 
 
 rule keypoints:
     input: plan.sources,
     output: R / "status/keypoints/{trial}.json",
-    log: LOGS / "keypoints/{trial}.log",
+    conda: ENV
+    log: LOGS / "keypoints/{trial}.log"
     benchmark: TIMES / "keypoints/{trial}.tsv"
-    params: code=plan.code("keypoints"), settings=plan.detection,
+    params: at=AT, code=plan.code("keypoints"), settings=plan.detection,
     resources: mem_mb=900, runtime=60,
-    shell: "{STAGE} --trial {wildcards.trial} --threads {threads} keypoints &> {log:q}"
+    shell: "python3 -m pipeline stage keypoints {params.at} --trial {wildcards.trial} --threads {threads} &> {log:q}"
 
 
 rule tracks:
     input: rules.keypoints.output, plan.motor,
     output: R / "status/{trial}.json",
-    log: LOGS / "tracks/{trial}.log",
+    conda: ENV
+    log: LOGS / "tracks/{trial}.log"
     benchmark: TIMES / "tracks/{trial}.tsv"
-    params: code=plan.code("tracks"), settings=plan.motion,
+    params: at=AT, code=plan.code("tracks"), settings=plan.motion,
     resources: mem_mb=600, runtime=20,
-    shell: "{STAGE} --trial {wildcards.trial} tracks &> {log:q}"
+    shell: "python3 -m pipeline stage tracks {params.at} --trial {wildcards.trial} &> {log:q}"
 
 
 rule steady:
     input: expand(rules.tracks.output, trial=plan.trials),
     output: R / "steady.csv",
-    log: LOGS / "steady.log",
+    conda: ENV
+    log: LOGS / "steady.log"
     benchmark: TIMES / "steady.tsv"
-    params: code=plan.code("steady"),
+    params: at=AT, code=plan.code("steady"),
     resources: mem_mb=400, runtime=5,
-    shell: "{STAGE} steady &> {log:q}"
+    shell: "python3 -m pipeline stage steady {params.at} &> {log:q}"
+
+
+rule tuning:
+    input: rules.steady.output,
+    output: R / "coefficients.json", R / "table1.csv", R / "table2.csv",
+    conda: ENV
+    log: LOGS / "tuning.log"
+    benchmark: TIMES / "tuning.tsv"
+    params: at=AT, code=plan.code("tuning"), settings=plan.fit(),
+    threads: 2
+    resources: mem_mb=1500, runtime=60,
+    shell: "python3 -m pipeline stage tuning {params.at} &> {log:q}"
+
+
+rule figure:
+    input: rules.tuning.output,
+    output:
+        report(R / "figures/{figure}.png", "config/captions/figure.rst", "Figures"),
+        R / "figures/{figure}.pdf",
+    conda: ENV
+    log: LOGS / "figures/{figure}.log"
+    benchmark: TIMES / "figures/{figure}.tsv"
+    params: at=AT, code=plan.figure_code,
+    resources: mem_mb=800, runtime=10,
+    shell: "python3 -m pipeline stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
 
 rule outcome:
     input: plan.goals(),
     output: R / "outcome.json",
-    log: LOGS / "outcome.log",
-    params: code=plan.code("outcome"),
-    shell: "{STAGE} outcome &> {log:q}"
+    conda: ENV
+    log: LOGS / "outcome.log"
+    params: at=AT, code=plan.code("outcome"),
+    shell: "python3 -m pipeline stage outcome {params.at} &> {log:q}"
 
 
 onsuccess:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,7 @@ from typing import Any
 from ..faults import Fault, fault
 from ..files import read_json
 from ..study import Study, Trial, load_study
-from .provenance import fingerprint
+from .provenance import PACKAGE, fingerprint
 
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 
@@ -41,9 +42,14 @@ class Plan:
         """Ids of the trials that have footage."""
         return [trial.trial_id for trial in self.study.trials if not trial.reads_keypoints]
 
+    @property
+    def options(self) -> str:
+        """What every stage is told on its command line: where the study and the results are."""
+        return f"--study {shlex.quote(str(self.folder))} --results {shlex.quote(str(self.results))}"
+
     def goals(self) -> list[str]:
         """Files that a run is made for."""
-        return [str(self.results / "steady.csv")]
+        return [str(self.results / "figures" / f"{name}.png") for name in figure_names()]
 
     def sources(self, wildcards: Any) -> list[str]:
         """Files of a trial to detect in; one that is missing is left to the stage to tell."""
@@ -87,6 +93,12 @@ class Plan:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
         rows = [_row(trial) for trial in self.study.trials]
         return _hash(rows, _without(self.study.setup.model_dump(mode="json"), "detection"))
+
+
+def figure_names() -> list[str]:
+    """Names of the figures: the modules of pipeline/figures."""
+    names = (path.stem for path in (PACKAGE / "figures").glob("*.py"))
+    return sorted(name for name in names if not name.startswith("_"))
 
 
 def make_plan(settings: Mapping[str, Any]) -> Plan:

@@ -33,10 +33,17 @@ LOCKED = (
 EVERY_S = 2.0
 
 
-def told_by_us(record: logging.LogRecord) -> bool:
-    """Whether Snakemake's own text of this record is left out, since `Progress` tells it."""
-    event = getattr(record, "event", None)
-    return event in NOISE or record.levelno < logging.WARNING or _ours(record)
+class Hush(logging.Filter):
+    """Leaves out what `Progress` tells, from the moment that a run proper begins."""
+
+    begun = False
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether Snakemake's own text of this record is shown."""
+        event = getattr(record, "event", None)
+        self.begun = self.begun or event == LogEvent.WORKFLOW_STARTED
+        quiet = event in NOISE or record.levelno < logging.WARNING or _ours(record)
+        return not (self.begun and quiet)
 
 
 def _ours(record: logging.LogRecord) -> bool:
@@ -123,6 +130,6 @@ def follow(workflow: Any, report: Path) -> Progress:
         logger = logging.getLogger("snakemake.logging")
         for handler in logger.handlers:
             if handler.name == "DefaultStreamHandler":
-                handler.addFilter(lambda record: not told_by_us(record))
+                handler.addFilter(Hush())
         logger.addHandler(progress)
     return progress

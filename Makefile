@@ -1,0 +1,45 @@
+# `make demo` and `make test` set everything up themselves, from Python 3.11 or newer and nothing else.
+
+SHELL := bash
+PYTHON ?= python3
+BIN := .venv/bin
+READY := .venv/.ready
+export OPENBLAS_NUM_THREADS = 1
+export OMP_NUM_THREADS = 1
+export MKL_NUM_THREADS = 1
+
+.PHONY: demo test test-long lint lock clean
+
+demo: $(READY) ## the demo study, from rendered footage to results/demo/report.html
+	@$(BIN)/bluekoi run demo
+
+test: $(READY) ## the tests
+	$(BIN)/pytest -n 2
+
+test-long: $(READY) ## tests that run for minutes: the demo held against its truth, and more
+	$(BIN)/pytest -m long -o addopts="--strict-markers"
+
+lint: $(READY) ## linters, import contract, types, workflow
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
+	$(BIN)/mypy
+	$(BIN)/snakemake --lint
+
+lock: ## requirements.lock anew, from pyproject.toml (needs uv)
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
+		--generate-hashes --no-header --no-emit-index-url -o requirements.lock
+
+$(READY): requirements.lock pyproject.toml setup.py
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+		echo "Python 3.11 or newer is needed as '$(PYTHON)'; another one: make PYTHON=python3.12 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+		echo "Python's venv module is missing; on Debian and Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+	@echo "Setting up .venv, once (about a minute) ..."
+	@$(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+clean: ## the environment and everything rendered or computed
+	rm -rf .venv results studies .snakemake

@@ -27,7 +27,7 @@ class Fitted:
     """A lens with poses (views, 6), residuals of each view (n, 2) px and covariance of the lens.
 
     lens_cov: (4 + k, 4 + k) of fx, fy, cx, cy and the distortion, views taken as independent and
-    corners of one view as not (sandwich estimate).
+    corners of one view as not (first-order jackknife over views).
     """
 
     lens: Lens
@@ -82,7 +82,7 @@ def adjust(lens: Lens, poses: Float, views: list[View], *, rounds: int = ROUNDS)
         state, poses, misses, damping = state + step, poses + moves, tried, damping / 10
         if gain < SMALLEST_GAIN:
             break
-    lens_cov = _sandwich(_normal_parts(state, poses, given, misses))
+    lens_cov = _jackknife(_normal_parts(state, poses, given, misses))
     residuals = tuple(misses[part] for part in given.slices)
     return Fitted(lens_of(state, lens.model, lens.size_px), poses, residuals, lens_cov)
 
@@ -220,16 +220,21 @@ def _step(parts: _Parts, damping: float) -> tuple[Float, Float]:
     return step, np.einsum("vij,vj->vi", inverse, left)
 
 
-def _sandwich(parts: _Parts) -> Float:
-    """Covariance of the lens: bread of the reduced normal matrix, meat of each view's own pull."""
+def _jackknife(parts: _Parts) -> Float:
+    """Covariance of the lens by leaving out one view at a time, to first order (CR3).
+
+    d_v = (B - B_v)^-1 g_v, cov = (v - 1)/v sum d_v d_v', B the normal matrix with poses eliminated.
+    A plain sandwich is too small by a third for a dozen views.
+    """
     inverse = np.linalg.inv(_damped(parts.pose, 1e-12))
     share = parts.cross @ inverse
-    bread = np.sum(parts.lens - share @ np.swapaxes(parts.cross, 1, 2), axis=0)
+    blocks = parts.lens - share @ np.swapaxes(parts.cross, 1, 2)
     own = parts.lens_pull - (share @ parts.pose_pull[:, :, None])[:, :, 0]
-    views = len(own)
-    scale = 1 / np.sqrt(np.maximum(np.diag(bread), 1e-30))
-    inner = np.linalg.pinv(bread * np.outer(scale, scale)) * np.outer(scale, scale)
-    return np.asarray(inner @ (own.T @ own) @ inner * views / max(1, views - 1))
+    scale = 1 / np.sqrt(np.maximum(np.einsum("vii->i", blocks), 1e-30))
+    scaled = blocks * np.outer(scale, scale)
+    fewer = np.linalg.pinv(scaled.sum(axis=0) - scaled, hermitian=True)
+    shifts = (fewer @ (own * scale)[:, :, None])[:, :, 0] * scale
+    return np.asarray(shifts.T @ shifts * (len(own) - 1) / len(own))
 
 
 def _damped(matrices: Float, damping: float) -> Float:

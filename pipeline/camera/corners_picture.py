@@ -42,7 +42,7 @@ class CornersCheck:
 def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> CornersCheck:
     """Corners, mapped grid and pool edges drawn on a frame (height, width[, 3] bgr), as a png.
 
-    Red: corners as given. Blue: a grid of 0.2 m in the plane of the corners, as the camera maps
+    Red: corners as given. Light blue: a 0.2 m grid in the plane of the corners, as the camera maps
     it. Green: edges found in the frame. Magenta: corners where those edges meet. Corners that fit
     no camera are drawn all the same, and the fault is told in `sentences`.
 

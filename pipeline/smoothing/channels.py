@@ -27,12 +27,14 @@ MOVING = 3.0
 class _Measured:
     """Measurements z (nodes, m) with variance R (nodes, m, m) where seen (nodes,).
 
+    plausible: (nodes,) those not far off the line between their neighbours.
     kick: (nodes,) start-up window. speed: usual rate of change of z. variance: usual one of R.
     """
 
     z: Float
     R: Float
     seen: Mask
+    plausible: Mask
     kick: Float
     speed: float
     variance: float
@@ -86,7 +88,7 @@ def moving_cost(found: Found) -> float:
     P0[rates, rates] *= (MOVING / AT_REST) ** 2
     gate = gate_of(m)
     other = replace(chain, P0=P0)
-    return found.cost + likelihood(other, found.seen, gate) - likelihood(chain, found.seen, gate)
+    return found.cost + likelihood(other, found.first, gate) - likelihood(chain, found.first, gate)
 
 
 def _found(
@@ -112,7 +114,7 @@ def _found(
         return Chain(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
     spread = np.array([*SPREADS, *[SPREAD_RECOIL] * recoils, SPREAD_R])
-    return most_likely(build, data.seen, spread=spread)
+    return most_likely(build, data.seen, first=data.plausible, spread=spread)
 
 
 def _measured(z: Float, R: Float, grid: Grid) -> _Measured:
@@ -120,13 +122,33 @@ def _measured(z: Float, R: Float, grid: Grid) -> _Measured:
     m = z.shape[1]
     R = np.where(seen[:, None, None], R, np.eye(m))
     z = np.where(seen[:, None], z, 0.0)
-    t, at = grid.time_s[seen], z[seen]
-    variance = float(np.median(np.trace(R[seen].T))) / m
+    plausible = seen.copy()
+    plausible[seen] = _near_neighbours(z[seen])
+    t, at = grid.time_s[plausible], z[plausible]
+    variance = float(np.median(np.trace(R[plausible].T))) / m
     lag = max(min(10, len(t) // 3), 1)
     rates = np.abs(at[lag:] - at[:-lag]).max(axis=1) / (t[lag:] - t[:-lag])
     floor = np.sqrt(variance) / max(float(np.ptp(t)), 1e-9)
     speed = float(max(np.quantile(rates, 0.8), floor))
-    return _Measured(z, R, seen, _kick(grid, t, at), speed, variance)
+    return _Measured(z, R, seen, plausible, _kick(grid, t, at), speed, variance)
+
+
+def _near_neighbours(z: Float) -> Mask:
+    """Points (n,) within 8 robust deviations of what their neighbours say.
+
+    Neighbours say the median of (z[k-j] + z[k+j]) / 2, j = 1, 2, 3, and at the ends that of the
+    lines 2 z[k+j] - z[k+2j]. Only gross errors: recoil and start pass.
+    """
+    n = len(z)
+    k, j = np.arange(n), np.array([1, 2, 3])[:, None]
+    inside = (k - 3 >= 0) & (k + 3 < n)
+    ahead = np.where(k < n / 2, 1, -1)
+    near, far = np.clip(k + ahead * j, 0, n - 1), np.clip(k + 2 * ahead * j, 0, n - 1)
+    between = 0.5 * (z[np.clip(k - j, 0, n - 1)] + z[np.clip(k + j, 0, n - 1)])
+    told = np.where(inside[:, None], between, 2 * z[near] - z[far])
+    away = np.abs(z - np.median(told, axis=0))
+    scale = 1.4826 * np.median(away, axis=0)
+    return np.asarray((away <= 8 * np.maximum(scale, 1e-12)).all(axis=1))
 
 
 def _kick(grid: Grid, time_s: Float, z: Float) -> Float:
@@ -155,7 +177,7 @@ def _prior(data: _Measured, T: float, recoils: int, resting: bool) -> tuple[Floa
 
     From rest the acceleration is anything; in motion it is that of the process, and a little more.
     """
-    z, m = data.z[data.seen], data.z.shape[1]
+    z, m = data.z[data.plausible], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
     rate = (AT_REST if resting else MOVING) * data.speed
     push = (3.0 if resting else 0.05) * data.speed / T

@@ -19,17 +19,20 @@ GATE_TAIL = 1e-5
 
 @dataclass(frozen=True)
 class Found:
-    """Chain with its noise, its measurements, those that count, the logarithms and their cost."""
+    """Chain with its noise, the measurements of the first round and those that count in the end.
+
+    logs: logarithms of the noise over its units; cost: theirs in the first round.
+    """
 
     chain: Chain
-    seen: Mask
+    first: Mask
     used: Mask
     logs: Float
     cost: float
 
 
 def most_likely(
-    build: Callable[[Float], Chain], seen: Mask, *, spread: Float, rounds: int = 3
+    build: Callable[[Float], Chain], seen: Mask, *, first: Mask, spread: Float, rounds: int = 3
 ) -> Found:
     """Chain whose noise has the greatest posterior, with outliers set aside.
 
@@ -38,10 +41,11 @@ def most_likely(
     A measurement is set aside where it lies beyond the gate of what all the others, before and
     after it, predict (deletion residual); those set aside are tried again in each round.
 
-    build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all.
+    build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all;
+    first: (n,) those that the first round uses.
     cost is that of the first round, in which outliers count as lying on the gate.
     """
-    logs, used, costs = _lively(spread), seen, []
+    logs, used, costs = _lively(spread), first, []
     gate = gate_of(build(logs).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
@@ -55,7 +59,7 @@ def most_likely(
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    return Found(build(logs), seen, used, logs, costs[0])
+    return Found(build(logs), first, used, logs, costs[0])
 
 
 def gate_of(size: int) -> float:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
+import av
 import av.error
 import numpy as np
 import numpy.typing as npt
@@ -18,13 +20,32 @@ Luma = npt.NDArray[np.uint8]
 EPS_S = 1e-6
 
 
-def frames(recording: Recording, *, colour: bool = False) -> Iterator[Frame]:
+@dataclass(frozen=True)
+class Film:
+    """Frames of a recording: iterate for all of them, as often as wanted, or `spread` for a few."""
+
+    recording: Recording
+    colour: bool = False
+
+    def __iter__(self) -> Iterator[Frame]:
+        return _all(self.recording, self.colour)
+
+    def spread(self, count: int) -> Iterator[Frame]:
+        """About `count` frames spread evenly over the recording's part, decoded alone."""
+        return spread(self.recording, count)
+
+
+def frames(recording: Recording, *, colour: bool = False) -> Film:
     """Frames of the recording's part in order, times in s from its first frame shown.
 
     The luma is a view into the decoder's own picture where the format allows (no copy); bgr only
     if `colour`. Unreadable pictures are left out; frames whose time repeats or goes back too.
     `index` counts the frames read from the recording's start, those before start_s included.
     """
+    return Film(recording, colour)
+
+
+def _all(recording: Recording, colour: bool) -> Iterator[Frame]:
     last = -np.inf
     for index, (time_s, picture) in enumerate(_timed(recording)):
         if recording.end_s is not None and time_s > recording.end_s + EPS_S:
@@ -32,28 +53,30 @@ def frames(recording: Recording, *, colour: bool = False) -> Iterator[Frame]:
         if time_s <= last or time_s < (recording.start_s or 0.0) - EPS_S:
             continue
         last = time_s
-        yield Frame(
-            index, time_s, _turned(luma(picture), recording), _bgr(picture, recording, colour)
-        )
+        bgr = _bgr(picture, recording, colour)
+        yield Frame(index, time_s, _turned(luma(picture), recording), bgr)
 
 
 def spread(recording: Recording, count: int) -> Iterator[Frame]:
     """About `count` frames spread evenly over the recording's part, decoded alone.
 
-    Only key frames are decoded: a background needs a few pictures, not all of them.
+    Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
+    Of a recording with fewer key frames than that, every k-th frame of all.
     """
-    wanted = max(1, count)
-    keys = [list(_keyframes(recording, i)) for i in range(len(recording.paths))]
-    total = [(i, key) for i, chapter in enumerate(keys) for key in chapter]
-    picked = (
-        {total[j] for j in np.linspace(0, len(total) - 1, wanted).round().astype(int)}
-        if total
-        else set()
-    )
+    keys = [(i, key) for i in range(len(recording.paths)) for key in _keyframes(recording, i)]
+    if len(keys) < count:
+        yield from _thinned(recording, count)
+        return
+    chosen = [keys[j] for j in np.linspace(0, len(keys) - 1, max(1, count)).round().astype(int)]
     for i in range(len(recording.paths)):
-        chosen = {key for chapter, key in picked if chapter == i}
-        if chosen:
-            yield from _decoded_keys(recording, i, chosen)
+        stamps = [key for chapter, key in chosen if chapter == i]
+        if stamps:
+            yield from _decoded_keys(recording, i, stamps)
+
+
+def _thinned(recording: Recording, count: int) -> Iterator[Frame]:
+    step = max(1, recording.frames_present // max(1, count))
+    return (frame for i, frame in enumerate(_all(recording, False)) if i % step == step // 2)
 
 
 def luma(picture: Any) -> Luma:
@@ -135,13 +158,25 @@ def _keyframes(recording: Recording, i: int) -> Iterator[int]:
                 yield int(entry.timestamp)
 
 
-def _decoded_keys(recording: Recording, i: int, chosen: set[int]) -> Iterator[Frame]:
+def _decoded_keys(recording: Recording, i: int, stamps: list[int]) -> Iterator[Frame]:
+    """Key frames at these stamps: the packets are sought, and decoded apart from the seeking."""
     path = recording.paths[i]
     with opened(path) as container:
         stream = video_stream(container, path)
-        for stamp in sorted(chosen):
-            container.seek(stamp, stream=stream, backward=True)
-            for picture in _decoded(container, stream):
-                time_s = (picture.time or 0.0) + recording.offset_s[i]
-                yield Frame(-1, time_s, _turned(luma(picture), recording))
-                break
+        decoder = av.CodecContext.create(stream.codec_context.name, "r")
+        decoder.extradata = stream.codec_context.extradata
+        decoder.thread_type = "AUTO"
+        for packet in _sought(container, stream, stamps):
+            with suppress(av.error.FFmpegError):
+                for picture in decoder.decode(packet):
+                    time_s = float((picture.pts or 0) * stream.time_base)
+                    image = _turned(luma(picture), recording)
+                    yield Frame(-1, time_s + recording.offset_s[i], image)
+
+
+def _sought(container: Any, stream: Any, stamps: list[int]) -> Iterator[Any]:
+    """The key packet at each stamp, then None, which asks the decoder for what it holds back."""
+    for stamp in stamps:
+        container.seek(stamp, stream=stream, backward=True)
+        yield next((packet for packet in container.demux(stream) if packet.is_keyframe), None)
+    yield None

@@ -12,8 +12,7 @@ import numpy.typing as npt
 from ...data import Frame
 
 Image = npt.NDArray[np.uint8]
-SAMPLES = 7
-KEPT = 16
+SAMPLES = 5
 
 
 def sample(film: Iterable[Frame], count: int = SAMPLES) -> list[Frame]:
@@ -31,7 +30,7 @@ def sample(film: Iterable[Frame], count: int = SAMPLES) -> list[Frame]:
         if i % step:
             continue
         kept.append(_copied(frame))
-        if len(kept) > KEPT:
+        if len(kept) > 2 * count:
             kept, step = kept[::2], step * 2
     places = np.unique(np.linspace(0, len(kept) - 1, min(count, len(kept))).round().astype(int))
     return [kept[i] for i in places] if kept else []

@@ -22,7 +22,7 @@ LEAST_CONTRAST = 12.0
 HALF_PX = 3
 
 
-@numba.njit(cache=True, inline="always")
+@numba.njit(cache=True, error_model="numpy", inline="always")
 def pick(image: Image, u: float, v: float) -> float:
     """Bilinear value of a picture; the caller makes sure that it lies inside."""
     x, y = int(u), int(v)
@@ -32,52 +32,51 @@ def pick(image: Image, u: float, v: float) -> float:
     return top * (1 - fy) + low * fy
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def edge_offset(
-    pictures: Pictures, place: Float, normal: Float, skin: float, reach: int
-) -> tuple[float, float]:
-    """Offset of the edge along the outward normal [px] and its contrast; NaN where there is none.
+    pictures: Pictures, place: tuple[float, float, float, float], skin: float, lines: Float
+) -> float:
+    """Offset of the edge along the outward normal [px]; NaN where there is none.
 
-    place, normal: (2,) px. reach: how far it is looked for, px. skin: grey level inside.
+    place: u, v and the normal's u, v [px]. skin: grey level inside. lines: (2, 2 reach + 1) to
+    work in; their length tells how far the edge is looked for.
     """
     luma, floor = pictures
-    count = 2 * reach + 1
+    seen, clear = lines[0], lines[1]
+    count = len(seen)
+    reach = count // 2
     height, width = luma.shape
     far = reach + 1.0
     if not (far < place[0] < width - 2 - far and far < place[1] < height - 2 - far):
-        return math.nan, 0.0
-    seen = np.empty(count)
-    clear = np.empty(count)
+        return math.nan
     for k in range(count):
-        u = place[0] + (k - reach) * normal[0]
-        v = place[1] + (k - reach) * normal[1]
+        u = place[0] + (k - reach) * place[2]
+        v = place[1] + (k - reach) * place[3]
         seen[k] = pick(luma, u, v)
         clear[k] = pick(floor, u, v)
     at = _step(seen, clear, skin)
     gain = _gain(seen, clear, at)
     total = 0.0
-    contrast = 0.0
     inner, outer, ends = 0.0, 0.0, 0
     for k in range(at - HALF_PX, at + HALF_PX + 1):
         if k < 0 or k >= count:
             continue
         depth = gain * clear[k] - skin
         if abs(depth) < LEAST_CONTRAST:
-            return math.nan, 0.0
+            return math.nan
         cover = min(max((gain * clear[k] - seen[k]) / depth, -0.3), 1.3)
         total += cover - (1.0 if k < at else 0.0)
-        contrast += abs(depth)
         ends += 1
         if k < at - 1:
             inner += 1.0 - cover
         if k > at:
             outer += cover
     if ends < 2 * HALF_PX or inner > 1.0 or outer > 1.0:
-        return math.nan, 0.0
-    return at + total - 0.5 - reach, contrast / ends
+        return math.nan
+    return at + total - 0.5 - reach
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _step(seen: Float, clear: Float, skin: float) -> int:
     """First sample outside, of the step from covered to clear that fits best."""
     count = len(seen)
@@ -98,7 +97,7 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
     return at
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _gain(seen: Float, clear: Float, at: int) -> float:
     """Brightness of the floor just outside against the background's."""
     a, b = 0.0, 0.0
@@ -110,7 +109,7 @@ def _gain(seen: Float, clear: Float, at: int) -> float:
     return min(max(a / b, 0.75), 1.33)
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[float, float]:
     """Pixels of one point in the plane."""
     degree = coefficients.shape[1] - 1
@@ -127,7 +126,7 @@ def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[flo
     return u, v
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
     """d(u, v)/d(x, y), px per m, at a point in the plane."""
     e = 0.01
@@ -141,7 +140,7 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
     return out
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def measure(
     pictures: Pictures,
     maps: tuple[Float, Float],
@@ -161,8 +160,7 @@ def measure(
     slope = np.zeros((n, 4))
     local = jacobian(maps[0], maps[1], pose[0], pose[1])
     det = local[0, 0] * local[1, 1] - local[0, 1] * local[1, 0]
-    place = np.empty(2)
-    normal = np.empty(2)
+    lines = np.empty((2, 2 * reach + 1))
     for i in range(n):
         angle = pose[2] - pose[3] if part[i] == 0 else pose[2]
         c, s = math.cos(angle), math.sin(angle)
@@ -173,11 +171,11 @@ def measure(
         u = (local[1, 1] * mx - local[1, 0] * my) / det
         v = (-local[0, 1] * mx + local[0, 0] * my) / det
         size = math.hypot(u, v)
-        normal[0], normal[1] = u / size, v / size
-        place[0], place[1] = horner(maps[0], maps[1], pose[0] + x, pose[1] + y)
-        offset[i], _ = edge_offset(pictures, place, normal, skin[i], reach)
-        gx = normal[0] * local[0, 0] + normal[1] * local[1, 0]
-        gy = normal[0] * local[0, 1] + normal[1] * local[1, 1]
+        u, v = u / size, v / size
+        at_u, at_v = horner(maps[0], maps[1], pose[0] + x, pose[1] + y)
+        offset[i] = edge_offset(pictures, (at_u, at_v, u, v), skin[i], lines)
+        gx = u * local[0, 0] + v * local[1, 0]
+        gy = u * local[0, 1] + v * local[1, 1]
         slope[i, 0], slope[i, 1] = gx, gy
         slope[i, 2] = -gx * y + gy * x
         if part[i] == 0:
@@ -185,7 +183,7 @@ def measure(
     return offset, slope
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def spread_of(offset: Float) -> float:
     """Robust width of the offsets about 0, px, at least 0.1."""
     seen = np.abs(offset[np.isfinite(offset)])
@@ -194,7 +192,7 @@ def spread_of(offset: Float) -> float:
     return max(0.1, 1.4826 * np.median(seen))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def fit(
     pictures: Pictures,
     maps: tuple[Float, Float],

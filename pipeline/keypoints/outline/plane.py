@@ -16,9 +16,9 @@ import numpy.typing as npt
 from ...study import Camera, Setup
 
 Float = npt.NDArray[np.float64]
-DEGREE = 7
+DEGREE = 6
 MARGIN = 0.12
-GRID = 33
+GRID = 17
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from .template import Template
 Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 MARGIN_PX = 1.08
+FAINT = 0.4
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,10 @@ class Blob:
 
 
 def blobs(luma: Image, floor: Image, plane: Plane, noise: float) -> list[Blob]:
-    """Blobs inside the pool, largest first, found on a thinned picture and outlined there."""
+    """Blobs inside the pool, largest first, found on a thinned picture and outlined there.
+
+    Those much fainter than the strongest are shadows and moving light.
+    """
     step = max(1, int(plane.px_per_m * 0.004))
     picture, clear = luma[::step, ::step], floor[::step, ::step]
     change = cv2.GaussianBlur(cv2.absdiff(picture, clear), (3, 3), 0)
@@ -44,7 +48,9 @@ def blobs(luma: Image, floor: Image, plane: Plane, noise: float) -> list[Blob]:
     least = 0.0015 * (plane.px_per_m / step) ** 2
     large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:6]
     found = [_blob(c, (picture, clear), plane, step) for c in large if cv2.contourArea(c) > least]
-    return [blob for blob in found if blob is not None]
+    known = [blob for blob in found if blob is not None]
+    strongest = max((abs(blob.contrast) for blob in known), default=0.0)
+    return [blob for blob in known if abs(blob.contrast) > FAINT * strongest]
 
 
 def _pool_mask(shape: tuple[int, int], corners: Float) -> Image:

@@ -47,7 +47,8 @@ class Fit:
     pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (4, 4) of offsets of
     1 px; scores: (4, 4) sum of the squared pull of the outline's arcs (both in body axes).
     support: share of the outline's points found where the template has them: head, core, all.
-    nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,) px, direction, support, side error.
+    nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
+    px, direction [rad], support, side error [px].
     """
 
     pose: Float
@@ -154,7 +155,7 @@ def _next(
 ) -> Fit | None:
     start = _predicted(frame.time_s, *past)
     if start is not None:
-        one = fitted(frame.luma, scene, shape, start, reaches(scene, 0.016, 0.010, 0.008))
+        one = fitted(frame.luma, scene, shape, start, reaches(scene, 0.014, 0.008))
         if good(one, scene):
             return one
     return found_anew(frame.luma, scene, template, shape)

@@ -99,8 +99,20 @@ rule tuning:
     shell: "python3 -m pipeline stage tuning {params.at} &> {log:q}"
 
 
-rule figure:
+rule mismatch:
     input: rules.tuning.output,
+    output: R / "mismatch.json", R / "mismatch_detail.json",
+    conda: ENV
+    log: LOGS / "mismatch.log"
+    benchmark: TIMES / "mismatch.tsv"
+    params: at=AT, code=plan.code("mismatch"), settings=plan.fit(),
+    threads: 2
+    resources: mem_mb=1500, runtime=120,
+    shell: "python3 -m pipeline stage mismatch {params.at} &> {log:q}"
+
+
+rule figure:
+    input: rules.tuning.output, rules.mismatch.output,
     output:
         report(R / "figures/{figure}.png", "config/captions/figure.rst", "Figures"),
         R / "figures/{figure}.pdf",

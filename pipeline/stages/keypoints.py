@@ -11,8 +11,8 @@ from ..data import Frame, Keypoints
 from ..faults import Fault, fault
 from ..keypoints.deeplabcut import write
 from ..study import Study, Trial, load_study, missing_of
-from .attempt import attempt
 from .layout import Layout
+from .status import attempt
 
 
 def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:

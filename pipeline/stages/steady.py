@@ -7,8 +7,8 @@ from pathlib import Path
 from ..faults import fault
 from ..steady import read_steady, write_steady
 from ..study import load_study
-from .attempt import good_trials
 from .layout import Layout
+from .status import good_trials
 
 
 def steady(study: Path, results: Path) -> None:

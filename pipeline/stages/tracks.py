@@ -7,7 +7,7 @@ from typing import Any
 
 from ..camera import map_keypoints, pool_camera
 from ..data import Flapping, Keypoints, Positions, write_pose, write_track
-from ..faults import Fault, fault
+from ..faults import fault
 from ..files import read_json
 from ..keypoints.deeplabcut import read
 from ..motor import compare, flapping_from_log, flapping_given, tail_beat
@@ -15,8 +15,8 @@ from ..pose import rigid_pose
 from ..smoothing import smooth
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
-from .attempt import attempt
 from .layout import Layout
+from .status import attempt
 
 
 def tracks(study: Path, results: Path, trial_id: str) -> None:
@@ -62,9 +62,12 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
     Raises: Fault where none of the three tells it.
     """
     log = study.motor_path(trial)
-    if log is None and trial.flap_hz is None:
+    if log is not None:
+        flapping = flapping_from_log(log)
+    elif trial.flap_hz is not None:
+        flapping = flapping_given(trial.flap_hz)
+    else:
         return _from_video(study, trial, positions)
-    flapping = flapping_given(trial.flap_hz) if log is None else flapping_from_log(log)
     if flapping.flap_hz <= 0:
         return flapping
     return compare(flapping, tail_beat(positions, flapping.flap_hz, flapping=flapping))
@@ -87,6 +90,3 @@ def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
 def _told(flapping: Flapping) -> dict[str, Any]:
     names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "agrees")
     return {name: getattr(flapping, name) for name in names}
-
-
-__all__ = ["Fault", "flapping_of", "tracks"]

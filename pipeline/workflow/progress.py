@@ -73,14 +73,15 @@ class Progress(logging.Handler):
             self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
             self._line(_name(found), now=not self.live and self.last_s == 0.0)
         elif event == LogEvent.JOB_FINISHED:
-            self.timing.finish(found["job_id"], time.monotonic())
-            self._line("", now=self.timing.done == self.timing.total)
+            done = self.timing.finish(found["job_id"], time.monotonic())
+            self._line(self.timing.running() or done, now=self.timing.done == self.timing.total)
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
         elif "cannot be locked" in record.getMessage():
             self._say(LOCKED)
         elif record.getMessage().startswith("Nothing to be done"):
-            self._say(f"Everything is up to date: {self.report}")
+            self._say("Everything is up to date.")
+            self.farewell()
 
     def _line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
@@ -90,7 +91,7 @@ class Progress(logging.Handler):
         left = self.timing.left_s(moment)
         ends = f"  about {duration(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
-        text = f"{head} {name or self.timing.running()}{ends}".rstrip()
+        text = f"{head} {name}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
         self.stream.flush()
 

@@ -27,11 +27,12 @@ class Timing:
             self.started[job] = (rule, now_s)
             self.waiting[rule] -= 1
 
-    def finish(self, job: int, now_s: float) -> None:
-        """Note that a job is done."""
-        if job in self.started:
-            rule, since = self.started.pop(job)
+    def finish(self, job: int, now_s: float) -> str:
+        """Name of the rule of a job that is done now."""
+        rule, since = self.started.pop(job, ("", now_s))
+        if rule:
             self.taken_s.setdefault(rule, []).append(now_s - since)
+        return rule
 
     @property
     def done(self) -> int:

@@ -35,7 +35,9 @@ def attempt(
         found = _failed(trial_id, str(error))
         log.warning("%s", error)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
-        found = _failed(trial_id, f"{trial_id}: a defect of this program, {error!r}; see the log")
+        found = _failed(
+            trial_id, f"a defect of this program, {error!r}; the log of the trial has more"
+        )
         log.exception("trial %s", trial_id)
     if not found["ok"]:
         remove(products)

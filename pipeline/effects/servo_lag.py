@@ -1,8 +1,9 @@
 """A head that takes time to turn.
 
-    phi(t) = phi (1 - k exp(-(t / tau)^n)),  t since the start of the trial
+    phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (|phi| / 45 deg)^q,  t since the start
 
-n = 1 is a first-order lag, larger n a servo that turns at a limited rate and then stands.
+n = 1 and q = 0 is a first-order lag; a servo that turns at a limited rate and then stands has
+larger n and q = 1, since it needs the longer the further it has to turn.
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
 """
 
@@ -22,10 +23,14 @@ CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 PARAMETERS = (
     Parameter("k", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start"),
     Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
-    Parameter("n", "1", 1.2, 0.7, 4.0, "1: lag of first order, larger: limited rate"),
+    Parameter("n", "1", 1.5, 0.7, 5.0, "1: lag of first order, larger: limited rate"),
+    Parameter("q", "1", 0.5, 0.0, 1.0, "0: same time for all angles, 1: in proportion to them"),
 )
 
 
-def drive(t: float, head_angle: float, k: float, tau: float, n: float) -> tuple[float, float]:
+def drive(
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float
+) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    return -head_angle * k * math.exp(-((max(t, 1e-9) / tau) ** n)), 0.0
+    T = tau * ((abs(head_angle) + 1e-3) / 0.7853981633974483) ** q
+    return -head_angle * k * math.exp(-((max(t, 1e-9) / T) ** n)), 0.0

@@ -22,7 +22,7 @@ STATEMENT = (
 REGIME = "turning or drifting while moving forward; nothing in straight swimming"
 CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
 PARAMETERS = (
-    Parameter("S", "m2", 0.004, 0.0, 0.1, "lift slope times area of the fin"),
+    Parameter("S", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin"),
     Parameter("a", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass"),
 )
 

@@ -75,7 +75,7 @@ def trial_values(
 
 def slots_by_name(kernel: Kernel) -> dict[str, int]:
     """Place of every parameter by name."""
-    return {p.name: i for i, p in enumerate(kernel.system.parameters)}
+    return kernel.system.slot
 
 
 def normal_equations(
@@ -84,19 +84,27 @@ def normal_equations(
     base: Float,
     free: Sequence[Free],
     values: Float,
+    *,
     noise: Noise,
-    filtered: Sequence[Filtered] | None = None,
+    predictor: Sequence[Filtered] | None = None,
 ) -> Normal:
-    """Normal equations at a point, from one filter pass and one batch of perturbed predictions."""
+    """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
+
+    predictor: gains of a filter at another point, held in place of a new pass; many candidates
+    are then compared as predictors of one form, at a fraction of the cost.
+    """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
-    filtered = filtered or filter_all(kernel, series, points, noise)
-    jacobian = _jacobians(kernel, series, points, free, values, noise, filtered)
-    whitened = [f.innovations for f in filtered]
+    filtered = predictor or filter_all(kernel, series, points, noise)
+    jacobian, errors = _jacobians(kernel, series, points, free, values, noise=noise,
+                                  filtered=filtered)  # fmt: skip
     hessian = np.array([np.einsum("nop,noq->pq", j, j) for j in jacobian])
     gradient = np.array(
-        [np.einsum("nop,no->p", j, e) for j, e in zip(jacobian, whitened, strict=True)]
+        [np.einsum("nop,no->p", j, e) for j, e in zip(jacobian, errors, strict=True)]
     )
-    logl = np.array([f.log_likelihood for f in filtered])
+    logl = np.array([
+        f.log_likelihood + 0.5 * float(np.sum(f.innovations**2) - np.sum(e**2))
+        for f, e in zip(filtered, errors, strict=True)
+    ])  # fmt: skip
     side = _evidence(kernel, series, free, points)
     return Normal(hessian + side.hessian, gradient + side.gradient, logl + side.log_likelihood)
 
@@ -137,33 +145,39 @@ def _jacobians(
     points: Sequence[Float],
     free: Sequence[Free],
     values: Float,
+    *,
     noise: Noise,
     filtered: Sequence[Filtered],
-) -> list[Float]:
-    """Derivatives of the whitened errors, negated: (n, observations, p) a trial."""
+) -> tuple[list[Float], list[Float]]:
+    """A trial's derivatives of the whitened predictions (n, observations, p), and its errors."""
     slots = slots_by_name(kernel)
     steps = np.array([_step(kernel, f, v) for f, v in zip(free, values, strict=True)])
     own = [[k for k, f in enumerate(free) if f.group in (None, s.group)] for s in series]
     chunks = [(t, ks[i : i + LANES - 1]) for t, ks in enumerate(own)
               for i in range(0, max(len(ks), 1), LANES - 1)]  # fmt: skip
-    observed = _perturbed(kernel, series, points, noise, filtered, [
-        (t, [(slots[free[k].name], steps[k]) for k in ks]) for t, ks in chunks])  # fmt: skip
+    observed = _perturbed(kernel, series, points, [
+        (t, [(slots[free[k].name], steps[k]) for k in ks]) for t, ks in chunks],
+        noise=noise, filtered=filtered)  # fmt: skip
     out = [np.zeros((*f.innovations.shape, len(free))) for f in filtered]
+    errors = [np.zeros(f.innovations.shape) for f in filtered]
     for (t, ks), seen in zip(chunks, observed, strict=True):
         n = len(series[t].times)
-        for lane, k in enumerate(ks, start=1):
-            change = (seen[:n, :, lane] - seen[:n, :, 0]) / steps[k]
-            out[t][:, :, k] = np.einsum("nop,np->no", filtered[t].roots, change)
-    return out
+        base = seen[:n, :, :1]
+        change = (seen[:n, :, 1 : len(ks) + 1] - base) / steps[ks]
+        out[t][:, :, ks] = filtered[t].roots @ change
+        error = np.nan_to_num(series[t].seen - base[:, :, 0])
+        errors[t] = (filtered[t].roots @ error[:, :, None])[:, :, 0]
+    return out, errors
 
 
 def _perturbed(
     kernel: Kernel,
     series: Sequence[Series],
     points: Sequence[Float],
+    chunks: Sequence[tuple[int, list[tuple[int, float]]]],
+    *,
     noise: Noise,
     filtered: Sequence[Filtered],
-    chunks: Sequence[tuple[int, list[tuple[int, float]]]],
 ) -> Float:
     """Predicted observations (chunks, frames, observations, 16); lane 0 is the point itself."""
     system = kernel.system
@@ -215,11 +229,12 @@ def fit(
     start: Mapping[str, float] | None = None,
     iterations: int = 25,
     tolerance: float = 1e-3,
+    predictor: Sequence[Filtered] | None = None,
 ) -> Fit:
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
     start: values by label; without it the parameters' own starts. Ends when a step changes no
-    number by more than `tolerance` of its standard deviation.
+    number by more than `tolerance` of its standard deviation. predictor: as in `normal_equations`.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -227,13 +242,15 @@ def fit(
     given = start or {}
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
-    normal = normal_equations(kernel, series, base, free, x, noise)
+    normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor)
     damping, outcome, count = 1e-4, STALLED, 0
     while count < iterations and damping < 1e8:
         count += 1
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
-        candidate = normal_equations(kernel, series, base, free, trial, noise)
+        candidate = normal_equations(
+            kernel, series, base, free, trial, noise=noise, predictor=predictor
+        )
         gain = candidate.log_likelihood.sum() - normal.log_likelihood.sum()
         small = _is_small(normal, trial - x, tolerance)
         if np.isfinite(gain) and gain >= -1e-9:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -85,12 +86,12 @@ class System:
     observations: tuple[str, ...]
     effects: tuple[Effect, ...] = ()
 
-    @property
+    @cached_property
     def all_states(self) -> tuple[str, ...]:
         """The model's states, then those of the effects."""
         return self.states + tuple(name for effect in self.effects for name in effect.states)
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """The model's coefficients, then the parameters of the effects as `effect.parameter`."""
         own = tuple(
@@ -100,14 +101,23 @@ class System:
         )
         return self.coefficients + own
 
+    @cached_property
+    def slot(self) -> dict[str, int]:
+        """Place of every parameter by name."""
+        return {p.name: i for i, p in enumerate(self.parameters)}
+
     def slots(self, effect: str) -> tuple[int, ...]:
         """Places of an effect's parameters in `parameters`."""
-        names = [p.name for p in self.parameters]
-        return tuple(i for i, name in enumerate(names) if name.startswith(effect + "."))
+        own = self.effect(effect).parameters
+        return tuple(self.slot[f"{effect}.{p.name}"] for p in own)
 
     def effect(self, name: str) -> Effect:
         """The effect of that name; KeyError where there is none."""
-        return {effect.name: effect for effect in self.effects}[name]
+        return self._by_name[name]
+
+    @cached_property
+    def _by_name(self) -> dict[str, Effect]:
+        return {effect.name: effect for effect in self.effects}
 
     def values(
         self,

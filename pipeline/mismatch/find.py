@@ -17,7 +17,7 @@ from ..tuning import Tuned, tune
 from ..tuning.joint import moving
 from .locate import Dependence, MissingForce, dependences, missing_force
 from .search import Trialled, folds, held_out_worth, try_effects
-from .select import Choice, choose, pays, without
+from .select import Choice, Round, choose, pays, settled, without
 from .setting import held_out_trials, steady_errors, variables
 
 NAMED_SHARE = 0.6
@@ -61,14 +61,16 @@ def find_mismatch(
     test = [s for s in series if s.name in held_out] or train
     progress("baseline")
     baseline = tune(train)
-    bare = Trialled((), baseline.fit, held_out_worth(baseline.fit.normal, folds(train)))
+    bare = Trialled(
+        (), baseline.fit, held_out_worth(baseline.fit.normal, folds(train)), baseline.noise
+    )
     names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
-    choice = choose(kernel, train, baseline.base, bare, names, baseline.noise, progress=progress)
+    choice = choose(kernel, train, baseline.base, bare, names, progress=progress)
     progress("residual without a name")
-    residual = _with_residual(kernel, train, baseline, bare)
+    first = choice.rounds[0]
+    residual = _with_residual(kernel, train, baseline, first)
     dropped = {
-        name: without(kernel, train, baseline.base, choice, name, baseline.noise)
-        for name in choice.chosen.effects
+        name: without(kernel, train, baseline.base, choice, name) for name in choice.chosen.effects
     }
     verdict = _verdict(kernel, choice, residual)
     final = residual if verdict == "unexplained" else choice.chosen
@@ -90,23 +92,27 @@ def find_mismatch(
 
 
 def _with_residual(
-    kernel: Kernel, train: Sequence[Series], baseline: Tuned, bare: Trialled
+    kernel: Kernel, train: Sequence[Series], baseline: Tuned, first: Round
 ) -> Trialled:
-    return try_effects(kernel, train, baseline.base, list(bare.fit.free), ["residual"],
-                       baseline.noise, start=bare.fit.by_label(), iterations=8)  # fmt: skip
+    """The nameless residual in the first round's place, under its own noise."""
+    coefficients = list(baseline.fit.free)
+    tried = try_effects(
+        kernel, train, baseline.base, coefficients, ["residual"], noise=first.before.noise,
+        predictor=first.predictor, start=baseline.fit.by_label(), iterations=8,
+    )  # fmt: skip
+    return settled(kernel, train, baseline.base, tried, count=len(coefficients))
 
 
 def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
-    """none, physics, measurement or unexplained, by held-out gains."""
-    named = choice.chosen.total - choice.bare.total
-    nameless = residual.total - choice.bare.total
+    """none, physics, measurement or unexplained, by held-out gains over the bare model."""
+    before = choice.rounds[0].before
     if not choice.chosen.effects:
-        return "unexplained" if pays(choice.bare, residual) and nameless > 3 * len(
-            residual.worth) else "none"  # fmt: skip
-    if pays(choice.chosen, residual) and named < NAMED_SHARE * nameless:
+        return "unexplained" if pays(before, residual) else "none"
+    named = choice.rounds[-1].before
+    share = (named.total - before.total) / max(residual.total - before.total, 1e-9)
+    if pays(named, residual) and share < NAMED_SHARE:
         return "unexplained"
-    first = kernel.system.effect(choice.chosen.effects[0])
-    return first.kind
+    return kernel.system.effect(choice.chosen.effects[0]).kind
 
 
 def retuned(kernel: Kernel, train: Sequence[Series], baseline: Tuned, model: Trialled) -> Tuned:
@@ -117,7 +123,7 @@ def retuned(kernel: Kernel, train: Sequence[Series], baseline: Tuned, model: Tri
     points = [trial_values(kernel, baseline.base, frees, model.fit.values, s.group) for s in train]
     noise = fit_noise(kernel, train, points, baseline.noise, rounds=2)
     again = try_effects(
-        kernel, train, baseline.base, list(frees[: len(baseline.fit.free)]), model.effects, noise,
+        kernel, train, baseline.base, list(frees[: len(baseline.fit.free)]), model.effects, noise=noise,
         start=model.fit.by_label(),
     )  # fmt: skip
     found: Fit = again.fit
@@ -125,7 +131,11 @@ def retuned(kernel: Kernel, train: Sequence[Series], baseline: Tuned, model: Tri
 
 
 def _errors(
-    study: Study, kernel: Kernel, tuned: Tuned, test: Sequence[Series], steady: Mapping[str, Steady]
+    study: Study,
+    kernel: Kernel,
+    tuned: Tuned,
+    test: Sequence[Series],
+    steady: Mapping[str, Steady],
 ) -> dict[str, float]:
     shots = shoot(kernel, test, tuned.trial_values(kernel, test))
     rmse = float(np.sqrt(np.mean([s.rmse**2 for s in shots])))

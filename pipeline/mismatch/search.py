@@ -9,24 +9,42 @@ step from the joint fit (the trials' normal equations are kept apart for that).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..data import Float
-from ..fitting import Fit, Free, Noise, Normal, Series, fit, normal_equations, pseudo_inverse
+from ..fitting import (
+    Filtered,
+    Fit,
+    Free,
+    Noise,
+    Normal,
+    Series,
+    filter_all,
+    fit,
+    normal_equations,
+    pseudo_inverse,
+    trial_values,
+)
 from ..integrate import Effect, Kernel
 
 FOLDS = 6
+PASSES = 2
+"""How often the filter's gains follow a candidate's fit: first those of the model before it."""
 
 
 @dataclass(frozen=True)
 class Trialled:
-    """A model with some effects, fitted: worth (trials,) is its held-out log likelihood."""
+    """A model with some effects, fitted: worth (trials,) is its held-out log likelihood.
+
+    noise: the random part it was judged under.
+    """
 
     effects: tuple[str, ...]
     fit: Fit
     worth: Float
+    noise: Noise
 
     @property
     def total(self) -> float:
@@ -82,17 +100,26 @@ def try_effects(
     base: Float,
     coefficients: Sequence[Free],
     effects: Sequence[str],
-    noise: Noise,
     *,
+    noise: Noise,
+    predictor: Sequence[Filtered] | None = None,
     start: dict[str, float] | None = None,
     iterations: int = 12,
 ) -> Trialled:
     """The model with these effects, all its numbers fitted, and its held-out worth."""
     frees = [*coefficients, *(f for e in effects for f in effect_frees(kernel.system.effect(e)))]
     point = with_starts(kernel, base, effects, 0.3)
-    found = fit(kernel, series, point, frees, noise, start=start, iterations=iterations,
-                tolerance=0.02)  # fmt: skip
-    return Trialled(tuple(effects), found, held_out_worth(found.normal, folds(series)))
+    known = dict(start or {})
+    for _ in range(PASSES):
+        found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
+                    tolerance=0.05, predictor=predictor)  # fmt: skip
+        known = found.by_label()
+        points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
+        predictor = filter_all(kernel, series, points, noise)
+    normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
+                              predictor=predictor)  # fmt: skip
+    found = replace(found, normal=normal)
+    return Trialled(tuple(effects), found, held_out_worth(normal, folds(series)), noise)
 
 
 def screened(
@@ -101,7 +128,9 @@ def screened(
     current: Trialled,
     base: Float,
     candidates: Sequence[str],
+    *,
     noise: Noise,
+    predictor: Sequence[Filtered] | None = None,
 ) -> dict[str, float]:
     """Candidate -> held-out gain expected of it, from one set of normal equations for all.
 
@@ -112,7 +141,7 @@ def screened(
     strengths = {c: effect_frees(kernel.system.effect(c), shape=False) for c in candidates}
     frees = [*shifted, *(f for c in candidates for f in strengths[c])]
     values = np.concatenate([current.fit.values, np.zeros(len(frees) - len(shifted))])
-    normal = normal_equations(kernel, series, base, frees, values, noise)
+    normal = normal_equations(kernel, series, base, frees, values, noise=noise, predictor=predictor)
     parts = folds(series)
     own = list(range(len(shifted)))
     reference = float(held_out_worth(_part(normal, own), parts).sum())

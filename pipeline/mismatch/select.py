@@ -8,32 +8,46 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free, Noise, Series
+from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
-from .search import Trialled, folds, held_out_worth, screened, try_effects
+from .search import Trialled, screened, try_effects
 
 LEAST_GAIN_PER_TRIAL = 2.0
 LEAST_T = 3.0
-TRIED = 7
+TRIED = 6
+CONTENDERS = 3
 MOST_CAUSES = 4
 TEMPERATURE = 6.0
 """Held-out log likelihoods are divided by this before they become weights: errors within a trial
-are correlated, so that raw differences would be far too sure (calibrated on simulated studies)."""
+are correlated, so that raw differences would be far too sure."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round of the search: the model it started from, the gains foretold, what was refitted.
+
+    The start and the `CONTENDERS` best are judged each under its own noise, fitted anew, since a
+    model that lacks something takes its lack for noise; the others under that of the start.
+    """
+
+    before: Trialled
+    foretold: dict[str, float]
+    tried: tuple[Trialled, ...]
+    predictor: tuple[Filtered, ...]
+
+    @property
+    def best(self) -> Trialled:
+        """What did best, the start of the round included."""
+        return max((self.before, *self.tried), key=lambda t: t.total)
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What the search ended with.
-
-    bare: the model without effects. chosen: with those that pay. tried: for each round the
-    candidates refitted then. screens: for each round the gains foretold. rivals: for each chosen
-    effect the alternatives in its place, with weights that sum to 1 with its own.
-    """
+    """What the search ended with: the model without effects, with those that pay, the rounds."""
 
     bare: Trialled
     chosen: Trialled
-    tried: tuple[tuple[Trialled, ...], ...]
-    screens: tuple[dict[str, float], ...]
+    rounds: tuple[Round, ...]
 
 
 def choose(
@@ -42,38 +56,78 @@ def choose(
     base: Float,
     bare: Trialled,
     candidates: Sequence[str],
-    noise: Noise,
     *,
     progress: Callable[[str], None],
 ) -> Choice:
     """Forward selection: screen all, refit the most promising, keep the best while it pays."""
-    coefficients = list(bare.fit.free)
-    current, rounds, screens = bare, [], []
-    while len(current.effects) < MOST_CAUSES:
+    current, rounds = bare, []
+    while True:
         left = [c for c in candidates if c not in current.effects]
-        gains = screened(kernel, series, current, base, left, noise)
-        screens.append(gains)
-        promising = [c for c in sorted(gains, key=lambda c: -gains[c])[:TRIED] if gains[c] > 0]
-        tried = []
-        for name in [*promising, *_hard_to_foretell(kernel, left, promising)]:
-            progress(f"refit {', '.join((*current.effects, name))}")
-            tried.append(
-                try_effects(kernel, series, base, coefficients, (*current.effects, name), noise,
-                            start=current.fit.by_label())
-            )  # fmt: skip
-        rounds.append(tuple(tried))
-        best = max(tried, key=lambda t: t.total, default=None)
-        if best is None or not pays(current, best):
-            break
-        current = best
-    return Choice(bare, current, tuple(rounds), tuple(screens))
+        done = _round(kernel, series, base, current, left, count=len(bare.fit.free),
+                      progress=progress)  # fmt: skip
+        rounds.append(done)
+        if not pays(done.before, done.best):
+            return Choice(bare, current, tuple(rounds))
+        current = done.best
+        if len(current.effects) >= MOST_CAUSES:
+            return Choice(bare, current, tuple(rounds))
+
+
+def _round(
+    kernel: Kernel,
+    series: Sequence[Series],
+    base: Float,
+    current: Trialled,
+    left: Sequence[str],
+    *,
+    count: int,
+    progress: Callable[[str], None],
+) -> Round:
+    coefficients = list(current.fit.free[:count])
+    noise = current.noise
+    predictor = tuple(filter_all(kernel, series, _points(kernel, series, base, current), noise))
+
+    def refit(effects: tuple[str, ...]) -> Trialled:
+        progress(f"refit {', '.join(effects) or 'the model'}")
+        return try_effects(kernel, series, base, coefficients, effects, noise=noise,
+                           predictor=predictor, start=current.fit.by_label())  # fmt: skip
+
+    before = refit(current.effects)
+    gains = screened(kernel, series, before, base, left, noise=noise, predictor=predictor)
+    promising = [c for c in sorted(gains, key=lambda c: -gains[c])[:TRIED] if gains[c] > 0]
+    names = [*promising, *_hard_to_foretell(kernel, left, promising)]
+    tried = sorted((refit((*current.effects, name)) for name in names), key=lambda t: -t.total)
+    best = [t for t in tried[:CONTENDERS] if t.total > before.total]
+    settled_best = [settled(kernel, series, base, t, count=count) for t in best]
+    return Round(
+        settled(kernel, series, base, before, count=count),
+        gains,
+        (*settled_best, *tried[len(best) :]),
+        predictor,
+    )
+
+
+def settled(
+    kernel: Kernel, series: Sequence[Series], base: Float, model: Trialled, *, count: int
+) -> Trialled:
+    """A model under its own noise: noise and numbers fitted in turn."""
+    noise = fit_noise(kernel, series, _points(kernel, series, base, model), model.noise)
+    return try_effects(kernel, series, base, list(model.fit.free[:count]), model.effects,
+                       noise=noise, start=model.fit.by_label())  # fmt: skip
+
+
+def _points(kernel: Kernel, series: Sequence[Series], base: Float, model: Trialled) -> list[Float]:
+    return [trial_values(kernel, base, model.fit.free, model.fit.values, s.group) for s in series]
 
 
 def _hard_to_foretell(kernel: Kernel, left: Sequence[str], known: Sequence[str]) -> list[str]:
     """Effects with a shape parameter, whose gain a step at strength 0 foretells badly."""
-    shaped = [c for c in left if len(kernel.system.effect(c).parameters)
-              > kernel.system.effect(c).strengths]  # fmt: skip
-    return [c for c in shaped if c not in known and c != "tail_fin_lift"]
+    return [
+        c
+        for c in left
+        if c not in known
+        and len(kernel.system.effect(c).parameters) > kernel.system.effect(c).strengths
+    ]
 
 
 def pays(before: Trialled, after: Trialled) -> bool:
@@ -86,7 +140,7 @@ def shared(gain: Float) -> float:
     """A t statistic of gains by trial: of their signed roots, so that no single trial decides."""
     root = np.sign(gain) * np.sqrt(np.abs(gain))
     spread = float(np.std(root, ddof=1)) if len(root) > 1 else np.inf
-    return float(np.mean(root) / (spread / np.sqrt(len(root)))) if spread > 0 else np.inf
+    return float(np.mean(root) / (spread / np.sqrt(len(root)))) if spread > 0 else 0.0
 
 
 def weights(totals: dict[str, float], temperature: float = TEMPERATURE) -> dict[str, float]:
@@ -98,17 +152,14 @@ def weights(totals: dict[str, float], temperature: float = TEMPERATURE) -> dict[
 
 
 def without(
-    kernel: Kernel, series: Sequence[Series], base: Float, choice: Choice, name: str, noise: Noise
+    kernel: Kernel, series: Sequence[Series], base: Float, choice: Choice, name: str
 ) -> Trialled:
-    """The chosen model with one of its effects taken away and all else refitted."""
+    """The chosen model with one of its effects taken away, all else refitted in the last round."""
+    last = choice.rounds[-1].before
     rest = [e for e in choice.chosen.effects if e != name]
     start = {k: v for k, v in choice.chosen.fit.by_label().items() if not k.startswith(name + ".")}
-    return try_effects(kernel, series, base, coefficients_of(choice), rest, noise, start=start)
+    coefficients = [Free(f.name, f.group) for f in choice.bare.fit.free]
+    return try_effects(kernel, series, base, coefficients, rest, noise=last.noise, start=start)  # fmt: skip
 
 
-def coefficients_of(choice: Choice) -> list[Free]:
-    """The model's own numbers."""
-    return list(choice.bare.fit.free)
-
-
-__all__ = ["Choice", "choose", "folds", "held_out_worth", "pays", "shared", "weights", "without"]
+__all__ = ["Choice", "Round", "choose", "pays", "shared", "weights", "without"]

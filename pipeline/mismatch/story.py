@@ -47,7 +47,7 @@ def causes(found: Found) -> list[dict[str, Any]]:
         return [_unexplained(found)]
     if found.verdict == "none":
         return []
-    total = found.choice.chosen.total
+    total = found.choice.rounds[-1].before.total
     loss = {name: total - model.total for name, model in found.dropped.items()}
     return [_cause(found, name, loss[name]) for name in sorted(loss, key=lambda n: -loss[n])]
 
@@ -78,7 +78,7 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
 
 def _round_of(found: Found, name: str) -> tuple[Trialled, ...]:
     """The refits among which an effect was chosen."""
-    return found.choice.tried[found.choice.chosen.effects.index(name)]
+    return found.choice.rounds[found.choice.chosen.effects.index(name)].tried
 
 
 def _weight(found: Found, name: str) -> float:
@@ -154,7 +154,7 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
 
 
 def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
-    last = sorted(found.choice.tried[-1], key=lambda t: -t.total)
+    last = sorted(found.choice.rounds[-1].tried, key=lambda t: -t.total)
     chosen = found.choice.chosen
     if not chosen.effects:
         other = last[0] if last else found.residual
@@ -192,7 +192,7 @@ def sentence(
     return f"{blame}: {names}; {proof}."
 
 
-def details(found: Found, series: Sequence[Series]) -> dict[str, Any]:
+def details(found: Found) -> dict[str, Any]:
     """Content of mismatch_detail.json: forces along the paths, dependences, candidates."""
     return {
         "forces": {
@@ -214,9 +214,9 @@ def details(found: Found, series: Sequence[Series]) -> dict[str, Any]:
                 "round": i + 1,
                 "name": t.effects[-1],
                 "beside": list(t.effects[:-1]),
-                "held_out_gain": t.total - _before(found, i).total,
-                "trials_better": int(np.sum(t.worth > _before(found, i).worth)),
-                "trials": len(series),
+                "held_out_gain": t.total - one.before.total,
+                "trials_better": int(np.sum(t.worth > one.before.worth)),
+                "trials": len(one.before.worth),
                 "outcome": t.fit.outcome,
                 "parameters": {
                     k.split(".", 1)[1]: v
@@ -224,21 +224,13 @@ def details(found: Found, series: Sequence[Series]) -> dict[str, Any]:
                     if k.startswith(t.effects[-1] + ".")
                 },
             }
-            for i, tried in enumerate(found.choice.tried)
-            for t in sorted(tried, key=lambda t: -t.total)
+            for i, one in enumerate(found.choice.rounds)
+            for t in sorted(one.tried, key=lambda t: -t.total)
         ],
-        "foretold": [dict(s) for s in found.choice.screens],
+        "foretold": [dict(one.foretold) for one in found.choice.rounds],
         "coefficients": {
             name: {f.label: {"value": float(v), "std": float(s)} for f, v, s in zip(
                 tuned.fit.free, tuned.fit.values, tuned.std, strict=True)}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
     }  # fmt: skip
-
-
-def _before(found: Found, number: int) -> Trialled:
-    """The model that a round of the search started from."""
-    if number == 0:
-        return found.choice.bare
-    name = found.choice.chosen.effects[number - 1]
-    return next(t for t in found.choice.tried[number - 1] if t.effects[-1] == name)

@@ -39,7 +39,7 @@ def mismatch(study: Path, results: Path) -> None:
         columns |= {f"extended_{k}": shot.observed[:, i] for i, k in enumerate(
             ("x_m", "y_m", "heading_rad"))}  # fmt: skip
         write_columns(path, columns)
-    write_json(results / "mismatch_detail.json", details(found, series))
+    write_json(results / "mismatch_detail.json", details(found))
     write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
 
 

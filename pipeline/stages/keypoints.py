@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) ->
         layout.detection(trial_id),
         trial_id,
         lambda: _detect(loaded, trial, layout.keypoints(trial_id), threads),
+        source=trial.source,
         products=layout.of_detection(trial_id),
         stale=layout.of_tracks(trial_id),
     )
@@ -57,7 +58,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     )
     colour = getattr(detector, "COLOUR", False)
 
-    def film() -> Iterator[Frame]:
+    def film() -> Iterable[Frame]:
         return frames(recording, colour=colour)
 
     found = detector.detect(film, study.setup, trial)

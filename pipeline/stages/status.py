@@ -19,20 +19,22 @@ def attempt(
     trial_id: str,
     work: Callable[[], Mapping[str, Any]],
     *,
+    source: str,
     products: Sequence[Path],
     stale: Sequence[Path] = (),
 ) -> None:
     """Write the status of a trial: what `work` returned, or why it could not be done.
 
     `products` are the files that the work writes, `stale` those of an earlier run that hang on
-    them. On failure none of them is left. A defect of ours counts as a failure of this trial; its
+    them. On failure none of them is left, and the message names the trial's `source`. A defect of ours counts as a failure of this trial; its
     traceback goes to the log.
     """
     remove(stale)
     try:
         found = {"trial_id": trial_id, "ok": True, "message": "", **work()}
     except Fault as error:
-        found = _failed(trial_id, str(error))
+        text = str(error)
+        found = _failed(trial_id, text if source in text else f"{source}: {text}")
         log.warning("%s", error)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
         found = _failed(

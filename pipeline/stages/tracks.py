@@ -27,6 +27,7 @@ def tracks(study: Path, results: Path, trial_id: str) -> None:
         layout.status(trial_id),
         trial_id,
         lambda: _track(loaded, trial, layout),
+        source=trial.source,
         products=layout.of_tracks(trial_id),
     )
 

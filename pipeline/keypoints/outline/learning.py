@@ -19,6 +19,7 @@ from .tracking import Fit, Scene, fitted, plausible, reaches
 Float = npt.NDArray[np.float64]
 ROUNDS = (0.016, 0.012, 0.010, 0.008, 0.008, 0.008)
 INSIDE_PX = 2.5
+AREA = 0.16
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) ->
 
     Fit, move each station by its median offset over frames and both sides, fit again.
     """
-    seen = [(f, blobs(f.luma, scene.floor, scene.plane, scene.noise)) for f in samples]
+    area = AREA * (trial.head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m) ** 2
+    seen = [(f, blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
     first = _first(seen, robot, trial)
     if first is None:
         return None

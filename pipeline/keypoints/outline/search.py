@@ -16,6 +16,9 @@ Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 MARGIN_PX = 1.08
 FAINT = 0.4
+SHARE = 4.0
+MOST_LEVEL = 60.0
+SQUARE = np.ones((3, 3), np.uint8)
 
 
 @dataclass(frozen=True)
@@ -33,24 +36,31 @@ class Blob:
     contrast: float
 
 
-def blobs(luma: Image, floor: Image, plane: Plane, noise: float) -> list[Blob]:
-    """Blobs inside the pool, largest first, found on a thinned picture and outlined there.
+def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_m2: float) -> list[Blob]:
+    """Blobs inside the pool, strongest first, found on a thinned picture and outlined there.
 
-    Those much fainter than the strongest are shadows and moving light.
+    pictures: luma, background. area_m2: of the robot, roughly: only the most changed part of the
+    pool, a few times as large, is looked at, so that moving light does not drown it. Darker and
+    brighter blobs are kept apart; those much fainter than the strongest are left out.
     """
     step = max(1, int(plane.px_per_m * 0.004))
-    picture, clear = luma[::step, ::step], floor[::step, ::step]
-    change = cv2.GaussianBlur(cv2.absdiff(picture, clear), (3, 3), 0)
-    mask = (change > max(14.0, 5.0 * noise)).astype(np.uint8)
-    mask &= _pool_mask(mask.shape, plane.corners_px / step)
-    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    least = 0.0015 * (plane.px_per_m / step) ** 2
-    large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:6]
-    found = [_blob(c, (picture, clear), plane, step) for c in large if cv2.contourArea(c) > least]
+    thin = (pictures[0][::step, ::step], pictures[1][::step, ::step])
+    change = cv2.subtract(thin[1], thin[0], dtype=cv2.CV_16S)
+    change = cv2.blur(change, (3, 3))
+    pool = _pool_mask(change.shape, plane.corners_px / step)
+    share = SHARE * area_m2 * (plane.px_per_m / step) ** 2 / max(1, int(pool.sum()))
+    usual = np.quantile(np.abs(change[::3, ::3][pool[::3, ::3] > 0]), max(0.0, 1 - share))
+    level = max(14.0, 4.0 * noise, min(float(usual), MOST_LEVEL))
+    least = 0.1 * area_m2 * (plane.px_per_m / step) ** 2
+    found: list[Blob | None] = []
+    for mask in (change > level, change < -level):
+        solid = cv2.morphologyEx(mask.astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
+        contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]
+        found += [_blob(c, thin, plane, step) for c in large if cv2.contourArea(c) > least]
     known = [blob for blob in found if blob is not None]
-    strongest = max((abs(blob.contrast) for blob in known), default=0.0)
-    return [blob for blob in known if abs(blob.contrast) > FAINT * strongest]
+    known.sort(key=lambda blob: -abs(blob.contrast))
+    return [blob for blob in known if abs(blob.contrast) > FAINT * abs(known[0].contrast)]
 
 
 def _pool_mask(shape: tuple[int, int], corners: Float) -> Image:

@@ -25,7 +25,7 @@ def trace(
     base: (2,) px of the caudal base; back_rad: direction backwards along the core, in the picture.
     Going out along circles about the base, the tail's bearing is the coverage's centre near the
     last bearing; the tip lies where the traced line has the tail's length. Support: share of the
-    line that is covered, less what is covered beyond the tip.
+    line that is covered, all of it and towards its end, less what is covered beyond the tip.
     """
     height, width = pictures[0].shape
     tip = np.full(2, math.nan)
@@ -37,6 +37,7 @@ def trace(
     u, v = base[0], base[1]
     travelled = 0.0
     covered, beyond, steps, past = 0.0, 0.0, 0, 0
+    ending, last = 0.0, 0
     scatter = 0.0
     radius = 3.0
     heading = bearing
@@ -45,6 +46,9 @@ def trace(
         if travelled < length_px:
             covered += 1.0 if cover > 0.5 else 0.0
             steps += 1
+            if travelled > 0.6 * length_px:
+                ending += 1.0 if cover > 0.35 else 0.0
+                last += 1
             if cover > 0.3:
                 scatter += ((found - bearing - bend) * radius) ** 2
                 bend = 0.7 * (found - bearing)
@@ -62,7 +66,7 @@ def trace(
             beyond += 1.0 if cover > 0.5 else 0.0
             past += 1
         radius += 1.0
-    support = covered / max(steps, 1) - 0.5 * beyond / max(past, 1)
+    support = min(covered / max(steps, 1), ending / max(last, 1)) - beyond / max(past, 1)
     return tip, heading, support, math.sqrt(scatter / max(steps, 1))
 
 

@@ -44,6 +44,11 @@ class Template:
     core_skin: Float
     joint_m: float
 
+    @property
+    def area_m2(self) -> float:
+        """Area of head and core, roughly."""
+        return 1.4 * float(self.half.max()) * (self.head_m + self.core_m)
+
     def shape(self) -> Shape:
         """Points (n, 2), outward normals (n, 2), part (n,), skin (n,): both sides of both parts."""
         head, core = self._head(), self._core()

@@ -111,7 +111,7 @@ def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> 
     steps = reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
     starts = [
         pose
-        for blob in blobs(frame, scene.floor, scene.plane, scene.noise)
+        for blob in blobs((frame, scene.floor), scene.plane, scene.noise, template.area_m2)
         if plausible(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
     ]
@@ -122,8 +122,7 @@ def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> 
 
 def plausible(blob: Blob, template: Template) -> bool:
     """Whether a blob is of the robot's order of size."""
-    usual = 1.4 * template.half.max() * (template.head_m + template.core_m)
-    return 0.35 * usual < blob.area_m2 < 4.0 * usual
+    return 0.35 * template.area_m2 < blob.area_m2 < 4.0 * template.area_m2
 
 
 def good(one: Fit, scene: Scene) -> bool:

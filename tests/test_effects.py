@@ -1,0 +1,136 @@
+"""Every effect and measurement cause in the folders, by the same properties."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+
+import numpy as np
+import pytest
+from robots import SETUP
+
+from pipeline import effects, measurement
+from pipeline.integrate import Effect
+from pipeline.model import TABLE_1, effect_names, plates, simulate
+
+CONTRACT = {
+    "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",
+    "uniform_current", "pool_gyre", "wall_effect", "stall", "servo_lag", "motor_spin_up",
+    "battery_sag", "trim_moment", "head_angle_offset", "crossflow_drag", "thrust_line_offset",
+    "thrust_area", "lift_lag", "wave_drag", "coulomb_friction", "wake_reentry", "sinking",
+    "centre_of_mass_shift", "port_starboard_asymmetry",
+}  # fmt: skip
+MEASUREMENT = {
+    "scale_error", "clock_error", "camera_shift", "uncorrected_refraction", "lens_error",
+    "time_offset", "keypoint_bias",
+}  # fmt: skip
+ONE_SIDED = {
+    "head_angle_offset", "trim_moment", "uniform_current", "pool_gyre", "wall_effect",
+    "port_starboard_asymmetry", "keypoint_bias", "camera_shift", "scale_error", "lens_error",
+    "uncorrected_refraction",
+}  # fmt: skip
+DISSIPATIVE = {
+    "viscous_drag", "linear_yaw_damping", "crossflow_drag", "wave_drag", "coulomb_friction",
+    "wall_effect", "sinking",
+}  # fmt: skip
+ALL = [e for e in plates().effects if e.kind in ("physics", "measurement")]
+
+
+def started(effect: Effect) -> dict[str, dict[str, float]]:
+    return {effect.name: {p.name: p.start for p in effect.parameters}}
+
+
+def path(effect: Effect | None, side: float = 1.0, **given: float) -> np.ndarray:
+    run = simulate(TABLE_1[75], setup=SETUP, head_length_m=0.175, head_angle_rad=side * 0.6,
+                   flap_hz=4.0, duration_s=6.0, start=(1.3, 0.8, 0.0, 0.0, 0.0, 0.0),
+                   effects=started(effect) if effect else None, **given)  # fmt: skip
+    return run.state
+
+
+def test_the_folders_hold_every_name_of_the_contract() -> None:
+    assert set(effect_names(effects)) >= CONTRACT
+    assert set(effect_names(measurement)) >= MEASUREMENT
+
+
+@pytest.mark.parametrize("effect", ALL, ids=lambda e: e.name)
+def test_statement_units_bounds_and_source(effect: Effect) -> None:
+    module = importlib.import_module(effect.module)
+    assert effect.statement.endswith(".") and len(effect.statement) > 30
+    assert "Source:" in (module.__doc__ or "")
+    assert set(effect.confused_with) <= CONTRACT | MEASUREMENT
+    for p in effect.parameters:
+        assert p.unit and p.meaning
+        assert p.lower <= p.start <= p.upper
+    assert all(p.lower <= 0 <= p.upper for p in effect.parameters[: effect.strengths])
+
+
+@pytest.mark.parametrize("effect", ALL, ids=lambda e: e.name)
+def test_finite_and_felt(effect: Effect) -> None:
+    changed = path(effect)
+    assert np.all(np.isfinite(changed))
+    seen_only = "observe" in effect.hooks and len(effect.hooks) == 1
+    if effect.name not in ("wake_reentry",) and not seen_only:
+        assert np.abs(changed - path(None)).max() > 1e-5
+
+
+@pytest.mark.parametrize(
+    "effect", [e for e in ALL if e.name not in ONE_SIDED], ids=lambda e: e.name
+)
+def test_mirror_symmetry(effect: Effect) -> None:
+    left, right = path(effect, 1.0), path(effect, -1.0)
+    mirrored = right * np.array([1, -1, -1, 1, -1, -1])
+    mirrored[:, 1] += 1.6
+    assert left == pytest.approx(mirrored, abs=1e-7)
+
+
+@pytest.mark.parametrize("effect", [e for e in ALL if e.name in ONE_SIDED], ids=lambda e: e.name)
+def test_one_sided_effects_say_so(effect: Effect) -> None:
+    told = (effect.regime + effect.statement).lower()
+    words = ("to one side", "two sides", "place", "wall", "direction", "everything", "all frames",
+             "edges", "opposite sign", "displaced")  # fmt: skip
+    assert any(word in told for word in words)
+
+
+@pytest.mark.parametrize("effect", [e for e in ALL if "force" in e.hooks], ids=lambda e: e.name)
+def test_forces_vanish_at_rest(effect: Effect) -> None:
+    assert call(effect, "force", np.zeros(0), rest=True) == pytest.approx([0, 0, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("effect", [e for e in ALL if e.name in DISSIPATIVE], ids=lambda e: e.name)
+def test_dissipative_forces_never_add_power(effect: Effect) -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(200):
+        draw = rng.uniform(-1, 1, 3)
+        X, Y, N = call(effect, "force", draw)
+        assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-12
+
+
+def call(effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False) -> list[float]:
+    """The effect's own function at one motion (surge, sway, yaw rate), other values plausible."""
+    u, v, r = (0.0, 0.0, 0.0) if rest else draw
+    cphi, sphi = np.cos(0.5), np.sin(0.5)
+    known = {
+        "rho": 1000.0, "A": 0.0083, "A_ref": 0.0083, "span": 0.069, "length": 0.33, "h": 0.12,
+        "x_hinge": 0.04, "x_tail": 0.171, "L_pool": 2.6, "W_pool": 1.6, "x": 0.1, "y": 0.2,
+        "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "V": float(np.hypot(u, v)),
+        "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
+        "T": 0.0, "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
+    } | {p.name: p.start for p in effect.parameters}  # fmt: skip
+    function = effect.hooks[stage]
+    names = inspect.signature(function).parameters
+    return list(function(**{name: known[name] for name in names}))
+
+
+def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
+    """Reference value: -1/2 rho C d (length) v |v| for a body drifting sideways without turning."""
+    X, Y, N = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]))
+    length, middle = 0.211, (0.04 - 0.171) / 2
+    expected = -0.5 * 1000 * 0.5 * 0.069 * length * 0.04
+    assert pytest.approx((0.0, expected, expected * middle)) == (X, Y, N)
+
+
+def test_fin_reference_value() -> None:
+    """-1/2 rho S u (v - a r) at u = 0.4, v = 0.1, r = -1: sideways speed 0.25 m/s at the fin."""
+    X, Y, N = call(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]))
+    expected = -0.5 * 1000 * 0.03 * 0.4 * 0.25
+    assert pytest.approx((0.0, expected, -0.15 * expected)) == (X, Y, N)

@@ -73,7 +73,7 @@ def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Foun
 
     rest = tried(True)
     costs = sum(found.cost for found in rest)
-    if sum(moving_cost(found) for found in rest) - costs > SURELY_RESTS:
+    if moving_cost(rest[1]) - rest[1].cost > SURELY_RESTS:
         return rest
     moving = tried(False)
     return moving if sum(found.cost for found in moving) < costs - SURELY_RESTS else rest

@@ -14,7 +14,7 @@ from .motion import heading_matrices, planar_matrices, planar_measurement
 from .search import Found, gate_of, most_likely
 from .twin import likelihood
 
-SPREADS = (1.0, 3.0, 3.0, 3.0)
+SPREADS = (1.0, 4.0, 4.0, 3.0)
 """Spread of the weak prior of log tau, noise of rate, noise of acceleration, start-up factor."""
 SPREAD_RECOIL, SPREAD_R = 3.0, 0.7
 AT_REST = 0.01
@@ -168,7 +168,7 @@ def _kick(grid: Grid, time_s: Float, z: Float) -> Float:
 def _units(data: _Measured, grid: Grid, recoils: int) -> Float:
     """Units of tau (s), density of rate noise and of acceleration noise, start-up, recoils."""
     T, speed = grid.scale_s, data.speed
-    densities = [2 * T, (0.002 * speed) ** 2 / T, (0.01 * speed / T) ** 2 / T]
+    densities = [2 * T, (0.0004 * speed) ** 2 / T, (0.002 * speed / T) ** 2 / T]
     return np.array([*densities, 3.0, *[data.variance] * recoils])
 
 

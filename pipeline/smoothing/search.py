@@ -21,7 +21,7 @@ GATE_TAIL = 1e-5
 class Found:
     """Chain with its noise, the measurements of the first round and those that count in the end.
 
-    logs: logarithms of the noise over its units; cost: theirs in the first round.
+    logs: logarithms of the noise over its units; cost: what they and the outliers cost.
     """
 
     chain: Chain
@@ -32,7 +32,7 @@ class Found:
 
 
 def most_likely(
-    build: Callable[[Float], Chain], seen: Mask, *, first: Mask, spread: Float, rounds: int = 3
+    build: Callable[[Float], Chain], seen: Mask, *, first: Mask, spread: Float, rounds: int = 4
 ) -> Found:
     """Chain whose noise has the greatest posterior, with outliers set aside.
 
@@ -43,9 +43,9 @@ def most_likely(
 
     build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all;
     first: (n,) those that the first round uses.
-    cost is that of the first round, in which outliers count as lying on the gate.
+    A measurement set aside counts in the cost as one that lies on the gate.
     """
-    logs, used, costs = _lively(spread), first, []
+    logs, used = _lively(spread), first
     gate = gate_of(build(logs).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
@@ -53,18 +53,30 @@ def most_likely(
         if np.any(logs > 2 * spread):
             again = _search(build, used, limit, 2 * _lively(spread), spread)
             logs, cost = again if again[1] < cost else (logs, cost)
-        costs.append(cost)
         chain = build(logs)
         kept = seen & (_deletion_squares(chain, _within(chain, used, limit)) <= gate)
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
-    return Found(build(logs), first, used, logs, costs[0])
+    chain = build(logs)
+    return Found(chain, first, used, logs, _cost(chain, seen, used, gate) + _prior(logs, spread))
 
 
 def gate_of(size: int) -> float:
     """Squared normalised distance beyond which a measurement of `size` numbers is refused."""
     return float(chi2.isf(GATE_TAIL, size))
+
+
+def _prior(logs: Float, spread: Float) -> float:
+    return float(np.sum((logs / spread) ** 2))
+
+
+def _cost(chain: Chain, seen: Mask, used: Mask, gate: float) -> float:
+    """Minus twice the log likelihood, those set aside as if they lay on the gate."""
+    aside = chain.R[seen & ~used]
+    return twin.likelihood(chain, used, np.inf) + float(
+        np.sum(gate + np.linalg.slogdet(2 * np.pi * aside)[1])
+    )
 
 
 def _within(chain: Chain, used: Mask, gate: float) -> Mask:
@@ -79,7 +91,7 @@ def _lively(spread: Float) -> Float:
 
     From below, the search may run off to a huge measurement noise that explains everything.
     """
-    start = 1.4 * spread
+    start = 1.8 * spread
     start[[0, -1]] = 0.0
     return start
 
@@ -91,7 +103,7 @@ def _search(
 
     def cost(at: Float) -> float:
         value = twin.likelihood(build(at), used, gate)
-        return value + float(np.sum((at / spread) ** 2)) if np.isfinite(value) else 1e12
+        return value + _prior(at, spread) if np.isfinite(value) else 1e12
 
     return descend(cost, start)
 

@@ -1,0 +1,98 @@
+"""A study and everything its run has written: what figures and report are made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
+from .files import read_json
+from .steady import read_steady
+from .study import Study, Trial
+
+T = TypeVar("T")
+Tree = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Results of one study, by trial id; a trial that failed is in `statuses` alone.
+
+    coefficients: content of coefficients.json, empty before the tuning. mismatch and
+    mismatch_detail: content of mismatch.json and mismatch_detail.json, None before the search.
+    simulations: columns of simulations/ID.csv, model paths from each trial's fitted start.
+    """
+
+    study: Study
+    tracks: Mapping[str, Track] = field(default_factory=dict)
+    poses: Mapping[str, Pose] = field(default_factory=dict)
+    steady: Mapping[str, Steady] = field(default_factory=dict)
+    coefficients: Tree = field(default_factory=dict)
+    mismatch: Tree | None = None
+    mismatch_detail: Tree | None = None
+    simulations: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
+    statuses: Mapping[str, Tree] = field(default_factory=dict)
+
+    @property
+    def analysed(self) -> tuple[Trial, ...]:
+        """Trials with a track and a steady state, in the order of trials.csv."""
+        both = self.tracks.keys() & self.steady.keys()
+        return tuple(trial for trial in self.study.trials if trial.trial_id in both)
+
+    @property
+    def left_out(self) -> tuple[tuple[Trial, str], ...]:
+        """Trials without a track or a steady state, each with the reason."""
+        done = {trial.trial_id for trial in self.analysed}
+        return tuple(
+            (trial, self.why_left_out(trial.trial_id))
+            for trial in self.study.trials
+            if trial.trial_id not in done
+        )
+
+    def why_left_out(self, trial_id: str) -> str:
+        """Message of a trial's status, or that it was never run."""
+        status = self.statuses.get(trial_id)
+        return str(status.get("message") or "no reason given") if status else "not run yet"
+
+
+def load_campaign(
+    folder: str | Path, study: Study, *, trial_ids: Iterable[str] | None = None
+) -> Campaign:
+    """What stands in a results folder for a study; files that are not there yet are left out.
+
+    trial_ids: read the files of these trials only (an overlay needs one of a thousand).
+
+    Raises: Fault where a file is there and cannot be read.
+    """
+    root = Path(folder)
+    ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)
+    table = root / "steady.csv"
+    steady = read_steady(table) if table.is_file() else {}
+    return Campaign(
+        study=study,
+        tracks=_per_trial(root / "tracks", ids, ".csv", read_track),
+        poses=_per_trial(root / "poses", ids, ".csv", read_pose),
+        steady={name: steady[name] for name in ids if name in steady},
+        coefficients=_optional(root / "coefficients.json") or {},
+        mismatch=_optional(root / "mismatch.json"),
+        mismatch_detail=_optional(root / "mismatch_detail.json"),
+        simulations=_per_trial(root / "simulations", ids, ".csv", _simulation),
+        statuses=_per_trial(root / "status", ids, ".json", read_json),
+    )
+
+
+def _per_trial(
+    folder: Path, ids: Iterable[str], suffix: str, read: Callable[[Path], T]
+) -> dict[str, T]:
+    paths = {name: folder / f"{name}{suffix}" for name in ids}
+    return {name: read(path) for name, path in paths.items() if path.is_file()}
+
+
+def _optional(path: Path) -> dict[str, Any] | None:
+    return read_json(path) if path.is_file() else None
+
+
+def _simulation(path: Path) -> dict[str, Float]:
+    return read_columns(path, ("time_s",))

@@ -19,6 +19,8 @@ from .outline.outcome import keypoints_of
 from .outline.plane import Plane, plane_of
 from .outline.tracking import Fit, Scene, follow
 
+SAMPLES = (5, 15)
+WELL = 0.9
 TAUGHT = 0.6
 
 
@@ -31,11 +33,8 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
 
     Raises: Fault where the footage holds no frame.
     """
-    samples = sample(frames())
-    if not samples:
-        raise fault(trial.source, "", "no frames", "footage with frames")
     plane = plane_of(setup)
-    scene, lesson, remarks = _taught(samples, plane, setup, trial)
+    scene, lesson, remarks = taught(frames, plane, setup, trial)
     if lesson is None:
         times = [frame.time_s for frame in frames()]
         return _nothing(times, (*remarks, "no robot was found against the background"))
@@ -46,28 +45,39 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     return keypoints_of(times, fits, scene, lesson.template, remarks)
 
 
-def _taught(
-    samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
+def taught(
+    frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
 ) -> tuple[Scene, Lesson | None, tuple[str, ...]]:
-    """Scene and learned template; from a background bridged at the resting place if need be."""
-    images = [frame.luma for frame in samples]
-    floor = median(images)
-    noise = noise_level(images, floor)
-    scene = Scene(floor, plane, noise, trial.head_angle_rad)
-    lesson = learn(samples, scene, setup.robot, trial)
-    if lesson is not None and lesson.support > TAUGHT and 2 * lesson.frames > len(samples):
-        return scene, lesson, ()
-    filled = without_resident(floor, setup.robot.head_span_m * plane.px_per_m)
-    second_scene = Scene(filled, plane, noise, trial.head_angle_rad)
-    second = learn(samples, second_scene, setup.robot, trial)
-    if second is None or (lesson is not None and _worth(lesson) >= _worth(second)):
-        return scene, lesson, ()
-    remark = "the robot hardly left its place: its background was bridged from around it"
-    return second_scene, second, (remark,)
+    """Scene and learned template: from a few frames, from many where a few do not do.
+
+    At last from a background bridged at the robot's resting place.
+    """
+    best: tuple[Scene, Lesson | None] | None = None
+    for count in SAMPLES:
+        samples = sample(frames(), count)
+        if not samples:
+            raise fault(trial.source, "", "no frames", "footage with frames")
+        images = [frame.luma for frame in samples]
+        floor = median(images)
+        noise = noise_level(images, floor)
+        scene = Scene(floor, plane, noise, trial.head_angle_rad)
+        lesson = learn(samples, scene, setup.robot, trial)
+        if best is None or _worth(lesson) > _worth(best[1]):
+            best = (scene, lesson)
+        if lesson is not None and lesson.support > WELL and 2 * lesson.frames > len(samples):
+            return scene, lesson, ()
+    size = setup.robot.head_span_m * plane.px_per_m
+    bridged = Scene(without_resident(floor, size), plane, noise, trial.head_angle_rad)
+    if _worth(best[1]) < TAUGHT and _worth(
+        second := learn(samples, bridged, setup.robot, trial)
+    ) > (_worth(best[1])):
+        remark = "the robot hardly left its place: its background was bridged from around it"
+        return bridged, second, (remark,)
+    return *best, ()
 
 
-def _worth(lesson: Lesson) -> float:
-    return lesson.support * lesson.frames
+def _worth(lesson: Lesson | None) -> float:
+    return 0.0 if lesson is None else lesson.support * min(lesson.frames, 3) / 3
 
 
 def _lost(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:

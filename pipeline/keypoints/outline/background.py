@@ -12,10 +12,9 @@ import numpy.typing as npt
 from ...data import Frame
 
 Image = npt.NDArray[np.uint8]
-SAMPLES = 5
 
 
-def sample(film: Iterable[Frame], count: int = SAMPLES) -> list[Frame]:
+def sample(film: Iterable[Frame], count: int) -> list[Frame]:
     """About `count` frames spread over a film, their luma copied.
 
     A film that can jump (`spread`) decodes those alone; another is run through once, keeping every

@@ -70,16 +70,38 @@ def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
 def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
     """Generic template of the width of the blobs that could be the robot by length and area."""
     length = trial.head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m
-    likely = []
-    for _, found in seen:
-        fitting = [b for b in found if 0.05 * length**2 < b.area_m2 < 0.5 * length**2]
-        fitting = [b for b in fitting if 0.03 * length < b.half_width_m < 0.25 * length]
-        fitting = [b for b in fitting if 0.6 * length < _extent(b) < 1.7 * length]
-        likely += sorted(fitting, key=lambda b: -abs(b.contrast))[:1]
+    sides = [_alike(seen, length, sign) for sign in (1.0, -1.0)]
+    likely = max(sides, key=_evidence)
     if not likely:
         return None
     half = float(np.median([b.half_width_m for b in likely]))
     return first_template(robot, trial, half, float(np.median([b.skin for b in likely])))
+
+
+def _alike(seen: Sequence[tuple[Frame, list[Blob]]], length_m: float, sign: float) -> list[Blob]:
+    """From each frame the strongest blob of a sign and of the robot's size."""
+    likely = []
+    for _, found in seen:
+        fitting = [b for b in found if b.contrast * sign > 0 and _sized(b, length_m)]
+        likely += sorted(fitting, key=lambda b: -abs(b.contrast) * b.area_m2)[:1]
+    return likely
+
+
+def _sized(blob: Blob, length_m: float) -> bool:
+    return (
+        0.05 * length_m**2 < blob.area_m2 < 0.5 * length_m**2
+        and 0.03 * length_m < blob.half_width_m < 0.25 * length_m
+        and 0.6 * length_m < _extent(blob) < 1.7 * length_m
+    )
+
+
+def _evidence(likely: Sequence[Blob]) -> float:
+    """How much blobs of several frames look like one body: many, strong, of one grey level."""
+    if not likely:
+        return 0.0
+    skins = [blob.skin for blob in likely]
+    strength = float(np.median([abs(blob.contrast) * blob.area_m2 for blob in likely]))
+    return len(likely) * strength / (5.0 + float(np.std(skins)))
 
 
 def _extent(blob: Blob) -> float:

@@ -34,13 +34,23 @@ def keypoints_of(
     usual = usual_covariance(known)
     bend = float(np.median([one.pose[3] for one in known])) if known else 0.0
     jumps = _jumps(times, fits)
+    nose_m = _nose(known) / scene.plane.px_per_m
     for i, one in enumerate(fits):
         if one is None:
             continue
-        xy[i], cov[i] = _points(one, scene, template, usual)
+        xy[i], cov[i] = _points(one, scene, template, (usual, nose_m))
         likelihood[i] = _likelihood(one, bend) * jumps[i]
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks)
+
+
+def _nose(fits: Sequence[Fit]) -> float:
+    """Median distance [px] of the nose's edge ahead of the template's, over the whole recording.
+
+    The template's nose is known from a few frames only; all of them place the outline better.
+    """
+    seen = [one.nose_px for one in fits if math.isfinite(one.nose_px) and one.support[0] > CERTAIN]
+    return float(np.median(seen)) if len(seen) > 4 else 0.0
 
 
 def usual_covariance(fits: Sequence[Fit]) -> tuple[Float, Float]:
@@ -60,11 +70,16 @@ def usual_covariance(fits: Sequence[Fit]) -> tuple[Float, Float]:
 
 
 def _points(
-    one: Fit, scene: Scene, template: Template, usual: tuple[Float, Float]
+    one: Fit, scene: Scene, template: Template, common: tuple[tuple[Float, Float], float]
 ) -> tuple[Float, Float]:
-    """Pixels (5, 2) and covariances (5, 2, 2) of one fit."""
+    """Pixels (5, 2) and covariances (5, 2, 2) of one fit.
+
+    common: usual covariance and information; how far the nose lies ahead of the template's [m].
+    """
+    usual, nose_m = common
     x, y, heading, bend = one.pose
     core, head = np.exp(1j * heading), np.exp(1j * (heading - bend))
+    moved = nose_m * math.cos(bend) * core
     arms = np.array(
         [
             template.head_m * head,
@@ -73,7 +88,7 @@ def _points(
             -template.core_m * core,
         ]
     )
-    places = np.column_stack([x + arms.real, y + arms.imag])
+    places = np.column_stack([x + (arms + moved).real, y + (arms + moved).imag])
     uv = scene.plane.pixels(places)
     slope = _slope(scene, places[1], heading)
     pose_cov = _pose_covariance(one, usual)

@@ -49,12 +49,12 @@ def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_m2: fl
     change = cv2.blur(change, (3, 3))
     pool = _pool_mask(change.shape, plane.corners_px / step)
     share = SHARE * area_m2 * (plane.px_per_m / step) ** 2 / max(1, int(pool.sum()))
-    usual = np.quantile(np.abs(change[::3, ::3][pool[::3, ::3] > 0]), max(0.0, 1 - share))
-    level = max(14.0, 4.0 * noise, min(float(usual), MOST_LEVEL))
     least = 0.1 * area_m2 * (plane.px_per_m / step) ** 2
     found: list[Blob | None] = []
-    for mask in (change > level, change < -level):
-        solid = cv2.morphologyEx(mask.astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
+    for sided in (change, -change):
+        usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
+        level = max(14.0, 4.0 * noise, min(float(usual), MOST_LEVEL))
+        solid = cv2.morphologyEx((sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
         contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]
         found += [_blob(c, thin, plane, step) for c in large if cv2.contourArea(c) > least]
@@ -75,7 +75,7 @@ def _blob(
     contour: npt.NDArray[np.int32], pictures: tuple[Image, Image], plane: Plane, step: int
 ) -> Blob | None:
     """Blob of a contour, outlined anew at half of its own contrast."""
-    x, y, w, h = cv2.boundingRect(contour)
+    x, y, w, h = _wider(cv2.boundingRect(contour), pictures[0].shape)
     luma, floor = (image[y : y + h, x : x + w].astype(np.int16) for image in pictures)
     inside = np.zeros((h, w), np.uint8)
     cv2.drawContours(inside, [contour - [x, y]], -1, 1, -1)
@@ -83,7 +83,7 @@ def _blob(
     if abs(contrast) < 8:
         return None
     solid = ((floor - luma) / contrast > 0.5).astype(np.uint8) & cv2.dilate(
-        inside, np.ones((5, 5), np.uint8)
+        inside, np.ones((9, 9), np.uint8)
     )
     solid = cv2.morphologyEx(solid, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     parts, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -103,6 +103,13 @@ def _blob(
         skin=float(np.median(luma[filled[1:-1, 1:-1] > 0])),
         contrast=contrast,
     )
+
+
+def _wider(box: tuple[int, int, int, int], shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Box x, y, width, height with a margin, cut to the picture."""
+    x, y = max(0, box[0] - 6), max(0, box[1] - 6)
+    right, low = min(shape[1], box[0] + box[2] + 6), min(shape[0], box[1] + box[3] + 6)
+    return x, y, right - x, low - y
 
 
 def _contrast(change: npt.NDArray[np.int16]) -> float:

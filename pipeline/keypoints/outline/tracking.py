@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -48,7 +48,8 @@ class Fit:
     1 px; scores: (4, 4) sum of the squared pull of the outline's arcs (both in body axes).
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
-    px, direction [rad], support, side error [px].
+    px, direction [rad], support, side error [px]. nose_px: how far the nose's edge lies ahead of
+    the template's.
     """
 
     pose: Float
@@ -57,6 +58,7 @@ class Fit:
     support: tuple[float, float, float]
     nearness: float
     tail: tuple[Float, float, float, float]
+    nose_px: float
 
 
 def reaches(scene: Scene, *sizes_m: float) -> npt.NDArray[np.int64]:
@@ -93,7 +95,14 @@ def fitted(
     nearness = float(np.clip(1.0 - share, 0.0, 1.0).mean())
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     nothing = (np.full(2, np.nan), math.nan, 0.0, math.nan)
-    return Fit(pose, *_information(pose, offset, weight, slope), support, nearness, nothing)
+    return Fit(
+        pose,
+        *_information(pose, offset, weight, slope),
+        support,
+        nearness,
+        nothing,
+        float(offset[0]),
+    )
 
 
 def _information(pose: Float, offset: Float, weight: Float, slope: Float) -> tuple[Float, Float]:
@@ -121,7 +130,10 @@ def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> 
 
 
 def plausible(blob: Blob, template: Template) -> bool:
-    """Whether a blob is of the robot's order of size."""
+    """Whether a blob is of the robot's order of size and grey level."""
+    skin = float(np.median(template.core_skin))
+    if abs(blob.skin - skin) > 0.5 * abs(blob.contrast):
+        return False
     return 0.35 * template.area_m2 < blob.area_m2 < 4.0 * template.area_m2
 
 
@@ -185,4 +197,4 @@ def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
         float(np.hypot(*along)),
         skin,
     )
-    return Fit(one.pose, one.information, one.scores, one.support, one.nearness, tail)
+    return replace(one, tail=tail)

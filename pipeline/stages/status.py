@@ -26,8 +26,8 @@ def attempt(
     """Write the status of a trial: what `work` returned, or why it could not be done.
 
     `products` are the files that the work writes, `stale` those of an earlier run that hang on
-    them. On failure none of them is left, and the message names the trial's `source`. A defect of ours counts as a failure of this trial; its
-    traceback goes to the log.
+    them. On failure none of them is left, and the message names the trial's `source`. A defect of
+    ours counts as a failure of this trial; its traceback goes to the log.
     """
     remove(stale)
     try:

@@ -19,6 +19,7 @@ from ..files import read_json
 from ..study import Study, Trial, load_study
 from .provenance import PACKAGE, fingerprint
 
+RESULTS = ("steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json")
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 
 
@@ -48,8 +49,15 @@ class Plan:
         return f"--study {shlex.quote(str(self.folder))} --results {shlex.quote(str(self.results))}"
 
     def goals(self) -> list[str]:
-        """Files that a run is made for."""
-        return [str(self.results / "figures" / f"{name}.png") for name in figure_names()]
+        """Files that a run is made for.
+
+        Each trial's status is among them, or else one that was taken away would not be missed as
+        long as the files made from it stand.
+        """
+        kinds = ("status/keypoints", "status")
+        statuses = [f"{kind}/{trial}.json" for trial in self.trials for kind in kinds]
+        figures = [f"figures/{name}.png" for name in figure_names()]
+        return [str(self.results / name) for name in (*statuses, *RESULTS, *figures)]
 
     def sources(self, wildcards: Any) -> list[str]:
         """Files of a trial to detect in; one that is missing is left to the stage to tell."""

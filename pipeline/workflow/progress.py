@@ -41,7 +41,8 @@ class Hush(logging.Filter):
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether Snakemake's own text of this record is shown."""
         event = getattr(record, "event", None)
-        self.begun = self.begun or event == LogEvent.WORKFLOW_STARTED
+        first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
+        self.begun = self.begun or first
         quiet = event in NOISE or record.levelno < logging.WARNING or _ours(record)
         return not (self.begun and quiet)
 
@@ -73,8 +74,9 @@ class Progress(logging.Handler):
             self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
             self._line(_name(found), now=not self.live and self.last_s == 0.0)
         elif event == LogEvent.JOB_FINISHED:
-            done = self.timing.finish(found["job_id"], time.monotonic())
-            self._line(self.timing.running() or done, now=self.timing.done == self.timing.total)
+            if done := self.timing.finish(found["job_id"], time.monotonic()):
+                ended = self.timing.done == self.timing.total
+                self._line(self.timing.running() or done, now=ended)
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
         elif "cannot be locked" in record.getMessage():

@@ -1,0 +1,218 @@
+"""The Snakefile: what runs, what runs again, what a bad trial stops, what a person reads."""
+
+from __future__ import annotations
+
+import io
+import logging
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from snakemake_interface_logger_plugins.common import LogEvent
+from studies import edit_rows, small_study
+
+from pipeline.faults import Fault
+from pipeline.workflow.plan import figure_names, forget_lost, make_plan
+from pipeline.workflow.progress import Hush, Progress
+from pipeline.workflow.remaining import Timing, duration
+
+ROOT = Path(__file__).resolve().parents[1]
+SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": False}
+AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_names())}
+
+
+class Home:
+    """A copy of the workflow and its package, with a small study and its results."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        for name in ("pipeline", "config"):
+            ignore = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, root / name, ignore=ignore)
+        shutil.copy(ROOT / "Snakefile", root)
+        self.study = small_study(root / "study")
+
+    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "snakemake", "--cores", "2", "--workflow-profile"]
+        profile, configuration = "config/profiles/default", ["--config", "study=study"]
+        return subprocess.run(
+            [*command, profile, *arguments, *configuration],
+            cwd=self.root,
+            env={**os.environ, "PYTHONPATH": str(self.root)},
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+
+    def planned(self) -> dict[str, int]:
+        """How many jobs of each rule a run would do now; the last word aside."""
+        text = self.snakemake("--dry-run").stdout + self.snakemake("--dry-run").stderr
+        rows = dict(re.findall(r"^(\w+) +(\d+)$", text, re.M))
+        return {rule: int(n) for rule, n in rows.items() if rule not in ("all", "total", "outcome")}
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A home whose study has been run, with what was said."""
+    home = Home(tmp_path_factory.mktemp("home"))
+    return home, home.snakemake()
+
+
+@pytest.fixture
+def home(done, tmp_path):
+    """A fresh copy of that home, its results and Snakemake's records included."""
+    fresh = Home.__new__(Home)
+    fresh.root = Path(shutil.copytree(done[0].root, tmp_path / "home"))
+    fresh.study = fresh.root / "study"
+    return fresh
+
+
+def append(path: Path, text: str) -> None:
+    path.write_text(path.read_text() + text)
+
+
+def test_a_study_runs_to_its_figures_and_says_little(done):
+    home, run = done
+    assert run.returncode == 0, run.stderr
+    results = home.root / "results/study"
+    for name in ("steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json"):
+        assert (results / name).is_file(), name
+    for name in figure_names():
+        assert (results / "figures" / f"{name}.pdf").is_file()
+    assert "Traceback" not in run.stderr
+    assert len(run.stderr.splitlines()) < 30
+    assert re.search(r"^\[\d+/\d+\] keypoints", run.stderr, re.M)
+    for stage in ("keypoints/T09", "tracks/T09", "tuning"):
+        assert (results / "logs" / f"{stage}.log").is_file()
+        assert (results / "benchmarks" / f"{stage}.tsv").is_file()
+
+
+def test_nothing_runs_twice(home):
+    assert home.planned() == {}
+    assert "Everything is up to date." in home.snakemake().stderr
+
+
+def test_the_code_of_one_figure_redraws_that_figure_alone(home):
+    append(home.root / "pipeline/figures/fig3.py", "\n# changed\n")
+    assert home.planned() == {"figure": 1}
+
+
+def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
+    append(home.root / "pipeline/smoothing/chain.py", "\n# changed\n")
+    assert home.planned() == {"tracks": 3} | AFTER_TRACKS
+
+
+def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(home):
+    edit_rows(home.study, T10={"head_length_m": "0.121"})
+    assert home.planned() == {"tracks": 1} | AFTER_TRACKS
+
+
+def test_another_role_does_not_track_again(home):
+    edit_rows(home.study, T10={"role": "held_out"})
+    found = home.planned()
+    assert "tracks" not in found
+    assert found["tuning"] == 1
+
+
+def test_a_bad_trial_stops_only_itself_and_ends_the_run_with_a_word(home):
+    path = home.study / "keypoints/T10.csv"
+    path.write_text("")
+    run = home.snakemake()
+    assert run.returncode == 1
+    said = [line for line in run.stderr.splitlines() if line.startswith("T10")]
+    assert len(said) == 1
+    assert "keypoints/T10.csv: found an empty file" in said[0]
+    assert "Traceback" not in run.stderr
+    results = home.root / "results/study"
+    assert "T10" not in (results / "steady.csv").read_text()
+    assert not (results / "tracks/T10.csv").exists()
+    newest = (results / "status/T10.json").stat().st_mtime
+    assert (results / "figures/fig3.png").stat().st_mtime > newest
+
+
+def test_a_result_that_was_deleted_comes_back(home):
+    track = home.root / "results/study/tracks/T10.csv"
+    before = track.read_bytes()
+    track.unlink()
+    assert home.snakemake().returncode == 0
+    assert track.read_bytes() == before
+
+
+def test_a_status_whose_results_are_gone_or_cut_is_forgotten(done, tmp_path, monkeypatch):
+    shutil.copytree(done[0].root, tmp_path / "home")
+    monkeypatch.chdir(tmp_path / "home")
+    plan = make_plan({**SETTINGS, "study": "study"})
+    assert forget_lost(plan) == []
+    track = plan.results / "tracks/T10.csv"
+    track.write_bytes(track.read_bytes()[:100])
+    (plan.results / "status/T11.json").write_text("{")
+    lost = [plan.results / "status/T10.json", plan.results / "status/T11.json"]
+    assert forget_lost(plan) == lost
+    assert not any(path.exists() for path in lost)
+
+
+def test_results_that_cannot_be_written_are_told_at_the_door(done, tmp_path, monkeypatch):
+    monkeypatch.chdir(done[0].root)
+    (tmp_path / "file").touch()
+    with pytest.raises(Fault, match="a results folder that can be written to"):
+        make_plan({**SETTINGS, "study": "study", "results": str(tmp_path / "file" / "below")})
+
+
+def test_the_workflow_lints_clean(done):
+    run = done[0].snakemake("--lint")
+    assert run.returncode == 0
+    assert "in a good condition" in run.stderr
+
+
+def test_time_left_is_work_over_pace():
+    timing = Timing()
+    timing.expect({"tracks": 4, "all": 1, "total": 5})
+    timing.start(1, "tracks", 0.0)
+    timing.start(2, "tracks", 0.0)
+    assert timing.left_s(5.0) is None
+    assert timing.finish(1, 10.0) == "tracks"
+    timing.finish(2, 10.0)
+    assert (timing.done, timing.total) == (2, 4)
+    assert timing.left_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
+
+
+@pytest.mark.parametrize(
+    ("s", "text"), [(1, "5 s"), (61, "65 s"), (100, "2 min"), (4800, "80 min")]
+)
+def test_times_are_said_as_a_person_does(s, text):
+    assert duration(s) == text
+
+
+def record(level, message, **more):
+    made = logging.LogRecord("snakemake.logging", level, "", 0, message, (), None)
+    made.__dict__.update(more)
+    return made
+
+
+def test_snakemake_keeps_its_own_words_until_the_run_begins():
+    hush = Hush()
+    lint = record(logging.INFO, "your workflow is in a good condition")
+    assert hush.filter(lint)
+    assert not hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
+    assert not hush.filter(record(logging.INFO, "Select jobs to execute..."))
+    assert hush.filter(record(logging.ERROR, "MissingInputException"))
+
+
+def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):
+    (tmp_path / "tuning.log").write_text("results: found no trial; expected one.\n")
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    found = {"event": LogEvent.JOB_ERROR, "rule_name": "tuning", "log": [tmp_path / "tuning.log"]}
+    progress.emit(record(logging.ERROR, "Error in rule", **found))
+    assert "found no trial; expected one." in stream.getvalue()
+    assert "stage tuning" in stream.getvalue()
+
+
+def test_a_locked_folder_is_told_with_its_cure(tmp_path):
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    progress.emit(record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
+    assert "snakemake --unlock" in stream.getvalue()

@@ -55,11 +55,13 @@ def test_the_folders_hold_every_name_of_the_contract() -> None:
 @pytest.mark.parametrize("effect", ALL, ids=lambda e: e.name)
 def test_statement_units_bounds_and_source(effect: Effect) -> None:
     module = importlib.import_module(effect.module)
-    assert effect.statement.endswith(".") and len(effect.statement) > 30
+    assert effect.statement.endswith(".")
+    assert len(effect.statement) > 30
     assert "Source:" in (module.__doc__ or "")
     assert set(effect.confused_with) <= CONTRACT | MEASUREMENT
     for p in effect.parameters:
-        assert p.unit and p.meaning
+        assert p.unit
+        assert p.meaning
         assert p.lower <= p.start <= p.upper
     assert all(p.lower <= 0 <= p.upper for p in effect.parameters[: effect.strengths])
 

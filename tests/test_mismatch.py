@@ -1,0 +1,97 @@
+"""The search on studies whose truth is known: named right, or nothing found where nothing is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from measured import Measured, measured
+
+from pipeline.faults import Fault
+from pipeline.files import plain
+from pipeline.mismatch import Found, find_mismatch, folds, shared, weights
+from pipeline.mismatch.setting import held_out_trials
+from pipeline.mismatch.story import details, mismatch_json
+from pipeline.synthetic.design import bare_design, demo_design
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
+    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
+    return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
+
+
+def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    told = plain(mismatch_json(found, m.study, m.series))
+    assert told["verdict"] == "physics"
+    assert {c["name"] for c in told["causes"]} == {"tail_fin_lift", "linear_yaw_damping"}
+    damping = next(c for c in told["causes"] if c["name"] == "linear_yaw_damping")
+    value, std = (damping["parameters"]["N_r"][k] for k in ("value", "std"))
+    assert abs(value - 0.03) < 3 * std
+    assert damping["parameters"]["N_r"]["unit"] == "N m s"
+
+
+def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    held = plain(mismatch_json(found, m.study, m.series))["held_out"]
+    assert held["extended"]["path_rmse_m"] < 0.2 * held["baseline"]["path_rmse_m"]
+    assert held["extended"]["radius_error_pct"] < 2
+    assert held["extended"]["speed_error_pct"] < 1
+    fitted = {s.name for s in m.series} - set(held["trials"])
+    assert 0 < len(held["trials"]) <= len(m.series) / 3
+    assert len(fitted) + len(held["trials"]) == len(m.series)
+
+
+def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    told = plain(details(found))
+    assert set(told["forces"]) == {s.name for s in m.series}
+    assert {"name", "held_out_gain", "parameters"} <= set(told["candidates"][0])
+    assert told["coefficients"]["before"]["C_T"]["value"] > 0
+    assert plain(mismatch_json(found, m.study, m.series))["where"][0]["share"] > 0.05
+
+
+def test_nothing_hidden_is_none(tmp_path: Path) -> None:
+    m = measured(bare_design(seed=31), tmp_path)
+    found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, m.study, m.series))
+    assert told["verdict"] == "none"
+    assert told["causes"] == []
+
+
+def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, Found]) -> None:
+    m, _ = demo
+    given = [t.model_copy(update={"role": "held_out" if t.trial_id == "T05" else "fit"})
+             for t in m.study.trials]  # fmt: skip
+    study = m.study.model_copy(update={"trials": tuple(given)})
+    assert held_out_trials(study, [t.trial_id for t in given]) == ["T05"]
+
+
+def test_folds_never_part_a_condition(demo: tuple[Measured, Found]) -> None:
+    m, _ = demo
+    parts = folds(m.series)
+    where = {c: {k for k, part in enumerate(parts) for i in part if m.series[i].condition == c}
+             for c in {s.condition for s in m.series}}  # fmt: skip
+    assert sum(len(p) for p in parts) == len(m.series)
+    assert all(len(k) == 1 for k in where.values())
+
+
+def test_weights_and_shared_gains() -> None:
+    told = weights({"a": 100.0, "b": 100.0, "c": 0.0})
+    assert told["a"] == pytest.approx(0.5)
+    assert sum(told.values()) == pytest.approx(1)
+    assert shared(np.array([300.0, -1, -1, -1, 1, -1])) < 2
+    assert shared(np.full(8, 5.0) + np.arange(8)) > 10
+
+
+def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
+    from pipeline.campaign import Campaign
+    from pipeline.stages.tuning import campaign_series
+    from pipeline.study import load_study
+    from pipeline.synthetic.campaign import write_study_files
+
+    write_study_files(bare_design(), tmp_path, source="keypoints/{}.csv", fps=30.0)
+    with pytest.raises(Fault, match="no trial with a track"):
+        campaign_series(Campaign(load_study(tmp_path)))

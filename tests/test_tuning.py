@@ -1,0 +1,92 @@
+"""Fits against the truth that keypoint studies were simulated from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from measured import Measured, measured
+from scipy.stats import t as student
+
+from pipeline.model import TABLE_1
+from pipeline.synthetic.design import bare_design
+from pipeline.tuning import coefficients, simulations, table_1, table_2, three_steps, tune
+
+TRUTH = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1}
+
+
+@pytest.fixture(scope="module")
+def from_table_1(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    return measured(bare_design(table_1=True), tmp_path_factory.mktemp("table_1"))
+
+
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    return measured(bare_design(), tmp_path_factory.mktemp("bare"))
+
+
+def test_table_1_again(from_table_1: Measured) -> None:
+    """Studies simulated from the paper's Table I come back through the three steps as Table I."""
+    m = from_table_1
+    steps, _, _ = three_steps(m.study, m.series, m.steady)
+    for power, published in TABLE_1.items():
+        found = steps[str(power)]["coefficients"]
+        for name, value in published.items():
+            off = abs(found[name]["value"] - value) / found[name]["std"]
+            assert off < student.ppf(0.995, 3), (power, name, found[name])
+    assert steps["75"]["coefficients"]["C_Da"]["value"] == pytest.approx(2.5, rel=0.1)
+    assert steps["100"]["coefficients"]["C_Da"]["value"] == pytest.approx(4.0, rel=0.1)
+
+
+def test_bare_study_gives_back_what_it_determines(bare: Measured) -> None:
+    found, joint = coefficients(bare.study, bare.series, bare.steady)
+    table = found["joint"]["coefficients"]
+    truth = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1} | _common()
+    told = [name for name in truth if table[name]["determined"]]
+    assert {"C_T", "C_D0", "C_La"} <= set(told)
+    for name in told:
+        assert table[name]["value"] == pytest.approx(truth[name], rel=0.1), name
+        assert abs(table[name]["value"] - truth[name]) < student.ppf(0.975, 5) * table[name]["std"]
+    for name in set(truth) - set(told):
+        assert table[name]["why"]
+    assert joint.fit.outcome == "converged"
+    assert found["joint"]["straight_swimming"]["stable"] is False
+
+
+def _common() -> dict[str, float]:
+    from pipeline.synthetic.laws import Coefficients
+
+    common = Coefficients()
+    return {"C_Da": common.C_Da, "C_Md": common.C_Md}
+
+
+def test_straight_runs_alone_leave_the_turning_coefficients_open(bare: Measured) -> None:
+    straight = [s for s in bare.series if bare.study.trial(s.name).head_angle_deg == 0]
+    steps, _, second = three_steps(bare.study, straight, bare.steady)
+    assert second is None
+    cells = steps["100"]["coefficients"]
+    assert cells["C_T"]["determined"]
+    assert not cells["C_Da"]["determined"]
+    assert "straight runs hold alpha at 0" in cells["C_Da"]["why"]
+
+
+def test_tables_have_the_paper_beside_the_study(from_table_1: Measured) -> None:
+    m = from_table_1
+    steps, _, _ = three_steps(m.study, m.series, m.steady)
+    one, two = table_1(steps), table_2(m.study, steps)
+    assert one["power_pct"] == [50, 75, 100]
+    assert one["paper_C_Md_kg_m2"] == [0.145, 0.130, 0.104]
+    assert set(two["head_angle_deg"]) == {30, 45}
+    assert [two["used_in_tuning"][i] for i in range(3)] == [True, True, False]
+    assert np.nanmax(np.abs(two["difference_pct"])) < 5
+    assert two["paper_difference_pct"][0] == 2.77
+
+
+def test_simulated_paths_lie_on_the_measured_turns(bare: Measured) -> None:
+    turns = [s for s in bare.series if bare.study.trial(s.name).head_angle_deg != 0]
+    joint = tune(turns)
+    steps, _, _ = three_steps(bare.study, bare.series, bare.steady)
+    for one, columns in zip(turns, simulations(turns, joint, steps).values(), strict=True):
+        apart = np.hypot(
+            columns["joint_x_m"] - one.seen[:, 0], columns["joint_y_m"] - one.seen[:, 1]
+        )
+        assert np.nanmedian(apart) < 0.004

@@ -7,6 +7,7 @@ frame by frame, the template fitted to the edges from where the robot is expecte
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,28 +53,34 @@ def taught(
 
     At last from a background bridged at the robot's resting place.
     """
-    best: tuple[Scene, Lesson | None] | None = None
+    found: list[tuple[Scene, Lesson | None]] = []
     for count in SAMPLES:
         samples = sample(frames(), count)
         if not samples:
             raise fault(trial.source, "", "no frames", "footage with frames")
-        images = [frame.luma for frame in samples]
-        floor = median(images)
-        noise = noise_level(images, floor)
-        scene = Scene(floor, plane, noise, trial.head_angle_rad)
-        lesson = learn(samples, scene, setup.robot, trial)
-        if best is None or _worth(lesson) > _worth(best[1]):
-            best = (scene, lesson)
+        found.append(_lesson(samples, plane, setup, trial))
+        lesson = found[-1][1]
         if lesson is not None and lesson.support > WELL and 2 * lesson.frames > len(samples):
-            return scene, lesson, ()
-    size = setup.robot.head_span_m * plane.px_per_m
-    bridged = Scene(without_resident(floor, size), plane, noise, trial.head_angle_rad)
-    if _worth(best[1]) < TAUGHT and _worth(
-        second := learn(samples, bridged, setup.robot, trial)
-    ) > (_worth(best[1])):
-        remark = "the robot hardly left its place: its background was bridged from around it"
-        return bridged, second, (remark,)
+            return *found[-1], ()
+    best = max(found, key=lambda one: _worth(one[1]))
+    if _worth(best[1]) < TAUGHT:
+        size = setup.robot.head_span_m * plane.px_per_m
+        bridged = replace(found[-1][0], floor=without_resident(found[-1][0].floor, size))
+        second = learn(samples, bridged, setup.robot, trial)
+        if _worth(second) > _worth(best[1]):
+            remark = "the robot hardly left its place: its background was bridged from around it"
+            return bridged, second, (remark,)
     return *best, ()
+
+
+def _lesson(
+    samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
+) -> tuple[Scene, Lesson | None]:
+    """Scene of a few frames' median and the template that they teach."""
+    images = [frame.luma for frame in samples]
+    floor = median(images)
+    scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
+    return scene, learn(samples, scene, setup.robot, trial)
 
 
 def _worth(lesson: Lesson | None) -> float:

@@ -1,0 +1,194 @@
+"""Nose and tail base of a body that is not rigid: the ends of its outline, told apart by the tail.
+
+The body is what is nearly as dark (or bright) as its middle; a thin, fainter thing that leaves it
+is the tail, and where it leaves is the tail base. The nose is the body's far end from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..data import Frame, Keypoints
+from ..faults import fault
+from ..study import Setup, Trial
+from .outline.background import Image, median, noise_level, sample
+
+NAMES = ("head_tip", "core_center", "tail_base")
+Float = npt.NDArray[np.float64]
+SAMPLES = 25
+SOLID, FAINT = 0.72, 0.35
+SPREAD = (0.10, 0.08, 0.09)
+ROI_GROWTH = 2.2
+
+
+@dataclass(frozen=True)
+class Body:
+    """One frame's body: nose, centre, tail base (3, 2) px; largest inscribed radius; area [px^2].
+
+    tailed: whether the tail was seen, which tells the ends apart.
+    """
+
+    points: Float
+    radius: float
+    area: float
+    tailed: bool
+
+
+def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
+    """Keypoints head_tip, core_center (centre of the body's area) and tail_base of every frame.
+
+    Likelihood falls where no tail tells the ends apart and where the body's area is unusual;
+    covariances are a tenth of the body's half-width, as measured on labelled footage.
+
+    Raises: Fault where the footage holds no frame.
+    """
+    samples = [frame.luma for frame in sample(frames(), SAMPLES)]
+    if not samples:
+        raise fault(trial.source, "", "no frames", "footage with frames")
+    floor = median(samples)
+    level = max(20.0, 6.0 * noise_level(samples, floor))
+    region = _region(floor.shape, setup)
+    times: list[float] = []
+    bodies: list[Body | None] = []
+    for frame in frames():
+        before = bodies[-1] if bodies else None
+        times.append(frame.time_s)
+        bodies.append(body_of(frame.luma, floor, region, (level, before)))
+    return _keypoints(np.array(times), bodies)
+
+
+def _region(shape: tuple[int, ...], setup: Setup) -> Image:
+    """Mask of the pool (or arena) and a little around it."""
+    corners = np.array(setup.camera.pool_corners_px, dtype=float)
+    middle = corners.mean(axis=0)
+    mask = np.zeros(shape[:2], np.uint8)
+    cv2.fillConvexPoly(mask, (middle + 1.08 * (corners - middle)).round().astype(np.int32), 1)
+    return mask
+
+
+def body_of(
+    luma: Image, floor: Image, region: Image, known: tuple[float, Body | None]
+) -> Body | None:
+    """Body of one frame; None without one. known: least change [grey levels], body before."""
+    level, before = known
+    change = cv2.subtract(floor, luma, dtype=cv2.CV_16S).astype(np.float32)
+    box = _strongest(change, region, level)
+    if box is None:
+        return None
+    change, floor, luma = change[box], floor[box], luma[box]
+    inside = np.abs(change) > level
+    sign = 1.0 if np.median(change[inside]) > 0 else -1.0
+    skin = float(np.percentile(sign * luma[inside & (sign * change > level)].astype(float), 25))
+    depth = np.maximum(sign * floor.astype(np.float32) - skin, 25.0)
+    cover = sign * change / depth
+    cover[sign * floor.astype(np.float32) - skin < 30] = 0.0
+    outline = _outline(cover > SOLID)
+    if outline is None:
+        return None
+    return _ends(outline, cover, (box[1].start, box[0].start), before)
+
+
+def _strongest(change: Float, region: Image, level: float) -> tuple[slice, slice] | None:
+    """Box about the blob that changed most, with room for the tail."""
+    size = max(3, change.shape[1] // 70)
+    mask = (np.abs(change) > level).astype(np.uint8) & region
+    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((size, size), np.uint8))
+    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    if not contours:
+        return None
+    strength = []
+    for contour in contours:
+        x, y, w, h = cv2.boundingRect(contour)
+        inside = mask[y : y + h, x : x + w] > 0
+        strength.append(float(np.abs(change[y : y + h, x : x + w][inside]).sum()))
+    x, y, w, h = cv2.boundingRect(contours[int(np.argmax(strength))])
+    reach = int(0.5 * ROI_GROWTH * max(w, h))
+    top, left = max(0, y + h // 2 - reach), max(0, x + w // 2 - reach)
+    return slice(top, y + h // 2 + reach), slice(left, x + w // 2 + reach)
+
+
+def _outline(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int32] | None:
+    """Contour (n, 2) of the largest solid part."""
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
+    mask = cv2.morphologyEx(solid.astype(np.uint8), cv2.MORPH_OPEN, disc)
+    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if not contours:
+        return None
+    largest = max(contours, key=cv2.contourArea)[:, 0]
+    return largest if len(largest) > 20 else None
+
+
+def _ends(
+    outline: npt.NDArray[np.int32], cover: Float, corner: tuple[int, int], before: Body | None
+) -> Body:
+    mask = np.zeros(cover.shape, np.uint8)
+    cv2.drawContours(mask, [outline[:, None]], -1, 1, -1)
+    radius = float(cv2.distanceTransform(mask, cv2.DIST_L2, 5).max())
+    line = outline.astype(float)
+    moments = cv2.moments(outline[:, None])
+    centre = np.array([moments["m10"], moments["m01"]]) / max(moments["m00"], 1.0)
+    exit_px = _tail_exit(cover > FAINT, mask, radius)
+    tailed = exit_px is not None
+    if exit_px is None:
+        exit_px = _far_end(line, centre, before, corner)
+    base = line[np.argmin(np.hypot(*(line - exit_px).T))]
+    nose = line[np.argmax(np.hypot(*(line - base).T))]
+    points = np.stack([nose, centre, base]) + np.array(corner, dtype=float)
+    return Body(points, radius, float(moments["m00"]), tailed)
+
+
+def _far_end(line: Float, centre: Float, before: Body | None, corner: tuple[int, int]) -> Float:
+    """Rear end of a body without a visible tail: where it was before, else its blunter end."""
+    axis = np.linalg.svd(line - centre, full_matrices=False)[2][0]
+    along = (line - centre) @ axis
+    ends = (line[np.argmax(along)], line[np.argmin(along)])
+    if before is not None:
+        last = before.points[2] - np.array(corner, dtype=float)
+        return min(ends, key=lambda end: float(np.hypot(*(end - last))))
+    reach = 0.25 * np.ptp(along)
+    near = [np.hypot(*(line - end).T) < reach for end in ends]
+    across = np.array([-axis[1], axis[0]])
+    widths = [float(np.ptp((line[part] - centre) @ across)) for part in near]
+    return ends[int(np.argmax(widths))]
+
+
+def _tail_exit(faint: npt.NDArray[np.bool_], body: Image, radius: float) -> Float | None:
+    """Where a long thin thing leaves the surroundings of the body (2,) px; None without one."""
+    reach = max(2, round(0.45 * radius))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+    rest = faint.astype(np.uint8) & (1 - cv2.dilate(body, disc))
+    away = cv2.distanceTransform(1 - body, cv2.DIST_L2, 5)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(rest)
+    best, longest = None, 0.6 * radius
+    for i in range(1, count):
+        v, u = np.nonzero(labels == i)
+        distance = away[v, u]
+        length = float(np.ptp(distance))
+        thin = stats[i, cv2.CC_STAT_AREA] < 0.8 * radius * max(length, 1.0)
+        if distance.min() <= reach + 4 and thin and length > longest:
+            near = np.argsort(distance)[:5]
+            best, longest = np.array([u[near].mean(), v[near].mean()]), length
+    return best
+
+
+def _keypoints(times: Float, bodies: list[Body | None]) -> Keypoints:
+    n, p = len(times), len(NAMES)
+    xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
+    cov = np.full((n, p, 2, 2), np.nan)
+    usual = float(np.median([b.area for b in bodies if b is not None] or [1.0]))
+    for i, body in enumerate(bodies):
+        if body is None:
+            continue
+        xy[i] = body.points
+        share = min(body.area, usual) / max(body.area, usual)
+        certain = min(1.0, max(0.0, 2.0 * share - 0.4))
+        likelihood[i] = certain * np.array([1.0, 1.0, 1.0] if body.tailed else [0.5, 1.0, 0.5])
+        cov[i] = np.array([(s * body.radius) ** 2 * np.eye(2) for s in SPREAD])
+    lost = sum(body is None for body in bodies)
+    remarks = (f"{lost} of {n} frames without a body",) if lost else ()
+    return Keypoints(times, NAMES, xy, likelihood, cov, remarks)

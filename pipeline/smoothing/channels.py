@@ -126,7 +126,9 @@ def _measured(z: Float, R: Float, grid: Grid) -> _Measured:
     plausible[seen] = _near_neighbours(z[seen])
     t, at = grid.time_s[plausible], z[plausible]
     variance = float(np.median(np.trace(R[plausible].T))) / m
-    lag = max(min(10, len(t) // 3), 1)
+    # over whole beats, in which the recoil is back where it was
+    beats = round(grid.scale_s / float(np.median(np.diff(t))))
+    lag = max(min(beats, len(t) // 3), 1)
     rates = np.abs(at[lag:] - at[:-lag]).max(axis=1) / (t[lag:] - t[:-lag])
     floor = np.sqrt(variance) / max(float(np.ptp(t)), 1e-9)
     speed = float(max(np.quantile(rates, 0.8), floor))

@@ -16,7 +16,10 @@ LONGEST_STEP = 1.5
 
 @dataclass(frozen=True)
 class Grid:
-    """time_s, dt_s: (nodes,); frame: (nodes,) whether a node is a frame; scale_s: unit of time."""
+    """time_s, dt_s: (nodes,); frame: (nodes,) whether a node is a frame; scale_s: unit of time.
+
+    The unit is the least number of whole tail beats that takes ten frames.
+    """
 
     time_s: Float
     dt_s: Float
@@ -39,5 +42,5 @@ def filter_grid(time_s: Float, flap_hz: float) -> Grid:
         pieces.append(first + (last - first) * np.arange(1, count + 1) / count)
         marks.append(np.arange(1, count + 1) == count)
     nodes, frame = np.concatenate(pieces), np.concatenate(marks)
-    scale = max(10 * usual, 1.0 / flap_hz if flap_hz > 0 else 0.0)
-    return Grid(nodes, np.diff(nodes, prepend=nodes[0]), frame, scale)
+    scale = np.ceil(10 * usual * flap_hz) / flap_hz if flap_hz > 0 else 10 * usual
+    return Grid(nodes, np.diff(nodes, prepend=nodes[0]), frame, float(scale))

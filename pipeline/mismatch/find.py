@@ -7,9 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..data import Float, Steady
-from ..fitting import Fit, Series, fit_noise, jackknife_cov, shoot, smooth, trial_values
-from ..fitting.filtering import filter_all
+from ..data import Steady
+from ..fitting import (
+    Fit,
+    Series,
+    expected_rmse,
+    filter_all,
+    fit_noise,
+    jackknife_cov,
+    shoot,
+    trial_values,
+)
 from ..integrate import Kernel, compiled
 from ..model import plates
 from ..study import Study
@@ -31,7 +39,7 @@ class Found:
     verdict; choice: the search on the trials to fit; baseline and extended: tuned models on these;
     dropped: chosen effect -> the model without it; residual: the nameless term, tried beside;
     forces, dependences: what the baseline lacks, on all trials; errors: `baseline` and `extended`
-    errors on the held-out trials; floor_m: path error of the smoothed path itself.
+    errors on the held-out trials; floor_m: path error that the true model would have.
     """
 
     verdict: str
@@ -121,11 +129,10 @@ def retuned(kernel: Kernel, train: Sequence[Series], baseline: Tuned, model: Tri
         return baseline
     frees = model.fit.free
     points = [trial_values(kernel, baseline.base, frees, model.fit.values, s.group) for s in train]
-    noise = fit_noise(kernel, train, points, baseline.noise, rounds=2)
-    again = try_effects(
-        kernel, train, baseline.base, list(frees[: len(baseline.fit.free)]), model.effects, noise=noise,
-        start=model.fit.by_label(),
-    )  # fmt: skip
+    noise = fit_noise(kernel, train, points, baseline.noise, rounds=4)
+    own = list(frees[: len(baseline.fit.free)])
+    again = try_effects(kernel, train, baseline.base, own, model.effects, noise=noise,
+                        start=model.fit.by_label())  # fmt: skip
     found: Fit = again.fit
     return Tuned(found, noise, jackknife_cov(found.normal, moving(kernel, found)), baseline.base)
 
@@ -143,11 +150,12 @@ def _errors(
 
 
 def _floor(kernel: Kernel, tuned: Tuned, test: Sequence[Series]) -> float:
-    """Root mean square distance of seen positions from the smoothed path around the model, m."""
-    squares: list[Float] = []
+    """Path error that the extended model would have if it were true, m: noise and moving water."""
     points = tuned.trial_values(kernel, test)
-    for one, result in zip(test, filter_all(kernel, test, points, tuned.noise), strict=True):
-        mean, _ = smooth(result)
-        square = np.sum((one.seen[:, :2] - mean[:, :2]) ** 2, axis=1)
-        squares.append(square[np.isfinite(square)])
-    return float(np.sqrt(np.mean([s.mean() for s in squares if len(s)])))
+    passed = filter_all(kernel, test, points, tuned.noise)
+    rng = np.random.default_rng(0)
+    floors = [
+        expected_rmse(kernel, one, result, tuned.noise, rng)
+        for one, result in zip(test, passed, strict=True)
+    ]
+    return float(np.sqrt(np.mean(np.square(floors))))

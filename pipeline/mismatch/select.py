@@ -160,6 +160,3 @@ def without(
     start = {k: v for k, v in choice.chosen.fit.by_label().items() if not k.startswith(name + ".")}
     coefficients = [Free(f.name, f.group) for f in choice.bare.fit.free]
     return try_effects(kernel, series, base, coefficients, rest, noise=last.noise, start=start)  # fmt: skip
-
-
-__all__ = ["Choice", "Round", "choose", "pays", "shared", "weights", "without"]

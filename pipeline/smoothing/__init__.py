@@ -66,10 +66,10 @@ def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Foun
     """Chains of heading and position, both at rest in the first frame or both moving."""
 
     def tried(resting: bool) -> tuple[Found, Found]:
-        at = {"flap_hz": hz, "resting": resting}
-        heading = angle_chain(values[:, 2], cov[:, 2, 2], grid, **at)
+        angle, place = (values[:, 2], cov[:, 2, 2]), (values[:, :2], cov[:, :2, :2])
+        heading = angle_chain(*angle, grid, flap_hz=hz, resting=resting)
         theta = smoothed(heading.chain, heading.used).x[:, 0]
-        return heading, planar_chain(values[:, :2], cov[:, :2, :2], grid, theta=theta, **at)
+        return heading, planar_chain(*place, grid, theta=theta, flap_hz=hz, resting=resting)
 
     rest = tried(True)
     costs = sum(found.cost for found in rest)
@@ -102,7 +102,7 @@ def _recoil(move: Float, turn: Float, H: Float) -> Float:
 
 
 def _remarks(pose: Pose, grid: Grid, plane: Found, heading: Found) -> tuple[str, ...]:
-    seen = np.isfinite(pose.values[:, :3]).all(axis=1)
+    seen = np.asarray(np.isfinite(pose.values[:, :3]).all(axis=1))
     used = (plane.used & heading.used)[grid.frame]
     notes = list(pose.remarks)
     if (~seen).any():

@@ -118,7 +118,7 @@ def _found(
 
 
 def _measured(z: Float, R: Float, grid: Grid) -> _Measured:
-    seen: Mask = np.isfinite(z).all(axis=1) & np.isfinite(R).all(axis=(1, 2))
+    seen = np.asarray(np.isfinite(z).all(axis=1) & np.isfinite(R).all(axis=(1, 2)))
     m = z.shape[1]
     R = np.where(seen[:, None, None], R, np.eye(m))
     z = np.where(seen[:, None], z, 0.0)

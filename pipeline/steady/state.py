@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,11 +13,14 @@ from .plateau import Plateau, fit_plateau
 
 STRAIGHT_DEG = 20.0
 """A path that bends less than this tells no radius."""
-LEAST_ARC_DEG = 40.0
-TOLERANCE = 0.02
-"""Steady: speed and turning rate change by less than this share over the stretch, or by less than
-can be told."""
-LEAST_S = 0.5
+LEAST_ARC_DEG = 25.0
+TOLERANCES = (0.005, 0.01, 0.02)
+"""Steady: the speed changes by less than this share over the stretch, the turning rate by less than
+twice the share."""
+STRAIGHT_RATE = 0.01
+"""A change of turning rate, rad/s, that counts as none."""
+LEAST_S = 0.7
+LEAST_FRAMES = 8
 RADIUS_SHARE = 0.05
 """A radius known worse than this is told as too short an arc."""
 
@@ -42,15 +45,19 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     stretch = _steady_stretch(track, plateau)
     at = stretch.frames
     speed, speed_std = _mean_speed(track, at) if stretch.settled else _extrapolated(plateau)
-    arc = float(_path_turn(track, at))
-    base = {
-        "flap_hz": flapping.flap_hz,
-        "speed_m_s": speed,
-        "speed_std_m_s": speed_std,
-        "arc_deg": abs(np.degrees(arc)),
-        "steady_from_s": float(track.time_s[at][0]),
-        "steady_to_s": float(track.time_s[at][-1]),
-    }
+    arc = float(track.heading_rad[at][-1] - track.heading_rad[at][0])
+    base = Steady(
+        flap_hz=flapping.flap_hz,
+        speed_m_s=speed,
+        speed_std_m_s=speed_std,
+        radius_m=float("inf"),
+        radius_std_m=float("inf"),
+        arc_deg=abs(float(np.degrees(arc))),
+        steady_from_s=float(track.time_s[at][0]),
+        steady_to_s=float(track.time_s[at][-1]),
+        quality="",
+        reason="",
+    )
     if abs(np.degrees(arc)) < STRAIGHT_DEG and abs(head_angle_rad) < np.radians(2.0):
         return _straight(base, stretch, plateau)
     return _turning(base, track, stretch, arc)
@@ -62,32 +69,36 @@ def _no_data(flapping: Flapping, reason: str) -> Steady:
 
 
 def _steady_stretch(track: Track, plateau: Plateau) -> _Stretch:
-    """Longest stretch up to the end over which speed and turning rate do not change."""
+    """Longest stretch up to the end over which speed and turning rate do not change.
+
+    The strictest tolerance that leaves a stretch counts.
+    """
     t = track.time_s
-    latest = max(t[-1] - max(LEAST_S, 0.15 * (t[-1] - t[0])), t[0])
-    for start in np.linspace(t[0], latest, 40):
-        at = slice(int(np.searchsorted(t, start)), len(t))
-        if at.stop - at.start >= 6 and _does_not_change(track, at):
-            return _Stretch(at, True)
-    first = min(int(np.searchsorted(t, latest)), len(t) - 6)
+    span = float(t[-1] - t[0])
+    latest = max(t[-1] - max(LEAST_S, 0.2 * span), t[0])
+    for tolerance in TOLERANCES:
+        for start in np.linspace(t[0], latest, 40):
+            at = slice(int(np.searchsorted(t, start)), len(t))
+            if at.stop - at.start >= LEAST_FRAMES and _does_not_change(track, at, tolerance):
+                return _Stretch(at, True)
+    first = min(int(np.searchsorted(t, latest)), len(t) - LEAST_FRAMES)
     return _Stretch(slice(first, len(t)), plateau.settled_s < t[-1])
 
 
-def _does_not_change(track: Track, at: slice) -> bool:
-    """Whether the trend over the stretch is below the tolerance in speed and in turning rate."""
+def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:
+    """Whether the trend over the stretch is below the tolerance in speed and in turning rate.
+
+    A trend that cannot be told from none passes up to three times the tolerance.
+    """
     t = track.time_s[at]
-    slope = _slope_weights(t)
-    span = float(np.ptp(t))
+    slope = _slope_weights(t) * float(np.ptp(t))
     speed, rate = track.speed_m_s[at], track.yaw_rate_rad_s[at]
-    change = abs(float(slope @ speed)) * span
-    bend = abs(float(slope @ rate)) * span
-    told = 2 * span * np.sqrt(slope @ _speed_cov(track, at) @ slope)
-    told_bend = 2 * span * np.sqrt(slope @ _rate_cov(track, at) @ slope)
+    told = 2 * float(np.sqrt(slope @ _speed_cov(track, at) @ slope))
+    told_bend = 2 * float(np.sqrt(slope @ _rate_cov(track, at) @ slope))
     fast, turning = abs(float(np.mean(speed))), abs(float(np.mean(rate)))
-    return bool(
-        change < max(TOLERANCE * fast, min(told, 3 * TOLERANCE * fast))
-        and bend < max(2 * TOLERANCE * turning, min(told_bend, 6 * TOLERANCE * turning), 0.05)
-    )
+    limit = max(tolerance * fast, min(told, 3 * tolerance * fast))
+    bend = max(2 * tolerance * turning, min(told_bend, 6 * tolerance * turning), STRAIGHT_RATE)
+    return abs(float(slope @ speed)) < limit and abs(float(slope @ rate)) < bend
 
 
 def _slope_weights(t: Float) -> Float:
@@ -118,30 +129,21 @@ def _extrapolated(plateau: Plateau) -> tuple[float, float]:
     return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
 
 
-def _path_turn(track: Track, at: slice) -> float:
-    """Angle by which the path turns over the stretch, rad, counter-clockwise positive."""
-    return float(np.ptp(track.heading_rad[at][[0, -1]])) * np.sign(
-        track.heading_rad[at][-1] - track.heading_rad[at][0]
-    )
-
-
-def _straight(base: dict[str, float], stretch: _Stretch, plateau: Plateau) -> Steady:
-    inf = float("inf")
+def _straight(base: Steady, stretch: _Stretch, plateau: Plateau) -> Steady:
     if stretch.settled:
-        return Steady(**base, radius_m=inf, radius_std_m=inf, quality="straight", reason="")  # type: ignore[arg-type]
+        return replace(base, quality="straight")
     reason = (
         f"speed still rises at the end; v_inf from the start-up, 99 % would be reached at "
         f"{plateau.settled_s:.1f} s: film for longer or start nearer the wall"
     )
-    return Steady(**base, radius_m=inf, radius_std_m=inf, quality="not_steady", reason=reason)  # type: ignore[arg-type]
+    return replace(base, quality="not_steady", reason=reason)
 
 
-def _turning(base: dict[str, float], track: Track, stretch: _Stretch, arc: float) -> Steady:
-    at = stretch.frames
-    circle = _circle(track, at)
+def _turning(base: Steady, track: Track, stretch: _Stretch, arc: float) -> Steady:
+    circle = _circle(track, stretch.frames)
     quality, reason = _judge(base, track, stretch, circle)
-    return Steady(
-        **base,  # type: ignore[arg-type]
+    return replace(
+        base,
         radius_m=circle.radius_m,
         radius_std_m=circle.radius_std_m,
         quality=quality,
@@ -152,26 +154,35 @@ def _turning(base: dict[str, float], track: Track, stretch: _Stretch, arc: float
 
 
 def _circle(track: Track, at: slice) -> Circle:
+    """Circle of the stretch; its covariance holds smoothing errors, scatter, and slow change.
+
+    Where water moves, the curvature kappa of the path wanders and circles of other parts of the
+    same turn differ: R^4 var(mean kappa) is added to the variance of the radius.
+    """
     t, xy = track.time_s[at], np.column_stack([track.x_m, track.y_m])[at]
     std = np.hypot(track.x_m_std, track.y_m_std)[at] / np.sqrt(2)
     rate = np.hypot(track.vx_m_s_std, track.vy_m_s_std)[at] / np.sqrt(2)
     own = error_cov(t, std, error_length(std, rate))
     first = fit_circle(xy, own)
-    return fit_circle(xy, own + scatter_cov(t, first.residual_m, 3))
+    circle = fit_circle(xy, own + scatter_cov(t, first.residual_m, 3))
+    course = np.unwrap(np.arctan2(track.vy_m_s[at], track.vx_m_s[at]))
+    kappa = np.gradient(course, t) / np.maximum(track.speed_m_s[at], 1e-9)
+    cov = circle.cov.copy()
+    cov[2, 2] += circle.radius_m**4 * float(scatter_cov(t, kappa, 1).mean())
+    return replace(circle, cov=cov)
 
 
-def _judge(
-    base: dict[str, float], track: Track, stretch: _Stretch, circle: Circle
-) -> tuple[str, str]:
+def _judge(base: Steady, track: Track, stretch: _Stretch, circle: Circle) -> tuple[str, str]:
     if not stretch.settled:
         return "not_steady", "speed or turning rate still change at the end: film for longer"
-    if base["arc_deg"] < LEAST_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
+    if base.arc_deg < LEAST_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
         return "short_arc", (
-            f"an arc of {base['arc_deg']:.0f} degrees leaves the radius "
-            f"uncertain by {circle.radius_std_m:.3f} m: film for longer, or start so that the turn stays in the pool"
+            f"an arc of {base.arc_deg:.0f} degrees leaves the radius "
+            f"uncertain by {circle.radius_std_m:.3f} m: film for longer, or start where the turn "
+            "stays in the pool"
         )
     rate = abs(float(np.mean(track.yaw_rate_rad_s[stretch.frames])))
-    other = base["speed_m_s"] / rate if rate > 0 else float("inf")
+    other = base.speed_m_s / rate if rate > 0 else float("inf")
     apart = abs(other - circle.radius_m)
     if apart > max(3 * circle.radius_std_m, 0.05 * circle.radius_m):
         return "good", f"speed / yaw rate gives {other:.3f} m: the water may move"

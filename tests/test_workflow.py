@@ -31,8 +31,7 @@ class Home:
     def __init__(self, root: Path) -> None:
         self.root = root
         for name in ("pipeline", "config"):
-            ignore = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(ROOT / name, root / name, ignore=ignore)
+            shutil.copytree(ROOT / name, root / name)  # compiled code included, it takes long
         shutil.copy(ROOT / "Snakefile", root)
         self.study = small_study(root / "study")
 

@@ -1,0 +1,130 @@
+"""The command `bluekoi`: quick, plain, its exit codes as documented."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+from studies import small_study
+
+from pipeline.cli import main
+from pipeline.cli.run import _exit_code, command, workflow_folder
+from pipeline.faults import fault
+
+ROOT = Path(__file__).resolve().parents[1]
+HEAVY = {"numpy", "cv2", "scipy", "pandas", "matplotlib", "numba", "filterpy", "snakemake", "av"}
+
+
+def bluekoi(*arguments):
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+
+def test_help_imports_nothing_heavy():
+    code = f"import sys, pipeline.cli; sys.exit(len({HEAVY!r} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_help_comes_at_once():
+    took = []
+    for _ in range(3):
+        start = time.perf_counter()
+        subprocess.run(
+            [sys.executable, "-m", "pipeline", "--help"], check=True, capture_output=True
+        )
+        took.append(time.perf_counter() - start)
+    assert min(took) < 0.3 * 2  # the bar is 0.3 s; twice that on a machine with other work
+
+
+def test_help_names_every_command_and_the_exit_codes():
+    text = bluekoi("--help").output
+    for name, known in main.commands.items():
+        assert (f"  {name} " in text) is not known.hidden
+    assert "Exit codes: 0 done; 1 a fault" in text
+
+
+def test_every_command_has_a_sentence():
+    for name, known in main.commands.items():
+        assert known.help, name
+        assert known.help.rstrip().endswith("."), name
+
+
+def test_a_wrong_use_exits_with_2():
+    assert bluekoi("check").exit_code == 2
+    assert bluekoi("chek", ".").exit_code == 2
+    assert bluekoi("stage", "nothing", "--study", ".", "--results", ".").exit_code == 2
+
+
+def test_a_fault_is_its_message_alone_and_exits_with_1(monkeypatch):
+    @click.command()
+    def broken():
+        raise fault("a\x1b[31m.csv", "row 1", "x", "y")
+
+    monkeypatch.setitem(main.commands, "broken", broken)
+    result = bluekoi("broken")
+    assert result.exit_code == 1
+    assert result.output == "a?[31m.csv: row 1: found x; expected y.\n"
+
+
+def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
+    result = bluekoi("check", small_study(tmp_path / "study"))
+    assert result.exit_code == 0
+    assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
+
+
+def test_check_names_missing_files(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "motor/T10.csv").unlink()
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert "trial T10: found no file 'motor/T10.csv'" in result.output
+
+
+def test_doctor_looks_at_every_dependency():
+    result = bluekoi("doctor")
+    for name in ("Python", "numpy", "snakemake", "H.264", "OpenCV", "GB free"):
+        assert name in result.output
+    assert result.exit_code == (1 if "FAIL" in result.output else 0)
+
+
+def test_doctor_tells_what_to_install(monkeypatch):
+    module = sys.modules["pipeline.cli.doctor"]
+    monkeypatch.setattr(module, "requires", lambda name: ["no-such-package>=3"])
+    result = bluekoi("doctor")
+    assert result.exit_code == 1
+    assert "FAIL no-such-package is missing: pip install 'no-such-package>=3'" in result.output
+
+
+def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
+    assert (workflow_folder() / "Snakefile").is_file()
+    found = command("my = study", Path("out"), "2", ("--dry-run",))
+    assert 'study="my = study"' in found
+    assert 'results="out"' in found
+    assert found[-1] == "--dry-run"
+
+
+@pytest.mark.parametrize(
+    ("returned", "present", "code"),
+    [(0, (), 0), (1, ("steady.csv", "coefficients.json"), 3), (1, ("steady.csv",), 1)],
+)
+def test_exit_codes_of_run(tmp_path, returned, present, code):
+    for name in present:
+        (tmp_path / name).touch()
+    assert _exit_code(returned, tmp_path) == code
+
+
+def test_run_hands_on_to_snakemake(tmp_path, monkeypatch):
+    study = small_study(tmp_path / "study")
+    monkeypatch.chdir(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline", "run", str(study), "--cores", "1", "--", "--dry-run"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "keypoints" in done.stdout + done.stderr

@@ -17,13 +17,13 @@ from .drawing.pool import pool, robots
 
 TITLE = "Straight speeds and turn radii"
 CAPTION = (
-    "(A) A straight run, the robot drawn every 0.5 s (head orange). (B) Speed over time of all "
-    "straight runs, one row a head length; band: 95 % of the smoothed speed; horizontal line: "
-    "averaged maximum speed. (C) Averages of B with standard deviations over repeats. (D) A "
-    "turn. (E) Steady turns with the 1x head at each head angle, as circles about one centre "
-    "(thick: the measured arc) and as averages with deviations. (F) The same over head length. "
-    "Both turning sides count together; small dots are single trials, hollow markers averages "
-    "without any trial that reached a good steady turn."
+    "(A) A straight run: path of the centre of mass, and the robot (head orange). (B) Speed over "
+    "time of all straight runs, one row a head length; band: 95 % of the smoothed speed; "
+    "horizontal line: averaged maximum speed. (C) Averages of B with standard deviations over "
+    "repeats. (D) A turn. (E) Steady turns with the 1x head at each head angle, as circles about "
+    "one centre (thick: the measured arc) and as averages with deviations. (F) The same over head "
+    "length. Both turning sides count together; small dots are single trials, hollow markers "
+    "averages without any trial that reached a good steady state."
 )
 NEEDS = ("tracks", "steady")
 
@@ -50,17 +50,22 @@ def draw(campaign: Campaign) -> Figure:
 def _example(
     axes: Axes, campaign: Campaign, trials: tuple[Trial, ...], name: str, kind: str
 ) -> None:
-    """The longest path of a kind, in the pool."""
+    """The longest path of a kind, seen from above in the pool."""
     letter(axes, name)
     if not trials:
         absent(axes, f"no {kind} in this study")
         return
-    trial = max(trials, key=lambda t: np.ptp(campaign.tracks[t.trial_id].x_m))
+    trial = max(trials, key=lambda t: _way_m(campaign, t))
     track = campaign.tracks[trial.trial_id]
     pool(axes, campaign.study)
-    axes.plot(track.x_m, track.y_m, color="#20262e", lw=1)
+    axes.plot(track.x_m, track.y_m, color="#20262e", lw=1, zorder=6)
     robots(axes, campaign.study.setup.robot, trial.head_length_m, track)
     axes.set_title(f"{kind}, {trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°")
+
+
+def _way_m(campaign: Campaign, trial: Trial) -> float:
+    track = campaign.tracks[trial.trial_id]
+    return float(np.hypot(np.diff(track.x_m), np.diff(track.y_m)).sum())
 
 
 def _speeds(

@@ -11,7 +11,7 @@ from ...campaign import Campaign
 from ...data import Steady
 from ...study import Trial
 
-STRAIGHT_DEG = 1.0
+STRAIGHT_DEG = 3.0
 """A head turned by less counts as straight."""
 TRUSTED = ("good", "straight")
 
@@ -47,6 +47,11 @@ def head_name(campaign: Campaign, head_length_m: float) -> str:
     """Head length as the paper says it: `1.5x head`."""
     ratio = head_length_m / campaign.study.setup.robot.head_length_m
     return f"{round(ratio, 1):g}x head"
+
+
+def is_one_x(campaign: Campaign, trial: Trial) -> bool:
+    """Whether a trial has the robot's own head."""
+    return abs(trial.head_length_m - campaign.study.setup.robot.head_length_m) < 1e-6
 
 
 def is_straight(trial: Trial) -> bool:

@@ -37,13 +37,12 @@ def body(robot: Robot, head_length_m: float, pose: Float) -> Float:
     )
 
 
-def robots(
-    axes: Axes, robot: Robot, head_length_m: float, track: Track, *, every_s: float = 0.5
-) -> None:
-    """The robot as two plates, drawn every `every_s` along a track."""
-    last = track.time_s[-1]
-    for moment in np.arange(track.time_s[0], last + 1e-9, every_s):
-        i = int(np.argmin(np.abs(track.time_s - moment)))
+def robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
+    """The robot as two plates along a track, a little more than its own length apart."""
+    apart = 1.25 * (robot.body_length_m + head_length_m - robot.head_length_m)
+    gone = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(track.x_m), np.diff(track.y_m)))])
+    for distance in np.arange(0.0, gone[-1], apart):
+        i = int(np.searchsorted(gone, distance))
         pose = (track.x_m[i], track.y_m[i], track.heading_rad[i], track.head_angle_rad[i])
         points = body(robot, head_length_m, np.array(pose))
         axes.plot(*points[1:].T, color="#7c8894", lw=2.6, solid_capstyle="round", zorder=3)

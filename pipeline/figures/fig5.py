@@ -1,0 +1,118 @@
+"""Figure 5 of the paper for this study: the three tuning steps at each power."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..campaign import Campaign
+from ..study import Trial
+from .drawing import groups
+from .drawing.circles import DASHES, circle, equal, measured_arc
+from .drawing.look import BEFORE, MEASURED, absent, letter
+from .drawing.sweeps import Tuned, from_rest, radius, tuned
+
+TITLE = "The paper's three tuning steps at each power"
+CAPTION = (
+    "One row a power, tuned on its own as published. Step 1: straight speed from rest, data solid, "
+    "simulation dashed. Step 2: steady turns with the 1x head at each head angle; thin: the "
+    "measured circle, thick: the measured arc, dashed: the simulation, with its radius minus the "
+    "measured one in percent. Step 3: the longer head, which no step was tuned to."
+)
+NEEDS = ("tracks", "steady", "coefficients")
+STEPS = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, not tuned")
+
+
+def draw(campaign: Campaign) -> Figure:
+    """A row of three panels for every power."""
+    known, powers = tuned(campaign), groups.powers(campaign)
+    figure = Figure(figsize=(10.5, 3.1 * len(powers) + 0.4), layout="constrained")
+    panels = figure.subplots(len(powers), 3, squeeze=False)
+    for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):
+        letter(axes[0], "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[row % 26])
+        _straight(axes[0], campaign, power, known.get(power))
+        _turns(axes[1], campaign, _one_x(campaign, power), known.get(power))
+        _turns(axes[2], campaign, _longer(campaign, power), known.get(power))
+        for axis, step in zip(axes, STEPS, strict=True):
+            axis.set_title(f"{power:g} %, {step}")
+    lines = [
+        Line2D([], [], color=MEASURED, label="data"),
+        Line2D([], [], color=BEFORE, ls="--", label="simulation"),
+    ]
+    figure.legend(handles=lines, loc="outside upper right", ncols=2)
+    return figure
+
+
+def _at(campaign: Campaign, power: float) -> list[Trial]:
+    return [trial for trial in groups.turns(campaign) if trial.power_pct == power]
+
+
+def _one_x(campaign: Campaign, power: float) -> list[Trial]:
+    return [t for t in _at(campaign, power) if groups.is_one_x(campaign, t)]
+
+
+def _longer(campaign: Campaign, power: float) -> list[Trial]:
+    return [t for t in _at(campaign, power) if not groups.is_one_x(campaign, t)]
+
+
+def _straight(axes: Axes, campaign: Campaign, power: float, row: Tuned | None) -> None:
+    mine = [
+        t
+        for t in groups.straights(campaign)
+        if t.power_pct == power and groups.is_one_x(campaign, t)
+    ]
+    if not mine:
+        absent(axes, "no straight run of the 1x head at this power")
+        return
+    for trial in mine:
+        track = campaign.tracks[trial.trial_id]
+        axes.plot(track.time_s, track.speed_m_s, color=MEASURED, lw=1.1)
+    if row is None:
+        axes.text(0.5, 0.3, "not tuned", transform=axes.transAxes, ha="center", color="0.4")
+    else:
+        last = max(campaign.tracks[t.trial_id].time_s[-1] for t in mine)
+        run = from_rest(campaign, row, campaign.study.setup.robot.head_length_m, last)
+        axes.plot(run.time_s, run.speed_m_s, color=BEFORE, ls="--")
+    axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
+
+
+def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: Tuned | None) -> None:
+    if not trials:
+        absent(axes, "no turn of this kind at this power")
+        return
+    conditions = sorted({(abs(t.head_angle_deg), t.head_length_m) for t in trials}, reverse=True)
+    words = []
+    for i, (angle, length) in enumerate(conditions):
+        mine = [t for t in trials if (abs(t.head_angle_deg), t.head_length_m) == (angle, length)]
+        for trial in mine:
+            axes.plot(*measured_arc(campaign, trial).T, color=MEASURED, lw=2)
+        seen = float(np.mean([campaign.steady[t.trial_id].radius_m for t in mine]))
+        axes.plot(*circle(seen).T, color=MEASURED, lw=0.7, ls=DASHES[2 * (i % 2)])
+        name = f"{angle:g}°, {groups.head_name(campaign, length)}"
+        words.append(
+            f"{name}: data {seen:.3f} m" + _model(axes, campaign, row, (angle, length, seen))
+        )
+    equal(axes)
+    _words(axes, words)
+
+
+def _model(
+    axes: Axes, campaign: Campaign, row: Tuned | None, condition: tuple[float, float, float]
+) -> str:
+    """Draw the simulated circle; its radius and difference in words."""
+    if row is None:
+        return ""
+    angle, length, seen = condition
+    found = radius(campaign, row, length, angle)
+    if not np.isfinite(found):
+        return "\n   simulation: no turn"
+    axes.plot(*circle(found).T, color=BEFORE, ls="--")
+    return f"\n   simulation {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
+
+
+def _words(axes: Axes, words: Iterable[str]) -> None:
+    axes.text(0, 0, "\n".join(words), ha="center", va="center", fontsize=6.8)

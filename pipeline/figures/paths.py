@@ -1,0 +1,79 @@
+"""Measured path and model paths of every trial."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..campaign import Campaign
+from ..study import Trial
+from .drawing.look import AFTER, BEFORE, MEASURED, absent
+from .drawing.paths import EXTENDED, JOINT, path_rmse_m
+from .drawing.pool import pool
+
+TITLE = "Measured and simulated path of every trial"
+CAPTION = (
+    "Each panel is the pool from above. Solid: measured path of the centre of mass, dot at its "
+    "start. Dashed: the model with one coefficient set for all trials, from the fitted start. "
+    "Blue, where something was found: the model with what was left out. Numbers: rms distance to "
+    "the measured path over the trial, mm."
+)
+NEEDS = ("tracks",)
+COLUMNS = 6
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Small multiples, one panel a trial in the order of trials.csv."""
+    trials = campaign.study.trials
+    columns = min(COLUMNS, len(trials))
+    rows = math.ceil(len(trials) / columns)
+    figure = Figure(figsize=(max(6, 2.15 * columns), 1.75 * rows + 0.7), layout="constrained")
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for i, axes in enumerate(panels.flat):
+        if i < len(trials):
+            _panel(axes, campaign, trials[i])
+            axes.tick_params(labelleft=i % columns == 0, labelbottom=i + columns >= len(trials))
+        else:
+            axes.axis("off")
+    figure.supxlabel("x (m)")
+    figure.supylabel("y (m)")
+    figure.legend(handles=_legend(campaign), loc="outside upper center", ncols=3)
+    return figure
+
+
+def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
+    axes.set_title(
+        f"{trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°, "
+        f"{trial.head_length_m:g} m",
+        fontsize=7,
+    )
+    track = campaign.tracks.get(trial.trial_id)
+    if track is None:
+        absent(axes, "left out")
+        return
+    pool(axes, campaign.study, labels=False)
+    axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.3)
+    axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
+    columns = campaign.simulations.get(trial.trial_id, {})
+    words = []
+    for prefix, colour, dash in ((JOINT, BEFORE, "--"), (EXTENDED, AFTER, "-")):
+        if f"{prefix}_x_m" in columns:
+            axes.plot(
+                columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"], color=colour, ls=dash, lw=1.1
+            )
+            words.append((1000 * path_rmse_m(track, columns, prefix), colour))
+    for i, (number, colour) in enumerate(words):
+        axes.text(2.5, 0.08 + 0.17 * i, f"{number:.1f}", color=colour, ha="right", fontsize=7)
+
+
+def _legend(campaign: Campaign) -> list[Line2D]:
+    lines = [Line2D([], [], color=MEASURED, label="measured")]
+    have = {name for columns in campaign.simulations.values() for name in columns}
+    if f"{JOINT}_x_m" in have:
+        lines.append(Line2D([], [], color=BEFORE, ls="--", label="model, one coefficient set"))
+    if f"{EXTENDED}_x_m" in have:
+        lines.append(Line2D([], [], color=AFTER, label="model with what was left out"))
+    return lines

@@ -19,6 +19,9 @@ TOLERANCES = (0.005, 0.01, 0.02)
 twice the share."""
 STRAIGHT_RATE = 0.01
 """A change of turning rate, rad/s, that counts as none."""
+EXTRAPOLATED = 1.2
+"""v_inf of the start-up is believed up to this multiple of the last speed."""
+LEAST_WAY_M = 0.02
 LEAST_S = 0.7
 LEAST_FRAMES = 8
 RADIUS_SHARE = 0.05
@@ -41,10 +44,14 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     """
     if len(track.time_s) < 8 or not np.isfinite(track.speed_m_s).all():
         return _no_data(flapping, "fewer than 8 frames: film for longer or check the detection")
+    if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < LEAST_WAY_M:
+        return _no_data(flapping, f"the robot moves less than {LEAST_WAY_M:g} m: did it start?")
     plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
     stretch = _steady_stretch(track, plateau)
     at = stretch.frames
-    speed, speed_std = _mean_speed(track, at) if stretch.settled else _extrapolated(plateau)
+    speed, speed_std = (
+        _mean_speed(track, at) if stretch.settled else _not_reached(track, at, plateau)
+    )
     arc = float(track.heading_rad[at][-1] - track.heading_rad[at][0])
     base = Steady(
         flap_hz=flapping.flap_hz,
@@ -125,17 +132,23 @@ def _mean_speed(track: Track, at: slice) -> tuple[float, float]:
     return float(speed.mean()), float(np.sqrt(cov.mean()))
 
 
-def _extrapolated(plateau: Plateau) -> tuple[float, float]:
-    return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
+def _not_reached(track: Track, at: slice, plateau: Plateau) -> tuple[float, float]:
+    """Steady speed where it is not reached: v_inf of the start-up where that is near.
+
+    Where it is not, the start-up is no tanh, and the last speed stands with its own change.
+    """
+    speed = track.speed_m_s[at]
+    if plateau.speed_m_s < EXTRAPOLATED * float(speed[-1]):
+        return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
+    return float(speed.mean()), float(max(np.ptp(speed), plateau.speed_std_m_s))
 
 
 def _straight(base: Steady, stretch: _Stretch, plateau: Plateau) -> Steady:
     if stretch.settled:
         return replace(base, quality="straight")
-    reason = (
-        f"speed still rises at the end; v_inf from the start-up, 99 % would be reached at "
-        f"{plateau.settled_s:.1f} s: film for longer or start nearer the wall"
-    )
+    reason = "the speed still changes at the end: film for longer or start nearer the wall"
+    if plateau.speed_m_s < EXTRAPOLATED * base.speed_m_s:
+        reason += f"; by its start-up it would be within 1 % at {plateau.settled_s:.1f} s"
     return replace(base, quality="not_steady", reason=reason)
 
 

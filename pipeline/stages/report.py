@@ -1,0 +1,20 @@
+"""The page with all of it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+from ..campaign import load_campaign
+from ..report import write_report
+from ..study import load_study
+from .layout import Layout
+
+
+def report(study: Path, results: Path) -> None:
+    """Write report.html from the results and the figures that have been drawn."""
+    # By name, so that editing one figure's code does not count as a change of the page's.
+    figures = import_module("pipeline.figures")
+    told = {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
+    campaign = load_campaign(results, load_study(study))
+    write_report(campaign, told, results / "figures", results / "overlays", Layout(results).report)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from ..data import Flapping, Float, read_columns
-from ..faults import Fault, fault
+from ..faults import fault
 from .shaft import Shaft, shaft_motion
 
 COLUMNS = ("time_s", "angle_deg")
@@ -198,5 +198,3 @@ def _notes(fit: _Fit, shaft: Shaft) -> list[str]:
         notes.append(f"the flapping frequency changes by {share:+.1f} % over the log")
     return notes
 
-
-__all__ = ["Fault", "correlation_time", "flapping_from_log", "read_log"]

@@ -17,8 +17,6 @@ from ..data import Float
 
 Mask = npt.NDArray[np.bool_]
 
-RATE_LIMIT_HZ = 40.0
-"""No flapping motor turns faster."""
 BINS = 72
 """Bins of the shaft's circle in which the dead zone is looked for: 5 degrees each."""
 
@@ -58,7 +56,25 @@ def shaft_motion(time_s: Float, angle_rad: Float) -> Shaft:
     dead = _dead_bins(guess, sound)
     good = sound & ~dead[_bin(guess)]
     width = 2 * np.pi * float(dead.mean())
-    return Shaft(time_s, guess + residual, good, center, rate, width)
+    unwrapped = guess + residual
+    hz = _slopes(time_s[good], unwrapped[good], center, rate)
+    return Shaft(time_s, unwrapped, good, center, hz, width)
+
+
+def _slopes(time_s: Float, phase_rad: Float, center_s: Float, rate_hz: Float) -> Float:
+    """Rate (Hz) in each window from its sound readings; the line's where there are too few."""
+    if len(center_s) < 2:
+        return rate_hz
+    half = float(np.median(np.diff(center_s)))
+    out = rate_hz.copy()
+    for i, center in enumerate(center_s):
+        first, last = np.searchsorted(time_s, [center - half, center + half])
+        t = time_s[first:last] - center
+        if last - first >= 5 and np.ptp(t) > half:
+            centred = t - t.mean()
+            slope = centred @ phase_rad[first:last] / (centred @ centred)
+            out[i] = slope / (2 * np.pi)
+    return out
 
 
 def _windows(time_s: Float, angle_rad: Float, width_s: float) -> tuple[Float, Float, Float]:
@@ -75,12 +91,15 @@ def _windows(time_s: Float, angle_rad: Float, width_s: float) -> tuple[Float, Fl
 
 
 def _line(time_s: Float, angle_rad: Float, center_s: float) -> tuple[float, float, float]:
-    """Strongest line of exp(i a): argmax_f |sum exp(i (a - 2 pi f (t - centre)))|."""
+    """Strongest line of exp(i a): argmax_f |sum exp(i (a - 2 pi f (t - centre)))|.
+
+    Looked for around the median step from reading to reading.
+    """
     t, z = time_s - center_s, np.exp(1j * angle_rad)
     span = max(float(np.ptp(t)), 1e-3)
-    limit = min(RATE_LIMIT_HZ, 0.45 / float(np.median(np.diff(time_s))))
-    middle, half, sums = 0.0, limit, np.zeros(0)
-    for points in (int(8 * limit * span) + 17, 33, 33):
+    middle = float(np.median(wrapped(np.diff(angle_rad)) / np.diff(time_s))) / (2 * np.pi)
+    half, sums = 3 / span, np.zeros(0)
+    for points in (33, 17, 17):
         trial = middle + np.linspace(-half, half, points)
         sums = np.exp(-2j * np.pi * np.outer(trial, t)) @ z
         middle = float(trial[np.argmax(np.abs(sums))])

@@ -24,7 +24,7 @@ def tail_beat(
 ) -> tuple[float, float]:
     """Tail-beat frequency in the video and its standard deviation, Hz; NaN where it is not seen.
 
-    y(t) = background(t) + sum_k (A_k cos k phi + B_k sin k phi), k = 1, 2; phi = 2 pi f t. y is the
+    y(t) = background(t) + A cos phi + B sin phi, phi = 2 pi f t. y is the
     tail's angle to the core, or where tail points are missing the heading. With `flapping` phi
     follows the motor's own rate over time (spin-up), scaled by one ratio of the clocks.
 
@@ -105,8 +105,7 @@ def _background(time_s: Float, reference_hz: float) -> Float:
 
 def _design(hz: float, time_s: Float, background: Float) -> Float:
     phase = 2 * np.pi * hz * (time_s - time_s.mean())
-    waves = [g(k * phase) for k in (1, 2) for g in (np.cos, np.sin)]
-    return np.column_stack([*waves, background])
+    return np.column_stack([np.cos(phase), np.sin(phase), background])
 
 
 def _residual(hz: float, time_s: Float, signal: Float, background: Float, weights: Float) -> Float:
@@ -131,7 +130,7 @@ def _uncertainty(
     none = _misfit(1e-9, time_s, signal, background, weights)
     residual = _residual(hz, time_s, signal, background, weights)
     inflation = correlation_time(residual * np.sqrt(weights))
-    variance = mid / max(float(weights.sum()) - background.shape[1] - 5, 1.0) * inflation
+    variance = mid / max(float(weights.sum()) - background.shape[1] - 3, 1.0) * inflation
     bend = (low - 2 * mid + high) / step**2
     if none - mid < 15 * variance or bend <= 0:
         return float("nan"), float("nan")

@@ -1,0 +1,217 @@
+"""Flapping frequency from shaft logs of known motion, and from keypoints of a known beat."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.data import Flapping, Positions
+from pipeline.faults import Fault
+from pipeline.motor import compare, flapping_from_log, flapping_given, read_log, tail_beat
+
+
+def write_log(path, time_s, angle_deg, header="time_s,angle_deg"):
+    rows = "\n".join(f"{t:.4f},{a:.4f}" for t, a in zip(time_s, angle_deg, strict=True))
+    path.write_text(f"{header}\n{rows}\n")
+    return path
+
+
+def shaft_log(rng, *, hz=2.37, seconds=6.0, tau=0.0, sag=0.0, dead=13.0, stuck=True, noise=0.5):
+    """Times and wrapped readings of a shaft: f(t) = hz (1 - exp(-t/tau)) (1 - sag t/T)."""
+    t = np.arange(0, seconds, 0.005)
+    rate = hz * (1 - sag * t / seconds) * (1 - (np.exp(-t / tau) if tau else 0.0))
+    turns = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * 0.005)])
+    true = (360 * turns + rng.uniform(0, 360)) % 360
+    read = np.clip(true + rng.normal(0, noise, len(t)), 0, 360)
+    inside = true > 360 - dead
+    filler = 360 - dead if stuck else rng.uniform(0, 360, len(t))
+    return t, np.where(inside, filler, read)
+
+
+@pytest.mark.parametrize("hz", [0.8, 2.37, -4.02, 5.82])
+@pytest.mark.parametrize("stuck", [True, False])
+def test_constant_rate_with_dead_zone(tmp_path, hz, stuck):
+    t, a = shaft_log(np.random.default_rng(1), hz=hz, stuck=stuck)
+    found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))
+    assert found.flap_hz == pytest.approx(abs(hz), rel=5e-4)
+    assert abs(found.flap_hz - abs(hz)) < 5 * found.flap_hz_std
+    assert found.hz == pytest.approx(abs(hz), rel=0.05)
+    assert found.source == "motor_log"
+
+
+def test_stated_deviation_has_the_right_width(tmp_path):
+    rng = np.random.default_rng(2)
+    pulls = []
+    for _ in range(25):
+        hz = rng.uniform(2, 6)
+        found = flapping_from_log(
+            write_log(tmp_path / "m.csv", *shaft_log(rng, hz=hz, seconds=2.0, noise=1.0))
+        )
+        pulls.append((found.flap_hz - hz) / found.flap_hz_std)
+    assert 0.6 < np.sqrt(np.mean(np.square(pulls))) < 1.5
+
+
+def test_dead_zone_is_found(tmp_path):
+    t, a = shaft_log(np.random.default_rng(3), dead=40.0, stuck=False)
+    found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))
+    width = float(found.remarks[0].split()[-2])
+    assert width == pytest.approx(40.0, abs=6.0)
+
+
+def test_spin_up_gives_the_final_rate_and_shows_over_time(tmp_path):
+    t, a = shaft_log(np.random.default_rng(4), hz=4.0, tau=0.4, seconds=4.0)
+    found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))
+    assert found.flap_hz == pytest.approx(4.0, rel=0.003)
+    assert found.hz[0] < 2.5 < found.hz[-1]
+    assert any("spins up" in remark for remark in found.remarks)
+
+
+def test_falling_battery_is_told_and_the_mean_rate_taken(tmp_path):
+    t, a = shaft_log(np.random.default_rng(5), hz=4.0, sag=0.05)
+    found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))
+    assert found.flap_hz == pytest.approx(3.9, rel=0.003)
+    assert any("-5." in remark or "-4.9" in remark for remark in found.remarks)
+
+
+def test_a_sensor_whose_scale_is_off_still_counts_turns(tmp_path):
+    t = np.arange(0, 5, 0.005)
+    true = (360 * 3.1 * t) % 360
+    read = np.where(true < 345, true * 360 / 345, 359.9)
+    found = flapping_from_log(write_log(tmp_path / "m.csv", t, read))
+    assert found.flap_hz == pytest.approx(3.1, rel=1e-3)
+
+
+def test_holes_are_bridged_or_told(tmp_path):
+    t, a = shaft_log(np.random.default_rng(6), hz=4.0)
+    short = (t < 2.0) | (t > 2.2)
+    found = flapping_from_log(write_log(tmp_path / "short.csv", t[short], a[short]))
+    assert found.flap_hz == pytest.approx(4.0, rel=1e-3)
+    long = (t < 1.5) | (t > 3.0)
+    found = flapping_from_log(write_log(tmp_path / "long.csv", t[long], a[long]))
+    assert found.flap_hz == pytest.approx(4.0, rel=1e-3)
+    assert any("hole" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("swapped", "swapped"),
+        ("milliseconds", "milliseconds"),
+        ("radians", "radians"),
+        ("still", "never turned"),
+        ("empty", "an empty file"),
+        ("header_only", "0 rows"),
+        ("column", "a column angle_deg"),
+        ("text", "numbers"),
+        ("slow", "cannot be counted"),
+        ("short", "turns of the shaft"),
+        ("back", "Sort the rows"),
+    ],
+)
+def test_wrong_logs_are_told_with_their_cure(tmp_path, name, message):
+    t, a = shaft_log(np.random.default_rng(7), hz=2.0)
+    path = tmp_path / f"{name}.csv"
+    {
+        "swapped": lambda: write_log(path, a, t),
+        "milliseconds": lambda: write_log(path, 1000 * t, a),
+        "radians": lambda: write_log(path, t, np.radians(a)),
+        "still": lambda: write_log(path, t, 100 + 0 * a),
+        "empty": lambda: path.write_text(""),
+        "header_only": lambda: path.write_text("time_s,angle_deg\n"),
+        "column": lambda: write_log(path, t, a, header="time_s,angle"),
+        "text": lambda: path.write_text("time_s,angle_deg\n0.0,x\n"),
+        "slow": lambda: write_log(path, t[::20], a[::20]),
+        "short": lambda: write_log(path, t[:80], a[:80]),
+        "back": lambda: write_log(path, np.concatenate([t[:500], t[400:]]), np.append(a, a[:100])),
+    }[name]()
+    with pytest.raises(Fault, match=message) as raised:
+        flapping_from_log(path)
+    assert path.name in str(raised.value)
+
+
+def test_rows_without_numbers_are_left_out(tmp_path):
+    t, a = shaft_log(np.random.default_rng(8))
+    a[100:103] = np.nan
+    text = (write_log(tmp_path / "m.csv", t, a)).read_text().replace("nan", "")
+    (tmp_path / "m.csv").write_text(text)
+    times, _, remarks = read_log(tmp_path / "m.csv")
+    assert len(times) == len(t) - 3
+    assert "3 rows" in remarks[0]
+
+
+def beating(rng, hz, *, frames=180, fps=30000 / 1001, amplitude=0.35, noise=0.02, jitter=0.0):
+    """Positions of a robot that turns slowly and beats its tail."""
+    t = np.arange(frames) / fps + jitter * rng.uniform(-0.3, 0.3, frames) / fps
+    course, tail = 0.4 * t, amplitude * np.sin(2 * np.pi * hz * t + 0.7)
+    tail = tail + rng.normal(0, noise, frames)
+    core = np.column_stack([1 + 0.2 * t, 0.8 + 0 * t])
+    back = np.column_stack([np.cos(course), np.sin(course)])
+    flick = np.column_stack([np.cos(course + tail), np.sin(course + tail)])
+    xy = np.stack([core, core - 0.08 * back, core - 0.08 * back - 0.066 * flick], axis=1)
+    cov = np.tile(1e-6 * np.eye(2), (frames, 3, 1, 1))
+    names = ("core_center", "tail_base", "tail_tip")
+    return Positions(t, names, xy, cov, np.ones((frames, 3)))
+
+
+@pytest.mark.parametrize("hz", [2.37, 5.82, 11.0])
+@pytest.mark.parametrize("guess", [float("nan"), 1.05])
+def test_tail_beat_in_the_video(hz, guess):
+    found, std = tail_beat(beating(np.random.default_rng(9), hz), guess * hz)
+    assert abs(found - hz) < 4 * std
+    assert std < 0.003 * hz
+
+
+def test_tail_beat_above_half_the_frame_rate_is_found_from_a_guess():
+    found, std = tail_beat(beating(np.random.default_rng(10), 18.2, jitter=1.0), 18.0)
+    assert abs(found - 18.2) < 4 * std
+
+
+def test_tail_beat_deviation_has_the_right_width():
+    rng = np.random.default_rng(11)
+    pulls = []
+    for _ in range(30):
+        hz = rng.uniform(2, 6)
+        found, std = tail_beat(beating(rng, hz, frames=120, noise=0.08), hz)
+        pulls.append((found - hz) / std)
+    assert 0.7 < np.sqrt(np.mean(np.square(pulls))) < 1.4
+
+
+def test_no_beat_is_nan():
+    quiet = beating(np.random.default_rng(12), 3.0, amplitude=0.0)
+    assert np.isnan(tail_beat(quiet, 3.0)).all()
+    assert np.isnan(tail_beat(beating(np.random.default_rng(1), 3.0, frames=8), 3.0)).all()
+
+
+def test_tail_beat_follows_the_motor_through_spin_up():
+    t = np.linspace(0, 6, 200)
+    hz = 4.0 * (1 - np.exp(-t / 0.5))
+    motor = Flapping(4.0, 0.001, "motor_log", t, hz)
+    seen = beating(np.random.default_rng(13), 4.0)
+    turns = np.interp(
+        seen.time_s, t, np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * 6 / 199)])
+    )
+    tail = 0.35 * np.sin(2 * np.pi * turns)
+    course = 0.4 * seen.time_s + tail
+    xy = seen.xy_m.copy()
+    xy[:, 2] = xy[:, 1] - 0.066 * np.column_stack([np.cos(course), np.sin(course)])
+    warped = Positions(seen.time_s, seen.names, xy, seen.cov_m2, seen.likelihood)
+    found, _ = tail_beat(warped, 4.0, flapping=motor)
+    assert found == pytest.approx(4.0, rel=0.004)
+
+
+def test_clocks_that_disagree_are_told_with_the_ratio():
+    motor = Flapping(4.0, 0.0005, "motor_log")
+    same = compare(motor, (4.002, 0.001))
+    assert same.agrees
+    assert same.video_hz == 4.002
+    other = compare(motor, (4.08, 0.002))
+    assert not other.agrees
+    assert "1.0200 +- 0.0005" in other.remarks[-1]
+    unseen = compare(motor, (float("nan"), float("nan")))
+    assert unseen.agrees
+    assert np.isnan(unseen.video_hz)
+
+
+def test_given_frequency():
+    assert flapping_given(2.5).flap_hz == 2.5
+    assert flapping_given(2.5).source == "flap_hz"

@@ -124,6 +124,17 @@ rule figure:
     shell: "python3 -m pipeline stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
 
+rule report:
+    input: rules.mismatch.output, plan.figures(),
+    output: R / "report.html",
+    conda: ENV
+    log: LOGS / "report.log"
+    benchmark: TIMES / "report.tsv"
+    params: at=AT, code=plan.code("report"),
+    resources: mem_mb=800, runtime=10,
+    shell: "python3 -m pipeline stage report {params.at} &> {log:q}"
+
+
 rule outcome:
     input: plan.goals(),
     output: R / "outcome.json",

@@ -19,7 +19,9 @@ from ..files import read_json
 from ..study import Study, Trial, load_study
 from .provenance import PACKAGE, fingerprint
 
-RESULTS = ("steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json")
+RESULTS = (
+    "steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json", "report.html",
+)  # fmt: skip
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 
 
@@ -56,8 +58,11 @@ class Plan:
         """
         kinds = ("status/keypoints", "status")
         statuses = [f"{kind}/{trial}.json" for trial in self.trials for kind in kinds]
-        figures = [f"figures/{name}.png" for name in figure_names()]
-        return [str(self.results / name) for name in (*statuses, *RESULTS, *figures)]
+        return [*(str(self.results / name) for name in (*statuses, *RESULTS)), *self.figures()]
+
+    def figures(self) -> list[str]:
+        """Pictures of all figures."""
+        return [str(self.results / f"figures/{name}.png") for name in figure_names()]
 
     def sources(self, wildcards: Any) -> list[str]:
         """Files of a trial to detect in; one that is missing is left to the stage to tell."""

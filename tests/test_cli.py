@@ -8,13 +8,15 @@ import time
 from pathlib import Path
 
 import click
+import numpy as np
 import pytest
 from click.testing import CliRunner
-from studies import small_study
+from studies import edit_rows, small_study
 
 from pipeline.cli import main
 from pipeline.cli.run import _exit_code, command, workflow_folder
 from pipeline.faults import fault
+from pipeline.footage import encode
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {"numpy", "cv2", "scipy", "pandas", "matplotlib", "numba", "filterpy", "snakemake", "av"}
@@ -128,3 +130,37 @@ def test_run_hands_on_to_snakemake(tmp_path, monkeypatch):
     )
     assert done.returncode == 0, done.stderr
     assert "keypoints" in done.stdout + done.stderr
+
+
+def test_simulate_gives_the_speed_of_table_1_by_its_formula(tmp_path):
+    study = small_study(tmp_path / "study")
+    out = tmp_path / "path.csv"
+    result = bluekoi("simulate", study, "--flap-hz", "5.82", "--out", out, "--seconds", "2")
+    assert result.exit_code == 0, result.output
+    assert "steady: 0.552 m/s, straight" in result.output  # f sqrt(C_T / C_D0)
+    assert out.read_text().splitlines()[0].startswith("time_s,x_m,y_m,theta_rad")
+    assert len(out.read_text().splitlines()) == 122
+
+
+def test_pool_without_footage_is_told(tmp_path):
+    result = bluekoi("pool", small_study(tmp_path / "study"))
+    assert result.exit_code == 1
+    assert "no footage to draw on" in result.output
+
+
+def test_pool_draws_corners_on_a_frame(tmp_path):
+    study = small_study(tmp_path / "study")
+    picture = np.full((1080, 1920, 3), 90, np.uint8)
+    (study / "videos").mkdir()
+    encode(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
+    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "pool.png").stat().st_size > 1000
+
+
+def test_calibrate_takes_a_missing_picture_as_a_fault(tmp_path):
+    result = bluekoi("calibrate", tmp_path / "none.jpg", "--out", tmp_path / "c.yaml")
+    assert result.exit_code == 1
+    assert "none.jpg" in result.output
+    assert not (tmp_path / "c.yaml").exists()

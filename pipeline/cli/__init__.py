@@ -5,9 +5,11 @@ from __future__ import annotations
 import click
 
 from ..faults import Fault, printable
+from .camera import calibrate, pool
 from .check import check
 from .doctor import doctor
 from .run import run
+from .simulate import simulate
 from .stage import stage
 
 EXIT_CODES = """\b
@@ -37,5 +39,5 @@ def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
 
 
-for _command in (run, check, doctor, stage):
+for _command in (run, check, doctor, calibrate, pool, simulate, stage):
     main.add_command(_command)

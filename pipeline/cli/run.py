@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess  # nosec: our own interpreter, a list of arguments, no shell
+import subprocess
 import sys
 from pathlib import Path
 
@@ -50,10 +49,7 @@ def run(
         from ..study import load_study  # noqa: PLC0415
 
         load_study(study)
-    environment = {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", "")}
-    done = subprocess.run(  # noqa: S603
-        command(study, results, cores, further), env=environment, check=False
-    )
+    done = subprocess.run(command(study, results, cores, further), check=False)  # noqa: S603
     ctx.exit(_exit_code(done.returncode, results or Path("results") / Path(study).resolve().name))
 
 

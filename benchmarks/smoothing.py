@@ -46,9 +46,7 @@ def ours(cases: list, hz: float) -> tuple[np.ndarray, list[list[np.ndarray]]]:
     found, pulls = [], []
     for truth, pose in cases:
         track = smooth(pose, hz)
-        e = errors(
-            truth, np.column_stack([track.vx_m_s, track.vy_m_s]), track.yaw_rate_rad_s
-        )
+        e = errors(truth, np.column_stack([track.vx_m_s, track.vy_m_s]), track.yaw_rate_rad_s)
         found.append(e)
         pulls.append([e[0] / track.speed_m_s_std, e[1] / track.yaw_rate_rad_s_std])
     return np.array([rms([e[i] for e in found]) for i in (0, 1)]), pulls
@@ -76,7 +74,9 @@ def compare(seen: motions.Seen, frames: int, trials: int, seed: int = 3) -> dict
         pooled = np.sqrt((table**2).mean(axis=1))
         best = pooled.argmin(axis=0)
         result["rivals"][rival] = {
-            "fixed": {n: np.array([table[best[j], i, j] for j in (0, 1)]) for i, n in enumerate(cases)},
+            "fixed": {
+                n: np.array([table[best[j], i, j] for j in (0, 1)]) for i, n in enumerate(cases)
+            },
             "oracle": {n: table[:, i].min(axis=0) for i, n in enumerate(cases)},
         }
     return result

@@ -1,0 +1,164 @@
+"""The smoother on exact motions: errors, stated deviations, start-up, gaps, wrong points."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import MOTIONS, Seen, circle, line, observe, rest, startup, times, turning_start
+
+from pipeline.data import Pose
+from pipeline.faults import Fault
+from pipeline.smoothing import smooth
+from pipeline.smoothing.speed import speed_and_std
+
+FAST = Seen(hz=5.82, gap_s=(2.0, 2.3))
+
+
+def rms(values) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+@pytest.mark.parametrize("name", list(MOTIONS))
+def test_rates_of_exact_motions(name):
+    truth = MOTIONS[name](times(150))
+    track = smooth(observe(truth, np.random.default_rng(1), FAST), FAST.hz)
+    assert rms(track.speed_m_s - truth.speed) < 0.002
+    assert rms(track.yaw_rate_rad_s - truth.yaw_rate) < 0.012
+    assert rms(np.hypot(track.x_m - truth.xy[:, 0], track.y_m - truth.xy[:, 1])) < 0.0008
+    assert rms(track.heading_rad - truth.heading) < 0.006
+
+
+def test_velocity_is_the_derivative_of_the_position():
+    track = smooth(observe(circle(times(150)), np.random.default_rng(2), FAST), FAST.hz)
+    moved = np.gradient(track.x_m, track.time_s)[2:-2]
+    assert moved == pytest.approx(track.vx_m_s[2:-2], abs=2e-3)
+    assert track.speed_m_s == pytest.approx(np.hypot(track.vx_m_s, track.vy_m_s))
+    turned = np.gradient(track.heading_rad, track.time_s)[2:-2]
+    assert turned == pytest.approx(track.yaw_rate_rad_s[2:-2], abs=0.02)
+
+
+@pytest.mark.parametrize("make", [startup, turning_start])
+def test_no_bias_at_the_start_from_rest(make):
+    errors, deviations = [], []
+    for seed in range(5):
+        truth = make(times(120))
+        track = smooth(observe(truth, np.random.default_rng(seed), FAST), FAST.hz)
+        errors.append(track.speed_m_s[:10] - truth.speed[:10])
+        deviations.append(track.speed_m_s_std[:10])
+    assert abs(np.mean(errors)) < max(0.002, 1.5 * np.mean(deviations))
+    assert track.speed_m_s[0] < 0.02
+
+
+def test_a_body_already_moving_is_not_taken_to_start_from_rest():
+    truth = line(times(120), speed=0.3)
+    track = smooth(observe(truth, np.random.default_rng(3), FAST), FAST.hz)
+    assert track.speed_m_s[0] == pytest.approx(0.3, abs=4 * track.speed_m_s_std[0])
+    assert track.speed_m_s_std[0] < 0.01
+
+
+def test_stated_deviations_are_neither_small_nor_idle():
+    speed, rate = [], []
+    for seed, make in enumerate(MOTIONS.values()):
+        for repeat in range(3):
+            truth = make(times(120))
+            pose = observe(truth, np.random.default_rng([seed, repeat]), FAST)
+            track = smooth(pose, FAST.hz)
+            speed.append((track.speed_m_s - truth.speed) / track.speed_m_s_std)
+            rate.append((track.yaw_rate_rad_s - truth.yaw_rate) / track.yaw_rate_rad_s_std)
+    assert 0.6 < rms(np.concatenate(speed)) < 1.2
+    assert 0.6 < rms(np.concatenate(rate)) < 1.2
+
+
+def test_recoil_is_what_was_taken_out():
+    truth = circle(times(200))
+    seen = Seen(hz=2.37, sway_m=0.004, surge_m=0.0, yaw_rad=0.05, outliers=0.0, gap_s=(9, 9))
+    pose = observe(truth, np.random.default_rng(4), seen)
+    track = smooth(pose, 2.37)
+    across = np.column_stack([-np.sin(track.heading_rad), np.cos(track.heading_rad)])
+    sway = (track.recoil[:, :2] * across).sum(axis=1)
+    assert np.sqrt(2) * sway.std() == pytest.approx(0.004, rel=0.1)
+    assert np.sqrt(2) * track.recoil[:, 2].std() == pytest.approx(0.05, rel=0.1)
+    whole = np.column_stack([track.x_m, track.y_m]) + track.recoil[:, :2]
+    assert rms(whole - pose.values[:, :2]) == pytest.approx(0.001, rel=0.15)
+
+
+def test_gap_is_bridged_with_growing_deviation():
+    truth = turning_start(times(200))
+    seen = Seen(hz=5.82, gap_s=(3.0, 4.0))
+    track = smooth(observe(truth, np.random.default_rng(5), seen), 5.82)
+    inside = (track.time_s >= 3.0) & (track.time_s < 4.0)
+    middle = track.x_m_std[inside][len(track.x_m_std[inside]) // 2]
+    assert middle > 1.3 * np.median(track.x_m_std[~inside])
+    error = np.hypot(track.x_m - truth.xy[:, 0], track.y_m - truth.xy[:, 1])[inside]
+    assert error.max() < 0.01
+    assert any("bridged" in remark for remark in track.remarks)
+
+
+def test_wrong_points_do_not_pull_the_path():
+    truth = circle(times(150))
+    clean = observe(truth, np.random.default_rng(6), Seen(hz=5.82, outliers=0.0))
+    values = clean.values.copy()
+    values[[0, 40, 41, 42, 90, 149], :2] += 0.08
+    values[[20, 60], 2] += 1.0
+    track = smooth(Pose(clean.time_s, values, clean.cov), 5.82)
+    better = smooth(clean, 5.82)
+    assert rms(track.x_m - better.x_m) < 0.001
+    assert rms(track.yaw_rate_rad_s - truth.yaw_rate) < 0.02
+    assert any("8 frames set aside" in remark for remark in track.remarks)
+
+
+def test_frames_of_variable_rate():
+    rng = np.random.default_rng(7)
+    t = np.cumsum(rng.choice([1 / 30, 1 / 15, 1 / 60], 150))
+    truth = circle(t - t[0])
+    track = smooth(observe(truth, rng, Seen(hz=2.37, gap_s=(99, 99))), 2.37)
+    assert rms(track.speed_m_s - truth.speed) < 0.003
+
+
+def test_covariances_that_are_stated_wrong_are_found_out():
+    truth = circle(times(150))
+    pose = observe(truth, np.random.default_rng(8), FAST)
+    told = smooth(pose, 5.82)
+    misled = smooth(Pose(pose.time_s, pose.values, pose.cov / 9), 5.82)
+    assert np.median(misled.x_m_std) == pytest.approx(np.median(told.x_m_std), rel=0.35)
+
+
+def test_a_body_that_does_not_beat():
+    truth = circle(times(100))
+    seen = Seen(5.0, 0.0, 0.0, 0.0, gap_s=(9, 9))
+    track = smooth(observe(truth, np.random.default_rng(9), seen), float("nan"))
+    assert not track.recoil.any()
+    assert rms(track.speed_m_s - truth.speed) < 0.002
+
+
+def test_units_do_not_matter():
+    """A larva at 1000 frames a second, in millimetres: the same motion in other units."""
+    truth = circle(times(120))
+    pose = observe(truth, np.random.default_rng(10), FAST)
+    scale = np.diag([1000.0, 1000.0, 1.0, 1.0])
+    small = Pose(pose.time_s / 30, pose.values @ scale, scale @ pose.cov @ scale)
+    one, other = smooth(pose, 5.82), smooth(small, 30 * 5.82)
+    assert other.speed_m_s / 30000 == pytest.approx(one.speed_m_s, abs=2e-4)
+    assert other.yaw_rate_rad_s / 30 == pytest.approx(one.yaw_rate_rad_s, abs=2e-3)
+
+
+def test_head_angle():
+    track = smooth(observe(line(times(100)), np.random.default_rng(11), FAST), 5.82)
+    assert track.head_angle_rad == pytest.approx(0.5, abs=0.01)
+    assert (np.abs(track.head_angle_rad - 0.5) < 5 * track.head_angle_rad_std).all()
+
+
+def test_too_few_frames():
+    pose = observe(rest(times(30)), np.random.default_rng(12))
+    values = np.where(np.arange(30)[:, None] < 5, pose.values, np.nan)
+    with pytest.raises(Fault, match="5 frames with a pose"):
+        smooth(Pose(pose.time_s, values, pose.cov), 2.37)
+
+
+def test_speed_deviation_is_the_delta_method_far_from_rest_and_honest_at_rest():
+    cov = np.array([[4e-6, 1e-6], [1e-6, 1e-6]])
+    v = np.array([[0.3, 0.1], [0.0, 0.0]])
+    speed, std = speed_and_std(v, np.array([cov, cov]))
+    delta = np.sqrt(v[0] @ cov @ v[0]) / speed[0]
+    assert std[0] == pytest.approx(delta, rel=1e-3)
+    assert std[1] == pytest.approx(np.sqrt(np.trace(cov)), rel=1e-6)

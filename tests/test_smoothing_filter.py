@@ -1,0 +1,140 @@
+"""The compiled twin against filterpy, the motion model against its own differential equation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import Seen, circle, observe, times
+from scipy.linalg import expm
+
+from pipeline.smoothing import twin
+from pipeline.smoothing.chain import Chain
+from pipeline.smoothing.descent import descend
+from pipeline.smoothing.grid import filter_grid
+from pipeline.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
+from pipeline.smoothing.reference import filter_and_smooth, rauch_tung_striebel
+
+NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5, 2e-6])
+
+
+def chain_of(recoil: bool) -> tuple[Chain, np.ndarray]:
+    """A planar chain with a lively noise, gaps among its measurements."""
+    hz = 2.37 if recoil else 0.0
+    truth = circle(times(60))
+    pose = observe(truth, np.random.default_rng(1), Seen(gap_s=(0.8, 1.1)))
+    dt = np.diff(pose.time_s, prepend=pose.time_s[0])
+    F, Q = planar_matrices(NOISE, dt, hz, np.exp(-pose.time_s), truth.heading)
+    d = F.shape[1]
+    used = np.isfinite(pose.values[:, 0])
+    z = np.where(used[:, None], pose.values[:, :2], 0.0)
+    H = planar_measurement(truth.heading, hz)
+    P0 = np.diag([1.0] * 2 + [0.3] * 4 + [1e-5] * (d - 6))
+    return Chain(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
+
+
+@pytest.mark.parametrize("recoil", [True, False])
+def test_twin_is_filterpy(recoil):
+    chain, used = chain_of(recoil)
+    ours, theirs, mixed = (
+        twin.smoothed(chain, used),
+        rauch_tung_striebel(chain, used),
+        filter_and_smooth(chain, used),
+    )
+    scale = np.sqrt(np.einsum("nii->ni", theirs.P))
+    for found in (ours, mixed):
+        assert np.abs((found.x - theirs.x) / scale).max() < 1e-5
+        assert np.abs(np.einsum("nii->ni", found.P) / scale**2 - 1).max() < 1e-5
+
+
+def test_likelihood_is_that_of_the_joint_normal():
+    """-2 log N(z; 0, C) with C built from the chain without any filter."""
+    chain, used = chain_of(recoil=False)
+    n, d = 8, 6
+    step = np.zeros((n * d, n * d))
+    cov = np.zeros((n * d, n * d))
+    for k in range(n):
+        at = slice(k * d, (k + 1) * d)
+        step[at, at] = np.eye(d)
+        cov[at, at] = chain.P0 if k == 0 else chain.Q[k]
+        for j in range(k):
+            before = slice(j * d, (j + 1) * d)
+            last = slice((k - 1) * d, k * d)
+            step[at, before] = chain.F[k] @ step[last, before]
+    full = step @ cov @ step.T
+    H = np.zeros((2 * n, n * d))
+    R = np.zeros((2 * n, 2 * n))
+    for k in range(n):
+        H[2 * k : 2 * k + 2, k * d : (k + 1) * d] = chain.H[k]
+        R[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] = chain.R[k]
+    S = H @ full @ H.T + R
+    z = chain.z[:n].ravel()
+    expected = np.linalg.slogdet(2 * np.pi * S)[1] + z @ np.linalg.solve(S, z)
+    part = Chain(*(getattr(chain, k)[:n] for k in "FQHRz"), chain.x0, chain.P0)
+    assert twin.likelihood(part, used[:n], np.inf) == pytest.approx(expected, rel=1e-8)
+
+
+def test_motion_without_process_noise_is_smoothed():
+    """filterpy's own smoother inverts a singular matrix here."""
+    chain, used = chain_of(recoil=True)
+    exact = Chain(chain.F, 1e-22 * chain.Q, chain.H, chain.R, chain.z, chain.x0, chain.P0)
+    found = filter_and_smooth(exact, used)
+    assert np.isfinite(found.x).all()
+    assert (np.einsum("nii->ni", found.P) > 0).all()
+
+
+def test_mean_motion_solves_its_differential_equation():
+    tau, dt = 0.8, 0.033
+    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, np.zeros(2))
+    A = np.array([[0, 1, 0], [0, 0, 1], [0, 0, -1 / tau]])
+    assert F[1] == pytest.approx(expm(A * dt), abs=1e-12)
+    fine = np.linspace(0, dt, 4001)
+    density = np.diag([0.0, NOISE[1], NOISE[2]])
+    flow = np.array([expm(A * s) for s in fine[::40]])
+    inside = np.einsum("nij,jk,nlk->nil", flow, density, flow)
+    expected = np.trapezoid(inside, fine[::40], axis=0)
+    # Q leaves out that the acceleration dies out within the step: right to dt / tau
+    assert Q[1] == pytest.approx(expected, rel=1.1 * dt / tau, abs=1e-12)
+
+
+def test_a_steady_turn_is_exact_over_one_step():
+    """Surge and sway constant, heading turning: the step ends on the circle."""
+    w, dt, speed = 1.5, 0.05, 0.4
+    theta = np.array([0.3, 0.3 + w * dt])
+    F, _ = planar_matrices(NOISE, np.array([0.0, dt]), 0.0, np.zeros(2), theta)
+    state = np.array([0.0, 0.0, speed, 0.0, 0.0, 0.0])
+    radius = speed / w
+    expected = radius * np.array(
+        [np.sin(theta[1]) - np.sin(theta[0]), np.cos(theta[0]) - np.cos(theta[1])]
+    )
+    assert (F[1] @ state)[:2] == pytest.approx(expected, abs=1e-12)
+
+
+def test_recoil_keeps_its_variance():
+    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, np.zeros(400))
+    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, np.zeros(400))
+    P = np.zeros((2, 2))
+    for k in range(1, 400):
+        P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]
+    assert pytest.approx(NOISE[4] * np.eye(2), rel=0.2, abs=1e-9) == P
+
+
+def test_grid_has_nodes_where_frames_are_far_apart():
+    t = np.array([0.0, 1.0, 2.0, 6.0, 7.0])
+    grid = filter_grid(t, 0.0)
+    assert grid.time_s[grid.frame] == pytest.approx(t)
+    assert grid.dt_s.max() <= 1.5
+    assert np.isnan(grid.on_nodes(t)[~grid.frame]).all()
+    assert filter_grid(np.arange(20) / 30, 2.37).scale_s == pytest.approx(1 / 2.37)
+
+
+def test_descent_finds_the_minimum_of_a_narrow_bowl():
+    bowl = np.array([[60.0, 20.0, 0.0], [20.0, 10.0, 1.0], [0.0, 1.0, 1.0]])
+    middle = np.array([0.5, -1.0, 2.0])
+
+    def cost(at):
+        away = at - middle
+        return 7.0 + away @ bowl @ away + 0.5 * away[2] ** 4
+
+    place, value = descend(cost, np.array([4.0, 4.0, -4.0]), enough=1e-3, steps=60)
+    assert place == pytest.approx(middle, abs=0.05)
+    assert value == pytest.approx(7.0, abs=0.02)

@@ -1,0 +1,181 @@
+"""Steady speed, circle and outcomes on exact motions; the table's round trip."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
+
+from pipeline.data import Steady
+from pipeline.faults import Fault
+from pipeline.motor import flapping_given
+from pipeline.smoothing import smooth
+from pipeline.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
+
+SEEN = Seen(hz=5.82, gap_s=(2.0, 2.3))
+
+
+def state_of(truth, head_deg=0.0, seed=1) -> Steady:
+    track = smooth(observe(truth, np.random.default_rng(seed), SEEN), SEEN.hz)
+    return steady_state(track, flapping_given(5.82), np.radians(head_deg))
+
+
+def arc(radius, degrees, n=60, center=(1.0, 0.5)):
+    a = np.radians(np.linspace(0, degrees, n)) + 0.4
+    return np.array(center) + radius * np.column_stack([np.cos(a), np.sin(a)])
+
+
+@pytest.mark.parametrize("degrees", [15, 60, 180, 350])
+def test_circle_of_exact_points(degrees):
+    found = fit_circle(arc(0.6, degrees), np.zeros((60, 60)))
+    assert found.radius_m == pytest.approx(0.6, abs=1e-9)
+    assert found.center_m == pytest.approx([1.0, 0.5], abs=1e-9)
+    assert np.abs(found.residual_m).max() < 1e-9
+
+
+def test_circle_minimises_the_geometric_distance():
+    rng = np.random.default_rng(3)
+    xy = arc(0.6, 120) + rng.normal(0, 0.01, (60, 2))
+    found = fit_circle(xy, 1e-4 * np.eye(60))
+    least = np.sum(found.residual_m**2)
+    for step in 1e-3 * np.vstack([np.eye(3), -np.eye(3)]):
+        c, r = found.center_m + step[:2], found.radius_m + step[2]
+        assert np.sum((np.hypot(*(xy - c).T) - r) ** 2) > least
+
+
+def test_radius_deviation_with_errors_that_are_alike_from_frame_to_frame():
+    rng = np.random.default_rng(4)
+    t = np.arange(60)
+    cov = 0.002**2 * np.exp(-0.5 * ((t[:, None] - t) / 6.0) ** 2)
+    root = np.linalg.cholesky(cov + 1e-14 * np.eye(60))
+    pulls = []
+    for _ in range(300):
+        a = np.radians(np.linspace(0, 80, 60)) + 0.4
+        across = np.column_stack([np.cos(a), np.sin(a)])
+        found = fit_circle(0.5 * across + (root @ rng.normal(size=60))[:, None] * across, cov)
+        pulls.append((found.radius_m - 0.5) / found.radius_std_m)
+    assert 0.9 < np.sqrt(np.mean(np.square(pulls))) < 1.1
+
+
+def test_plateau_of_a_start_up():
+    t = times(120)
+    rng = np.random.default_rng(5)
+    speed = 0.4 * np.tanh(t / 0.7) + rng.normal(0, 0.004, len(t))
+    found = fit_plateau(t, speed, 0.004**2 * np.eye(len(t)))
+    assert abs(found.speed_m_s - 0.4) < 4 * found.speed_std_m_s
+    assert found.speed_std_m_s < 0.002
+    assert found.tau_s == pytest.approx(0.7, rel=0.05)
+    assert found.settled_s == pytest.approx(0.7 * np.arctanh(0.99), abs=0.15)
+
+
+def test_straight_run_from_rest():
+    found = state_of(startup(times(150)))
+    assert found.quality == "straight"
+    assert found.speed_m_s == pytest.approx(0.38, rel=0.005)
+    assert abs(found.speed_m_s - 0.38) < 4 * found.speed_std_m_s
+    assert np.isinf(found.radius_m)
+    assert found.turn == 0
+    assert found.steady_from_s > 1.5
+
+
+@pytest.mark.parametrize("mirrored", [1, -1])
+def test_turn_from_rest_either_way(mirrored):
+    truth = turning_start(times(180))
+    pose = observe(truth, np.random.default_rng(6), SEEN)
+    values = pose.values * np.array([1.0, mirrored, mirrored, 1.0])
+    track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
+    found = steady_state(track, flapping_given(5.82), np.radians(30))
+    assert found.quality == "good"
+    assert found.turn == mirrored
+    assert found.radius_m == pytest.approx(0.5, rel=0.01)
+    assert found.speed_m_s == pytest.approx(0.38, rel=0.005)
+    assert found.center_m == pytest.approx((0.9, 0.9 * mirrored), abs=0.01)
+    assert found.reason == ""
+
+
+def test_stated_deviations_of_speed_and_radius():
+    speed, radius = [], []
+    for seed in range(12):
+        found = state_of(circle(times(100)), 30.0, seed)
+        speed.append((found.speed_m_s - 0.35) / found.speed_std_m_s)
+        radius.append((found.radius_m - 0.5) / found.radius_std_m)
+    assert 0.3 < np.sqrt(np.mean(np.square(speed))) < 1.4
+    assert 0.3 < np.sqrt(np.mean(np.square(radius))) < 1.4
+
+
+def test_too_short_an_arc_is_named():
+    found = state_of(circle(times(60), radius=3.0), 30.0)
+    assert found.quality == "short_arc"
+    assert "film for longer" in found.reason
+    assert found.radius_std_m > 0
+
+
+def test_a_turn_that_tightens_is_not_steady():
+    found = state_of(spiral(times(120), growth=0.1), 30.0)
+    assert found.quality == "not_steady"
+    assert "still change" in found.reason
+
+
+def test_a_recording_that_ends_in_the_start_up():
+    found = state_of(startup(times(70), tau=2.5))
+    assert found.quality == "not_steady"
+    assert "film for longer" in found.reason
+    assert abs(found.speed_m_s - 0.38) < 3 * found.speed_std_m_s
+
+
+def test_a_straight_head_that_turns_gets_its_circle():
+    found = state_of(circle(times(120), radius=0.9), 0.0)
+    assert found.quality == "good"
+    assert found.radius_m == pytest.approx(0.9, rel=0.01)
+
+
+def test_a_robot_that_stays_where_it_is():
+    found = state_of(rest(times(60)))
+    assert found.quality == "no_data"
+    assert "did it start" in found.reason
+
+
+def test_water_that_moves_shows_against_speed_over_yaw_rate():
+    truth = circle(times(150))
+    pose = observe(truth, np.random.default_rng(7), SEEN)
+    values = pose.values.copy()
+    values[:, 2] *= 1.15
+    track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
+    found = steady_state(track, flapping_given(5.82), np.radians(30))
+    assert "the water may move" in found.reason
+
+
+def test_table_comes_back(tmp_path):
+    rows = {
+        "T01": state_of(line(times(60))),
+        "T02": state_of(circle(times(90)), 30.0),
+        "T03": state_of(rest(times(30))),
+    }
+    path = tmp_path / "steady.csv"
+    write_steady(path, rows)
+    header = path.read_text().splitlines()[0]
+    assert header.startswith(
+        "trial_id,flap_hz,speed_m_s,speed_std_m_s,radius_m,radius_std_m,arc_deg,"
+        "steady_from_s,steady_to_s,quality,reason"
+    )
+    back = read_steady(path)
+    assert list(back) == list(rows)
+    assert np.isinf(back["T01"].radius_m)
+    assert back["T02"].radius_m == pytest.approx(rows["T02"].radius_m, rel=1e-8)
+    assert back["T02"].center_m == pytest.approx(rows["T02"].center_m, rel=1e-8)
+    assert back["T02"].turn == 1
+    assert back["T03"].reason == rows["T03"].reason
+    assert np.isnan(back["T03"].speed_m_s)
+
+
+def test_broken_tables_are_told(tmp_path):
+    path = tmp_path / "steady.csv"
+    path.write_text("trial_id,flap_hz\nT01,2.0\n")
+    with pytest.raises(Fault, match="a column speed_m_s"):
+        read_steady(path)
+    with pytest.raises(Fault, match="unreadable"):
+        read_steady(tmp_path / "none.csv")
+    write_steady(path, {"T01": state_of(line(times(60)))})
+    path.write_text(path.read_text().replace("5.82", "fast"))
+    with pytest.raises(Fault, match="row 2"):
+        read_steady(path)

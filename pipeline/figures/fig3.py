@@ -31,10 +31,10 @@ NEEDS = ("tracks", "steady")
 def draw(campaign: Campaign) -> Figure:
     """Panels A to F of the paper's Figure 3."""
     styles = power_styles(groups.powers(campaign))
-    figure = Figure(figsize=(max(12.0, 5.5 + 2.2 * len(styles)), 8.6), layout="constrained")
-    top, bottom = figure.add_gridspec(2, 1, height_ratios=(1.15, 1))
+    figure = Figure(figsize=(max(12.0, 5.5 + 2.2 * len(styles)), 7.4), layout="constrained")
+    top, bottom = figure.add_gridspec(2, 1, height_ratios=(1.5, 1))
     upper = top.subgridspec(1, 3, width_ratios=(1.25, 0.85 * max(2, len(styles)), 0.95))
-    left, *others = bottom.subgridspec(1, 5, width_ratios=(1.25, 1, 0.85, 1, 0.85))
+    left, *others = bottom.subgridspec(1, 5, width_ratios=(1.3, 1, 1, 1, 1))
     _example(
         figure.add_subplot(upper[0]), campaign, groups.straights(campaign), "A", "straight run"
     )
@@ -164,6 +164,7 @@ def _over_angle(
     means = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
     _averages(averages, means, styles, [mean.angle_deg for mean in means])
     _singles(averages, campaign, mine, styles, [abs(t.head_angle_deg) for t in mine])
+    averages.set_box_aspect(1)
     averages.set_xlabel("head angle, size (°)")
 
 
@@ -178,6 +179,7 @@ def _over_length(
     means = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _averages(averages, means, styles, [mean.head_length_m for mean in means])
     _singles(averages, campaign, mine, styles, [t.head_length_m for t in mine])
+    averages.set_box_aspect(1)
     averages.set_xlabel("head length (m)")
 
 

@@ -109,9 +109,9 @@ def _model(
     angle, length, seen = condition
     found = radius(campaign, row, length, angle)
     if not np.isfinite(found):
-        return "\n   simulation: no turn"
+        return "\nsimulation: no turn"
     axes.plot(*circle(found).T, color=BEFORE, ls="--")
-    return f"\n   simulation {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
+    return f"\nsimulation {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 
 def _words(axes: Axes, words: Iterable[str]) -> None:

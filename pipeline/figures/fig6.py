@@ -16,10 +16,11 @@ from .drawing.sweeps import Tuned, extended, from_rest, over_angle, over_length,
 TITLE = "The model beyond what was tested"
 CAPTION = (
     "(A) Simulated straight speeds from rest. (B) Simulated turn radius over head angle with the "
-    "1x head; points: measured averages with deviations. (C) The same over head length; inset: "
-    "measured minus simulated radius with the longer head. Full lines: tested powers; dashed: "
-    "powers not tested, with f, C_Md and C_Da drawn along straight lines over power and the other "
-    "coefficients held. Shaded: head angles and lengths outside those tested."
+    "1x head; points: measured averages with deviations, set apart a little by power. (C) The same "
+    "over head length; inset: measured minus simulated radius with the longer head. Full lines: "
+    "tested powers; dashed: powers not tested, with f, C_Md and C_Da drawn along straight lines "
+    "over power and the other coefficients held. Shaded: head angles and lengths outside those "
+    "tested."
 )
 NEEDS = ("tracks", "steady", "coefficients")
 ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
@@ -100,6 +101,7 @@ def _lengths(
     _points(axes, seen, [m.head_length_m for m in seen], styles)
     _untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
     axes.set(xlabel="head length (m)", ylabel="turn radius (m)")
+    axes.set_xticks(np.arange(0.04, 0.25, 0.04))
     axes.set_title(f"turns at {angle:g}° head angle")
     longest = max(m.head_length_m for m in seen)
     if longest > campaign.study.setup.robot.head_length_m + 1e-6:
@@ -108,10 +110,11 @@ def _lengths(
 
 
 def _points(axes: Axes, means: list[Mean], at: list[float], styles: dict[float, Style]) -> None:
+    step = 0.012 * (axes.get_xlim()[1] - axes.get_xlim()[0])
     for x, mean in zip(at, means, strict=True):
         style = styles[mean.power_pct]
         axes.errorbar(
-            x,
+            x + step * (list(styles).index(mean.power_pct) - 1),
             mean.value,
             yerr=mean.std,
             fmt=style.marker,
@@ -142,7 +145,7 @@ def _inset(
     rows: dict[float, Tuned],
     styles: dict[float, Style],
 ) -> None:
-    inner = axes.inset_axes((0.56, 0.62, 0.42, 0.36))
+    inner = axes.inset_axes((0.58, 0.58, 0.4, 0.34))
     shown = [m for m in means if m.power_pct in rows]
     for mean in shown:
         model = radius(campaign, rows[mean.power_pct], mean.head_length_m, mean.angle_deg)

@@ -66,7 +66,9 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
             )
             words.append((1000 * path_rmse_m(track, columns, prefix), colour))
     for i, (number, colour) in enumerate(words):
-        axes.text(2.5, 0.08 + 0.17 * i, f"{number:.1f}", color=colour, ha="right", fontsize=7)
+        text = f"{number:.1f}" if math.isfinite(number) else "runs away"
+        place = (0.95, 0.06 + 0.12 * i)
+        axes.text(*place, text, color=colour, ha="right", fontsize=7, transform=axes.transAxes)
 
 
 def _legend(campaign: Campaign) -> list[Line2D]:

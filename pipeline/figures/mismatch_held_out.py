@@ -1,0 +1,102 @@
+"""Before and after on trials that the fit did not see."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..campaign import Campaign
+from .drawing.look import AFTER, BEFORE, MEASURED, absent, letter
+from .drawing.paths import EXTENDED, JOINT, path_rmse_m
+from .drawing.pool import pool
+
+TITLE = "Held-out trials, before and after"
+CAPTION = (
+    "Trials that no fit saw. (A) Errors of the model before (orange) and with what was left out "
+    "(blue); the line is the noise floor, the distance of single detections from the smoothed "
+    "path. (B) Their paths: measured solid black, before dashed, after blue; numbers: rms distance "
+    "to the measured path, mm."
+)
+NEEDS = ("tracks", "mismatch")
+MOST_PATHS = 6
+ERRORS = (
+    ("path_rmse_m", "path (mm)", 1000.0),
+    ("radius_error_pct", "radius (%)", 1.0),
+    ("speed_error_pct", "speed (%)", 1.0),
+)
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Error bars at the left, paths of held-out trials at the right."""
+    held_out = (campaign.mismatch or {}).get("held_out") or {}
+    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    left, right = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
+    bars = left.subgridspec(1, 3)
+    for i, (key, label, factor) in enumerate(ERRORS):
+        axes = figure.add_subplot(bars[i])
+        _error(axes, held_out, key, factor)
+        axes.set_title(label)
+        if i == 0:
+            letter(axes, "A")
+    names = [name for name in held_out.get("trials", []) if name in campaign.tracks][:MOST_PATHS]
+    places = right.subgridspec(2, 3)
+    for i in range(MOST_PATHS):
+        axes = figure.add_subplot(places[i // 3, i % 3])
+        if i < len(names):
+            _paths(axes, campaign, names[i])
+        else:
+            axes.axis("off")
+        if i == 0:
+            letter(axes, "B")
+    figure.legend(handles=_legend(), loc="outside upper center", ncols=3)
+    return figure
+
+
+def _error(axes: Axes, held_out: dict[str, Any], key: str, factor: float) -> None:
+    values = [(held_out.get(name) or {}).get(key) for name in ("baseline", "extended")]
+    if all(value is None for value in values):
+        absent(axes, "none to compare")
+        return
+    numbers = [math.nan if value is None else factor * float(value) for value in values]
+    for place, (number, colour) in enumerate(zip(numbers, (BEFORE, AFTER), strict=True)):
+        axes.bar(place, number, color=colour, width=0.65)
+        if math.isfinite(number):
+            axes.annotate(f"{number:.3g}", (place, number), xytext=(0, 2), ha="center",
+                          textcoords="offset points", fontsize=8)  # fmt: skip
+    floor = held_out.get("noise_floor_path_rmse_m")
+    if key == "path_rmse_m" and floor is not None:
+        axes.axhline(factor * float(floor), color=MEASURED, ls=":", lw=1.4)
+    axes.set_xticks([0, 1], ["before", "after"])
+    axes.set_xlim(-0.6, 1.6)
+    axes.grid(visible=False, axis="x")
+    axes.margins(y=0.12)
+
+
+def _paths(axes: Axes, campaign: Campaign, name: str) -> None:
+    pool(axes, campaign.study, labels=False)
+    trial, track = campaign.study.trial(name), campaign.tracks[name]
+    axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.6)
+    axes.plot(track.x_m[:1], track.y_m[:1], "o", color=MEASURED, ms=3)
+    columns = campaign.simulations.get(name, {})
+    for i, (prefix, colour, dash) in enumerate(((JOINT, BEFORE, "--"), (EXTENDED, AFTER, "-"))):
+        if f"{prefix}_x_m" not in columns:
+            continue
+        axes.plot(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"], color=colour, ls=dash, lw=1.2)
+        error = 1000 * path_rmse_m(track, columns, prefix)
+        text = f"{error:.1f}" if math.isfinite(error) else "runs away"
+        axes.text(0.96, 0.05 + 0.13 * i, text, transform=axes.transAxes, ha="right", color=colour)
+    axes.set_title(f"{name}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°", fontsize=8)
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+
+
+def _legend() -> list[Line2D]:
+    return [
+        Line2D([], [], color=MEASURED, label="measured"),
+        Line2D([], [], color=BEFORE, ls="--", label="before"),
+        Line2D([], [], color=AFTER, label="after"),
+    ]

@@ -2,7 +2,8 @@
 
     dT = -k t T,  t since the start of the trial
 
-Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch. 2).
+Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
+ch. 2).
 """
 
 from __future__ import annotations

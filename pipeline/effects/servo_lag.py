@@ -15,9 +15,7 @@ from ..integrate.system import Parameter
 
 KIND = "physics"
 CHANNELS = ("yaw", "sway")
-STATEMENT = (
-    "The head does not stand at its angle from the start: the servo takes time to turn it."
-)
+STATEMENT = "The head does not stand at its angle from the start: the servo takes time to turn it."
 REGIME = "the first second of turns"
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 PARAMETERS = (

@@ -3,8 +3,8 @@
     dT = -k rho A f u        (thrust falls linearly with the advance ratio u / f)
 
 Vanishes at rest and with the tail at rest.
-Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves); Triantafyllou
-et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
+Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
+Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
 """
 
 from __future__ import annotations

@@ -42,8 +42,8 @@ def compiled(system: System) -> Kernel:
     """Kernel of a system, compiled once per change of its sources."""
     text = source(system)
     digest = hashlib.sha256(text.encode())
-    for path in sorted(_files(system)):
-        digest.update(Path(path).read_bytes())
+    for name in sorted(_files(system)):
+        digest.update(Path(name).read_bytes())
     name = f"bluekoi_{system.name}_{digest.hexdigest()[:16]}"
     path = _folder() / f"{name}.py"
     if not path.exists():
@@ -107,9 +107,7 @@ def source(system: System) -> str:
         row_rates=rows.first_rate,
         row_observed=rows.first_observed,
         row_clock=rows.of("clock_rate") if "clock_rate" in rows.named else -1,
-        clock="m[{0} + j]".format(rows.of("clock_rate") * LANES)
-        if "clock_rate" in rows.named
-        else "1.0",
+        clock=f"m[{rows.of('clock_rate') * LANES} + j]" if "clock_rate" in rows.named else "1.0",
         n_rows=rows.count,
     )
 
@@ -192,7 +190,9 @@ def _stage(system: System, stage: Stage, rows: _Rows) -> list[str]:
     for number, effect in enumerate(system.effects):
         if stage.name in effect.hooks:
             function = effect.hooks[stage.name]
-            body = _loop(f"{effect.name}_{stage.name}", function, effect.name, targets, rows, "+=")
+            body = _loop(
+                f"{effect.name}_{stage.name}", function, effect.name, targets, rows, assign="+="
+            )
             lines += [f"    if on[{number}]:", *("    " + line for line in body)]
     return lines
 
@@ -223,11 +223,10 @@ def _plain(system: System, rows: _Rows) -> list[str]:
 def _own_rates(system: System, rows: _Rows) -> list[str]:
     lines: list[str] = []
     for number, effect in enumerate(system.effects):
-        if effect.states:
+        if effect.states and effect.rates:
             targets = [rows.of(f"d_{s}") for s in effect.states]
             zero = [f"        m[{t * LANES} + j] = 0.0" for t in targets]
             lines += ["    for j in range(16):", *zero]
-            assert effect.rates is not None
             body = _loop(f"{effect.name}_own_rates", effect.rates, effect.name, targets, rows)
             lines += [f"    if on[{number}]:", *("    " + line for line in body)]
     return lines
@@ -247,6 +246,7 @@ def _loop(
     effect: str,
     targets: list[int],
     rows: _Rows,
+    *,
     assign: str = "=",
 ) -> list[str]:
     arguments = []

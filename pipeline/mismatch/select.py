@@ -159,4 +159,5 @@ def without(
     rest = [e for e in choice.chosen.effects if e != name]
     start = {k: v for k, v in choice.chosen.fit.by_label().items() if not k.startswith(name + ".")}
     coefficients = [Free(f.name, f.group) for f in choice.bare.fit.free]
-    return try_effects(kernel, series, base, coefficients, rest, noise=last.noise, start=start)  # fmt: skip
+    return try_effects(kernel, series, base, coefficients, rest, noise=last.noise,
+                       start=start)  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float, Steady
 from ..fitting import Series
 from ..integrate import Kernel
-from ..model import OBSERVATIONS, simulate, steady_turn
+from ..model import simulate, steady_turn
 from ..study import Study, Trial
 from ..tuning import Tuned
 from .locate import MissingForce
@@ -82,7 +82,8 @@ def steady_errors(
     steady: Mapping[str, Steady],
 ) -> dict[str, float]:
     """Mean size of the errors in steady radius and speed of trials, %; NaN where there are none."""
-    speeds, radii = [], []
+    speeds: list[float] = []
+    radii: list[float] = []
     for one, values in zip(series, tuned.trial_values(kernel, series), strict=True):
         seen = steady.get(one.name)
         trial = study.trial(one.name)
@@ -121,13 +122,14 @@ def best_next_trial(
     found: list[tuple[float, str, float, float]] = []
     lengths = sorted({t.head_length_m for t in study.trials})
     for power, hz in flap_hz.items():
-        for angle in (0, 15, 30, 45):
+        for angle in (0.0, 15.0, 30.0, 45.0):
             for length in lengths:
                 paths = [
-                    _path(study, kernel, v, np.radians(angle), length, hz) for v in (first, second)
+                    _path(study, kernel, v, angle=np.radians(angle), length=length, hz=hz)
+                    for v in (first, second)
                 ]
                 apart = float(np.sqrt(np.mean(np.sum((paths[0] - paths[1]) ** 2, axis=1))))
-                found.append((apart, power, float(angle), length))
+                found.append((apart, power, angle, length))
     apart, power, angle, length = max(found)
     return {
         "power_pct": float(power),
@@ -138,19 +140,9 @@ def best_next_trial(
 
 
 def _path(
-    study: Study, kernel: Kernel, values: Float, angle: float, length: float, hz: float
+    study: Study, kernel: Kernel, values: Float, *, angle: float, length: float, hz: float
 ) -> Float:
     coefficients, effects = split(kernel, values)
     run = simulate(coefficients, setup=study.setup, head_length_m=length, head_angle_rad=angle,
                    flap_hz=hz, duration_s=4.0, effects=effects)  # fmt: skip
     return run.state[::6, :2]
-
-
-__all__ = [
-    "OBSERVATIONS",
-    "best_next_trial",
-    "held_out_trials",
-    "split",
-    "steady_errors",
-    "variables",
-]

@@ -75,7 +75,9 @@ def simulate(
     """
     n = round(duration_s / dt_s) + 1
     times = np.arange(n) * dt_s
-    inputs = np.column_stack([np.broadcast_to(v, n) for v in (head_angle_rad, flap_hz)])
+    inputs: Float = np.column_stack(
+        [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
+    )
     return simulate_at(
         plates().values(coefficients, effects),
         times,

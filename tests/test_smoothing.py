@@ -162,3 +162,12 @@ def test_speed_deviation_is_the_delta_method_far_from_rest_and_honest_at_rest():
     delta = np.sqrt(v[0] @ cov @ v[0]) / speed[0]
     assert std[0] == pytest.approx(delta, rel=1e-3)
     assert std[1] == pytest.approx(np.sqrt(np.trace(cov)), rel=1e-6)
+
+
+def test_head_never_seen_leaves_the_rest():
+    pose = observe(line(times(60)), np.random.default_rng(13), FAST)
+    values = pose.values.copy()
+    values[:, 3] = np.nan
+    track = smooth(Pose(pose.time_s, values, pose.cov), 5.82)
+    assert np.isnan(track.head_angle_rad).all()
+    assert track.speed_m_s == pytest.approx(0.3, abs=0.01)

@@ -35,8 +35,6 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
     values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
     heading, plane = _most_likely(values, cov, grid, hz)
     turn = filter_and_smooth(heading.chain, heading.used)
-    head = angle_chain(values[:, 3], cov[:, 3, 3], grid, flap_hz=hz, resting=True)
-    bend = filter_and_smooth(head.chain, head.used)
     theta = turn.x[:, 0]
     move = filter_and_smooth(plane.chain, plane.used)
     at = grid.frame
@@ -48,8 +46,7 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
         heading_rad_std=np.sqrt(turn.P[at, 0, 0]),
         yaw_rate_rad_s=turn.x[at, 1],
         yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
-        head_angle_rad=bend.x[at, 0],
-        head_angle_rad_std=np.sqrt(bend.P[at, 0, 0]),
+        **_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
         recoil=_recoil(move.x[at], turn.x[at], plane.chain.H[at]),
         remarks=_remarks(pose, grid, plane, heading),
     )
@@ -77,6 +74,17 @@ def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Foun
         return rest
     moving = tried(False)
     return moving if sum(found.cost for found in moving) < costs - SURELY_RESTS else rest
+
+
+def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
+    """Head angle by a chain of its own; NaN where it is seen in fewer than 8 frames."""
+    n = int(grid.frame.sum())
+    value, std = np.full(n, np.nan), np.full(n, np.nan)
+    if np.isfinite(angle).sum() >= LEAST_FRAMES:
+        found = angle_chain(angle, variance, grid, flap_hz=hz, resting=True)
+        state = filter_and_smooth(found.chain, found.used)
+        value, std = state.x[grid.frame, 0], np.sqrt(state.P[grid.frame, 0, 0])
+    return {"head_angle_rad": value, "head_angle_rad_std": std}
 
 
 def _position(x: Float, P: Float) -> dict[str, Float]:

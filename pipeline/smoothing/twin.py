@@ -140,7 +140,7 @@ def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     n, p, d = H.shape
     size = n if keep else 1
     xp, Pp = np.zeros((size, d)), np.zeros((size, d, d))

@@ -19,6 +19,7 @@ The way through the house, in the order in which the data flow:
     mismatch      what was left out: is there anything, where, what
     campaign      a study and everything its run has written
     figures       one figure a file
+    report        one self-contained page with all of it
     synthetic     footage rendered from known truth; imports nothing that it tests
 
     data, files, faults    types that flow, files written whole, mistakes told in words

@@ -111,7 +111,11 @@ def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
 
 @pytest.mark.parametrize(
     ("returned", "present", "code"),
-    [(0, (), 0), (1, ("steady.csv", "coefficients.json"), 3), (1, ("steady.csv",), 1)],
+    [
+        (0, (), 0),
+        (1, ("steady.csv", "coefficients.json", "report.html"), 3),
+        (1, ("steady.csv",), 1),
+    ],
 )
 def test_exit_codes_of_run(tmp_path, returned, present, code):
     for name in present:

@@ -22,7 +22,7 @@ from pipeline.workflow.remaining import Timing, duration
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": False}
-AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_names())}
+AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_names()), "report": 1}
 
 
 class Home:
@@ -50,8 +50,8 @@ class Home:
 
     def planned(self) -> dict[str, int]:
         """How many jobs of each rule a run would do now; the last word aside."""
-        text = self.snakemake("--dry-run").stdout + self.snakemake("--dry-run").stderr
-        rows = dict(re.findall(r"^(\w+) +(\d+)$", text, re.M))
+        run = self.snakemake("--dry-run")
+        rows = dict(re.findall(r"^(\w+) +(\d+)$", run.stdout + run.stderr, re.M))
         return {rule: int(n) for rule, n in rows.items() if rule not in ("all", "total", "outcome")}
 
 
@@ -98,7 +98,7 @@ def test_nothing_runs_twice(home):
 
 def test_the_code_of_one_figure_redraws_that_figure_alone(home):
     append(home.root / "pipeline/figures/fig3.py", "\n# changed\n")
-    assert home.planned() == {"figure": 1}
+    assert home.planned() == {"figure": 1, "report": 1}
 
 
 def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -41,7 +41,7 @@ def simulate(
     from ..study import load_study  # noqa: PLC0415
 
     setup, coefficients = load_study(study).setup, _coefficients(results)
-    how = {
+    how: dict[str, Any] = {
         "head_length_m": head_length_m or setup.robot.head_length_m,
         "head_angle_rad": math.radians(head_angle_deg),
         "flap_hz": flap_hz,

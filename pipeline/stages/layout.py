@@ -63,7 +63,7 @@ class Layout:
     @property
     def last_results(self) -> tuple[Path, ...]:
         """What stands at the end of a run in which nothing but single trials went wrong."""
-        return (self.steady, self.coefficients)
+        return (self.steady, self.coefficients, self.report)
 
     def of_detection(self, trial_id: str) -> tuple[Path, ...]:
         """Files that the keypoints stage writes for one trial."""

@@ -292,3 +292,24 @@ def test_true_variable_rate_and_its_constant_twin(recordings):
     assert len(true) == len(twin) == 32
     assert np.ptp(np.diff(true)) == pytest.approx(8 / 600, abs=1e-6)
     assert np.ptp(np.diff(twin)) < 1e-6
+
+
+def test_a_film_gives_all_frames_after_a_few_and_again(tmp_path):
+    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
+    few = [frame.time_s for frame in film.spread(3)]
+    first = [(frame.time_s, int(frame.luma.sum())) for frame in film]
+    second = [(frame.time_s, int(frame.luma.sum())) for frame in film]
+    assert len(few) == 3
+    assert len(first) == 24
+    assert first == second
+
+
+def test_few_frames_of_a_trimmed_film_leave_the_rest_as_it_was(tmp_path):
+    path = write_video(tmp_path / "t.mp4", STEADY)
+    scale = av.open(str(path)).streams.video[0].time_base.denominator
+    patched(path, b"elst", 12, struct.pack(">i", scale * 10 * 1001 // 30000))
+    recording = open_recording([path])
+    plain = [frame.time_s for frame in frames(recording)]
+    film = frames(recording)
+    assert len(list(film.spread(2))) == 2
+    assert [frame.time_s for frame in film] == plain

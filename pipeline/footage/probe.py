@@ -19,7 +19,7 @@ REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up 
 
 @dataclass(frozen=True)
 class Probe:
-    """One file: size as stored, container rate, counts, duration on its own clock, remarks."""
+    """One file: size as stored, rate, counts, duration on its own clock, remarks, key frames."""
 
     size_px: tuple[int, int]
     codec: str
@@ -30,6 +30,8 @@ class Probe:
     rotation_deg: int
     capture_fps: float | None
     remarks: tuple[str, ...]
+    key_stamps: tuple[int, ...] = ()
+    time_base_s: float = 1.0
 
 
 def probe(path: Path, boxes: Boxes | None) -> Probe:
@@ -53,6 +55,8 @@ def probe(path: Path, boxes: Boxes | None) -> Probe:
             rotation_deg=rotation,
             capture_fps=_capture_rate(container, stream),
             remarks=_remarks(container, stream, boxes, (declared, present, rotation, fps)),
+            key_stamps=_key_stamps(stream, path.stat().st_size),
+            time_base_s=float(stream.time_base or 1),
         )
 
 
@@ -102,6 +106,12 @@ def _counts(stream: Any, size: int) -> tuple[int, int]:
         return declared, declared
     lost = sum(1 for pos, length in entries if pos + length > size)
     return declared, declared - lost
+
+
+def _key_stamps(stream: Any, size: int) -> tuple[int, ...]:
+    """Timestamps (stream units) of the key frames whose bytes are in the file."""
+    entries = stream.index_entries
+    return tuple(int(e.timestamp) for e in entries if e.is_keyframe and e.pos + e.size <= size)
 
 
 def _first_rotation(container: Any, stream: Any, path: Path) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any
 
 import av
@@ -20,19 +19,24 @@ Luma = npt.NDArray[np.uint8]
 EPS_S = 1e-6
 
 
-@dataclass(frozen=True)
 class Film:
-    """Frames of a recording: iterate for all of them, as often as wanted, or `spread` for a few."""
+    """Frames of a recording: iterate for all of them, as often as wanted, or `spread` for a few.
 
-    recording: Recording
-    colour: bool = False
+    A file once opened for `spread` is used again by the next iteration: opening one costs as much
+    as several frames.
+    """
+
+    def __init__(self, recording: Recording, colour: bool = False) -> None:
+        self.recording, self.colour = recording, colour
+        self._open: dict[int, Any] = {}
 
     def __iter__(self) -> Iterator[Frame]:
-        return _all(self.recording, self.colour)
+        """All frames of the recording's part, in order."""
+        return _all(self.recording, self.colour, self._open)
 
     def spread(self, count: int) -> Iterator[Frame]:
         """About `count` frames spread evenly over the recording's part, decoded alone."""
-        return spread(self.recording, count)
+        return spread(self.recording, count, self._open)
 
 
 def frames(recording: Recording, *, colour: bool = False) -> Film:
@@ -45,9 +49,9 @@ def frames(recording: Recording, *, colour: bool = False) -> Film:
     return Film(recording, colour)
 
 
-def _all(recording: Recording, colour: bool) -> Iterator[Frame]:
+def _all(recording: Recording, colour: bool, ready: dict[int, Any]) -> Iterator[Frame]:
     last = -np.inf
-    for index, (time_s, picture) in enumerate(_timed(recording)):
+    for index, (time_s, picture) in enumerate(_timed(recording, ready)):
         if recording.end_s is not None and time_s > recording.end_s + EPS_S:
             return
         if time_s <= last or time_s < (recording.start_s or 0.0) - EPS_S:
@@ -57,13 +61,17 @@ def _all(recording: Recording, colour: bool) -> Iterator[Frame]:
         yield Frame(index, time_s, _turned(luma(picture), recording), bgr)
 
 
-def spread(recording: Recording, count: int) -> Iterator[Frame]:
+def spread(
+    recording: Recording, count: int, ready: dict[int, Any] | None = None
+) -> Iterator[Frame]:
     """About `count` frames spread evenly over the recording's part, decoded alone.
 
     Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
     Of a recording with fewer key frames than that, every k-th frame of all.
     """
-    keys = [(i, key) for i in range(len(recording.paths)) for key in _keyframes(recording, i)]
+    ready = {} if ready is None else ready
+    keys = [(i, key) for i, stamps in enumerate(recording.key_stamps) for key in stamps]
+    keys = [(i, key) for i, key in keys if _wanted(recording, i, key)]
     if len(keys) < count:
         yield from _thinned(recording, count)
         return
@@ -71,12 +79,12 @@ def spread(recording: Recording, count: int) -> Iterator[Frame]:
     for i in range(len(recording.paths)):
         stamps = [key for chapter, key in chosen if chapter == i]
         if stamps:
-            yield from _decoded_keys(recording, i, stamps)
+            yield from _decoded_keys(recording, i, stamps, ready)
 
 
 def _thinned(recording: Recording, count: int) -> Iterator[Frame]:
     step = max(1, recording.frames_present // max(1, count))
-    return (frame for i, frame in enumerate(_all(recording, False)) if i % step == step // 2)
+    return (frame for i, frame in enumerate(_all(recording, False, {})) if i % step == step // 2)
 
 
 def luma(picture: Any) -> Luma:
@@ -106,20 +114,20 @@ def _turned(image: Luma, recording: Recording) -> Luma:
     return np.ascontiguousarray(np.rot90(image, turns)) if turns else image
 
 
-def _timed(recording: Recording) -> Iterator[tuple[float, Any]]:
+def _timed(recording: Recording, ready: dict[int, Any]) -> Iterator[tuple[float, Any]]:
     """Time and picture of every readable frame of all chapters."""
     count = 0
     for i in range(len(recording.paths)):
-        for own_s, picture in _chapter(recording, i):
+        for own_s, picture in _chapter(recording, i, ready):
             given = recording.fps
             yield (count / given if given else recording.offset_s[i] + own_s), picture
             count += 1
 
 
-def _chapter(recording: Recording, i: int) -> Iterator[tuple[float, Any]]:
+def _chapter(recording: Recording, i: int, ready: dict[int, Any]) -> Iterator[tuple[float, Any]]:
     """Time on the file's own clock (0 at its first frame) and picture of each readable frame."""
     path = recording.paths[i]
-    with opened(path) as container:
+    with ready.pop(i, None) or opened(path) as container:
         stream = video_stream(container, path)
         origin: float | None = None
         for count, picture in enumerate(_decoded(container, stream)):
@@ -144,34 +152,31 @@ def _packets(container: Any, stream: Any) -> Iterator[Any]:
         yield from container.demux(stream)
 
 
-def _keyframes(recording: Recording, i: int) -> Iterator[int]:
-    """Timestamps (stream units) of the key frames of a chapter inside the wanted part."""
-    path = recording.paths[i]
-    size = path.stat().st_size
-    with opened(path) as container:
-        stream = video_stream(container, path)
-        for entry in stream.index_entries:
-            time_s = float(entry.timestamp * stream.time_base) + recording.offset_s[i]
-            inside = (recording.start_s or 0.0) <= time_s <= (recording.end_s or np.inf)
-            whole = entry.pos + entry.size <= size
-            if entry.is_keyframe and whole and (inside or recording.fps):
-                yield int(entry.timestamp)
+def _wanted(recording: Recording, i: int, stamp: int) -> bool:
+    """Whether a key frame lies in the wanted part; all do where the rate is not the file's own."""
+    time_s = stamp * recording.time_base_s + recording.offset_s[i]
+    end = np.inf if recording.end_s is None else recording.end_s
+    return recording.fps is not None or (recording.start_s or 0.0) <= time_s <= end
 
 
-def _decoded_keys(recording: Recording, i: int, stamps: list[int]) -> Iterator[Frame]:
+def _decoded_keys(
+    recording: Recording, i: int, stamps: list[int], ready: dict[int, Any]
+) -> Iterator[Frame]:
     """Key frames at these stamps: the packets are sought, and decoded apart from the seeking."""
     path = recording.paths[i]
-    with opened(path) as container:
-        stream = video_stream(container, path)
-        decoder = av.CodecContext.create(stream.codec_context.name, "r")
-        decoder.extradata = stream.codec_context.extradata
-        decoder.thread_type = "AUTO"
-        for packet in _sought(container, stream, stamps):
-            with suppress(av.error.FFmpegError):
-                for picture in decoder.decode(packet):
-                    time_s = float((picture.pts or 0) * stream.time_base)
-                    image = _turned(luma(picture), recording)
-                    yield Frame(-1, time_s + recording.offset_s[i], image)
+    container = opened(path)
+    stream = video_stream(container, path)
+    decoder = av.CodecContext.create(stream.codec_context.name, "r")
+    decoder.extradata = stream.codec_context.extradata
+    decoder.thread_type = "AUTO"
+    for packet in _sought(container, stream, stamps):
+        with suppress(av.error.FFmpegError):
+            for picture in decoder.decode(packet):
+                time_s = float((picture.pts or 0) * stream.time_base)
+                image = _turned(luma(picture), recording)
+                yield Frame(-1, time_s + recording.offset_s[i], image)
+    container.seek(recording.key_stamps[i][0], stream=stream, backward=True)
+    ready[i] = container
 
 
 def _sought(container: Any, stream: Any, stamps: list[int]) -> Iterator[Any]:

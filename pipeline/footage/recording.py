@@ -22,7 +22,8 @@ class Recording:
     frames_present: whose bytes are there. nominal_fps: mean rate of the container. fps: rate that
     overrides the timestamps, None to keep them. offset_s: where each file begins on the
     recording's clock. start_s, end_s: the part to use. rotation_deg: counter-clockwise turn
-    applied to the stored picture.
+    applied to the stored picture. key_stamps: timestamps of the key frames of each file, in units
+    of time_base_s.
     """
 
     paths: tuple[Path, ...]
@@ -37,6 +38,8 @@ class Recording:
     start_s: float | None = None
     end_s: float | None = None
     remarks: tuple[str, ...] = ()
+    key_stamps: tuple[tuple[int, ...], ...] = ()
+    time_base_s: float = 1.0
 
 
 def open_recording(
@@ -70,6 +73,8 @@ def open_recording(
         start_s=start_s,
         end_s=end_s,
         remarks=_remarks(ordered, probes, fps),
+        key_stamps=tuple(p.key_stamps for p in probes),
+        time_base_s=first.time_base_s,
     )
     _check_part(recording, probes)
     return recording

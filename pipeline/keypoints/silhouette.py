@@ -35,15 +35,22 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     Raises: Fault where the footage holds no frame.
     """
     plane = plane_of(setup)
-    scene, lesson, remarks = taught(frames, plane, setup, trial)
+    again = _kept(frames)
+    scene, lesson, remarks = taught(again, plane, setup, trial)
     if lesson is None:
-        times = [frame.time_s for frame in frames()]
+        times = [frame.time_s for frame in again()]
         return _nothing(times, (*remarks, "no robot was found against the background"))
-    times, fits = follow(frames(), scene, lesson.template)
+    times, fits = follow(again(), scene, lesson.template)
     if not times:
         raise fault(trial.source, "", "no frames", "frames between start_s and end_s")
     remarks = (*remarks, *_lost(times, fits))
     return keypoints_of(times, fits, scene, lesson.template, remarks)
+
+
+def _kept(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
+    """`frames`, called once only if what it gives can be run through again and again."""
+    first = frames()
+    return (lambda: first) if hasattr(first, "spread") else frames
 
 
 def taught(

@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from ...data import Frame
 from ...study import Robot, Trial
-from .edges import Shape, measure, pick
+from .edges import pick
+from .posefit import Shape, measure
 from .search import Blob, blobs, poses_of
 from .template import CORE_STATIONS, HEAD_STATIONS, Template, first_template, learned
 from .tracking import Fit, Scene, fitted, plausible, reaches

@@ -12,11 +12,11 @@ from .edges import LEAST_CONTRAST, Pictures, pick
 
 Float = npt.NDArray[np.float64]
 SWEEP_RAD = 1.1
-RAYS = 45
+RAYS = 31
 TURN_RAD = 0.5
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def trace(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
 ) -> tuple[Float, float, float, float]:
@@ -70,7 +70,7 @@ def trace(
     return tip, heading, support, math.sqrt(scatter / max(steps, 1))
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _first_bearing(
     pictures: Pictures, base: Float, back_rad: float, radius: float, skin: float
 ) -> float:
@@ -90,7 +90,7 @@ def _first_bearing(
     return best
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _bearing(
     pictures: Pictures, base: Float, polar: tuple[float, float], skin: float
 ) -> tuple[float, float]:
@@ -111,7 +111,7 @@ def _bearing(
     return (moment / weight if weight > 0 else angle), most
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, error_model="numpy")
 def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
     depth = pick(pictures[1], u, v) - skin

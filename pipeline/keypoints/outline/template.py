@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...study import Robot, Trial
-from .edges import Shape
+from .posefit import Shape
 
 Float = npt.NDArray[np.float64]
 HEAD, CORE = 0, 1

@@ -11,18 +11,21 @@ import numpy.typing as npt
 
 from ...data import Frame
 from .background import Image
-from .edges import HALF_PX, Shape, fit
+from .edges import HALF_PX
 from .plane import Plane
+from .posefit import Shape, fit, summary
 from .search import Blob, blobs, poses_of
 from .tail import trace
-from .template import HEAD, Template
+from .template import Template
 
 Float = npt.NDArray[np.float64]
 PRIOR = np.array([3e3, 3e3, 30.0, 30.0])
 FOUND = 0.55
 MOST_BEND = 0.7
 ARCS = 8
+UNTRACED = (np.full(2, np.nan), math.nan, 0.0, math.nan)
 NEAR_M = 0.014
+STEPS_M = (0.014, 0.008)
 
 
 @dataclass(frozen=True)
@@ -88,31 +91,12 @@ def fitted(
     pose, offset, weight, slope = fit(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR, width_px)
     )
-    near = np.abs(np.nan_to_num(offset, nan=np.inf)) < tolerance_px(scene)
-    head = shape[2] == HEAD
-    support = (float(near[head].mean()), float(near[~head].mean()), float(near.mean()))
-    share = np.abs(np.nan_to_num(offset, nan=np.inf)) / (NEAR_M * scene.plane.px_per_m)
-    nearness = float(np.clip(1.0 - share, 0.0, 1.0).mean())
+    limits = (tolerance_px(scene), NEAR_M * scene.plane.px_per_m)
+    found = (offset, weight, slope)
+    information, scores, share = summary(found, shape[2], pose[2], limits, ARCS)
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
-    nothing = (np.full(2, np.nan), math.nan, 0.0, math.nan)
-    return Fit(
-        pose,
-        *_information(pose, offset, weight, slope),
-        support,
-        nearness,
-        nothing,
-        float(offset[0]),
-    )
-
-
-def _information(pose: Float, offset: Float, weight: Float, slope: Float) -> tuple[Float, Float]:
-    """Information of the pose and scores of the outline's arcs, x and y along and across."""
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    body = slope.copy()
-    body[:, 0], body[:, 1] = c * slope[:, 0] + s * slope[:, 1], c * slope[:, 1] - s * slope[:, 0]
-    pull = body * (weight * np.nan_to_num(offset))[:, None]
-    arcs = np.add.reduceat(pull, np.arange(0, len(pull), ARCS), axis=0)
-    return (body * weight[:, None]).T @ body, arcs.T @ arcs
+    head, core, both, nearness = share.tolist()
+    return Fit(pose, information, scores, (head, core, both), nearness, UNTRACED, float(offset[0]))
 
 
 def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
@@ -148,28 +132,17 @@ def follow(
 ) -> tuple[list[float], list[Fit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
     shape = template.shape()
+    steps = reaches(scene, *STEPS_M)
     times: list[float] = []
     fits: list[Fit | None] = []
     for frame in film:
-        one = _next(frame, scene, template, shape, (times, fits))
+        start = _predicted(frame.time_s, times, fits)
+        one = None if start is None else fitted(frame.luma, scene, shape, start, steps)
+        if one is None or not good(one, scene):
+            one = found_anew(frame.luma, scene, template, shape)
         times.append(frame.time_s)
         fits.append(None if one is None else with_tail(frame.luma, scene, template, one))
     return times, fits
-
-
-def _next(
-    frame: Frame,
-    scene: Scene,
-    template: Template,
-    shape: Shape,
-    past: tuple[list[float], list[Fit | None]],
-) -> Fit | None:
-    start = _predicted(frame.time_s, *past)
-    if start is not None:
-        one = fitted(frame.luma, scene, shape, start, reaches(scene, 0.014, 0.008))
-        if good(one, scene):
-            return one
-    return found_anew(frame.luma, scene, template, shape)
 
 
 def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]) -> Float | None:

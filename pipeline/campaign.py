@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
 from .files import read_json
 from .steady import read_steady
@@ -14,6 +16,8 @@ from .study import Study, Trial
 
 T = TypeVar("T")
 Tree = Mapping[str, Any]
+LEAST_SHARE = 0.8
+"""Share of a track that a simulated path must cover to be judged."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,24 @@ class Campaign:
             for trial in self.study.trials
             if trial.trial_id not in done
         )
+
+    def path_rmse_m(self, trial_id: str, prefix: str) -> float:
+        """Root mean square distance of a simulated path to the track, at the track's times, m.
+
+        prefix: `joint`, `paper` or `extended`. NaN where there is no such path, or where it ends
+        early (a simulation that ran away).
+        """
+        track, columns = self.tracks[trial_id], self.simulations.get(trial_id, {})
+        if f"{prefix}_x_m" not in columns:
+            return float("nan")
+        t, times = track.time_s, columns["time_s"]
+        x, y = (
+            np.interp(t, times, columns[f"{prefix}_{k}"], np.nan, np.nan) for k in ("x_m", "y_m")
+        )
+        square = (x - track.x_m) ** 2 + (y - track.y_m) ** 2
+        known = np.isfinite(square)
+        enough = known.mean() > LEAST_SHARE
+        return float(np.sqrt(square[known].mean())) if enough else float("nan")
 
     def why_left_out(self, trial_id: str) -> str:
         """Message of a trial's status, or that it was never run."""

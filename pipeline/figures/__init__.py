@@ -71,12 +71,18 @@ def draw(name: str, campaign: Campaign) -> Figure:
 
 
 def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str | Path) -> None:
-    """Write a figure as png and as vector pdf, the same bytes for the same campaign."""
+    """Write a figure as png and as vector pdf, the same bytes for the same campaign.
+
+    The png carries title and caption with it, and in `Comment` what was missing to draw it.
+    """
     figure = draw(name, campaign)
+    words = {"Title": title(name), "Description": caption(name)}
+    if lacking := missing(name, campaign):
+        words["Comment"] = "this run has no " + " and no ".join(lacking)
     FigureCanvasAgg(figure)
     with matplotlib.rc_context(LOOK):
         with whole_file(path_png) as temporary:
-            figure.savefig(temporary, format="png", dpi=150, metadata=dict(PNG))
+            figure.savefig(temporary, format="png", dpi=150, metadata={**PNG, **words})
         with whole_file(path_pdf) as temporary:
             figure.savefig(temporary, format="pdf", metadata=dict(PDF))
 

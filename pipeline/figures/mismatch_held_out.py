@@ -11,7 +11,6 @@ from matplotlib.lines import Line2D
 
 from ..campaign import Campaign
 from .drawing.look import AFTER, BEFORE, MEASURED, absent, letter
-from .drawing.paths import EXTENDED, JOINT, path_rmse_m
 from .drawing.pool import pool
 
 TITLE = "Held-out trials, before and after"
@@ -82,11 +81,11 @@ def _paths(axes: Axes, campaign: Campaign, name: str) -> None:
     axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.6)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", color=MEASURED, ms=3)
     columns = campaign.simulations.get(name, {})
-    for i, (prefix, colour, dash) in enumerate(((JOINT, BEFORE, "--"), (EXTENDED, AFTER, "-"))):
+    for i, (prefix, colour, dash) in enumerate((("joint", BEFORE, "--"), ("extended", AFTER, "-"))):
         if f"{prefix}_x_m" not in columns:
             continue
         axes.plot(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"], color=colour, ls=dash, lw=1.2)
-        error = 1000 * path_rmse_m(track, columns, prefix)
+        error = 1000 * campaign.path_rmse_m(trial.trial_id, prefix)
         text = f"{error:.1f}" if math.isfinite(error) else "runs away"
         axes.text(0.96, 0.05 + 0.13 * i, text, transform=axes.transAxes, ha="right", color=colour)
     axes.set_title(f"{name}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°", fontsize=8)

@@ -11,7 +11,6 @@ from matplotlib.lines import Line2D
 from ..campaign import Campaign
 from ..study import Trial
 from .drawing.look import AFTER, BEFORE, MEASURED, absent
-from .drawing.paths import EXTENDED, JOINT, path_rmse_m
 from .drawing.pool import pool
 
 TITLE = "Measured and simulated path of every trial"
@@ -59,12 +58,12 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
     columns = campaign.simulations.get(trial.trial_id, {})
     words = []
-    for prefix, colour, dash in ((JOINT, BEFORE, "--"), (EXTENDED, AFTER, "-")):
+    for prefix, colour, dash in (("joint", BEFORE, "--"), ("extended", AFTER, "-")):
         if f"{prefix}_x_m" in columns:
             axes.plot(
                 columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"], color=colour, ls=dash, lw=1.1
             )
-            words.append((1000 * path_rmse_m(track, columns, prefix), colour))
+            words.append((1000 * campaign.path_rmse_m(trial.trial_id, prefix), colour))
     for i, (number, colour) in enumerate(words):
         text = f"{number:.1f}" if math.isfinite(number) else "runs away"
         place = (0.95, 0.06 + 0.12 * i)
@@ -74,8 +73,8 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
 def _legend(campaign: Campaign) -> list[Line2D]:
     lines = [Line2D([], [], color=MEASURED, label="measured")]
     have = {name for columns in campaign.simulations.values() for name in columns}
-    if f"{JOINT}_x_m" in have:
+    if "joint_x_m" in have:
         lines.append(Line2D([], [], color=BEFORE, ls="--", label="model, one coefficient set"))
-    if f"{EXTENDED}_x_m" in have:
+    if "extended_x_m" in have:
         lines.append(Line2D([], [], color=AFTER, label="model with what was left out"))
     return lines

@@ -197,4 +197,3 @@ def _notes(fit: _Fit, shaft: Shaft) -> list[str]:
         share = 100 * fit.drift / fit.hz
         notes.append(f"the flapping frequency changes by {share:+.1f} % over the log")
     return notes
-

@@ -215,3 +215,11 @@ def test_a_locked_folder_is_told_with_its_cure(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     progress.emit(record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
     assert "snakemake --unlock" in stream.getvalue()
+
+
+def test_a_killed_stage_is_told_with_what_to_do(tmp_path):
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    text = "Command 'python3 -m pipeline' died with <Signals.SIGKILL: 9>."
+    progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+    assert "killed from outside (SIGKILL)" in stream.getvalue()
+    assert "what is done is kept" in stream.getvalue()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import sys
 import time
 from pathlib import Path
@@ -29,6 +30,10 @@ OWN_WORDS = ("CalledProcessError", "At least one job did not complete", "Exiting
 LOCKED = (
     "Another run is at work in this folder. Wait for it to end. If none is running, the last one "
     "was killed: `snakemake --unlock`, then start again; finished trials are kept."
+)
+KILLED = (
+    "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
+    "done is kept. With `--cores 1` less memory is needed at once."
 )
 EVERY_S = 2.0
 
@@ -79,6 +84,8 @@ class Progress(logging.Handler):
                 self._line(self.timing.running() or done, now=ended)
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
+        elif signal := re.search(r"died with <Signals\.(\w+)", record.getMessage()):
+            self._say(KILLED.format(signal[1]))
         elif "cannot be locked" in record.getMessage():
             self._say(LOCKED)
         elif record.getMessage().startswith("Nothing to be done"):
@@ -102,7 +109,8 @@ class Progress(logging.Handler):
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]
         shown = lines if found["rule_name"] == "outcome" else lines[-12:]
-        self._say("\n".join(shown) or "no word of why")
+        if shown:
+            self._say("\n".join(shown))
         if found["rule_name"] != "outcome":
             self._say(
                 f"The stage {found['rule_name']} ended there; more in {', '.join(map(str, paths))}"

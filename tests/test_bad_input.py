@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 import yaml
 from click.testing import CliRunner
-from studies import edit_rows, small_study
 
 from pipeline.cli import main
+from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 

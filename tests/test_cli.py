@@ -11,12 +11,12 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from studies import edit_rows, small_study
 
 from pipeline.cli import main
 from pipeline.cli.run import _exit_code, command, workflow_folder
 from pipeline.faults import fault
 from pipeline.footage import encode
+from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 HEAVY = {"numpy", "cv2", "scipy", "pandas", "matplotlib", "numba", "filterpy", "snakemake", "av"}

@@ -7,11 +7,11 @@ import inspect
 
 import numpy as np
 import pytest
-from robots import SETUP
 
 from pipeline import effects, measurement
 from pipeline.integrate import Effect
 from pipeline.model import TABLE_1, effect_names, plates, simulate
+from robots import SETUP
 
 CONTRACT = {
     "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from measured import Measured, measured
 
+from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
 from pipeline.mismatch import Found, find_mismatch, folds, shared, weights

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import MOTIONS, Seen, circle, line, observe, rest, startup, times, turning_start
 
+from motions import MOTIONS, Seen, circle, line, observe, rest, startup, times, turning_start
 from pipeline.data import Pose
 from pipeline.faults import Fault
 from pipeline.smoothing import smooth

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import Seen, circle, observe, times
 from scipy.linalg import expm
 
+from motions import Seen, circle, observe, times
 from pipeline.smoothing import twin
 from pipeline.smoothing.chain import Chain
 from pipeline.smoothing.descent import descend

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 import rivals
 from motions import MOTIONS, Seen, observe, times
-
 from pipeline.smoothing import smooth
 
 FRAMES, SEEN = 150, Seen(hz=5.82, gap_s=(2.0, 2.3))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
 
+from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
 from pipeline.data import Steady
 from pipeline.faults import Fault
 from pipeline.motor import flapping_given

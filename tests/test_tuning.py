@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from measured import Measured, measured
 from scipy.stats import t as student
 
+from measured import Measured, measured
 from pipeline.model import TABLE_1
 from pipeline.synthetic.design import bare_design
 from pipeline.tuning import coefficients, simulations, table_1, table_2, three_steps, tune

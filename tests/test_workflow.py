@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
-from studies import edit_rows, small_study
 
 from pipeline.faults import Fault
 from pipeline.workflow.plan import figure_names, forget_lost, make_plan
 from pipeline.workflow.progress import Hush, Progress
 from pipeline.workflow.remaining import Timing, duration
+from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": False}

@@ -74,7 +74,7 @@ def simulate(
     head_angle_rad and flap_hz are constants, or schedules sampled at multiples of `dt_s`.
     """
     n = round(duration_s / dt_s) + 1
-    times = np.arange(n) * dt_s
+    times: Float = np.arange(n, dtype=np.float64) * dt_s
     inputs: Float = np.column_stack(
         [np.broadcast_to(np.asarray(v, dtype=np.float64), n) for v in (head_angle_rad, flap_hz)]
     )

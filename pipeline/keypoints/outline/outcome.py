@@ -30,16 +30,13 @@ def keypoints_of(
     n, p = len(times), len(PARTS)
     xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
     cov = np.full((n, p, 2, 2), np.nan)
+    where = [i for i, one in enumerate(fits) if one is not None]
     known = [one for one in fits if one is not None]
-    usual = usual_covariance(known)
-    bend = float(np.median([one.pose[3] for one in known])) if known else 0.0
-    jumps = _jumps(times, fits)
-    nose_m = _nose(known) / scene.plane.px_per_m
-    for i, one in enumerate(fits):
-        if one is None:
-            continue
-        xy[i], cov[i] = _points(one, scene, template, (usual, nose_m))
-        likelihood[i] = _likelihood(one, bend) * jumps[i]
+    if known:
+        xy[where], cov[where] = _points(known, scene, template)
+        bend = float(np.median([one.pose[3] for one in known]))
+        jumps = _jumps(times, fits)
+        likelihood[where] = [_likelihood(one, bend) for one in known] * jumps[where, None]
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks)
 
@@ -69,55 +66,54 @@ def usual_covariance(fits: Sequence[Fit]) -> tuple[Float, Float]:
     return inverse @ scores[kept].mean(axis=0) @ inverse, middle
 
 
-def _points(
-    one: Fit, scene: Scene, template: Template, common: tuple[tuple[Float, Float], float]
-) -> tuple[Float, Float]:
-    """Pixels (5, 2) and covariances (5, 2, 2) of one fit.
-
-    common: usual covariance and information; how far the nose lies ahead of the template's [m].
-    """
-    usual, nose_m = common
-    x, y, heading, bend = one.pose
-    core, head = np.exp(1j * heading), np.exp(1j * (heading - bend))
-    moved = nose_m * math.cos(bend) * core
-    arms = np.array(
-        [
-            template.head_m * head,
-            0.0,
-            -template.com_m * core,
-            -template.core_m * core,
-        ]
+def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Float, Float]:
+    """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
+    pose = np.array([one.pose for one in fits])
+    hinge, core = pose[:, 0] + 1j * pose[:, 1], np.exp(1j * pose[:, 2])
+    hinge += _nose(fits) / scene.plane.px_per_m * np.cos(pose[:, 3]) * core
+    arms = np.zeros((len(fits), 4), dtype=complex)
+    arms[:, 0] = template.head_m * np.exp(-1j * pose[:, 3])
+    arms[:, 2:] = [-template.com_m, -template.core_m]
+    places = hinge[:, None] + arms * core[:, None]
+    uv = _pixels(scene, places)
+    slope = _slopes(scene, hinge, core)
+    moves = np.zeros((len(fits), 4, 2, 4))
+    moves[..., 0, 0] = moves[..., 1, 1] = 1.0
+    moves[..., 0, 2], moves[..., 1, 2] = -arms.imag, arms.real
+    moves[:, 0, :, 3] = -moves[:, 0, :, 2]
+    carried = slope[:, None] @ moves
+    inner = _pose_covariances(fits)[:, None]
+    cov = carried @ inner @ carried.swapaxes(2, 3) + FLOOR_PX**2 * np.eye(2)
+    tips = np.array([one.tail[0] for one in fits])
+    tails = np.array(
+        [_tail_covariance(one, base) for one, base in zip(fits, cov[:, 3], strict=True)]
     )
-    places = np.column_stack([x + (arms + moved).real, y + (arms + moved).imag])
-    uv = scene.plane.pixels(places)
-    slope = _slope(scene, places[1], heading)
-    pose_cov = _pose_covariance(one, usual)
-    arms_body = arms / core
-    turns = [1.0, 1.0, 1.0, 1.0], [-1.0, 0.0, 0.0, 0.0]
-    cov = np.empty((5, 2, 2))
-    for k, arm in enumerate(arms_body):
-        across = np.array([-arm.imag, arm.real])
-        moves = np.column_stack([np.eye(2), across * turns[0][k], across * turns[1][k]])
-        cov[k] = slope @ moves @ pose_cov @ moves.T @ slope.T + FLOOR_PX**2 * np.eye(2)
-    cov[4] = _tail_covariance(one, cov[3])
-    return np.vstack([uv, one.tail[0]]), cov
-
-
-def _slope(scene: Scene, place: Float, heading: float) -> Float:
-    """d(u, v)/d(along, across) the core at a place, px per m."""
-    step = 0.01 * np.array(
-        [[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]]
+    return np.concatenate([uv, tips[:, None]], axis=1), np.concatenate(
+        [cov, tails[:, None]], axis=1
     )
-    ends = scene.plane.pixels(np.concatenate([place + step, place - step]))
-    return (ends[:2] - ends[2:]).T / 0.02
 
 
-def _pose_covariance(one: Fit, usual: tuple[Float, Float]) -> Float:
-    """Covariance (4, 4) of one frame: the usual one, wider where less of the outline was seen."""
-    cov, middle = usual
+def _pixels(scene: Scene, places: npt.NDArray[np.complex128]) -> Float:
+    """Pixels (..., 2) of places x + i y in the plane."""
+    flat = np.column_stack([places.real.ravel(), places.imag.ravel()])
+    return scene.plane.pixels(flat).reshape(*places.shape, 2)
+
+
+def _slopes(
+    scene: Scene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
+) -> Float:
+    """d(u, v)/d(along, across) the core at places (n,), px per m, (n, 2, 2)."""
+    step = 0.01 * core[:, None] * np.array([1.0, 1j])
+    ahead, behind = (_pixels(scene, places[:, None] + sign * step) for sign in (1, -1))
+    return ((ahead - behind) / 0.02).swapaxes(1, 2)
+
+
+def _pose_covariances(fits: Sequence[Fit]) -> Float:
+    """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
+    usual, middle = usual_covariance(fits)
     ridge = 1e-3 * np.diag(np.diag(middle))
-    widened = np.linalg.solve(one.information + ridge, middle + ridge)
-    return widened @ cov @ widened.T
+    widened = np.linalg.solve(np.array([one.information for one in fits]) + ridge, middle + ridge)
+    return widened @ usual @ widened.swapaxes(1, 2)
 
 
 def _tail_covariance(one: Fit, base: Float) -> Float:

@@ -153,7 +153,7 @@ def summary(
     pull = np.zeros(4)
     row = np.empty(4)
     for i in range(len(offset)):
-        if weight[i] > 0:
+        if weight[i] > 0 and math.isfinite(offset[i]):
             row[0] = c * slope[i, 0] + s * slope[i, 1]
             row[1] = c * slope[i, 1] - s * slope[i, 0]
             row[2], row[3] = slope[i, 2], slope[i, 3]

@@ -1,0 +1,124 @@
+"""Frames per second of decoding plus detection against decoding alone, side by side in one run.
+
+    python benchmarks/detection.py [--sizes 1080p 2.7K 4K] [--codecs h264 hevc] [--frames 240]
+
+Clips are rendered (cached in --folder) at the bit rates of the camera: 60 Mbit/s, 100 at 4K, one
+reference frame, a key frame every 15. Every clip is decoded, then decoded with detection, in turn,
+`--rounds` times; the medians are compared. Exits with 1 where a ratio is under the bar.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.footage import frames, open_recording
+from pipeline.keypoints import silhouette
+from pipeline.study import Study, Trial, load_study
+from pipeline.synthetic.campaign import render_study
+from pipeline.synthetic.conditions import MIDDLE
+from pipeline.synthetic.design import ladder_design
+
+BAR = 0.93
+MEMORY_MB = 600
+SIZES = {"1080p": ((1920, 1080), 60.0), "2.7K": ((2704, 1520), 60.0), "4K": ((3840, 2160), 100.0)}
+
+
+def clip(folder: Path, size: str, codec: str, count: int) -> Path:
+    """Study folder of one rendered clip, made where it is not there yet."""
+    study = folder / f"{size}-{codec}-{count}"
+    if (study / "truth.sha256").exists():
+        return study
+    size_px, rate = SIZES[size]
+    state = replace(MIDDLE, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast")
+    design = ladder_design(state, longest_s=count / 29.97)
+    design = replace(design, plans=design.plans[1:2])
+    render_study(design, study, folder / f"{study.name}-truth", workers=1)
+    return study
+
+
+def timed(task: Callable[[], int]) -> tuple[float, float]:
+    """Wall and processor seconds of a task."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    task()
+    return time.perf_counter() - wall, time.process_time() - cpu
+
+
+def compare(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
+    """Medians over rounds of decoding alone and of decoding with detection."""
+    paths = study.paths(trial)
+
+    def decode() -> int:
+        return sum(1 for _ in frames(open_recording(paths)))
+
+    def detect() -> int:
+        recording = open_recording(paths)
+        found = silhouette.detect(lambda: frames(recording), study.setup, trial)
+        return len(found.time_s)
+
+    count = detect()
+    pairs = [(timed(decode), timed(detect)) for _ in range(rounds)]
+    table = np.array(pairs)
+    alone, both = np.median(table, axis=0)
+    ratios = table[:, 0] / table[:, 1]
+    return {
+        "frames": count,
+        "alone_fps": count / alone[0],
+        "both_fps": count / both[0],
+        "alone_cpu_ms": 1e3 * alone[1] / count,
+        "both_cpu_ms": 1e3 * both[1] / count,
+        "wall_ratio": float(np.median(ratios[:, 0])),
+        "cpu_ratio": float(np.median(ratios[:, 1])),
+    }
+
+
+def one(study: Path, rounds: int) -> bool:
+    """Print a line for one study's first trial; whether both bars are met."""
+    loaded = load_study(study)
+    row = compare(loaded, loaded.trials[0], rounds)
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(
+        f"{study.name:>16} {row['frames']:5.0f} frames  decode {row['alone_fps']:6.1f} fps "
+        f"({row['alone_cpu_ms']:5.1f} CPU ms)  with detection {row['both_fps']:6.1f} fps "
+        f"({row['both_cpu_ms']:5.1f} CPU ms)  ratio {row['wall_ratio']:.3f} wall "
+        f"{row['cpu_ratio']:.3f} CPU  {megabytes:4.0f} MB",
+        flush=True,
+    )
+    return row["wall_ratio"] >= BAR and megabytes < MEMORY_MB
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--sizes", nargs="+", default=list(SIZES), choices=list(SIZES))
+    parser.add_argument("--codecs", nargs="+", default=["h264", "hevc"])
+    parser.add_argument("--frames", type=int, default=240)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument(
+        "--folder", type=Path, default=Path(tempfile.gettempdir()) / "bluekoi-clips"
+    )
+    parser.add_argument("--study", type=Path, help="measure this study's first trial alone")
+    options = parser.parse_args()
+    if options.study:
+        return 0 if one(options.study, options.rounds) else 1
+    failed = 0
+    for size in options.sizes:
+        for codec in options.codecs:
+            study = clip(options.folder, size, codec, options.frames)
+            command = [sys.executable, __file__, "--study", str(study)]
+            command += ["--rounds", str(options.rounds)]
+            failed += subprocess.run(command, check=False).returncode
+    print(f"bar {BAR} of decoding alone and {MEMORY_MB} MB: {failed} clips miss it")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

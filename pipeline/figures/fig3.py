@@ -32,9 +32,10 @@ def draw(campaign: Campaign) -> Figure:
     """Panels A to F of the paper's Figure 3."""
     styles = power_styles(groups.powers(campaign))
     figure = Figure(figsize=(max(12.0, 5.5 + 2.2 * len(styles)), 7.4), layout="constrained")
-    top, bottom = figure.add_gridspec(2, 1, height_ratios=(1.5, 1))
-    upper = top.subgridspec(1, 3, width_ratios=(1.25, 0.85 * max(2, len(styles)), 0.95))
-    left, *others = bottom.subgridspec(1, 5, width_ratios=(1.3, 1, 1, 1, 1))
+    rows = figure.add_gridspec(2, 1, height_ratios=(1.5, 1))
+    upper = rows[0].subgridspec(1, 3, width_ratios=(1.25, 0.85 * max(2, len(styles)), 0.95))
+    lower = rows[1].subgridspec(1, 5, width_ratios=(1.3, 1, 1, 1, 1))
+    left, others = lower[0], [lower[i] for i in range(1, 5)]
     _example(
         figure.add_subplot(upper[0]), campaign, groups.straights(campaign), "A", "straight run"
     )
@@ -131,7 +132,9 @@ def _average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Style]) 
         for x, mean in zip(at, mine, strict=True):
             _point(axes, x, mean, styles[mean.power_pct])
     body = campaign.study.setup.robot.body_length_m
-    lengths = axes.secondary_yaxis("right", functions=(lambda v: v / body, lambda v: v * body))
+    lengths = axes.secondary_yaxis(
+        "right", functions=(lambda v: np.divide(v, body), lambda v: np.multiply(v, body))
+    )
     lengths.set_ylabel("body lengths per second")
     axes.set(xlabel="motor power (%)", ylabel="average straight speed (m/s)", ylim=(0, None))
     axes.set_xticks(list(styles))

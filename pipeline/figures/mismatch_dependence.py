@@ -142,7 +142,8 @@ def _averages(x: Sequence[Float], y: Sequence[Float]) -> tuple[Float, Float, Flo
         )
         middles = values
     else:
-        edges = np.linspace(*np.quantile(every, (0.01, 0.99)), BINS + 1)
+        low, high = np.quantile(every, (0.01, 0.99))
+        edges = np.linspace(float(low), float(high), BINS + 1)
         middles = 0.5 * (edges[1:] + edges[:-1])
     rows = [_bin(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)]
     table = np.array([[middle, *row] for middle, row in zip(middles, rows, strict=True)])

@@ -33,8 +33,8 @@ def draw(campaign: Campaign) -> Figure:
     """Error bars at the left, paths of held-out trials at the right."""
     held_out = (campaign.mismatch or {}).get("held_out") or {}
     figure = Figure(figsize=(12, 4.4), layout="constrained")
-    left, right = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
-    bars = left.subgridspec(1, 3)
+    sides = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
+    bars = sides[0].subgridspec(1, 3)
     for i, (key, label, factor) in enumerate(ERRORS):
         axes = figure.add_subplot(bars[i])
         _error(axes, held_out, key, factor)
@@ -42,7 +42,7 @@ def draw(campaign: Campaign) -> Figure:
         if i == 0:
             letter(axes, "A")
     names = [name for name in held_out.get("trials", []) if name in campaign.tracks][:MOST_PATHS]
-    places = right.subgridspec(2, 3)
+    places = sides[1].subgridspec(2, 3)
     for i in range(MOST_PATHS):
         axes = figure.add_subplot(places[i // 3, i % 3])
         if i < len(names):

@@ -1,83 +1,131 @@
-"""Rows of the report's tables."""
+"""Coefficients and the paper's two tables, this study's beside the paper's."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from ..campaign import Campaign
-from ..model import TABLE_1, TABLE_2_PCT
+from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
+from .numbers import measured, number, percent, unit, words
+from .story import Row
 
-NAMES = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
-
-
-def trial_rows(campaign: Campaign) -> list[dict[str, Any]]:
-    """A row an analysed trial."""
-    rows = []
-    for trial in campaign.analysed:
-        s = campaign.steady[trial.trial_id]
-        status = campaign.statuses.get(trial.trial_id, {})
-        rows.append({
-            "id": trial.trial_id,
-            "power": trial.power_pct,
-            "angle": trial.head_angle_deg,
-            "head": trial.head_length_m,
-            "flap": s.flap_hz,
-            "speed": s.speed_m_s,
-            "speed_std": s.speed_std_m_s,
-            "radius": s.radius_m if np.isfinite(s.radius_m) else None,
-            "radius_std": s.radius_std_m if np.isfinite(s.radius_std_m) else None,
-            "arc": s.arc_deg,
-            "quality": s.quality,
-            "reason": s.reason,
-            "remarks": list(status.get("remarks", [])),
-        })  # fmt: skip
-    return rows
+COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
+"""Name, unit and meaning of each coefficient."""
 
 
-def power_rows(campaign: Campaign) -> list[dict[str, Any]]:
-    """Table I: a row a power, this study's coefficients beside the paper's."""
-    steps = campaign.coefficients.get("paper_steps", {})
+def joint(campaign: Campaign) -> list[Row]:
+    """The joint fit: value with 95 % interval, unit, and whether the data determine it."""
+    cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     return [
-        {
-            "power": power,
-            "flap_hz": found["flap_hz"],
-            "cells": [
-                {"name": name, **found["coefficients"][name],
-                 "paper": TABLE_1.get(int(float(power)), {}).get(name)}
-                for name in NAMES
-            ],
-        }
-        for power, found in steps.items()
-    ]  # fmt: skip
-
-
-def radius_rows(campaign: Campaign) -> list[dict[str, Any]]:
-    """Table II: a row a turning condition, model minus data."""
-    one_x = campaign.study.setup.robot.head_length_m
-    rows = []
-    for power, found in campaign.coefficients.get("paper_steps", {}).items():
-        for c in found["steps"].values():
-            if c["step"] == 1 or not c["head_angle_deg"] or c["radius_m"] is None:
-                continue
-            size = 1.0 if abs(c["head_length_m"] - one_x) < 1e-6 else 1.5
-            paper = TABLE_2_PCT.get((round(c["head_angle_deg"]), size), {})
-            rows.append({"power": power, **c, "paper": paper.get(int(float(power)))})
-    return rows
-
-
-def coefficient_rows(campaign: Campaign) -> list[dict[str, Any]]:
-    """Coefficients before and after what was left out is put in."""
-    told = (campaign.mismatch_detail or {}).get("coefficients")
-    if not told:
-        return []
-    names = list(dict.fromkeys([*told["before"], *told["after"]]))
-    return [
-        {"name": n, "before": told["before"].get(n), "after": told["after"].get(n)} for n in names
+        Row(
+            name,
+            (
+                measured(cell.get("value"), cell.get("std")),
+                unit(str(cell.get("unit", ""))),
+                _determined(cell),
+            ),
+            not cell.get("determined", True),
+        )
+        for name, cell in cells.items()
     ]
 
 
-def candidate_rows(campaign: Campaign) -> list[dict[str, Any]]:
-    """Candidates that were refitted, round by round, the best first."""
-    return list((campaign.mismatch_detail or {}).get("candidates", []))
+def joint_words(campaign: Campaign) -> list[str]:
+    """What the joint fit leaves open, and whether the fitted model swims straight."""
+    found = campaign.coefficients.get("joint") or {}
+    out = [
+        f"{row.get('sentence', '')} ({row.get('combination', '')}). "
+        f"A trial that helps: {row.get('trial', '')}."
+        for row in found.get("undetermined") or []
+    ]
+    straight = (found.get("straight_swimming") or {}).get("sentence")
+    reading = campaign.coefficients.get("unit_reading")
+    return [*out, *([str(straight)] if straight else []), *([str(reading)] if reading else [])]
+
+
+def table_1(campaign: Campaign) -> list[dict[str, Any]]:
+    """Table I: at each power a row of this study and, where there is one, the paper's."""
+    return [
+        _powers_rows(power, entry)
+        for power, entry in (campaign.coefficients.get("paper_steps") or {}).items()
+    ]
+
+
+def _powers_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+    cells = entry.get("coefficients") or {}
+    published = TABLE_1.get(round(float(power)), {})
+    mine = [
+        (
+            measured((cells.get(p.name) or {}).get("value"), (cells.get(p.name) or {}).get("std")),
+            not (cells.get(p.name) or {}).get("determined", False),
+            str((cells.get(p.name) or {}).get("why") or ""),
+        )
+        for p in COEFFICIENTS
+    ]
+    return {
+        "power": f"{float(power):g} %",
+        "flap": number(entry.get("flap_hz")),
+        "cells": mine,
+        "paper_flap": number(FLAP_HZ.get(round(float(power)))),
+        "paper": [number(published.get(p.name)) for p in COEFFICIENTS] if published else [],
+    }
+
+
+def table_2(campaign: Campaign) -> list[Row]:
+    """Table II: model minus data in turn radius by condition, this study's and the paper's."""
+    one_x = campaign.study.setup.robot.head_length_m
+    return [
+        _comparison(power, entry, one_x)
+        for power, steps in (campaign.coefficients.get("paper_steps") or {}).items()
+        for entry in (steps.get("steps") or {}).values()
+        if entry.get("step") != 1 and entry.get("radius_m") is not None
+    ]
+
+
+def _comparison(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
+    ratio = round(float(entry["head_length_m"]) / one_x, 1)
+    key = (round(float(entry["head_angle_deg"])), ratio)
+    return Row(
+        f"{float(power):g} %, {float(entry['head_angle_deg']):g}°, {ratio:g}x head",
+        (
+            "tuned to" if entry.get("step") == 2 else "predicted",
+            number(entry["radius_m"]),
+            number(entry.get("model_radius_m")),
+            percent(entry.get("radius_difference_pct")),
+            percent(TABLE_2_PCT.get(key, {}).get(round(float(power)))),
+        ),
+        entry.get("step") == 3,
+    )
+
+
+def shifts(campaign: Campaign) -> list[Row]:
+    """Coefficients before and after: the baseline's had absorbed part of what was left out."""
+    told = (campaign.mismatch_detail or {}).get("coefficients") or {}
+    before, after = told.get("before") or {}, told.get("after") or {}
+    if (campaign.mismatch or {}).get("verdict") == "none":
+        return []
+    return [
+        Row(
+            words(name) if "." in name else name,
+            (_cell(before.get(name)), _cell(after.get(name)), _moved(before.get(name), cell)),
+        )
+        for name, cell in after.items()
+    ]
+
+
+def _cell(cell: Mapping[str, Any] | None) -> str:
+    return "–" if cell is None else measured(cell.get("value"), cell.get("std"))
+
+
+def _moved(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> str:
+    if before is None or not before.get("value"):
+        return "new"
+    return percent(100 * (float(after["value"]) / float(before["value"]) - 1))
+
+
+def _determined(cell: Mapping[str, Any]) -> str:
+    why = str(cell.get("why") or "")
+    if cell.get("determined", True):
+        return "determined by the data"
+    return "not determined" + (f": {why}" if why else "")

@@ -1,0 +1,55 @@
+"""Numbers as a person reads them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+BAND = 1.96
+UNITS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "": "–"}
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number with so many significant digits; a dash where there is none."""
+    if value is None or not math.isfinite(float(value)):
+        return "–"
+    value = float(value)
+    if value != 0 and not 1e-3 <= abs(value) < 1e5:
+        mantissa, power = f"{value:.{digits - 1}e}".split("e")
+        return f"{mantissa} × 10{_raised(int(power))}"
+    places = max(0, digits - 1 - math.floor(math.log10(abs(value)))) if value else 0
+    return f"{value:.{places}f}"
+
+
+def measured(value: Any, std: Any, unit: str = "") -> str:
+    """Value ± 95 % half-width, the value to the place of its uncertainty."""
+    tail = f" {unit}" if unit and unit != "–" else ""
+    if value is None or not math.isfinite(float(value)):
+        return "–"
+    if std is None or not math.isfinite(float(std)) or float(std) <= 0:
+        return number(value) + tail
+    value, half = float(value), BAND * float(std)
+    power = math.floor(math.log10(max(abs(value), half))) if value else 0
+    factor, mark = (10.0**-power, f" × 10{_raised(power)}") if not -3 <= power < 5 else (1.0, "")
+    places = max(0, min(8, 1 - math.floor(math.log10(half * factor))))
+    text = f"{value * factor:.{places}f} ± {half * factor:.{places}f}"
+    return (f"({text}){mark}" if mark else text) + tail
+
+
+def unit(name: str) -> str:
+    """Unit as printed."""
+    return UNITS.get(name, name)
+
+
+def percent(value: Any) -> str:
+    """Signed percent with one decimal."""
+    return "–" if value is None or not math.isfinite(float(value)) else f"{float(value):+.1f} %"
+
+
+def words(name: str) -> str:
+    """A cause's name in words."""
+    return name.replace("_", " ")
+
+
+def _raised(power: int) -> str:
+    return str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -18,7 +18,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import motions
 import rivals
-
 from pipeline.smoothing import smooth
 
 CONDITIONS = {

@@ -166,7 +166,7 @@ def _footage(study: Study, trial: Trial) -> tuple[Iterator[Frame] | None, tuple[
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
-    return frames(recording, colour=True), recording.size_px
+    return iter(frames(recording, colour=True)), recording.size_px
 
 
 def _keypoints(path: Path, trial: Trial) -> Keypoints | None:

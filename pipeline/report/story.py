@@ -83,8 +83,9 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
         out.append((f"{tightest.radius_m:.3f} m", f"tightest steady turn, {lengths:.2f} BL"))
     errors = (campaign.mismatch or {}).get("held_out") or {}
     pair = [(errors.get(k) or {}).get("path_rmse_m") for k in ("baseline", "extended")]
-    if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and None not in pair:
-        text = f"{1000 * pair[0]:.1f} → {1000 * pair[1]:.1f} mm"
+    known = [float(value) for value in pair if value is not None]
+    if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and len(known) == 2:
+        text = f"{1000 * known[0]:.1f} → {1000 * known[1]:.1f} mm"
         out.append((text, "path error on held-out trials, before and after"))
     return out
 

@@ -5,7 +5,7 @@ from .joint import Fit, Normal, fit, normal_equations, pseudo_inverse, slots_by_
 from .noise import fit_noise
 from .resampling import ensemble, jackknife_cov, open_combinations
 from .series import Free, Noise, Series
-from .shooting import Shot, expected_rmse, shoot
+from .shooting import Shot, shoot
 
 __all__ = [
     "Filtered",
@@ -17,7 +17,6 @@ __all__ = [
     "Shot",
     "disturbance_slots",
     "ensemble",
-    "expected_rmse",
     "filter_all",
     "filter_series",
     "fit",

@@ -10,8 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
-from .filtering import Filtered, disturbance_slots
-from .series import Noise, Series
+from .series import Series
 
 
 @dataclass(frozen=True)
@@ -127,41 +126,3 @@ def _rmse(series: Series, observed: Float) -> float:
         if np.isfinite(square).any()
         else np.nan
     )
-
-
-def expected_rmse(
-    kernel: Kernel,
-    series: Series,
-    filtered: Filtered,
-    noise: Noise,
-    rng: np.random.Generator,
-    *,
-    draws: int = 20,
-    open_states: int = 6,
-) -> float:
-    """Path error that a free run of the true model would have, from all that is random.
-
-    Disturbances are drawn and carried along the path by the filter's transitions; what a fitted
-    start would take up is projected out; the measuring noise comes on top.
-    """
-    n, s = len(series.times), len(kernel.system.all_states)
-    slots = disturbance_slots(kernel)
-    kick = np.sqrt(2.0 * noise.disturbance**2 / noise.tau * np.median(np.diff(series.times)))
-    state = np.zeros((s, draws))
-    state[slots] = noise.disturbance[:, None] * rng.standard_normal((len(slots), draws))
-    start = np.eye(s)[:, :open_states]
-    off, taken = np.zeros((n, 3, draws)), np.zeros((n, 3, open_states))
-    for k in range(n):
-        if k:
-            state, start = filtered.transitions[k] @ state, filtered.transitions[k] @ start
-            state[slots] += kick[:, None] * rng.standard_normal((len(slots), draws))
-        off[k], taken[k] = state[:3], start[:3]
-    sigma = np.sqrt(np.einsum("nii->ni", series.noise[:, :3, :3])) * noise.scale[:3]
-    known = np.isfinite(series.seen[:, :3])
-    weight = np.where(known, 1.0 / sigma, 0.0)
-    seen = off + (sigma * known)[:, :, None] * rng.standard_normal((n, 3, draws))
-    A = (weight[:, :, None] * taken).reshape(3 * n, open_states)
-    b = (weight[:, :, None] * seen).reshape(3 * n, draws)
-    left = seen - taken @ np.linalg.lstsq(A, b, rcond=None)[0]
-    square = np.sum(left[known[:, 0], :2] ** 2, axis=1)
-    return float(np.sqrt(np.mean(square)))

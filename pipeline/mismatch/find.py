@@ -11,11 +11,11 @@ from ..data import Steady
 from ..fitting import (
     Fit,
     Series,
-    expected_rmse,
     filter_all,
     fit_noise,
     jackknife_cov,
     shoot,
+    smooth,
     trial_values,
 )
 from ..integrate import Kernel, compiled
@@ -39,7 +39,7 @@ class Found:
     verdict; choice: the search on the trials to fit; baseline and extended: tuned models on these;
     dropped: chosen effect -> the model without it; residual: the nameless term, tried beside;
     forces, dependences: what the baseline lacks, on all trials; errors: `baseline` and `extended`
-    errors on the held-out trials; floor_m: path error that the true model would have.
+    errors on the held-out trials; floor_m: distance of the seen positions from the smoothed path.
     """
 
     verdict: str
@@ -150,12 +150,13 @@ def _errors(
 
 
 def _floor(kernel: Kernel, tuned: Tuned, test: Sequence[Series]) -> float:
-    """Path error that the extended model would have if it were true, m: noise and moving water."""
+    """Root mean square distance of the seen positions from the smoothed path, m: no model can
+    come closer without following the measuring noise.
+    """
     points = tuned.trial_values(kernel, test)
-    passed = filter_all(kernel, test, points, tuned.noise)
-    rng = np.random.default_rng(0)
-    floors = [
-        expected_rmse(kernel, one, result, tuned.noise, rng)
-        for one, result in zip(test, passed, strict=True)
-    ]
-    return float(np.sqrt(np.mean(np.square(floors))))
+    squares = []
+    for one, result in zip(test, filter_all(kernel, test, points, tuned.noise), strict=True):
+        mean, _ = smooth(result)
+        square = np.sum((one.seen[:, :2] - mean[:, :2]) ** 2, axis=1)
+        squares.append(float(np.mean(square[np.isfinite(square)])))
+    return float(np.sqrt(np.mean(squares)))

@@ -124,8 +124,19 @@ rule figure:
     shell: "python3 -m pipeline stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
 
+rule overlay:
+    input: R / "status/{trial}.json", rules.mismatch.output, plan.sources,
+    output: R / "status/overlays/{trial}.json",
+    conda: ENV
+    log: LOGS / "overlay/{trial}.log"
+    benchmark: TIMES / "overlay/{trial}.tsv"
+    params: at=AT, code=plan.code("overlay"), settings=plan.motion,
+    resources: mem_mb=800, runtime=20,
+    shell: "python3 -m pipeline stage overlay {params.at} --trial {wildcards.trial} --threads {threads} &> {log:q}"
+
+
 rule report:
-    input: rules.mismatch.output, plan.figures(),
+    input: rules.mismatch.output, plan.figures(), plan.overlays(),
     output: R / "report.html",
     conda: ENV
     log: LOGS / "report.log"

@@ -21,7 +21,7 @@ from pipeline.workflow.remaining import Timing, duration
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
-SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": False}
+SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": "none"}
 AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_names()), "report": 1}
 
 

@@ -33,17 +33,21 @@ class Plan:
     results: Path
     study: Study
     is_demo: bool
-    overlays: bool
+    overlaid: str
 
     @property
     def trials(self) -> list[str]:
         """Ids of all trials, in the order of trials.csv."""
         return [trial.trial_id for trial in self.study.trials]
 
-    @property
-    def filmed(self) -> list[str]:
-        """Ids of the trials that have footage."""
-        return [trial.trial_id for trial in self.study.trials if not trial.reads_keypoints]
+    def overlays(self) -> list[str]:
+        """How the overlays went, of the trials that are to have one."""
+        wanted = {
+            "all": self.trials,
+            "filmed": [t.trial_id for t in self.study.trials if not t.reads_keypoints],
+            "none": [],
+        }[self.overlaid]
+        return [str(self.results / f"status/overlays/{trial}.json") for trial in wanted]
 
     @property
     def options(self) -> str:
@@ -58,7 +62,11 @@ class Plan:
         """
         kinds = ("status/keypoints", "status")
         statuses = [f"{kind}/{trial}.json" for trial in self.trials for kind in kinds]
-        return [*(str(self.results / name) for name in (*statuses, *RESULTS)), *self.figures()]
+        return [
+            *(str(self.results / name) for name in (*statuses, *RESULTS)),
+            *self.figures(),
+            *self.overlays(),
+        ]
 
     def figures(self) -> list[str]:
         """Pictures of all figures."""
@@ -126,7 +134,7 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
     study = load_study(folder)
     results = Path(settings["results"] or Path("results") / folder.resolve().name)
     _prepare(results)
-    return Plan(folder, results, study, is_demo=is_demo, overlays=settings["overlays"])
+    return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
 
 
 def _lay_out_demo(folder: Path) -> None:
@@ -165,7 +173,8 @@ def forget_lost(plan: Plan) -> list[Path]:
 
 
 def _statuses(plan: Plan) -> list[Path]:
-    folders = (plan.results / "status" / "keypoints", plan.results / "status")
+    status = plan.results / "status"
+    folders = (status / "keypoints", status, status / "overlays")
     paths = [folder / f"{trial}.json" for folder in folders for trial in plan.trials]
     return [path for path in paths if path.is_file()]
 

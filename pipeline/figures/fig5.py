@@ -92,7 +92,8 @@ def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: Tuned | Non
             axes.plot(*measured_arc(campaign, trial).T, color=MEASURED, lw=2)
         seen = float(np.mean([campaign.steady[t.trial_id].radius_m for t in mine]))
         axes.plot(*circle(seen).T, color=MEASURED, lw=0.7, ls=DASHES[2 * (i % 2)])
-        name = f"{angle:g}°, {groups.head_name(campaign, length)}"
+        longer = length > campaign.study.setup.robot.head_length_m + 1e-6
+        name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
         words.append(
             f"{name}: data {seen:.3f} m" + _model(axes, campaign, row, (angle, length, seen))
         )

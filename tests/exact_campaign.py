@@ -1,0 +1,166 @@
+"""A campaign whose every number is known: circles and straight starts, no noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.campaign import Campaign
+from pipeline.data import Float, Steady, Track
+from pipeline.model import COEFFICIENTS, FLAP_HZ, TABLE_1
+from pipeline.study import Camera, Robot, Setup, Study, Trial
+
+CORNERS = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
+"""500 px a metre, straight from above, no lens: pool (x, y) is at (360 + 500 x, 930 - 500 y)."""
+ROBOT = Robot(
+    mass_kg=0.68, yaw_inertia_kg_m2=0.0095, body_length_m=0.331, head_length_m=0.12,
+    head_span_m=0.069, hinge_to_com_m=0.04, tail_length_m=0.066,
+)  # fmt: skip
+SPEED = {50: 0.225, 75: 0.381, 100: 0.552}
+INF, NAN = float("inf"), float("nan")
+
+
+def setup() -> Setup:
+    camera = Camera(image_size_px=(1920, 1080), pool_corners_px=CORNERS)
+    return Setup(robot=ROBOT, camera=camera)
+
+
+def trial(number: int, power: float, angle: float, head: float = 0.12, **more: Any) -> Trial:
+    name = f"T{number:02d}"
+    return Trial(trial_id=name, source=f"keypoints/{name}.csv", power_pct=power, fps=30.0,
+                 head_angle_deg=angle, head_length_m=head, **more)  # fmt: skip
+
+
+def track(t: Float, xy: Float, velocity: Float, heading: Float, rate: float, phi: float) -> Track:
+    n = len(t)
+    small = {f"{k}_std": np.full(n, 1e-3) for k in (
+        "x_m", "y_m", "heading_rad", "head_angle_rad", "speed_m_s", "vx_m_s", "vy_m_s",
+        "yaw_rate_rad_s")}  # fmt: skip
+    return Track(
+        time_s=t, x_m=xy[:, 0], y_m=xy[:, 1], heading_rad=heading, head_angle_rad=np.full(n, phi),
+        speed_m_s=np.hypot(*velocity.T), vx_m_s=velocity[:, 0], vy_m_s=velocity[:, 1],
+        yaw_rate_rad_s=np.full(n, rate), **small,
+    )  # fmt: skip
+
+
+def straight(one: Trial, speed: float, seconds: float = 4.0) -> tuple[Track, Steady]:
+    """From rest along x: v = speed tanh t."""
+    t = np.arange(round(seconds * 30)) / 30
+    v = np.column_stack([speed * np.tanh(t), np.zeros(len(t))])
+    xy = np.column_stack([0.3 + speed * np.log(np.cosh(t)), np.full(len(t), 0.8)])
+    found = track(t, xy, v, np.zeros(len(t)), 0.0, 0.0)
+    row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, INF, INF, 0.0, 2.0, float(t[-1]),
+                 "straight", "")  # fmt: skip
+    return found, row
+
+
+def turn(one: Trial, speed: float, radius: float, *, quality: str = "good") -> tuple[Track, Steady]:
+    """A circle about (1.3, 0.8); positive head angle turns clockwise."""
+    side = -1 if one.head_angle_deg > 0 else 1
+    t = np.arange(90) / 30
+    around = 0.4 + side * speed / radius * t
+    xy = np.array([1.3, 0.8]) + radius * np.column_stack([np.cos(around), np.sin(around)])
+    v = side * speed * np.column_stack([-np.sin(around), np.cos(around)])
+    heading = around + side * np.pi / 2
+    found = track(t, xy, v, heading, side * speed / radius, np.radians(one.head_angle_deg))
+    row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, radius, 0.004,
+                 float(np.degrees(speed / radius * 2.0)), 1.0, float(t[-1]), quality,
+                 "" if quality == "good" else "film for longer", side, (1.3, 0.8))  # fmt: skip
+    return found, row
+
+
+def radius_of(power: float, angle: float, head: float) -> float:
+    """Radius given to the circles, m."""
+    return round(0.9 - 0.006 * abs(angle) - 1.5 * (head - 0.12) - 0.001 * power, 4)
+
+
+def coefficients(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
+    """coefficients.json with the paper's Table I as its fits."""
+    units = {p.name: p.unit for p in COEFFICIENTS}
+
+    def cells(values: dict[str, float]) -> dict[str, Any]:
+        return {k: {"value": v, "std": 0.02 * v, "unit": units[k], "determined": k != "C_Da",
+                    "why": "hardly any turn <b>" if k == "C_Da" else ""}
+                for k, v in values.items()}  # fmt: skip
+
+    step = {"head_angle_deg": 45.0, "head_length_m": 0.175, "step": 3, "trials": [],
+            "radius_m": 0.5, "model_radius_m": 0.45, "radius_difference_pct": -10.0}  # fmt: skip
+    return {
+        "paper_steps": {
+            str(p): {"flap_hz": FLAP_HZ[p], "coefficients": cells(TABLE_1[p]), "steps": {"a": step}}
+            for p in powers
+        },
+        "joint": {"coefficients": cells(TABLE_1[75]), "undetermined": [],
+                  "straight_swimming": {"sentence": "It does not swim straight."}},
+    }  # fmt: skip
+
+
+def campaign(
+    powers: Sequence[int] = (50, 75, 100),
+    angles: Sequence[float] = (0, 30, -30, 45, -45),
+    heads: Sequence[float] = (0.12, 0.175),
+    **more: Any,
+) -> Campaign:
+    """One trial a condition; the longer head turns at 45 and goes straight only."""
+    trials, tracks, steady = [], {}, {}
+    for power in powers:
+        for head in heads:
+            for angle in angles:
+                if head > 0.12 and abs(angle) not in (0, 45):
+                    continue
+                one = trial(len(trials) + 1, power, angle, head)
+                trials.append(one)
+                made = (
+                    straight(one, SPEED[power])
+                    if angle == 0
+                    else turn(one, 0.9 * SPEED[power], radius_of(power, angle, head))
+                )
+                tracks[one.trial_id], steady[one.trial_id] = made
+    study = Study(root=Path("exact"), setup=setup(), trials=tuple(trials))
+    given: dict[str, Any] = {
+        "tracks": tracks,
+        "steady": steady,
+        "coefficients": coefficients(powers),
+    }
+    return Campaign(study=study, **(given | more))
+
+
+def searched(base: Campaign) -> Campaign:
+    """The campaign with a search that found a linear yaw damping of 0.02 N m s in it."""
+    forces = {}
+    for name, one in base.tracks.items():
+        zero = [0.0] * len(one.time_s)
+        forces[name] = {
+            "time_s": one.time_s.tolist(), "x_m": one.x_m.tolist(), "y_m": one.y_m.tolist(),
+            "surge_N": zero, "sway_N": zero, "yaw_Nm": (-0.02 * one.yaw_rate_rad_s).tolist(),
+            "surge_std": zero, "sway_std": zero, "yaw_std": [1e-3] * len(zero),
+        }  # fmt: skip
+    told = {k: {"value": v, "std": 0.01 * v} for k, v in TABLE_1[75].items()}
+    damping = {"linear_yaw_damping.N_r": {"value": 0.02, "std": 0.001}}
+    cause = {"name": "linear_yaw_damping", "kind": "physics", "channels": ["yaw"], "weight": 0.98,
+             "regime": "turns", "sentence": "Turning is resisted in proportion to the yaw rate.",
+             "parameters": {"N_r": {"value": 0.02, "std": 0.001, "unit": "N m s"}}}  # fmt: skip
+    errors = {"path_rmse_m": 0.031, "radius_error_pct": 9.8, "speed_error_pct": 3.1}
+    return Campaign(**{
+        **base.__dict__,
+        "mismatch": {
+            "verdict": "physics", "sentence": "Physics left out: linear_yaw_damping.",
+            "causes": [cause], "rivals": [],
+            "where": [{"channel": "yaw", "variable": "yaw_rate_rad_s", "share": 0.7,
+                       "trials": ["T02"]}],
+            "held_out": {"trials": ["T02"], "baseline": errors, "noise_floor_path_rmse_m": 0.002,
+                         "extended": {k: v / 10 for k, v in errors.items()}},
+            "next_trial": {"power_pct": 50, "head_angle_deg": 20, "why": "it separates them"},
+        },
+        "mismatch_detail": {
+            "forces": forces,
+            "candidates": [{"round": 1, "name": "linear_yaw_damping", "held_out_gain": 80.5,
+                            "trials_better": 9, "trials": 10, "outcome": "converged",
+                            "parameters": {"N_r": 0.02}}],
+            "foretold": [{"servo_lag": 1.5}],
+            "coefficients": {"before": told, "after": {**told, **damping}},
+        },
+    })  # fmt: skip

@@ -1,0 +1,255 @@
+"""Figures of a campaign whose numbers are known: what is drawn is what was measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exact_campaign import SPEED, campaign, radius_of, searched, setup, trial, turn
+from PIL import Image
+
+from pipeline import figures
+from pipeline.campaign import Campaign
+from pipeline.faults import Fault
+from pipeline.figures.drawing import groups
+from pipeline.figures.drawing.circles import circle, measured_arc
+from pipeline.figures.drawing.lacking import lacking, put_in_its_place, variable
+from pipeline.figures.drawing.look import COLOURS, power_styles
+from pipeline.figures.drawing.pool import body
+from pipeline.figures.drawing.sweeps import extended, over_angle, radius, tuned
+from pipeline.model import FLAP_HZ, TABLE_1, steady_turn
+from pipeline.study import Study
+
+
+@pytest.fixture(scope="module")
+def whole() -> Campaign:
+    return searched(campaign())
+
+
+def texts(figure) -> str:
+    return "\n".join(
+        text.get_text()
+        for axes in figure.axes
+        for text in [*axes.texts, axes.title, axes.xaxis.label, axes.yaxis.label]
+    )
+
+
+def test_the_folder_is_the_registry():
+    folder = Path(figures.__file__).parent
+    files = {path.stem for path in folder.glob("*.py")} - {"__init__"}
+    assert set(figures.names()) == files
+    assert {"fig3", "fig5", "fig6", "paths"} <= files
+
+
+@pytest.mark.parametrize("name", figures.names())
+def test_every_figure_says_what_it_is_and_draws(name, whole):
+    figure = figures.draw(name, whole)
+    assert figures.title(name)
+    assert len(figures.caption(name)) > 60
+    assert figures.missing(name, whole) == ()
+    assert sum(bool(axes.has_data()) for axes in figure.axes) >= 1
+
+
+def test_a_figure_that_does_not_exist_is_named_with_the_nearest():
+    with pytest.raises(Fault, match="fig3"):
+        figures.draw("fig33", campaign())
+
+
+@pytest.mark.parametrize("name", figures.names())
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"powers": (75,), "angles": (0,), "heads": (0.12,)},
+        {"powers": (75,), "angles": (45,), "heads": (0.12,)},
+        {"powers": (50, 100), "angles": (30, -45), "heads": (0.175,)},
+    ],
+    ids=["one straight run", "one turn", "longer head alone"],
+)
+def test_any_study_is_drawn(name, given):
+    figure = figures.draw(name, campaign(**given))
+    figure.canvas.draw()
+    assert figure.axes or figure.texts
+
+
+def test_what_is_missing_is_said_in_the_panel():
+    straight_only = campaign(powers=(75,), angles=(0,), heads=(0.12,))
+    assert "no turn" in texts(figures.draw("fig3", straight_only))
+    assert "no turn" in texts(figures.draw("fig5", straight_only)).replace("\n", " ")
+    nothing = Campaign(study=straight_only.study)
+    assert "steady" in figures.missing("fig3", nothing)[1]
+    assert "has no" in figures.draw("fig3", nothing).texts[1].get_text()
+
+
+def test_averages_are_over_repeats_and_sides():
+    study = Study(
+        root=Path("s"),
+        setup=setup(),
+        trials=(trial(1, 75, 45), trial(2, 75, -45), trial(3, 75, 45), trial(4, 75, 45)),
+    )
+    radii, quality = (0.50, 0.52, 0.57, 0.9), ("good", "good", "good", "short_arc")
+    made = [
+        turn(one, 0.3, r, quality=q) for one, r, q in zip(study.trials, radii, quality, strict=True)
+    ]
+    names = [one.trial_id for one in study.trials]
+    (mean,) = groups.radius_means(
+        Campaign(
+            study=study,
+            tracks=dict(zip(names, [m[0] for m in made], strict=True)),
+            steady=dict(zip(names, [m[1] for m in made], strict=True)),
+        )
+    )
+    assert mean.value == pytest.approx(0.53)
+    assert mean.std == pytest.approx(np.std([0.50, 0.52, 0.57], ddof=1))
+    assert (mean.count, mean.trusted, mean.angle_deg) == (3, True, 45)
+
+
+def test_a_single_repeat_carries_its_own_uncertainty():
+    (mean,) = groups.radius_means(campaign(powers=(75,), angles=(45,), heads=(0.12,)))
+    assert mean.std == 0.004
+    assert mean.value == pytest.approx(radius_of(75, 45, 0.12))
+
+
+def test_fig3_draws_the_averaged_maximum_speed(whole):
+    figure = figures.draw("fig3", whole)
+    levels = {
+        round(float(line.get_ydata()[0]), 6)
+        for axes in figure.axes
+        for line in axes.lines
+        if list(line.get_xdata()) == [0, 1]
+    }
+    assert levels == {round(v, 6) for v in SPEED.values()}
+    assert "0.552 m/s" in texts(figure)
+
+
+def test_arcs_are_turned_to_one_start_and_run_counter_clockwise(whole):
+    for name in ("T02", "T03"):
+        arc = measured_arc(whole, whole.study.trial(name))
+        assert np.hypot(*arc.T) == pytest.approx(whole.steady[name].radius_m)
+        angle = np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))
+        assert angle[0] == pytest.approx(0)
+        assert np.all(np.diff(angle) > 0)
+    assert np.hypot(*circle(0.6).T) == pytest.approx(0.6)
+
+
+def test_paths_and_circles_keep_their_shape(whole):
+    for name in ("paths", "mismatch_map"):
+        panels = [axes for axes in figures.draw(name, whole).axes if axes.get_xlim()[1] > 2]
+        assert len(panels) >= 6
+        assert all(axes.get_aspect() == 1.0 for axes in panels)
+    rings = [a for a in figures.draw("fig3", whole).axes if "centre" in a.get_xlabel()]
+    assert [axes.get_aspect() for axes in rings] == [1.0, 1.0]
+
+
+def test_units_stand_on_every_axis(whole):
+    for name in ("fig3", "fig5", "fig6", "mismatch_dependence"):
+        labels = texts(figures.draw(name, whole))
+        assert "(m)" in labels or "(mN" in labels
+        for axes in figures.draw(name, whole).axes:
+            if axes.get_xlabel():
+                assert "(" in axes.get_xlabel()
+
+
+def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
+    row = tuned(whole)[100.0]
+    model = radius(whole, row, 0.12, 45)
+    seen = radius_of(100, 45, 0.12)
+    assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
+
+
+def test_coefficients_are_drawn_along_lines_beyond_the_tested_powers(whole):
+    rows = extended(whole)
+    assert list(rows) == [50, 75, 100, 125, 150]
+    assert [row.tested for row in rows.values()] == [True, True, True, False, False]
+    for name, key in (("flap_hz", None), ("C_Md", "C_Md"), ("C_Da", "C_Da")):
+        known = [TABLE_1[p][key] if key else FLAP_HZ[p] for p in (50, 75, 100)]
+        slope = (known[2] - known[0]) / 50  # least squares over three equal steps
+        expected = np.mean(known) + slope * (150 - 75)
+        found = rows[150].coefficients[key] if key else rows[150].flap_hz
+        assert found == pytest.approx(expected), name
+    assert rows[150].coefficients["C_T"] == TABLE_1[100]["C_T"]
+
+
+def test_one_power_is_not_extended():
+    assert list(extended(campaign(powers=(75,)))) == [75]
+
+
+def test_fig6_draws_the_model_that_was_tuned(whole):
+    expected = steady_turn(
+        TABLE_1[100],
+        setup=whole.study.setup,
+        head_length_m=0.12,
+        head_angle_rad=np.radians(30),
+        flap_hz=FLAP_HZ[100],
+    )[1]
+    assert over_angle(whole, tuned(whole)[100.0], 0.12, [30.0])[0] == pytest.approx(expected)
+    panel = figures.draw("fig6", whole).axes[1]
+    curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
+    assert np.all(np.diff(curve.get_ydata()) < 0)
+    assert len(panel.patches) == 2  # shaded below 30 and above 45 degrees
+
+
+def test_the_robot_is_drawn_with_its_measures(whole):
+    robot = whole.study.setup.robot
+    nose, hinge, com, tail = body(robot, 0.12, np.array([1.0, 0.5, 0.0, np.pi / 2]))
+    assert com == pytest.approx([1.0, 0.5])
+    assert hinge == pytest.approx([1.04, 0.5])
+    assert nose == pytest.approx([1.04, 0.38])  # head points along heading - head angle
+    assert np.hypot(*(hinge - tail)) == pytest.approx(0.331 - 0.12)
+
+
+def test_the_extended_model_puts_its_effect_in_place_of_the_missing_moment(whole):
+    for one in lacking(whole).values():
+        rate = variable(whole, one, "yaw_rate_rad_s")
+        assert put_in_its_place(whole, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
+        assert put_in_its_place(whole, one)[:, :2] == pytest.approx(0, abs=1e-3)
+        assert one.force[:, 2] == pytest.approx(-20 * rate)
+
+
+def test_motion_variables_of_a_steady_turn(whole):
+    one = lacking(whole)["T02"]
+    steady = whole.steady["T02"]
+    assert variable(whole, one, "speed_m_s") == pytest.approx(steady.speed_m_s)
+    assert variable(whole, one, "sway_speed_m_s") == pytest.approx(0, abs=1e-9)
+    assert variable(whole, one, "yaw_rate_rad_s") == pytest.approx(
+        -steady.speed_m_s / steady.radius_m
+    )
+
+
+def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, whole):
+    for folder in ("a", "b"):
+        paths = (tmp_path / folder / "fig6.png", tmp_path / folder / "fig6.pdf")
+        figures.draw_file("fig6", whole, *paths)
+    for name in ("fig6.png", "fig6.pdf"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+    assert b"CreationDate" not in (tmp_path / "a" / "fig6.pdf").read_bytes()
+    with Image.open(tmp_path / "a" / "fig6.png") as image:
+        assert image.text["Title"] == figures.title("fig6")
+        assert "Comment" not in image.text
+    figures.draw_file(
+        "mismatch_map", campaign(powers=(75,)), tmp_path / "n.png", tmp_path / "n.pdf"
+    )
+    with Image.open(tmp_path / "n.png") as image:
+        assert "mismatch_detail.json" in image.text["Comment"]
+
+
+# Machado, Oliveira and Fernandes (2009): linear RGB as seen without red or green receptors
+DEUTERANOPIA = np.array(
+    [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]]
+)  # fmt: skip
+PROTANOPIA = np.array(
+    [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+     [-0.003882, -0.048116, 1.051998]]
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("sight", [np.eye(3), DEUTERANOPIA, PROTANOPIA])
+def test_powers_can_be_told_apart_by_the_colour_blind(sight):
+    rgb = np.array([[int(c[i : i + 2], 16) / 255 for i in (1, 3, 5)] for c in COLOURS[:5]])
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    seen = np.clip(linear @ sight.T, 0, 1) ** (1 / 2.2)
+    apart = np.linalg.norm(seen[:, None] - seen[None], axis=2)[np.triu_indices(5, 1)]
+    assert apart.min() > 0.12
+    styles = power_styles([50, 75, 100])
+    assert len({style.marker for style in styles.values()}) == 3
+    assert len({style.colour for style in power_styles(range(12)).values()}) == 12

@@ -53,7 +53,10 @@ def measure(
     pose: Float,
     reach: int,
 ) -> tuple[Float, Float]:
-    """Edge offsets (n,) [px, NaN where not seen] and their derivatives by the pose (n, 4).
+    """Edge offsets (n,) [px, NaN where not seen] and their derivatives (n, 5).
+
+    By the pose, and by a width that is common to the whole outline: light and blur move both
+    sides alike, and where the body tapers that would pass for a shift along it.
 
     pictures: luma, background. maps: coefficients, scale of the plane. shape: points (n, 2) and
     outward normals (n, 2) in the axes of their part [m], part (0 head, 1 core), skin (n,).
@@ -62,7 +65,7 @@ def measure(
     points, normals, part, skin = shape
     n = len(points)
     offset = np.empty(n)
-    slope = np.zeros((n, 4))
+    slope = np.zeros((n, 5))
     local = jacobian(maps[0], maps[1], pose[0], pose[1])
     det = local[0, 0] * local[1, 1] - local[0, 1] * local[1, 0]
     lines = np.empty((2, 2 * reach + 1))
@@ -81,7 +84,7 @@ def measure(
         offset[i] = edge_offset(pictures, (at_u, at_v, u, v), skin[i], lines)
         gx = u * local[0, 0] + v * local[1, 0]
         gy = u * local[0, 1] + v * local[1, 1]
-        slope[i, 0], slope[i, 1] = gx, gy
+        slope[i, 0], slope[i, 1], slope[i, 4] = gx, gy, 1.0
         slope[i, 2] = -gx * y + gy * x
         if part[i] == 0:
             slope[i, 3] = -slope[i, 2]
@@ -105,32 +108,35 @@ def fit(
     pose: Float,
     how: tuple[npt.NDArray[np.int64], Float, float],
 ) -> tuple[Float, Float, Float, Float]:
-    """Pose (4,) that fits the outline; offsets left (n,); weights (n,); slopes (n, 4).
+    """Pose (4,) that fits the outline; offsets left (n,); weights (n,); slopes (n, 5).
 
     how: reaches [px]; prior; width [px]. Gauss-Newton with Tukey's weights, a step for each of
-    `reaches`. The prior is the information (4,) that ties each step, so that a hidden part does
+    `reaches`. The prior is the information (5,) that ties each step, so that a hidden part does
     not run away; offsets are outliers from 4.7 widths on, at least the given width.
     """
     reaches, prior, width = how
     here = pose.copy()
     offset, slope = measure(pictures, maps, shape, here, reaches[0])
     weight = np.zeros(len(offset))
+    wider = 0.0
     for turn in range(len(reaches)):
-        limit = 4.7 * max(width, spread_of(offset))
+        limit = 4.7 * max(width, spread_of(offset - wider))
         normal = np.diag(prior)
-        side = np.zeros(4)
+        side = np.zeros(5)
         for i in range(len(offset)):
             weight[i] = 0.0
-            if math.isfinite(offset[i]) and abs(offset[i]) < limit:
-                share = offset[i] / limit
+            if math.isfinite(offset[i]) and abs(offset[i] - wider) < limit:
+                share = (offset[i] - wider) / limit
                 weight[i] = (1 - share * share) ** 2
-                for a in range(4):
+                for a in range(5):
                     side[a] += weight[i] * slope[i, a] * offset[i]
-                    for b in range(4):
+                    for b in range(5):
                         normal[a, b] += weight[i] * slope[i, a] * slope[i, b]
-        here = here + np.linalg.solve(normal, side)
+        change = np.linalg.solve(normal, side)
+        here = here + change[:4]
+        wider = change[4]
         offset, slope = measure(pictures, maps, shape, here, reaches[turn])
-    return here, offset, weight, slope
+    return here, offset - wider, weight, slope
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -141,29 +147,29 @@ def summary(
     limits: tuple[float, float],
     arc: int,
 ) -> tuple[Float, Float, Float]:
-    """Information (4, 4), arcs' scores (4, 4) in body axes; support of head, core, all; nearness.
+    """Information (5, 5), arcs' scores (5, 5) in body axes; support of head, core, all; nearness.
 
     found: offsets, weights, slopes as `fit` gives them. limits: an offset supports the template
     below the first [px]; nearness falls to 0 at the second. arc: points that are taken together.
     """
     offset, weight, slope = found
     c, s = math.cos(heading), math.sin(heading)
-    information = np.zeros((4, 4))
-    scores = np.zeros((4, 4))
-    pull = np.zeros(4)
-    row = np.empty(4)
+    information = np.zeros((5, 5))
+    scores = np.zeros((5, 5))
+    pull = np.zeros(5)
+    row = np.empty(5)
     for i in range(len(offset)):
         if weight[i] > 0 and math.isfinite(offset[i]):
             row[0] = c * slope[i, 0] + s * slope[i, 1]
             row[1] = c * slope[i, 1] - s * slope[i, 0]
-            row[2], row[3] = slope[i, 2], slope[i, 3]
-            for a in range(4):
+            row[2:] = slope[i, 2:]
+            for a in range(5):
                 pull[a] += row[a] * weight[i] * offset[i]
-                for b in range(4):
+                for b in range(5):
                     information[a, b] += weight[i] * row[a] * row[b]
         if (i + 1) % arc == 0 or i == len(offset) - 1:
-            for a in range(4):
-                for b in range(4):
+            for a in range(5):
+                for b in range(5):
                     scores[a, b] += pull[a] * pull[b]
             pull[:] = 0.0
     return information, scores, _support(offset, part, limits)

@@ -19,7 +19,7 @@ from .tail import trace
 from .template import Template
 
 Float = npt.NDArray[np.float64]
-PRIOR = np.array([3e3, 3e3, 30.0, 30.0])
+PRIOR = np.array([3e3, 3e3, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MOST_BEND = 0.7
 ARCS = 8
@@ -47,8 +47,9 @@ class Scene:
 class Fit:
     """One frame's fit.
 
-    pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (4, 4) of offsets of
-    1 px; scores: (4, 4) sum of the squared pull of the outline's arcs (both in body axes).
+    pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (5, 5) of offsets of
+    1 px, the outline's width last; scores: (5, 5) sum of the squared pull of the outline's arcs
+    (both in body axes).
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
     px, direction [rad], support, side error [px]. nose_px: how far the nose's edge lies ahead of

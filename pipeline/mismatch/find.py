@@ -145,7 +145,8 @@ def _errors(
     steady: Mapping[str, Steady],
 ) -> dict[str, float]:
     shots = shoot(kernel, test, tuned.trial_values(kernel, test))
-    rmse = float(np.sqrt(np.mean([s.rmse**2 for s in shots])))
+    known = [s.rmse**2 for s in shots if np.isfinite(s.rmse)]
+    rmse = float(np.sqrt(np.mean(known))) if known else float("nan")
     return {"path_rmse_m": rmse, **steady_errors(study, kernel, tuned, test, steady)}
 
 

@@ -177,7 +177,8 @@ def sentence(
 ) -> str:
     """One sentence of verdict, plain words first."""
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
-    proof = f"on trials not fitted the path error falls from {before:.1f} to {after:.1f} mm"
+    way = "falls" if after < before else "goes"
+    proof = f"on trials not fitted the path error {way} from {before:.1f} to {after:.1f} mm"
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
     if found.verdict == "unexplained":

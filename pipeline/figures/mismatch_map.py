@@ -35,6 +35,7 @@ def draw(campaign: Campaign) -> Figure:
         axes.set_title(f"missing {channel} {'moment' if channel == 'yaw' else 'force'}")
     worst = sorted(found.values(), key=_strength, reverse=True)[:SHOWN]
     longest = max((float(np.hypot(*one.force[:, :2].T).max()) for one in worst), default=1.0)
+    longest = max(longest, 1e-3)
     for i, axes in enumerate(panels[1]):
         letter(axes, "DEF"[i])
         if i < len(worst):

@@ -32,7 +32,7 @@ LABELS = {
     "tail_beat_phase_rad": "phase of the tail beat (rad)",
     "side": "side of the head (-1: core right of head, +1: left)",
 }
-SPAN_S = 1e-5
+SPAN_S = 1e-6
 
 
 @dataclass(frozen=True)

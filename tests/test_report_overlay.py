@@ -1,0 +1,121 @@
+"""Overlay films: the right pixels at the right time, in a file that browsers play."""
+
+from __future__ import annotations
+
+import av
+import numpy as np
+import pytest
+from exact_campaign import campaign, setup
+
+from pipeline.camera import pool_camera
+from pipeline.campaign import Campaign
+from pipeline.data import Frame, Keypoints
+from pipeline.report.overlay import (
+    AFTER,
+    BEFORE,
+    MEASURED,
+    POINT,
+    Line,
+    Scene,
+    annotated,
+    empty_pool,
+    frame_rate,
+    paths,
+    trial_overlay,
+    write_overlay,
+)
+
+STRIP = 40
+SCALE = 640 / 1920
+
+
+@pytest.fixture(scope="module")
+def base() -> Campaign:
+    return campaign(powers=(75,))
+
+
+def pixel(x_m: float, y_m: float) -> tuple[int, int]:
+    """Row and column in the film of a pool point: 500 px a metre in the raw frame."""
+    return (
+        STRIP + round(SCALE * (930 - 500 * y_m)),
+        round(SCALE * (360 + 500 * x_m)),
+    )
+
+
+def near(picture: np.ndarray, at: tuple[int, int], colour: tuple[int, int, int]) -> bool:
+    """Whether a pixel within 1 px of a place has about the colour."""
+    row, column = at
+    patch = picture[row - 1 : row + 2, column - 1 : column + 2].astype(int)
+    return bool((np.abs(patch - np.array(colour)).max(axis=2) < 40).any())
+
+
+def test_paths_are_drawn_where_the_camera_sees_them(base):
+    camera = pool_camera(setup(), (1920, 1080))
+    track = base.tracks["T02"]
+    shift = {"time_s": track.time_s}
+    for prefix, offset in (("joint", 0.1), ("extended", -0.1)):
+        shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
+    lines = paths(camera, track, shift, 0.0)
+    scene = Scene("T02", (1920, 1080), lines, floor=empty_pool(camera, 640))
+    picture = annotated(scene.floor.copy(), scene, float(track.time_s[60]), SCALE)
+    x, y = track.x_m[40], track.y_m[40]
+    assert [line.name for line in lines] == ["measured path", "model after", "model before"]
+    assert near(picture, pixel(x, y), MEASURED)
+    assert near(picture, pixel(x - 0.1, y), AFTER)
+    ends = track.x_m[60], track.y_m[60]
+    assert near(picture, pixel(ends[0] + 0.1, ends[1]), BEFORE)
+    assert not near(picture, pixel(track.x_m[80], track.y_m[80]), MEASURED)
+
+
+def test_dashes_leave_gaps_and_keep_to_the_line():
+    time = np.linspace(0, 1, 50)
+    way = np.column_stack([np.linspace(300, 1500, 50), np.full(50, 540.0)])
+    scene = Scene("x", (1920, 1080), (Line("model before", time, way, BEFORE, dashed=True),))
+    picture = annotated(np.zeros((360, 640, 3), np.uint8), scene, 1.0, SCALE)
+    drawn = (picture[STRIP + 180, 100:500] > 60).any(axis=1)
+    assert 0.35 < drawn.mean() < 0.8
+    assert np.abs(np.diff(drawn.astype(int))).sum() > 20
+    assert not picture[STRIP + 190 :].any()
+
+
+def test_only_confident_keypoints_of_the_moment_are_drawn():
+    xy = np.array([[[600.0, 300.0], [900.0, 600.0]], [[700.0, 300.0], [np.nan, np.nan]]])
+    found = Keypoints(
+        np.array([0.0, 1.0]), ("head_tip", "hinge"), xy, np.array([[0.99, 0.2], [0.99, 0.9]]),
+        np.full((2, 2, 2, 2), np.nan),
+    )  # fmt: skip
+    scene = Scene("x", (1920, 1080), (), keypoints=found)
+    dark = np.zeros((360, 640, 3), np.uint8)
+    first = annotated(dark.copy(), scene, 0.0, SCALE)
+    assert near(first, (STRIP + 100, 200), POINT)
+    assert not near(first, (STRIP + 200, 300), POINT)
+    assert near(annotated(dark.copy(), scene, 1.0, SCALE), (STRIP + 100, 233), POINT)
+    assert not annotated(dark.copy(), scene, 0.5, SCALE)[STRIP:].any()
+
+
+def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
+    path = tmp_path / "T02.mp4"
+    count = trial_overlay(base, "T02", tmp_path, path)
+    with av.open(str(path)) as film:
+        stream = film.streams.video[0]
+        pictures = [frame.to_ndarray(format="bgr24") for frame in film.decode(video=0)]
+        assert stream.codec_context.name == "h264"
+        assert stream.codec_context.pix_fmt == "yuv420p"
+        assert float(stream.average_rate) == pytest.approx(30, rel=1e-3)
+    assert count == len(pictures) == 90
+    assert pictures[0].shape == (400, 640, 3)
+    rim = pictures[0][pixel(1.3, 0.0)]
+    assert np.all(rim > 180)
+    track = base.tracks["T02"]
+    assert near(pictures[-1], pixel(track.x_m[-40], track.y_m[-40]), MEASURED)
+    assert not near(pictures[10], pixel(track.x_m[-40], track.y_m[-40]), MEASURED)
+
+
+def test_frames_keep_their_times(tmp_path):
+    grey = np.full((1080, 1920), 90, np.uint8)
+    times = [2.0, 2.1, 2.2, 2.6, 2.601, 2.7]
+    film = [Frame(i, t, grey) for i, t in enumerate(times)]
+    count = write_overlay(tmp_path / "a.mp4", Scene("x", (1920, 1080), ()), film, fps=10.0)
+    assert count == 8  # 2.0 to 2.7 at 10 a second, the gap filled, the double left out
+    assert frame_rate(np.arange(5) / 59.94) == 30.0
+    assert frame_rate(np.arange(5) / 24.0) == pytest.approx(24.0)

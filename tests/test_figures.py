@@ -141,6 +141,24 @@ def test_paths_and_circles_keep_their_shape(whole):
     assert [axes.get_aspect() for axes in rings] == [1.0, 1.0]
 
 
+def test_of_a_large_study_the_worst_paths_are_shown():
+    base = campaign(powers=(75,), heads=(0.12,))
+    trials, tracks, simulations = [], {}, {}
+    for number in range(1, 71):
+        one = trial(number, 75, 45)
+        track = base.tracks["T04"]
+        trials.append(one)
+        tracks[one.trial_id] = track
+        simulations[one.trial_id] = {
+            "time_s": track.time_s, "joint_x_m": track.x_m + 1e-3 * number, "joint_y_m": track.y_m,
+        }  # fmt: skip
+    study = Study(root=Path("large"), setup=setup(), trials=tuple(trials))
+    figure = figures.draw("paths", Campaign(study=study, tracks=tracks, simulations=simulations))
+    shown = [axes.get_title().split(":")[0] for axes in figure.axes if axes.get_title()]
+    assert shown == [f"T{number:02d}" for number in range(11, 71)]
+    assert "70.0" in texts(figure)
+
+
 def test_units_stand_on_every_axis(whole):
     for name in ("fig3", "fig5", "fig6", "mismatch_dependence"):
         labels = texts(figures.draw(name, whole))

@@ -10,7 +10,7 @@ from exact_campaign import campaign, setup
 from pipeline.camera import pool_camera
 from pipeline.campaign import Campaign
 from pipeline.data import Frame, Keypoints
-from pipeline.report.overlay import (
+from pipeline.report.drawing import (
     AFTER,
     BEFORE,
     MEASURED,
@@ -19,11 +19,8 @@ from pipeline.report.overlay import (
     Scene,
     annotated,
     empty_pool,
-    frame_rate,
-    paths,
-    trial_overlay,
-    write_overlay,
 )
+from pipeline.report.overlay import frame_rate, paths, trial_overlay, write_overlay
 
 STRIP = 40
 SCALE = 640 / 1920

@@ -56,7 +56,9 @@ def draw(campaign: Campaign) -> Figure:
         axes.set_title(f"{channel}" + (f": foretells {100 * share:.0f} %" if share else ""))
     handles, labels = figure.axes[0].get_legend_handles_labels()
     if handles:
-        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+        figure.legend(
+            handles, labels, loc="outside upper center", ncols=len(labels), markerscale=2.5
+        )
     return figure
 
 

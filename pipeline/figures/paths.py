@@ -18,15 +18,16 @@ CAPTION = (
     "Each panel is the pool from above. Solid: measured path of the centre of mass, dot at its "
     "start. Dashed: the model with one coefficient set for all trials, from the fitted start. "
     "Blue, where something was found: the model with what was left out. Numbers: rms distance to "
-    "the measured path over the trial, mm."
+    "the measured path over the trial, mm. Of large studies the 60 trials that fit worst are shown."
 )
 NEEDS = ("tracks",)
 COLUMNS = 6
+MOST = 60
 
 
 def draw(campaign: Campaign) -> Figure:
     """Small multiples, one panel a trial in the order of trials.csv."""
-    trials = campaign.study.trials
+    trials = _shown(campaign)
     columns = min(COLUMNS, len(trials))
     rows = math.ceil(len(trials) / columns)
     figure = Figure(figsize=(max(6, 2.15 * columns), 1.75 * rows + 0.7), layout="constrained")
@@ -41,6 +42,18 @@ def draw(campaign: Campaign) -> Figure:
     figure.supylabel("y (m)")
     figure.legend(handles=_legend(campaign), loc="outside upper center", ncols=3)
     return figure
+
+
+def _shown(campaign: Campaign) -> tuple[Trial, ...]:
+    """All trials, or of a large study those that the model fits worst, in the study's order."""
+    trials = campaign.study.trials
+    if len(trials) <= MOST:
+        return trials
+    known = [trial.trial_id for trial in trials if trial.trial_id in campaign.tracks]
+    errors = {name: campaign.path_rmse_m(name, "joint") for name in known}
+    ranked = sorted(known, key=lambda n: -errors[n] if math.isfinite(errors[n]) else -math.inf)
+    worst = set(ranked[:MOST])
+    return tuple(trial for trial in trials if trial.trial_id in worst)
 
 
 def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:

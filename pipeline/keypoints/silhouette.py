@@ -15,6 +15,7 @@ from ..data import PARTS, Frame, Keypoints
 from ..faults import fault
 from ..study import Setup, Trial
 from .outline.background import median, noise_level, sample, without_resident
+from .outline.clearing import cleared
 from .outline.learning import Lesson, learn
 from .outline.outcome import keypoints_of
 from .outline.plane import Plane, plane_of
@@ -23,6 +24,8 @@ from .outline.tracking import Fit, Scene, follow
 SAMPLES = (5, 15)
 WELL = 0.9
 TAUGHT = 0.6
+HALF_TAUGHT = 0.4
+CLEARINGS = 2
 
 
 def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
@@ -74,9 +77,10 @@ def taught(
         size = setup.robot.head_span_m * plane.px_per_m
         bridged = replace(found[-1][0], floor=without_resident(found[-1][0].floor, size))
         second = learn(samples, bridged, setup.robot, trial)
-        if _worth(second) > _worth(best[1]):
+        if _worth(second) > TAUGHT:
             remark = "the robot hardly left its place: its background was bridged from around it"
             return bridged, second, (remark,)
+        return best[0], None, ()
     return *best, ()
 
 
@@ -87,7 +91,14 @@ def _lesson(
     images = [frame.luma for frame in samples]
     floor = median(images)
     scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
-    return scene, learn(samples, scene, setup.robot, trial)
+    lesson = learn(samples, scene, setup.robot, trial)
+    for _ in range(CLEARINGS):
+        free = cleared(samples, lesson, scene) if lesson and lesson.support > HALF_TAUGHT else None
+        if free is None:
+            break
+        scene = replace(scene, floor=free)
+        lesson = learn(samples, scene, setup.robot, trial) or lesson
+    return scene, lesson
 
 
 def _worth(lesson: Lesson | None) -> float:

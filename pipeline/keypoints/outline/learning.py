@@ -25,11 +25,16 @@ AREA = 0.16
 
 @dataclass(frozen=True)
 class Lesson:
-    """A learned template, the frames it was learned from, and how well it fits them."""
+    """A learned template, the frames it was learned from with their fits, how well it fits them."""
 
     template: Template
-    frames: int
+    samples: tuple[tuple[Frame, Fit], ...]
     support: float
+
+    @property
+    def frames(self) -> int:
+        """How many frames it was learned from."""
+        return len(self.samples)
 
 
 def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) -> Lesson | None:
@@ -59,7 +64,8 @@ def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) ->
         template = learned(template, *_offsets(kept, scene, template, int(reach[-1])))
     shape = template.shape()
     last = [fitted(f.luma, scene, shape, one.pose, reaches(scene, 0.008, 0.008)) for f, one in fits]
-    return Lesson(template, len(last), float(np.median([one.support[2] for one in last])))
+    pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
+    return Lesson(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
 def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:

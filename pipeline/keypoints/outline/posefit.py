@@ -12,6 +12,9 @@ from .edges import Pictures, edge_offset
 
 Float = npt.NDArray[np.float64]
 Shape = tuple[Float, Float, npt.NDArray[np.int64], Float]
+MORE_STEPS = 5
+SETTLED_PX = 0.1
+SETTLED_RAD = 0.001
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -111,15 +114,17 @@ def fit(
     """Pose (4,) that fits the outline; offsets left (n,); weights (n,); slopes (n, 5).
 
     how: reaches [px]; prior; width [px]. Gauss-Newton with Tukey's weights, a step for each of
-    `reaches`. The prior is the information (5,) that ties each step, so that a hidden part does
-    not run away; offsets are outliers from 4.7 widths on, at least the given width.
+    `reaches` and a few more if it has not settled. The prior is the information (5,) that ties
+    each step, so that a hidden part does not run away; offsets are outliers from 4.7 widths on,
+    at least the given width.
     """
     reaches, prior, width = how
     here = pose.copy()
     offset, slope = measure(pictures, maps, shape, here, reaches[0])
     weight = np.zeros(len(offset))
     wider = 0.0
-    for turn in range(len(reaches)):
+    last = len(reaches) - 1
+    for turn in range(len(reaches) + MORE_STEPS):
         limit = 4.7 * max(width, spread_of(offset - wider))
         normal = np.diag(prior)
         side = np.zeros(5)
@@ -135,7 +140,11 @@ def fit(
         change = np.linalg.solve(normal, side)
         here = here + change[:4]
         wider = change[4]
-        offset, slope = measure(pictures, maps, shape, here, reaches[turn])
+        offset, slope = measure(pictures, maps, shape, here, reaches[min(turn, last)])
+        scale = math.hypot(slope[0, 0], slope[0, 1])
+        moved = scale * math.hypot(change[0], change[1])
+        if turn >= last and moved < SETTLED_PX and abs(change[2]) < SETTLED_RAD:
+            break
     return here, offset - wider, weight, slope
 
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import pickle
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -14,8 +11,7 @@ from hypothesis import strategies as st
 
 from pipeline.data import PARTS, Keypoints
 from pipeline.faults import Fault
-from pipeline.keypoints import deeplabcut, sleap, source, sources
-from pipeline.keypoints.files.literals import NotLiteral, literal
+from pipeline.keypoints import deeplabcut, source, sources
 from pipeline.keypoints.files.noise import white_noise_px
 from pipeline.study import Trial
 
@@ -165,101 +161,6 @@ def test_wrong_files_are_told_with_the_place(tmp_path, change, message):
     assert "k.csv" in str(caught.value)
 
 
-@pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"scorer\n"])
-def test_damaged_h5_is_a_fault(tmp_path, content):
-    path = tmp_path / "k.h5"
-    path.write_bytes(content)
-    with pytest.raises(Fault, match=r"k\.h5"):
-        deeplabcut.read(path, trial())
-
-
-def fixed_h5(path: Path, **changes) -> Path:
-    """A DataFrame in pandas' fixed format, as DeepLabCut's older files are."""
-    names = {"scorer": ["s"], "bodyparts": list(PARTS), "coords": ["x", "y", "likelihood"]}
-    codes = {
-        "scorer": np.zeros(15), "bodyparts": np.repeat(np.arange(5), 3),
-        "coords": np.tile(np.arange(3), 5),
-    }  # fmt: skip
-    with h5py.File(path, "w") as file:
-        group = file.create_group("df_with_missing")
-        group.attrs.update({"pandas_type": "frame", "nblocks": 1, "block0_items_nlevels": 3})
-        for k, level in enumerate(names):
-            group[f"block0_items_level{k}"] = np.array(names[level], dtype="S")
-            group[f"block0_items_label{k}"] = codes[level].astype(np.int8)
-        group["block0_values"] = changes.get("values", np.full((6, 15), 0.5))
-        group["axis1"] = np.arange(6)
-        for name, item in changes.get("more", {}).items():
-            del group[name]
-            group[name] = item
-    return path
-
-
-def test_fixed_h5(tmp_path):
-    values = np.arange(90, dtype=float).reshape(6, 15)
-    values[:, 2::3] = 0.5
-    found = deeplabcut.read(fixed_h5(tmp_path / "k.h5", values=values), trial())
-    assert found.names == PARTS
-    assert found.xy_px[2, 1] == pytest.approx(values[2, 3:5])
-
-
-def test_links_out_of_an_h5_are_refused(tmp_path):
-    link = h5py.ExternalLink("/etc/other.h5", "/values")
-    path = fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
-    with pytest.raises(Fault, match="link to elsewhere"):
-        deeplabcut.read(path, trial())
-
-
-class Evil:
-    def __reduce__(self):
-        return (Path.touch, (Path("unpickled"),))
-
-
-def table_h5(path: Path, names: bytes) -> Path:
-    rows = np.zeros(4, dtype=[("index", "<i8"), ("values_block_0", "<f8", (15,))])
-    rows["index"] = np.arange(4)
-    rows["values_block_0"] = np.arange(15) / 20
-    with h5py.File(path, "w") as file:
-        group = file.create_group("df_with_missing")
-        group.attrs["pandas_type"] = "frame_table"
-        group["table"] = rows
-        group["table"].attrs["values_block_0_kind"] = np.bytes_(names)
-    return path
-
-
-@pytest.mark.parametrize("protocol", [0, 1, 2])
-def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    names = [("s", p, c) for p in PARTS for c in ("x", "y", "likelihood")]
-    good = table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
-    assert deeplabcut.read(good, trial()).names == PARTS
-    bad = table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], Evil()], 0))
-    with pytest.raises(Fault, match="no readable h5"):
-        deeplabcut.read(bad, trial())
-    with pytest.raises(NotLiteral):
-        literal(pickle.dumps(Evil(), protocol))
-    assert not (tmp_path / "unpickled").exists()
-
-
-@given(
-    st.recursive(
-        st.one_of(st.text(max_size=9), st.integers(-(2**40), 2**40), st.booleans(), st.none()),
-        lambda inner: st.one_of(st.lists(inner, max_size=4), st.tuples(inner, inner)),
-        max_leaves=12,
-    ),
-    st.integers(0, 5),
-)
-@settings(max_examples=60, deadline=None)
-def test_literals_are_what_pickle_would_give(value, protocol):
-    assert literal(pickle.dumps(value, protocol)) == value
-
-
-@given(st.binary(max_size=200))
-@settings(max_examples=150, deadline=None)
-def test_any_bytes_are_a_literal_or_refused(content):
-    with contextlib.suppress(NotLiteral):
-        assert isinstance(literal(content), (str, int, float, list, tuple, dict, type(None)))
-
-
 @given(st.text(alphabet="scorebdypatxlikh,0123456789.-\n\r\"' \0é", max_size=300))
 @settings(
     max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
@@ -269,31 +170,6 @@ def test_any_text_is_read_or_a_fault(tmp_path, text):
     path.write_text("scorer,s,s\n" + text, encoding="utf-8", newline="")
     with pytest.raises(Fault, match=r"f\.csv"):
         deeplabcut.read(path, trial())
-
-
-def sleap_h5(path: Path, tracks: int = 1) -> Path:
-    values = np.arange(tracks * 2 * 5 * 7, dtype=float).reshape(tracks, 2, 5, 7)
-    values[0, :, 2, 3] = np.nan
-    with h5py.File(path, "w") as file:
-        file["tracks"] = values
-        file["node_names"] = np.array(PARTS, dtype="S")
-        file["track_names"] = np.array([f"fish{i}" for i in range(tracks)], dtype="S")
-        file["point_scores"] = np.full((tracks, 5, 7), 0.8)
-    return path
-
-
-def test_sleap_is_told_from_deeplabcut(tmp_path):
-    path = sleap_h5(tmp_path / "a.analysis.h5")
-    found = deeplabcut.read(path, trial())
-    assert found.names == PARTS
-    assert found.xy_px[4, 1] == pytest.approx([7 + 4, 35 + 7 + 4])
-    assert found.likelihood[3, 2] == 0.0
-    np.testing.assert_array_equal(sleap.read(path, trial()).xy_px, found.xy_px)
-
-
-def test_sleap_of_two_tracks_takes_one_and_tells(tmp_path):
-    found = deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=2), trial())
-    assert any("fish" in remark for remark in found.remarks)
 
 
 def test_what_is_written_is_read_back(tmp_path):
@@ -341,16 +217,6 @@ def test_other_peoples_files_read_whole(recordings, name, frames, parts):
     found = deeplabcut.read_any(recordings / name, 30.0)
     assert found.xy_px.shape == (frames, parts, 2)
     assert np.all(found.likelihood[np.isnan(found.xy_px[..., 0])] == 0)
-
-
-@pytest.mark.recordings
-def test_csv_and_h5_of_the_same_network_agree(recordings):
-    folder = recordings / "openfield_mouse" / "predictions"
-    stem = "m3v1mp4DLC_resnet50_openfieldAug20shuffle1_30000"
-    a = deeplabcut.read_any(folder / f"{stem}.csv", 30.0)
-    b = deeplabcut.read_any(folder / f"{stem}.h5", 30.0)
-    assert a.names == b.names == ("snout", "leftear", "rightear", "tailbase")
-    np.testing.assert_allclose(a.xy_px, b.xy_px)
 
 
 @pytest.mark.recordings

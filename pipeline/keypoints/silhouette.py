@@ -19,6 +19,7 @@ from .outline.clearing import cleared
 from .outline.learning import Lesson, learn
 from .outline.outcome import keypoints_of
 from .outline.plane import Plane, plane_of
+from .outline.steadiness import camera_remarks
 from .outline.tracking import Fit, Scene, follow
 
 SAMPLES = (5, 15)
@@ -64,14 +65,16 @@ def taught(
     At last from a background bridged at the robot's resting place.
     """
     found: list[tuple[Scene, Lesson | None]] = []
+    notes: tuple[str, ...] = ()
     for count in SAMPLES:
         samples = sample(frames(), count)
         if not samples:
             raise fault(trial.source, "", "no frames", "footage with frames")
         found.append(_lesson(samples, plane, setup, trial))
+        notes = camera_remarks(samples, plane)
         lesson = found[-1][1]
         if lesson is not None and lesson.support > WELL and 2 * lesson.frames > len(samples):
-            return *found[-1], ()
+            return *found[-1], notes
     best = max(found, key=lambda one: _worth(one[1]))
     if _worth(best[1]) < TAUGHT:
         size = setup.robot.head_span_m * plane.px_per_m
@@ -79,9 +82,9 @@ def taught(
         second = learn(samples, bridged, setup.robot, trial)
         if _worth(second) > TAUGHT:
             remark = "the robot hardly left its place: its background was bridged from around it"
-            return bridged, second, (remark,)
-        return best[0], None, ()
-    return *best, ()
+            return bridged, second, (*notes, remark)
+        return best[0], None, notes
+    return *best, notes
 
 
 def _lesson(

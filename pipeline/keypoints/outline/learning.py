@@ -21,6 +21,8 @@ Float = npt.NDArray[np.float64]
 ROUNDS = (0.016, 0.012, 0.010, 0.008, 0.008, 0.008)
 INSIDE_PX = 2.5
 AREA = 0.16
+WELL = 0.9
+PASSES = 3
 
 
 @dataclass(frozen=True)
@@ -40,19 +42,29 @@ class Lesson:
 def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) -> Lesson | None:
     """Template learned from the samples in which a robot-like blob is found; None without any.
 
-    Fit, move each station by its median offset over frames and both sides, fit again.
+    Fit, move each station by its median offset over frames and both sides, fit again; where that
+    does not settle, look for the robot again with what was learned.
     """
     area = AREA * (trial.head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m) ** 2
     seen = [(f, blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
     first = _first(seen, robot, trial)
     if first is None:
         return None
-    starts = [
-        (frame, best) for frame, found in seen if (best := _start(frame, found, scene, first))
-    ]
-    if not starts:
-        return None
-    template, fits = first, [(frame, one) for frame, one in starts]
+    lesson: Lesson | None = None
+    for _ in range(PASSES):
+        known = first if lesson is None else lesson.template
+        starts = [(f, best) for f, found in seen if (best := _start(f, found, scene, known))]
+        if not starts:
+            break
+        lesson = _taught(starts, scene, known)
+        if lesson.support > WELL:
+            break
+    return lesson
+
+
+def _taught(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -> Lesson:
+    """Lesson of fits that start where the robot roughly is."""
+    fits = starts
     for size in ROUNDS:
         shape = template.shape()
         reach = reaches(scene, size, size, size)

@@ -32,7 +32,11 @@ def keypoints_of(
     template: Template,
     remarks: tuple[str, ...],
 ) -> Keypoints:
-    """Keypoints of a recording; NaN with likelihood 0 where the robot was not found."""
+    """Keypoints of a recording; NaN with likelihood 0 where the robot was not found.
+
+    Where the head fits badly in most frames its shape was not learned, and no point along the
+    body is believed.
+    """
     n, p = len(times), len(PARTS)
     xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
     cov = np.full((n, p, 2, 2), np.nan)
@@ -42,7 +46,9 @@ def keypoints_of(
         xy[where], cov[where] = _points(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
         jumps = _jumps(times, fits)
-        likelihood[where] = [_likelihood(one, bend) for one in known] * jumps[where, None]
+        known_shape = _graded(float(np.median([one.support[0] for one in known])))
+        each = np.array([_likelihood(one, bend) for one in known])
+        likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks)
 

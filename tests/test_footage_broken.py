@@ -1,0 +1,102 @@
+"""Footage that is cut, empty, stretched or no footage at all."""
+
+from __future__ import annotations
+
+import struct
+
+import av
+import pytest
+from test_footage import SIZE, STEADY, patched, picture, write_video
+
+from pipeline.faults import Fault
+from pipeline.footage import encode, frames, open_recording
+
+
+def test_cut_file_gives_its_readable_frames(tmp_path):
+    path = write_video(tmp_path / "cut.mp4", STEADY)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) - 300])
+    recording = open_recording([path])
+    assert recording.frames_declared == 24
+    assert 1 <= recording.frames_present < 24
+    assert any("cut short" in remark and "24" in remark for remark in recording.remarks)
+    assert abs(len(list(frames(recording))) - recording.frames_present) <= 1
+
+
+def test_file_without_index_names_the_rescue(tmp_path):
+    path = write_video(tmp_path / "dead.mp4", STEADY, front=False)
+    data = path.read_bytes()
+    path.write_bytes(data[: data.rindex(b"moov") - 4])
+    with pytest.raises(Fault, match="untrunc"):
+        open_recording([path])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "0 bytes"),
+        (b"time_s,angle_deg\n0,1\n" * 20, "a text file"),
+        (bytes(range(256)) * 40, "no readable video"),
+        (b"\0\0\0\x08ftyp", "without its index"),
+    ],
+)
+def test_what_is_no_video_is_told_so(tmp_path, content, message):
+    path = tmp_path / "x.mp4"
+    path.write_bytes(content)
+    with pytest.raises(Fault, match=message) as caught:
+        open_recording([path])
+    assert "x.mp4" in str(caught.value)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(Fault, match="no such file"):
+        open_recording([tmp_path / "none.mp4"])
+
+
+@pytest.mark.parametrize(("letter", "refused"), [(b"S", True), (b"H", True), (b"W", False)])
+def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
+    path = write_video(tmp_path / "s.mp4", STEADY[:4], front=False)
+    data = path.read_bytes()
+    setting = b"VFOVc\x01\x00\x01" + letter + b"\0\0\0"
+    body = b"DEVC\0\x01" + struct.pack(">H", len(setting)) + setting
+    gpmf = struct.pack(">I", 8 + len(body)) + b"GPMF" + body
+    udta = struct.pack(">I", 8 + len(gpmf)) + b"udta" + gpmf
+    at = data.rindex(b"moov") - 4
+    moov = struct.unpack(">I", data[at : at + 4])[0]
+    longer = struct.pack(">I", moov + len(udta))
+    path.write_bytes(data[:at] + longer + data[at + 4 : at + moov] + udta)
+    if refused:
+        with pytest.raises(Fault, match=r"SuperView|HyperView"):
+            open_recording([path])
+    else:
+        assert open_recording([path]).frames_present == 4
+
+
+def test_trimmed_file_is_remarked(tmp_path):
+    path = write_video(tmp_path / "t.mp4", STEADY)
+    scale = av.open(str(path)).streams.video[0].time_base.denominator
+    start = struct.pack(">i", scale * 10 * 1001 // 30000)
+    recording = open_recording([patched(path, b"elst", 12, start)])
+    assert any("trimmed" in remark for remark in recording.remarks)
+    assert 13 <= len(list(frames(recording))) <= 15
+
+
+def test_failed_overlay_leaves_nothing(tmp_path):
+    def broken():
+        yield picture(0)
+        raise RuntimeError("stop")
+
+    with pytest.raises(RuntimeError, match="stop"):
+        encode(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_few_frames_of_a_trimmed_film_leave_the_rest_as_it_was(tmp_path):
+    path = write_video(tmp_path / "t.mp4", STEADY)
+    scale = av.open(str(path)).streams.video[0].time_base.denominator
+    patched(path, b"elst", 12, struct.pack(">i", scale * 10 * 1001 // 30000))
+    recording = open_recording([path])
+    plain = [frame.time_s for frame in frames(recording)]
+    film = frames(recording)
+    assert len(list(film.spread(2))) == 2
+    assert [frame.time_s for frame in film] == plain

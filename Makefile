@@ -14,7 +14,7 @@ demo: $(READY) ## the demo study, from rendered footage to results/demo/report.h
 	@$(BIN)/bluekoi run demo
 
 test: $(READY) ## the tests
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist loadfile
 
 test-long: $(READY) ## tests that run for minutes: the demo held against its truth, and more
 	$(BIN)/pytest -m long -o addopts="--strict-markers"

@@ -5,16 +5,21 @@ from __future__ import annotations
 import io
 import logging
 import os
+import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from pipeline.faults import Fault
+from pipeline.files import whole_file
+from pipeline.workflow.lock import forget_stale, hold, sweep
 from pipeline.workflow.plan import figure_names, forget_lost, make_plan
 from pipeline.workflow.progress import Hush, Progress
 from pipeline.workflow.remaining import Timing, duration
@@ -35,13 +40,18 @@ class Home:
         shutil.copy(ROOT / "Snakefile", root)
         self.study = small_study(root / "study")
 
-    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+    def command(self, *arguments: str) -> list[str]:
         command = [sys.executable, "-m", "snakemake", "--cores", "2", "--workflow-profile"]
-        profile, configuration = "config/profiles/default", ["--config", "study=study"]
+        return [*command, "config/profiles/default", *arguments, "--config", "study=study"]
+
+    def environment(self) -> dict[str, str]:
+        return {**os.environ, "PYTHONPATH": str(self.root)}
+
+    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [*command, profile, *arguments, *configuration],
+            self.command(*arguments),
             cwd=self.root,
-            env={**os.environ, "PYTHONPATH": str(self.root)},
+            env=self.environment(),
             capture_output=True,
             text=True,
             check=False,
@@ -185,6 +195,70 @@ def test_time_left_is_work_over_pace():
 )
 def test_times_are_said_as_a_person_does(s, text):
     assert duration(s) == text
+
+
+def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
+    handle = hold(tmp_path)
+    with pytest.raises(Fault, match="another run at work in this folder"):
+        hold(tmp_path)
+    handle.close()
+    hold(tmp_path).close()
+
+
+def test_only_locks_on_our_own_results_are_stale(tmp_path):
+    (tmp_path / "0.output.lock").write_text("results/a/steady.csv\nstudies/a/x\n")
+    (tmp_path / "1.output.lock").write_text("results/ab/steady.csv\n")
+    assert forget_stale(tmp_path, Path("results/a")) == [tmp_path / "0.output.lock"]
+    assert (tmp_path / "1.output.lock").exists()
+
+
+def test_half_written_files_of_a_killed_run_are_swept_up(tmp_path):
+    (tmp_path / "figures").mkdir()
+    with whole_file(tmp_path / "figures/fig3.png") as temporary:
+        name = temporary.name
+    (tmp_path / "figures/fig3.png").rename(left := tmp_path / "figures" / name)
+    (tmp_path / "figures/.hidden").touch()
+    assert sweep(tmp_path) == [left]
+    assert [path.name for path in (tmp_path / "figures").iterdir()] == [".hidden"]
+
+
+def test_a_second_run_on_the_same_folder_is_refused_in_words(home):
+    handle = hold(home.root / "results/study")
+    run = home.snakemake()
+    handle.close()
+    assert run.returncode == 1
+    assert "another run at work in this folder" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+def results_of(home: Home) -> dict[str, bytes]:
+    """Every result without dates in it, by name."""
+    root = home.root / "results/study"
+    kept = [p for p in root.rglob("*") if p.suffix in (".csv", ".json", ".png", ".pdf")]
+    return {str(path.relative_to(root)): path.read_bytes() for path in kept}
+
+
+@pytest.mark.long
+def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(done, home):
+    shutil.rmtree(home.root / "results")
+    shutil.rmtree(home.root / ".snakemake")
+    rng = random.Random(7)
+    for _ in range(20):
+        run = subprocess.Popen(
+            home.command(),
+            cwd=home.root,
+            env=home.environment(),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        time.sleep(rng.uniform(0.5, 12.0))
+        os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
+    last = home.snakemake()
+    assert last.returncode == 0, last.stderr
+    assert results_of(home) == results_of(done[0])
+    assert not list((home.root / "results").rglob(".*-*"))
 
 
 def record(level, message, **more):

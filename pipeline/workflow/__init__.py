@@ -5,10 +5,12 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..faults import Fault, printable
+from .lock import forget_stale, hold, sweep
 from .plan import Plan, forget_lost, make_plan
 from .progress import Progress, follow
 from .settings import check_settings
@@ -19,14 +21,19 @@ __all__ = ["Plan", "Progress", "begin", "follow", "shell_prefix"]
 def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     """Plan of the run that Snakemake is about to make; ends it with a plain message on a fault.
 
-    A run proper also forgets trials whose results were taken away, so that they run again.
+    A run proper holds its results folder, takes away the locks and half-written files that a
+    killed run left, and forgets trials whose results were taken away, so that they run again.
     """
+    proper = workflow.is_main_process and not workflow.output_settings.dryrun
     try:
         plan = make_plan(check_settings(config, schema))
+        plan = replace(plan, lock=hold(plan.results)) if proper else plan
     except Fault as fault:
         sys.stderr.write(printable(str(fault)) + "\n")
         sys.exit(1)
-    if workflow.is_main_process and not workflow.output_settings.dryrun:
+    if proper:
+        forget_stale(Path(".snakemake") / "locks", plan.results)
+        sweep(plan.results)
         forget_lost(plan)
     return plan
 

@@ -12,7 +12,7 @@ import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from ..faults import Fault, fault
 from ..files import read_json
@@ -34,6 +34,7 @@ class Plan:
     study: Study
     is_demo: bool
     overlaid: str
+    lock: IO[str] | None = None
 
     @property
     def trials(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""The types that flow between the stages, each with its reader and writer.
+"""The types that flow between the stages.
 
 Frozen; constructors check shape, finiteness and increasing time, collect all faults and raise once.
 SI units and radians; frames of reference are named in `docs/conventions.md`.
@@ -7,14 +7,12 @@ SI units and radians; frames of reference are named in `docs/conventions.md`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .faults import Fault, Finding, fault
-from .files import whole_file
+from ..faults import Fault, Finding
 
 Float = npt.NDArray[np.float64]
 
@@ -195,101 +193,3 @@ def check_shapes(value: Any, shapes: dict[str, tuple[int, ...]]) -> None:
         findings.append(Finding(name, "time_s", "times that repeat or go back", "increasing times"))
     if findings:
         raise Fault(findings)
-
-
-TRACK_COLUMNS = tuple(
-    f.name for f in fields(Track) if f.name not in ("recoil", "remarks", "speed_std_m_s")
-)
-
-
-def write_columns(path: str | Path, columns: dict[str, Any]) -> None:
-    """Write equally long columns as csv, whole or not at all; NaN as an empty cell."""
-    names = list(columns)
-    rows = zip(*columns.values(), strict=True)
-    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8") as out:
-        out.write(",".join(names) + "\n")
-        out.writelines(",".join(_cell(cell) for cell in row) + "\n" for row in rows)
-
-
-def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float]:
-    """Numeric columns of a csv by name; empty cells are NaN.
-
-    Raises: Fault naming the file and the missing column, or the row with a wrong cell.
-    """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise fault(path, "", f"an unreadable file ({error})", "a csv file") from error
-    lines = [line for line in text.splitlines() if line.strip()]
-    if not lines:
-        raise fault(path, "", "an empty file", f"a csv with columns {', '.join(required)}")
-    names = [name.strip() for name in lines[0].split(",")]
-    missing = [name for name in required if name not in names]
-    if missing:
-        raise fault(
-            path, "row 1", f"columns {', '.join(names)[:200]}", f"a column {', '.join(missing)}"
-        )
-    table = np.array([_row(path, i, line, len(names)) for i, line in enumerate(lines[1:], start=2)])
-    table = table.reshape(len(lines) - 1, len(names))
-    return {name: table[:, i] for i, name in enumerate(names)}
-
-
-def _row(path: str | Path, number: int, line: str, width: int) -> list[float]:
-    cells = line.split(",")
-    if len(cells) != width:
-        raise fault(path, f"row {number}", f"{len(cells)} cells", f"{width} cells")
-    try:
-        return [float(cell) if cell.strip() else float("nan") for cell in cells]
-    except ValueError as error:
-        raise fault(path, f"row {number}", str(error), "numbers") from error
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, str):
-        return '"' + value.replace('"', '""') + '"' if set(value) & set(',"\n') else value
-    if isinstance(value, (bool, np.bool_, int, np.integer)):
-        return str(int(value))
-    return "" if not np.isfinite(value) else format(float(value), ".9g")
-
-
-def write_track(path: str | Path, track: Track) -> None:
-    """Write tracks/ID.csv as the contract lists it, with the recoil as extra columns."""
-    columns = {name: getattr(track, name) for name in TRACK_COLUMNS}
-    recoil = ("recoil_x_m", "recoil_y_m", "recoil_heading_rad")
-    write_columns(path, columns | {name: track.recoil[:, i] for i, name in enumerate(recoil)})
-
-
-def read_track(path: str | Path) -> Track:
-    """Track of one trial from tracks/ID.csv."""
-    columns = read_columns(path, TRACK_COLUMNS)
-    recoil = [
-        columns[f"recoil_{k}"] for k in ("x_m", "y_m", "heading_rad") if f"recoil_{k}" in columns
-    ]
-    values: dict[str, Any] = {name: columns[name] for name in TRACK_COLUMNS}
-    return Track(**values, recoil=np.column_stack(recoil) if recoil else np.zeros((0, 3)))
-
-
-_POSE_PAIRS = [(i, j) for i in range(4) for j in range(i, 4)]
-POSE_COLUMNS = (
-    "time_s",
-    "x_m",
-    "y_m",
-    "heading_rad",
-    "head_angle_rad",
-    *(f"cov_{i}{j}" for i, j in _POSE_PAIRS),
-)
-
-
-def write_pose(path: str | Path, pose: Pose) -> None:
-    """Write poses/ID.csv: measured pose and the upper triangle of its covariance."""
-    columns = {"time_s": pose.time_s} | dict(zip(POSE_COLUMNS[1:5], pose.values.T, strict=True))
-    write_columns(path, columns | {f"cov_{i}{j}": pose.cov[:, i, j] for i, j in _POSE_PAIRS})
-
-
-def read_pose(path: str | Path) -> Pose:
-    """Pose of one trial from poses/ID.csv."""
-    columns = read_columns(path, POSE_COLUMNS)
-    cov = np.empty((len(columns["time_s"]), 4, 4))
-    for i, j in _POSE_PAIRS:
-        cov[:, i, j] = cov[:, j, i] = columns[f"cov_{i}{j}"]
-    return Pose(columns["time_s"], np.column_stack([columns[c] for c in POSE_COLUMNS[1:5]]), cov)

@@ -1,0 +1,62 @@
+"""Equally long columns as csv: written whole or not at all, read with the place of every fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..faults import fault
+from ..files import whole_file
+from .types import Float
+
+
+def write_columns(path: str | Path, columns: dict[str, Any]) -> None:
+    """Write equally long columns as csv, whole or not at all; NaN as an empty cell."""
+    names = list(columns)
+    rows = zip(*columns.values(), strict=True)
+    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8") as out:
+        out.write(",".join(names) + "\n")
+        out.writelines(",".join(_cell(cell) for cell in row) + "\n" for row in rows)
+
+
+def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float]:
+    """Numeric columns of a csv by name; empty cells are NaN.
+
+    Raises: Fault naming the file and the missing column, or the row with a wrong cell.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise fault(path, "", f"an unreadable file ({error})", "a csv file") from error
+    lines = [line for line in text.splitlines() if line.strip()]
+    if not lines:
+        raise fault(path, "", "an empty file", f"a csv with columns {', '.join(required)}")
+    names = [name.strip() for name in lines[0].split(",")]
+    missing = [name for name in required if name not in names]
+    if missing:
+        raise fault(
+            path, "row 1", f"columns {', '.join(names)[:200]}", f"a column {', '.join(missing)}"
+        )
+    table = np.array([_row(path, i, line, len(names)) for i, line in enumerate(lines[1:], start=2)])
+    table = table.reshape(len(lines) - 1, len(names))
+    return {name: table[:, i] for i, name in enumerate(names)}
+
+
+def _row(path: str | Path, number: int, line: str, width: int) -> list[float]:
+    cells = line.split(",")
+    if len(cells) != width:
+        raise fault(path, f"row {number}", f"{len(cells)} cells", f"{width} cells")
+    try:
+        return [float(cell) if cell.strip() else float("nan") for cell in cells]
+    except ValueError as error:
+        raise fault(path, f"row {number}", str(error), "numbers") from error
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, str):
+        return '"' + value.replace('"', '""') + '"' if set(value) & set(',"\n') else value
+    if isinstance(value, (bool, np.bool_, int, np.integer)):
+        return str(int(value))
+    return "" if not np.isfinite(value) else format(float(value), ".9g")

@@ -1,0 +1,241 @@
+"""Detection held against rendered truth over the ladder of conditions, a line a step.
+
+    python benchmarks/ladder.py [--seeds 101 102] [--steps middle hand] [--folder FOLDER]
+
+Each step is three trials a seed (straight, a turn to either side), rendered once to `--folder`,
+decoded and detected like any footage. Printed a step: median errors [px], root mean square pulls
+(1 where covariances are right), points wrong by more than 5 px though their likelihood is over 0.9,
+the share of visible points believed, and the longest run of frames with head and tail swapped.
+Exits with 1 where a bar is missed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from pipeline.data import PARTS, Keypoints
+from pipeline.footage import frames, open_recording
+from pipeline.keypoints import source
+from pipeline.study import Study, Trial, load_study
+from pipeline.synthetic.campaign import render_study
+from pipeline.synthetic.conditions import LADDER, conditions
+from pipeline.synthetic.design import ladder_design
+
+MEDIAN_PX = 0.3
+PULLS = (0.9, 1.1)
+WRONG_PX, BELIEVED = 5.0, 0.9
+WRONG_SHARE = 1e-3
+SWAPPED_FRAMES = 1
+RIGID = PARTS[:3]
+HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
+STILL = tuple(step for step in LADDER if step != "nudged")
+SIZES = {"1080p": (1920, 1080), "2.7K": (2704, 1520), "4K": (3840, 2160)}
+
+
+@dataclass(frozen=True)
+class Score:
+    """One trial, or several together.
+
+    error, square: (frames, parts) px, and squared normalised error a coordinate; NaN unseen.
+    likelihood, visible: (frames, parts). swapped: longest run of frames. moved: camera remarks.
+    """
+
+    error: np.ndarray
+    square: np.ndarray
+    likelihood: np.ndarray
+    visible: np.ndarray
+    swapped: int
+    moved: int
+
+    @property
+    def believed(self) -> np.ndarray:
+        """Which points are believed, (frames, parts)."""
+        return self.likelihood > BELIEVED
+
+    @property
+    def wrong(self) -> int:
+        """How many points are believed though they are far off."""
+        return int(np.sum(self.believed & ~(self.error <= WRONG_PX)))
+
+    @property
+    def pulls(self) -> np.ndarray:
+        """Root mean square pull of the believed points, (parts,)."""
+        kept = np.where(self.believed & self.visible, self.square, np.nan)
+        count = np.isfinite(kept).sum(axis=0)
+        return np.sqrt(np.nansum(kept, axis=0) / np.maximum(count, 1))
+
+    @property
+    def medians(self) -> np.ndarray:
+        """Median error of the points found, (parts,) px."""
+        kept = np.where(np.isfinite(self.error).any(axis=0), self.error, 0.0)
+        return np.nanmedian(kept, axis=0)
+
+
+def score(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> Score:
+    """Score of detections against true pixels (frames, parts, 2)."""
+    off = found.xy_px - truth_px
+    safe = np.where(np.isfinite(found.cov_px2), found.cov_px2, np.eye(2))
+    square = np.einsum("nki,nkij,nkj->nk", off, np.linalg.inv(safe), off) / 2
+    square[~np.isfinite(found.cov_px2).all(axis=(2, 3))] = np.nan
+    return Score(
+        error=np.hypot(off[..., 0], off[..., 1]),
+        square=square,
+        likelihood=found.likelihood,
+        visible=visible,
+        swapped=longest_run(backwards(found.xy_px, truth_px)),
+        moved=sum("camera moved" in remark for remark in found.remarks),
+    )
+
+
+def backwards(xy_px: np.ndarray, truth_px: np.ndarray) -> np.ndarray:
+    """Frames in which head and tail are found the wrong way round, (frames,)."""
+    head, tail = PARTS.index("head_tip"), PARTS.index("tail_base")
+    axis, right = (points[:, head] - points[:, tail] for points in (xy_px, truth_px))
+    return np.nan_to_num(np.sum(axis * right, axis=1), nan=1.0) < 0
+
+
+def longest_run(flags: np.ndarray) -> int:
+    """Length of the longest run of true values."""
+    run = longest = 0
+    for flag in flags:
+        run = run + 1 if flag else 0
+        longest = max(longest, run)
+    return longest
+
+
+def together(scores: Sequence[Score]) -> Score:
+    """Scores of several trials as one."""
+    joined = (
+        np.concatenate([getattr(one, name) for one in scores])
+        for name in ("error", "square", "likelihood", "visible")
+    )
+    return Score(*joined, max(one.swapped for one in scores), sum(one.moved for one in scores))
+
+
+def rendered(folder: Path, step: str, seed: int, *, size: str, seconds: float) -> Path:
+    """Study folder of a step, rendered where it is not there yet."""
+    study = folder / f"{step}-{size}-{seed}-{seconds:g}"
+    if not (study / "truth.sha256").exists():
+        state = conditions(step, size_px=SIZES[size])
+        design = ladder_design(state, seed, longest_s=seconds)
+        render_study(design, study, truth_of(study), workers=2)
+    return study
+
+
+def truth_of(study: Path) -> Path:
+    return study.with_name(f"{study.name}-truth")
+
+
+def detected(study: Study, trial: Trial, name: str) -> Keypoints:
+    """Keypoints of a trial's footage by a source."""
+    detector = source(name)
+    recording = open_recording(study.paths(trial))
+    film = partial(frames, recording, colour=getattr(detector, "COLOUR", False))
+    setup = study.setup
+    if name == "markers":
+        detection = setup.detection.model_copy(update={"marker_hues_deg": HUES})
+        setup = setup.model_copy(update={"detection": detection})
+    return detector.detect(film, setup, trial)
+
+
+def one_trial(job: tuple[Path, str, str]) -> Score:
+    """Score of one trial: study folder, trial id, source."""
+    cv2.setNumThreads(1)
+    folder, trial_id, name = job
+    study = load_study(folder)
+    found = detected(study, study.trial(trial_id), name)
+    with np.load(truth_of(folder) / f"{trial_id}.npz") as truth:
+        return score(found, truth["keypoints_px"], truth["visible"])
+
+
+def line(name: str, found: Score) -> str:
+    """A step's line of the table."""
+    cells = [f"{name:>14} {len(found.error):6d}"]
+    cells += [f"{value:6.2f}" for value in found.medians]
+    cells += [" "] + [f"{value:5.2f}" for value in found.pulls]
+    share = float(np.mean(found.believed[found.visible]))
+    cells += [f"{found.wrong:6d} {share:8.1%} {found.swapped:7d} {found.moved:5d}"]
+    return " ".join(cells)
+
+
+def header() -> str:
+    """The table's head, as wide as its lines."""
+    parts = " ".join(f"{part[:6]:>6}" for part in PARTS)
+    pulls = " ".join(f"{part[:5]:>5}" for part in PARTS)
+    over = f"{'':>21} {'median error [px]':^34}   {'pulls':^29}   wrong  visible longest camera"
+    return f"{over}\n{'step':>14} frames {parts}   {pulls}   sure believed swapped moved"
+
+
+def missed(by_step: dict[str, Score]) -> list[str]:
+    """What misses its bar, in words."""
+    faults = []
+    everything = together(list(by_step.values()))
+    points = everything.error.size
+    if everything.wrong >= WRONG_SHARE * points:
+        faults.append(f"{everything.wrong} of {points} points wrong and believed")
+    if everything.swapped > SWAPPED_FRAMES:
+        faults.append(f"head and tail swapped for {everything.swapped} frames")
+    for k, part in enumerate(RIGID):
+        if "middle" in by_step and by_step["middle"].medians[k] > MEDIAN_PX:
+            faults.append(f"middle step: {part} off by {by_step['middle'].medians[k]:.2f} px")
+        if "middle" in by_step and not PULLS[0] <= by_step["middle"].pulls[k] <= PULLS[1]:
+            faults.append(f"middle step: pulls of {part} {by_step['middle'].pulls[k]:.2f}")
+    for step, found in by_step.items():
+        if step == "nudged" and not found.moved:
+            faults.append("nudged: the camera's move was not told")
+        if step in STILL and found.moved:
+            faults.append(f"{step}: {found.moved} trials with a camera move that never was")
+    return faults
+
+
+def climb(
+    studies: dict[str, list[Path]], sources: dict[str, str], workers: int
+) -> Iterable[tuple[str, Score]]:
+    """Score of each step, as soon as it is known. sources: of steps not seen by silhouette."""
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        for step, folders in studies.items():
+            name = sources.get(step, "silhouette")
+            jobs = [(f, trial.trial_id, name) for f in folders for trial in load_study(f).trials]
+            yield step, together(list(pool.map(one_trial, jobs)))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[101])
+    parser.add_argument("--steps", nargs="+", default=list(LADDER), choices=list(LADDER))
+    parser.add_argument("--size", default="1080p", choices=list(SIZES))
+    parser.add_argument("--seconds", type=float, default=3.4)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument(
+        "--folder", type=Path, default=Path(tempfile.gettempdir()) / "bluekoi-ladder"
+    )
+    options = parser.parse_args()
+    make = partial(rendered, options.folder, size=options.size, seconds=options.seconds)
+    studies = {s: [make(s, seed) for seed in options.seeds] for s in options.steps}
+    sources = {}
+    if "markers" in studies:
+        studies["coloured dots"] = studies["markers"]
+        sources["coloured dots"] = "markers"
+    print(header(), flush=True)
+    by_step = {}
+    for step, found in climb(studies, sources, options.workers):
+        by_step[step] = found
+        print(line(step, found), flush=True)
+    print(line("all", together(list(by_step.values()))))
+    faults = missed(by_step)
+    print("\n".join(f"MISSED: {one}" for one in faults) or "all bars met")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

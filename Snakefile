@@ -136,7 +136,7 @@ rule overlay:
 
 
 rule report:
-    input: rules.mismatch.output, plan.figures(), plan.overlays(),
+    input: rules.mismatch.output, plan.figures(), plan.overlays(), plan.seal(),
     output: R / "report.html",
     conda: ENV
     log: LOGS / "report.log"

@@ -41,9 +41,10 @@ def unit(name: str) -> str:
     return UNITS.get(name, name)
 
 
-def percent(value: Any) -> str:
-    """Signed percent with one decimal."""
-    return "–" if value is None or not math.isfinite(float(value)) else f"{float(value):+.1f} %"
+def percent(value: Any, places: int = 1) -> str:
+    """Signed percent with so many decimals."""
+    unknown = value is None or not math.isfinite(float(value))
+    return "–" if unknown else f"{float(value):+.{places}f} %"
 
 
 def words(name: str) -> str:

@@ -12,7 +12,9 @@ from markupsafe import Markup
 
 from ..campaign import Campaign
 from ..files import write_text
+from ..study.seal import Seal
 from . import story, tables
+from .hidden import hidden
 from .media import Clip, Picture, clips, pictures
 from .settings import settings, versions
 from .trials import cards
@@ -24,19 +26,27 @@ def write_report(
     figures_dir: str | Path,
     overlays_dir: str | Path,
     path: str | Path,
+    *,
+    seal: Seal | None = None,
 ) -> None:
     """Write report.html: one page without network, all text escaped, media inside.
 
     figures: name -> (title, caption), their png stand in `figures_dir`. overlays_dir: ID.mp4,
     embedded while they are small, linked beside the page otherwise. What is missing is said.
+    seal: of a made study; what was hidden stands at the end of the page.
     """
     beside = Path(path).parent
     shown = pictures(figures, Path(figures_dir), beside)
     films = clips(Path(overlays_dir), beside, campaign)
-    write_text(path, page(campaign, shown, films))
+    write_text(path, page(campaign, shown, films, seal))
 
 
-def page(campaign: Campaign, shown: Sequence[Picture], films: Mapping[str, Clip]) -> str:
+def page(
+    campaign: Campaign,
+    shown: Sequence[Picture],
+    films: Mapping[str, Clip],
+    seal: Seal | None = None,
+) -> str:
     """Text of the page."""
     return str(
         _template("page.html").render(
@@ -53,6 +63,7 @@ def page(campaign: Campaign, shown: Sequence[Picture], films: Mapping[str, Clip]
             cards=cards(campaign, films),
             settings=settings(campaign),
             versions=versions(),
+            hidden=hidden(campaign, seal),
             css=Markup(_text("page.css")),  # noqa: S704  our own file
             js=Markup(_text("page.js")),  # noqa: S704  our own file
         )

@@ -6,28 +6,38 @@ import tempfile
 from pathlib import Path
 
 from ..files import write_text
-from ..synthetic.campaign import render_trial, write_study_files
+from ..synthetic.campaign import render_trial, sealed_truth, trial_truth, write_study_files
 from ..synthetic.design import demo_design
+from ..synthetic.trial import prepare
 
 STUDY_FILES = ("study.yaml", "trials.csv")
 
 
 def lay_out(study: Path) -> None:
-    """Write study.yaml and trials.csv of the demo study, where they are not there as they should.
+    """Write study.yaml, trials.csv and the seal of the demo study, where they are not up to date.
 
-    Files that stand already are left alone, so that nothing runs again for their date.
+    The truth goes beside the study folder. Files that stand already are left alone, so that
+    nothing runs again for their date.
     """
+    design, truth = demo_design(), truth_folder(study) / "truth.json"
     with tempfile.TemporaryDirectory() as name:
-        write_study_files(demo_design(), Path(name), source="videos/{}.mp4", fps=None)
-        texts = {file: (Path(name) / file).read_text(encoding="utf-8") for file in STUDY_FILES}
-    for file, text in texts.items():
-        target = study / file
+        write_study_files(design, Path(name), source="videos/{}.mp4", fps=None)
+        texts = {study / f: (Path(name) / f).read_text(encoding="utf-8") for f in STUDY_FILES}
+    trials = [trial_truth(prepare(design, plan.trial_id)) for plan in design.plans]
+    digest, content = sealed_truth(design, trials)
+    texts[truth] = content.decode("utf-8")
+    texts[study / "truth.sha256"] = f"{digest}  ../{truth.parent.name}/{truth.name}\n"
+    for target, text in texts.items():
         if not target.is_file() or target.read_text(encoding="utf-8") != text:
             write_text(target, text)
+
+
+def truth_folder(study: Path) -> Path:
+    """Where the truth of the demo lies: beside the study folder, not in it."""
+    return study.with_name(f"{study.name}-truth")
 
 
 def demo(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
     """Write videos/ID.mp4 and motor/ID.csv of one demo trial; its truth beside the study folder."""
     del results
-    truth = study.with_name(f"{study.name}-truth")
-    render_trial(demo_design(), trial_id, study, truth, threads=threads)
+    render_trial(demo_design(), trial_id, study, truth_folder(study), threads=threads)

@@ -8,13 +8,24 @@ from pathlib import Path
 from ..campaign import load_campaign
 from ..report import write_report
 from ..study import load_study
+from ..study.seal import open_seal
 from .layout import Layout
 
 
 def report(study: Path, results: Path) -> None:
-    """Write report.html from the results and the figures that have been drawn."""
+    """Write report.html from the results and the figures that have been drawn.
+
+    A sealed truth is opened here, when all else is written, and nowhere else.
+    """
     # By name, so that editing one figure's code does not count as a change of the page's.
     figures = import_module("pipeline.figures")
     told = {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
     campaign = load_campaign(results, load_study(study))
-    write_report(campaign, told, results / "figures", results / "overlays", Layout(results).report)
+    write_report(
+        campaign,
+        told,
+        results / "figures",
+        results / "overlays",
+        Layout(results).report,
+        seal=open_seal(study),
+    )

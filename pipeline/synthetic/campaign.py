@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
@@ -19,12 +19,23 @@ from pipeline.synthetic.film import frames_of, visible
 from pipeline.synthetic.motor_log import motor_angles, write_motor_log
 from pipeline.synthetic.optics import pool_corners
 from pipeline.synthetic.seal import seal
-from pipeline.synthetic.trial import Trial, camera_at, frame_truth, generator, prepare, summary
+from pipeline.synthetic.trial import (
+    Trial,
+    camera_at,
+    frame_truth,
+    generator,
+    mean_path,
+    prepare,
+    summary,
+)
 
 __all__ = [
     "render_study",
     "render_trial",
     "seal_truth",
+    "sealed_truth",
+    "study_contents",
+    "trial_truth",
     "write_motor",
     "write_study_files",
     "write_truth",
@@ -44,8 +55,31 @@ def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
         truth = frame_truth(design, trial)
         seen = visible(design, trial, truth["keypoints_px"])
         np.savez_compressed(out, **{**truth, "visible": seen})  # type: ignore[arg-type]
+    write_json(truth_folder / f"{name}.json", trial_truth(trial))
+
+
+def trial_truth(trial: Trial) -> dict[str, Any]:
+    """What is true of one trial: steady figures, mean path, laws."""
     laws = {"tank": asdict(trial.tank), "run": asdict(trial.run)}
-    write_json(truth_folder / f"{name}.json", {**summary(trial), **laws})
+    return {**summary(trial), "mean_path": mean_path(trial), **laws}
+
+
+def sealed_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> tuple[str, bytes]:
+    """SHA-256 and bytes of a study's whole truth, as a report can lay it beside its findings.
+
+    `hidden`: what the paper's model lacks, by cause; `coefficients`: by name, or by power and name.
+    """
+    tank = design.tank
+    fin = {"S": tank.fin.area_m2 * tank.fin.lift_slope, "a": tank.fin.arm_m} if tank.fin else {}
+    common = {power: asdict(c) for power, c in design.coefficients_at.items()}
+    return seal(
+        {
+            "hidden": {**({"tail_fin_lift": fin} if fin else {}), **tank.hidden},
+            "coefficients": common or asdict(tank.coefficients),
+            "design": asdict(design),
+            "trials": trials,
+        }
+    )
 
 
 def render_trial(
@@ -76,7 +110,8 @@ def write_motor(design: Design, trial: Trial, folder: Path) -> None:
     write_motor_log(folder / "motor" / f"{trial.plan.trial_id}.csv", rows)
 
 
-def _study(design: Design) -> dict[str, Any]:
+def study_contents(design: Design) -> dict[str, Any]:
+    """Content of study.yaml: pool, water, robot, camera with the corners it sees."""
     camera, tank = camera_at(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
     corners = pool_corners(camera, tank.pool_m)
@@ -101,7 +136,7 @@ def _study(design: Design) -> dict[str, Any]:
 
 def write_study_files(design: Design, folder: Path, *, source: str, fps: float | None) -> None:
     """Write study.yaml and trials.csv; `source` is e.g. `videos/{}.mp4`, `fps` for keypoints."""
-    write_text(folder / "study.yaml", yaml.safe_dump(_study(design), sort_keys=False))
+    write_text(folder / "study.yaml", yaml.safe_dump(study_contents(design), sort_keys=False))
     header = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -120,7 +155,7 @@ def seal_truth(design: Design, folder: Path, truth_folder: Path) -> str:
     The sealed bytes themselves are `truth.json` in the truth folder.
     """
     trials = [read_json(truth_folder / f"{plan.trial_id}.json") for plan in design.plans]
-    digest, content = seal({"design": asdict(design), "trials": trials})
+    digest, content = sealed_truth(design, trials)
     with whole_file(truth_folder / "truth.json") as path:
         path.write_bytes(content)
     write_text(folder / "truth.sha256", digest + "\n")

@@ -15,11 +15,23 @@ from pipeline.synthetic.optics import Camera, nudged, project, resized
 from pipeline.synthetic.tank import Motion, simulate, steady_turn
 from pipeline.synthetic.water import draw_eddies
 
-__all__ = ["Trial", "camera_at", "frame_truth", "generator", "prepare", "summary"]
+__all__ = [
+    "Trial",
+    "camera_at",
+    "frame_truth",
+    "free_until",
+    "generator",
+    "mean_path",
+    "pixels_of",
+    "placed",
+    "prepare",
+    "summary",
+]
 
 HEADINGS = 72
 CHECK_STEP_S = 0.05
 STEADY_SHARE = 0.3
+PATH_STEP_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -59,20 +71,27 @@ def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, flo
     away = replace(run, start=(500.0, 500.0, 0.0))
     motion = simulate(far, away, plan.longest_s, rtol=1e-7)
     points = _path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
-    room = tuple(side - 2 * design.wall_margin_m for side in tank.pool_m)
+    return placed(design, tank.pool_m, points, rng)
+
+
+def placed(
+    design: Design, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
+) -> tuple[float, float, float]:
+    """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
+    room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
     turns = rng.permutation(np.arange(HEADINGS)) * (2 * math.pi / HEADINGS)
     fits = [_room_until(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
     best = int(np.argmax(fits))
     kept = (points * np.exp(1j * turns[best]))[: fits[best]]
     place = []
-    for side, values in zip(tank.pool_m, (kept.real, kept.imag), strict=True):
+    for side, values in zip(pool_m, (kept.real, kept.imag), strict=True):
         low, high = float(values.min()), float(values.max())
         slack = side - 2 * design.wall_margin_m - (high - low)
         place.append(design.wall_margin_m - low + slack * rng.uniform(0.3, 0.7))
     return place[0], place[1], float(turns[best])
 
 
-def _free_until(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
+def free_until(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
     """Time (s) until which every keypoint keeps half the margin to the walls."""
     time_s, points = _path(tank, plan, motion, plan.longest_s)
     gap = np.minimum(
@@ -100,7 +119,7 @@ def prepare(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Tr
     )
     run = replace(run, start=_start(design, tank, plan, run))
     motion = simulate(tank, run, plan.longest_s)
-    frames = int(_free_until(design, tank, plan, motion) * rate) + 1
+    frames = int(free_until(design, tank, plan, motion) * rate) + 1
     return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))
 
 
@@ -117,11 +136,14 @@ def camera_at(design: Design, time_s: float) -> Camera:
     return nudged(camera, (0.001, -0.0015, 0.0), turn)
 
 
-def pixels_of(design: Design, trial: Trial, points: np.ndarray) -> np.ndarray:
+def pixels_of(
+    design: Design, trial: Trial, points: np.ndarray, *, sinking_m_s: float = 0.0
+) -> np.ndarray:
     """Pixels `(frames, 5, 2)` of keypoints `(frames, 5)` (x + i y, m) at the keypoint depth."""
     flat = points.ravel()
-    depth = np.full(flat.shape, -trial.tank.robot.keypoint_depth_m)
-    place = np.column_stack([flat.real, flat.imag, depth])
+    deeper = sinking_m_s * np.clip(trial.time_s, 0.0, None)
+    depth = trial.tank.robot.keypoint_depth_m + np.repeat(deeper, points.shape[1])
+    place = np.column_stack([flat.real, flat.imag, -depth])
     before = project(camera_at(design, -1.0), place).reshape(*points.shape, 2)
     if design.conditions.nudge_at_s is None:
         return before
@@ -173,3 +195,13 @@ def summary(trial: Trial) -> dict[str, float | str | None]:
         "limit_speed_m_s": limit_speed,
         "limit_radius_m": limit_radius if turning and math.isfinite(limit_radius) else None,
     }
+
+
+def mean_path(trial: Trial) -> dict[str, list[float]]:
+    """Mean motion, the tail-beat recoil left out: every 0.05 s place (m) and velocity (m/s)."""
+    end = float(trial.time_s[-1])
+    time_s = np.append(np.arange(0.0, end, PATH_STEP_S), end)
+    mean = trial.motion.mean(time_s)
+    columns = {"x_m": 0, "y_m": 1, "vx_m_s": 3, "vy_m_s": 4}
+    values = {name: mean[:, k] for name, k in columns.items()}
+    return {k: np.round(v, 6).tolist() for k, v in {"time_s": time_s, **values}.items()}

@@ -17,6 +17,7 @@ from typing import IO, Any
 from ..faults import Fault, fault
 from ..files import read_json
 from ..study import Study, Trial, load_study
+from ..study.seal import seal_files
 from .provenance import PACKAGE, fingerprint
 
 RESULTS = (
@@ -89,6 +90,10 @@ class Plan:
     def _comes(self, name: str) -> bool:
         return self.is_demo or (self.study.root / name).is_file()
 
+    def seal(self) -> list[str]:
+        """Files of the study's seal, if it has one; the page is made anew when they change."""
+        return [str(path) for path in seal_files(self.folder)]
+
     def code(self, stage: str) -> str:
         """Fingerprint of all source files that a stage runs through."""
         return fingerprint(f"stages.{stage}")
@@ -141,8 +146,9 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
 def _lay_out_demo(folder: Path) -> None:
     """Study files of the demo; skipped where they stand and were written by this very code."""
     stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
-    files = [folder / "study.yaml", folder / "trials.csv", stamp]
-    if all(path.is_file() for path in files) and stamp.read_text(encoding="utf-8") == code:
+    files = [folder / "study.yaml", folder / "trials.csv", stamp, *seal_files(folder)]
+    whole = len(files) == 5 and all(path.is_file() for path in files)
+    if whole and stamp.read_text(encoding="utf-8") == code:
         return
     from ..files import write_text  # noqa: PLC0415
     from ..stages.demo import lay_out  # noqa: PLC0415  heavy, and only once

@@ -1,0 +1,173 @@
+"""Sealed truth: opened by the page alone, shown only where it has the published hash."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from exact_campaign import campaign, searched
+
+from pipeline.campaign import Campaign
+from pipeline.report import write_report
+from pipeline.report.hidden import hidden, true_steady
+from pipeline.stages.demo import lay_out
+from pipeline.study.seal import Seal, open_seal, seal_files
+from pipeline.synthetic.design import demo_design
+from pipeline.synthetic.trial import mean_path, prepare, summary
+from pipeline.workflow.provenance import PACKAGE
+
+TRUTH = {"hidden": {"linear_yaw_damping": {"N_r": 0.02}}, "note": "<b>glass</b>"}
+
+
+def sealed(folder: Path, content: bytes, line: str = "{}\n", name: str = "truth.json") -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_bytes(content)
+    (folder / "truth.sha256").write_text(line.format(hashlib.sha256(content).hexdigest()))
+    return folder
+
+
+def text_of(base: Campaign, seal: Seal | None, folder: Path) -> str:
+    write_report(base, {}, folder, folder, folder / "report.html", seal=seal)
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_no_seal_shows_nothing(tmp_path):
+    assert open_seal(tmp_path) is None
+    assert seal_files(tmp_path) == []
+    assert "hidden-heading" not in text_of(campaign(powers=(75,)), None, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [("{}\n", "truth.json"), ("{}  answers.json\n", "answers.json"), ("{} *a b.json", "a b.json")],
+)
+def test_a_seal_that_fits_is_opened(tmp_path, line, name):
+    folder = sealed(tmp_path, json.dumps(TRUTH).encode(), line, name)
+    found = open_seal(folder)
+    assert found.truth == TRUTH
+    assert not found.trouble
+    assert seal_files(folder) == [folder / "truth.sha256", folder / name]
+
+
+def test_a_truth_held_back_is_said_and_its_hash_shown(tmp_path):
+    folder = sealed(tmp_path, b"{}")
+    (folder / "truth.json").unlink()
+    found = open_seal(folder)
+    assert (found.truth, found.broken) == ({}, False)
+    text = text_of(campaign(powers=(75,)), found, tmp_path)
+    assert "under seal: truth.json is not there yet" in text
+    assert hashlib.sha256(b"{}").hexdigest() in text
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        (lambda f: (f / "truth.json").write_bytes(b'{"hidden": {"stall": {}}}'), "has the SHA-256"),
+        (lambda f: (f / "truth.sha256").write_text("none"), "does not hold a SHA-256"),
+        (lambda f: (f / "truth.sha256").write_bytes(b"\xff\xfe"), "does not hold a SHA-256"),
+        (lambda f: sealed(f, b"not json"), "is not a json object"),
+        (lambda f: sealed(f, b"[1]"), "is not a json object"),
+    ],
+)
+def test_a_broken_seal_shows_no_truth(tmp_path, change, word):
+    folder = sealed(tmp_path, json.dumps(TRUTH).encode())
+    change(folder)
+    found = open_seal(folder)
+    assert found.broken
+    assert found.truth == {}
+    text = text_of(campaign(powers=(75,)), found, tmp_path)
+    assert word in text
+    assert "The seal does not hold" in text
+    assert "put in, and what the search made" not in text
+
+
+def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
+    truth = {
+        "hidden": {"linear_yaw_damping": {"N_r": 0.02}, "stall": {"onset_rad": 0.5}},
+        "coefficients": {"C_T": 4.5e-3, "C_D0": 0.9},
+        "extra": {"a": [1, 2], "b": "<b>glass</b>"},
+    }
+    base = searched(campaign())
+    shown = hidden(base, Seal("0" * 64, truth))
+    rows = {row.name: row for row in shown.causes}
+    assert rows["linear yaw damping"].cells[-1] == "found"
+    assert not rows["linear yaw damping"].marked
+    assert rows["stall"].cells[-1] == "missed"
+    assert rows["stall"].marked
+    assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
+    assert ("extra.b", "<b>glass</b>") in shown.further
+    text = text_of(base, Seal("0" * 64, truth), tmp_path)
+    assert "&lt;b&gt;glass&lt;/b&gt;" in text
+    assert text.index("hidden-heading") > text.index("settings-heading")
+
+
+def test_a_cause_named_in_vain_is_said():
+    shown = hidden(searched(campaign()), Seal("0" * 64, {"hidden": {}}))
+    assert [row.cells[-1] for row in shown.causes] == ["named, but not in what was hidden"]
+
+
+def test_nothing_hidden_and_nothing_found_agree():
+    base = replace(searched(campaign()), mismatch={"verdict": "none", "causes": []})
+    assert hidden(base, Seal("0" * 64, {"hidden": {}})).causes[0].cells[-1] == "found: nothing"
+
+
+def test_a_truth_of_any_form_does_not_break_the_page(tmp_path):
+    base = searched(campaign())
+    name = base.analysed[0].trial_id
+    path = {"time_s": "x", "vx_m_s": [1], "vy_m_s": []}
+    trials = [3, {"trial_id": None}, {"trial_id": name, "mean_path": path, "speed_m_s": "fast"}]
+    odd = {"hidden": [1], "coefficients": "x", "trials": trials, "n": None, "big": 10**400}
+    shown = text_of(base, Seal("0" * 64, odd), tmp_path)
+    assert "hidden-heading" in shown
+    assert "<td>fast</td>" in shown
+
+
+def test_truth_over_a_stretch_of_a_circle_is_exact():
+    t = np.linspace(0, 4, 81)
+    turn, speed = 0.6, 0.3
+    path = {"time_s": t, "vx_m_s": speed * np.cos(turn * t), "vy_m_s": speed * np.sin(turn * t)}
+    found = true_steady({"mean_path": path, "speed_m_s": 9.0}, 1.0, 3.5)
+    np.testing.assert_allclose(found, (speed, speed / turn), rtol=2e-4)
+    assert true_steady({"speed_m_s": 9.0}, 1.0, 3.5) == (9.0, None)
+
+
+def test_the_sealed_path_is_fine_enough_to_judge_by():
+    trial = prepare(demo_design(), "T24")
+    end = float(trial.time_s[-1])
+    stated = summary(trial)
+    found = true_steady({"mean_path": mean_path(trial)}, stated["steady_from_s"], end)
+    np.testing.assert_allclose(found, (stated["speed_m_s"], stated["radius_m"]), rtol=1e-3)
+
+
+def test_the_demo_is_laid_out_with_its_truth_under_seal_and_apart(tmp_path):
+    study = tmp_path / "demo"
+    lay_out(study)
+    assert sorted(path.name for path in study.iterdir()) == [
+        "study.yaml", "trials.csv", "truth.sha256",
+    ]  # fmt: skip
+    found = open_seal(study)
+    assert set(found.truth["hidden"]) == {"tail_fin_lift", "linear_yaw_damping"}
+    assert found.truth["coefficients"]["C_T"] == 4.5e-3
+    assert [trial["trial_id"] for trial in found.truth["trials"]] == [
+        plan.trial_id for plan in demo_design().plans
+    ]
+    dates = {path: path.stat().st_mtime_ns for path in seal_files(study)}
+    lay_out(study)
+    assert {path: path.stat().st_mtime_ns for path in seal_files(study)} == dates
+
+
+def test_only_the_page_s_stage_opens_a_seal():
+    users = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom)
+        and any(alias.name in ("open_seal", "seal") for alias in node.names)
+        and "synthetic" not in path.parts
+    }
+    assert users == {"stages/report.py"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,13 @@ import pytest
 from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
-from pipeline.mismatch import Found, find_mismatch, folds, shared, weights
+from pipeline.fitting import Fit, Free, Normal
+from pipeline.integrate import compiled
+from pipeline.mismatch import Found, find_mismatch, folds, weights
+from pipeline.mismatch.search import chance_of
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import details, mismatch_json
+from pipeline.model import plates
 from pipeline.synthetic.design import bare_design, demo_design
 
 
@@ -78,12 +83,31 @@ def test_folds_never_part_a_condition(demo: tuple[Measured, Found]) -> None:
     assert all(len(k) == 1 for k in where.values())
 
 
-def test_weights_and_shared_gains() -> None:
-    told = weights({"a": 100.0, "b": 100.0, "c": 0.0})
-    assert told["a"] == pytest.approx(0.5)
+def test_weights_follow_the_worth_over_the_inflation(demo: tuple[Measured, Found]) -> None:
+    _, found = demo
+    best = found.choice.chosen
+    lower = replace(best, worth=best.worth - best.inflation / len(best.worth))
+    told = weights({"a": best, "b": best, "c": lower})
+    assert told["a"] == told["b"] == pytest.approx(1 / (2 + np.exp(-1)))
     assert sum(told.values()) == pytest.approx(1)
-    assert shared(np.array([300.0, -1, -1, -1, 1, -1])) < 2
-    assert shared(np.full(8, 5.0) + np.arange(8)) > 10
+
+
+def _one_number(own: np.ndarray, information: np.ndarray) -> Fit:
+    """A fit of one strength to trials that each say `own` with `information`."""
+    value = float(np.sum(own * information) / np.sum(information))
+    normal = Normal(information[:, None, None], (information * (own - value))[:, None],
+                    np.zeros(len(own)))  # fmt: skip
+    return Fit((Free("linear_yaw_damping.N_r"),), np.array([value]), normal, "converged", 1)
+
+
+def test_one_trial_alone_makes_nothing_sure() -> None:
+    kernel = compiled(plates())
+    own = np.r_[0.03, np.zeros(17)]
+    one = _one_number(own, 1e6 * np.r_[100.0, np.ones(17)])
+    assert one.values[0] / np.sqrt(one.naive_cov[0, 0]) > 100
+    assert chance_of(kernel, one, "linear_yaw_damping") > 0.1
+    shared = 0.03 + 0.003 * np.cos(np.arange(18))
+    assert chance_of(kernel, _one_number(shared, np.full(18, 1e6)), "linear_yaw_damping") < 1e-9
 
 
 def test_missing_trials_are_a_fault(tmp_path: Path) -> None:

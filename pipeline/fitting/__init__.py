@@ -1,11 +1,13 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
 from .filtering import Filtered, disturbance_slots, filter_all, filter_series, smooth
-from .joint import Fit, Normal, fit, normal_equations, pseudo_inverse, slots_by_name, trial_values
+from .joint import Fit, fit, pseudo_inverse
 from .noise import fit_noise
-from .resampling import ensemble, jackknife_cov, open_combinations
+from .normal import Normal, normal_equations, slots_by_name, trial_values
+from .resampling import ensemble, jackknife_cov, moving, open_combinations
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
+from .thinning import thinned
 
 __all__ = [
     "Filtered",
@@ -22,11 +24,13 @@ __all__ = [
     "fit",
     "fit_noise",
     "jackknife_cov",
+    "moving",
     "normal_equations",
     "open_combinations",
     "pseudo_inverse",
     "shoot",
     "slots_by_name",
     "smooth",
+    "thinned",
     "trial_values",
 ]

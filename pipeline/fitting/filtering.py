@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel
-from ..integrate.batch import STEP_S, each, switches
+from ..integrate import Effect, Kernel
+from ..integrate.batch import each, switches
 from .series import Noise, Series
 
+STEP_S = 1 / 30
+"""Longest integration step between observations: a frame's error is far below its noise."""
 DIFFERENCE = 1e-5  # size of state differences for the transition matrix, in each state's SI unit
 
 
@@ -42,7 +44,8 @@ def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -
     gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
         np.zeros, shapes
     )
-    values, intensity, cov = _with_disturbance(kernel, series, values, noise)
+    values, variance, memory, cov = _with_disturbance(kernel, series, values, noise)
+    on = switches(kernel.system, values)
     log_likelihood = kernel.kalman(
         series.mean,
         cov,
@@ -52,9 +55,11 @@ def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -
         series.inputs,
         series.seen,
         series.noise * np.outer(noise.scale, noise.scale),
-        intensity,
+        variance,
+        memory,
         np.full(s, DIFFERENCE),
-        switches(kernel.system, values),
+        _active(kernel, on),
+        on,
         _substeps(series),
         gains,
         roots,
@@ -91,26 +96,52 @@ def smooth(result: Filtered) -> tuple[Float, Float]:
     return mean, cov
 
 
-def disturbance_slots(kernel: Kernel) -> list[int]:
-    """Places of the disturbing states in the state vector."""
-    effect = next((e for e in kernel.system.effects if e.kind == "disturbance"), None)
-    return [kernel.system.all_states.index(s) for s in effect.states] if effect else []
+def disturbance_slots(kernel: Kernel, *, acting: bool = False) -> list[int]:
+    """Places of the random states in the state vector; of those alone that push, where `acting`."""
+    return [
+        kernel.system.all_states.index(s)
+        for effect in random_effects(kernel)
+        if effect.channels or not acting
+        for s in effect.states
+    ]
+
+
+def random_effects(kernel: Kernel) -> list[Effect]:
+    """The system's random parts, in the order of their states."""
+    return [e for e in kernel.system.effects if e.kind == "disturbance"]
+
+
+def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
+    """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy."""
+    out, at = values.copy(), 0
+    for effect in random_effects(kernel):
+        present, tau = kernel.system.slots(effect.name)
+        own = noise.disturbance[at : at + len(effect.states)]
+        out[present] = float(np.any(own > 0))
+        if np.any(own > 0):
+            out[tau] = noise.tau[at]
+        at += len(effect.states)
+    return out
 
 
 def _with_disturbance(
     kernel: Kernel, series: Series, values: Float, noise: Noise
-) -> tuple[Float, Float, Float]:
-    """Parameters with the disturbance on, its intensity (2 sigma^2 / tau), and the start's cov."""
-    intensity = np.zeros(len(kernel.system.all_states))
-    values, cov = values.copy(), series.cov.copy()
-    slots = disturbance_slots(kernel)
-    if slots:
-        name = next(e.name for e in kernel.system.effects if e.kind == "disturbance")
-        present, tau = kernel.system.slots(name)
-        values[present], values[tau] = 1.0, noise.tau
-        intensity[slots] = 2.0 * noise.disturbance**2 / noise.tau
-        cov[slots, slots] = noise.disturbance**2
-    return values, intensity, cov
+) -> tuple[Float, Float, Float, Float]:
+    """Parameters with the random parts on, variance and memory of states, the start's cov."""
+    count = len(kernel.system.all_states)
+    variance, memory, cov = np.zeros(count), np.ones(count), series.cov.copy()
+    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
+    variance[slots], memory[slots] = noise.disturbance**2, noise.tau
+    cov[slots, slots] = noise.disturbance**2
+    return with_noise(kernel, values, noise), variance, memory, cov
+
+
+def _active(kernel: Kernel, on: np.ndarray) -> np.ndarray:
+    """Places of the model's states and of those of the effects that are on."""
+    system = kernel.system
+    names = [*system.states, *(s for e, o in zip(system.effects, on, strict=True) if o
+                               for s in e.states)]  # fmt: skip
+    return np.array([system.all_states.index(n) for n in names])
 
 
 def _substeps(series: Series) -> int:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..data import Float
 from ..integrate import Kernel
-from .filtering import filter_all
+from .filtering import disturbance_slots, filter_all, random_effects
 from .series import Noise, Series
+
+LEAST = 1e-9
 
 
 def fit_noise(
@@ -20,31 +22,39 @@ def fit_noise(
     *,
     rounds: int = 2,
     most: int = 12,
+    forces_only: bool = False,
 ) -> Noise:
-    """Disturbance and measuring noise that make the prediction errors most likely.
+    """Random forces, lasting tracking errors and white noise that make the errors most likely.
 
     One strength after the other, each by a parabola through three likelihoods over its logarithm,
     bounded to a factor of 4 a round; `values` are full parameter vectors, one a trial. Trials are
-    thinned to at most `most`, spread evenly, since few numbers are sought.
+    thinned to at most `most`, spread evenly, since few numbers are sought. forces_only: only the
+    random parts that push are sought, the measuring noise stays.
     """
     chosen = np.unique(np.linspace(0, len(series) - 1, min(most, len(series))).round().astype(int))
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
+    sought = _sought(kernel, noise, forces_only)
+
+    def noise_of(logs: Float) -> Noise:
+        return _with(kernel, noise, sought, np.exp(logs))
 
     def likelihood(logs: Float) -> float:
-        found = filter_all(kernel, some, points, _from_logs(logs, noise))
+        found = filter_all(kernel, some, points, noise_of(logs))
         return float(sum(f.log_likelihood for f in found))
 
-    logs, width = _to_logs(noise), 0.7
+    logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
     best = likelihood(logs)
     for _ in range(rounds):
         for i in range(len(logs)):
             logs, best = _along(likelihood, logs, best, i, width)
         width *= 0.6
-    return _from_logs(logs, noise)
+    return noise_of(logs)
 
 
-def _along(likelihood, logs: Float, best: float, i: int, width: float) -> tuple[Float, float]:  # type: ignore[no-untyped-def]
+def _along(
+    likelihood: Callable[[Float], float], logs: Float, best: float, i: int, width: float
+) -> tuple[Float, float]:
     unit = np.eye(len(logs))[i] * width
     low, high = likelihood(logs - unit), likelihood(logs + unit)
     curvature = low + high - 2 * best
@@ -59,12 +69,34 @@ def _along(likelihood, logs: Float, best: float, i: int, width: float) -> tuple[
     return chosen, value
 
 
-def _to_logs(noise: Noise) -> Float:
-    return np.log(np.concatenate([np.maximum(noise.disturbance, 1e-9), noise.scale[:3]]))
+def _flat(noise: Noise) -> Float:
+    return np.concatenate([noise.disturbance, noise.tau, noise.scale])
 
 
-def _from_logs(logs: Float, noise: Noise) -> Noise:
+def _sought(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
+    """Places in `_flat`: strengths; and, unless `forces_only`, memories of errors and scales.
+
+    The memory of the forces stays, since a force's strength and its memory hardly differ in what
+    they do to a path.
+    """
     count = len(noise.disturbance)
-    scale = noise.scale.copy()
-    scale[: len(logs) - count] = np.exp(logs[count:])
-    return Noise(np.exp(logs[:count]), noise.tau, scale)
+    slots = disturbance_slots(kernel)[:count]
+    acting = set(disturbance_slots(kernel, acting=True))
+    forces = [k for k, slot in enumerate(slots) if slot in acting and noise.disturbance[k] > 0]
+    if forces_only:
+        return forces
+    errors = [k for k, slot in enumerate(slots) if slot not in acting and noise.disturbance[k] > 0]
+    scales = [2 * count + k for k in range(min(3, len(noise.scale)))]
+    return [*forces, *errors, *([count + errors[0]] if errors else []), *scales]
+
+
+def _with(kernel: Kernel, noise: Noise, sought: Sequence[int], found: Float) -> Noise:
+    flat, count = _flat(noise), len(noise.disturbance)
+    flat[list(sought)] = found
+    tau, at = flat[count : 2 * count], 0
+    for effect in random_effects(kernel):
+        own = slice(at, at + len(effect.states))
+        bound = effect.parameters[1]
+        tau[own] = np.clip(tau[at], bound.lower, bound.upper) if at < count else tau[own]
+        at += len(effect.states)
+    return Noise(flat[:count], tau, flat[2 * count :])

@@ -10,7 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from .joint import Fit, Normal, pseudo_inverse
+from ..integrate import Kernel
+from .joint import Fit, pseudo_inverse
+from .normal import Normal
 
 
 def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
@@ -45,6 +47,14 @@ def _floor(rest: Float, total: Float) -> Float:
 def _diagonal_floor(naive: Float, move: np.ndarray) -> Float:
     """Never less than a quarter of the naive variance: few trials may agree by chance."""
     return np.where(np.outer(move, move), 0.25 * naive, 0.0)
+
+
+def moving(kernel: Kernel, found: Fit) -> np.ndarray:
+    """Which fitted numbers are off their bounds, (p,)."""
+    parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
+    return np.array([
+        p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)
+    ])  # fmt: skip
 
 
 def ensemble(fit: Fit, cov: Float, count: int, rng: np.random.Generator) -> Float:

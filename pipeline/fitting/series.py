@@ -36,18 +36,20 @@ class Series:
 class Noise:
     """Strength of what is random.
 
-    disturbance (3 or fewer,): stationary standard deviation of each disturbing state, in the order
-    of the disturbance's states; tau: its correlation time [s]. scale (observations,): factor on
-    the stated standard deviation of each observation.
+    disturbance (random states,): stationary standard deviation of each random state, in the order
+    of the system's states; states beyond its end are absent. tau (random states,), or one for all:
+    correlation times [s]. scale (observations,): factor on the stated standard deviation of each
+    observation.
     """
 
     disturbance: Float
-    tau: float
+    tau: Float
     scale: Float
 
     def __post_init__(self) -> None:
-        if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or self.tau <= 0:
+        if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or np.any(self.tau <= 0):
             raise ValueError("noise strengths must be positive")
+        object.__setattr__(self, "tau", np.broadcast_to(self.tau, self.disturbance.shape).copy())
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,36 +33,70 @@ def shoot(
     values: Sequence[Float],
     *,
     open_states: int = 6,
-    iterations: int = 12,
+    iterations: int = 8,
 ) -> list[Shot]:
     """A `Shot` a trial; the first `open_states` of the start are fitted (damped Gauss-Newton).
 
-    The start's prior is that of the series; all trials advance together.
+    The start's prior is that of the series; all trials advance together. First a quarter of each
+    trial is fitted, then half, then all of it: an unstable model that would run away from a rough
+    start is led to a fine one.
     """
     starts = np.array([s.mean for s in series])
-    damping = np.full(len(series), 1e-3)
+    for share in SHARES:
+        part = [_first(s, share) for s in series]
+        starts = _fitted_starts(kernel, part, values, starts, count=open_states,
+                                iterations=iterations)  # fmt: skip
     observed, states = _run(kernel, series, values, starts, open_states)
-    cost = np.array(
-        [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, observed, starts, strict=True)]
-    )
-    for _ in range(iterations):
-        steps = [
-            _step(s, o, x, open_states, d)
-            for s, o, x, d in zip(series, observed, starts, damping, strict=True)
-        ]
-        trial = starts + np.array(steps)
-        seen, run = _run(kernel, series, values, trial, open_states)
-        new = np.array(
-            [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, seen, trial, strict=True)]
-        )
-        better = np.isfinite(new) & (new <= cost)
-        damping = np.where(better, damping * 0.2, damping * 10.0)
-        starts[better], cost[better] = trial[better], new[better]
-        observed[better], states[better] = seen[better], run[better]
     return [
         Shot(x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _rmse(s, o[:, :, 0]))
         for s, x, run, o in zip(series, starts, states, observed, strict=True)
     ]
+
+
+SHARES = (0.25, 0.5, 1.0)
+
+
+def _first(series: Series, share: float) -> Series:
+    n = max(2, int(np.ceil(share * len(series.times))))
+    return replace(series, times=series.times[:n], inputs=series.inputs[:n],
+                   seen=series.seen[:n], noise=series.noise[:n])  # fmt: skip
+
+
+def _fitted_starts(
+    kernel: Kernel,
+    series: Sequence[Series],
+    values: Sequence[Float],
+    starts: Float,
+    *,
+    count: int,
+    iterations: int,
+) -> Float:
+    """Starts (trials, states) from which each trial's run is closest to what was seen."""
+    starts = starts.copy()
+    observed, _ = _run(kernel, series, values, starts, count)
+    damping = np.full(len(series), 1e-3)
+    cost = _costs(series, observed, starts)
+    for _ in range(iterations):
+        steps = [
+            _step(s, o, x, count, d)
+            for s, o, x, d in zip(series, observed, starts, damping, strict=True)
+        ]
+        trial = starts + np.array(steps)
+        seen, _ = _run(kernel, series, values, trial, count)
+        new = _costs(series, seen, trial)
+        settled = np.abs(cost - new) <= 1e-6 * cost
+        better = new <= cost
+        damping = np.where(better, damping * 0.2, damping * 10.0)
+        starts[better], cost[better], observed[better] = trial[better], new[better], seen[better]
+        if settled.all():
+            break
+    return starts
+
+
+def _costs(series: Sequence[Series], observed: Float, starts: Float) -> Float:
+    """Cost (trials,) of each run; infinite where it runs away."""
+    found = [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, observed, starts, strict=True)]
+    return np.where(np.isfinite(found), found, np.inf)
 
 
 STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4])
@@ -94,7 +128,8 @@ def _run(
 def _errors(series: Series, observed: Float) -> Float:
     """Seen minus simulated over the stated deviation, 0 where missing: (n, observations)."""
     error = series.seen - observed[: len(series.times)]
-    return np.nan_to_num(error / np.sqrt(np.einsum("nii->ni", series.noise)))
+    error = np.where(np.isfinite(series.seen), error, 0.0)
+    return error / np.sqrt(np.einsum("nii->ni", series.noise))
 
 
 def _cost(series: Series, observed: Float, start: Float) -> float:

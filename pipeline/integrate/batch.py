@@ -19,8 +19,11 @@ STEP_S = 1 / 60
 
 def switches(system: System, values: Float) -> np.ndarray:
     """Which effects any of the parameter vectors `(..., parameters)` uses, uint8 `(effects,)`."""
-    on = [np.any(values[..., system.slots(e.name)[: e.strengths]] != 0) for e in system.effects]
-    return np.array(on, dtype=np.uint8)
+    slots, first = system.strength_slots
+    if len(slots) == 0:
+        return np.zeros(0, dtype=np.uint8)
+    used = np.any(values.reshape(-1, values.shape[-1]) != 0, axis=0)[slots]
+    return np.maximum.reduceat(used, first).astype(np.uint8)
 
 
 def propagate(

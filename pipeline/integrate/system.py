@@ -111,6 +111,13 @@ class System:
         own = self.effect(effect).parameters
         return tuple(self.slot[f"{effect}.{p.name}"] for p in own)
 
+    @cached_property
+    def strength_slots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of all effects' strengths one after the other, and where each effect's begin."""
+        own = [self.slots(e.name)[: e.strengths] for e in self.effects]
+        first = np.cumsum([0, *(len(slots) for slots in own[:-1])])
+        return np.array([s for slots in own for s in slots], dtype=int), first[: len(own)]
+
     def effect(self, name: str) -> Effect:
         """The effect of that name; KeyError where there is none."""
         return self._by_name[name]

@@ -1,15 +1,18 @@
 """When simulation and recordings differ: is it real, where, what was left out, does it help."""
 
 from .find import Found, find_mismatch
+from .horizon import PathErrors, path_errors, stretches
 from .locate import Dependence, MissingForce, dependences, missing_force
-from .search import Trialled, folds, held_out_worth, screened, try_effects
-from .select import Choice, choose, pays, shared, weights
+from .search import Trialled, folds, held_out_worth, screened, trialled, try_effects
+from .select import Bench, Choice, choose, pays, weights
 
 __all__ = [
+    "Bench",
     "Choice",
     "Dependence",
     "Found",
     "MissingForce",
+    "PathErrors",
     "Trialled",
     "choose",
     "dependences",
@@ -17,9 +20,11 @@ __all__ = [
     "folds",
     "held_out_worth",
     "missing_force",
+    "path_errors",
     "pays",
     "screened",
-    "shared",
+    "stretches",
+    "trialled",
     "try_effects",
     "weights",
 ]

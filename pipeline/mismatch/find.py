@@ -3,56 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from ..data import Steady
-from ..fitting import (
-    Fit,
-    Series,
-    filter_all,
-    fit_noise,
-    jackknife_cov,
-    shoot,
-    smooth,
-    trial_values,
-)
+from ..fitting import Series, fit_noise, jackknife_cov, moving
 from ..integrate import Kernel, compiled
 from ..model import plates
 from ..study import Study
-from ..tuning import Tuned, tune
-from ..tuning.joint import moving
+from ..tuning import Tuned, thin, tune
+from .horizon import path_errors
 from .locate import Dependence, MissingForce, dependences, missing_force
-from .search import Trialled, folds, held_out_worth, try_effects
-from .select import Choice, Round, choose, pays, settled, without
+from .search import Trialled, trialled
+from .select import Bench, Choice, Round, choose, one_round, pays
 from .setting import held_out_trials, steady_errors, variables
 
 NAMED_SHARE = 0.6
-"""Named causes must bring at least this share of what a nameless residual would bring."""
+"""Named causes must bring at least this share of what they and nameless terms bring together."""
+MOST_TERMS = 4
+KINDS = ("physics", "measurement")
 
 
 @dataclass(frozen=True)
 class Found:
-    """Everything the search found; `report.mismatch_json` tells it.
+    """Everything the search found; `story.mismatch_json` tells it.
 
     verdict; choice: the search on the trials to fit; baseline and extended: tuned models on these;
-    dropped: chosen effect -> the model without it; residual: the nameless term, tried beside;
-    forces, dependences: what the baseline lacks, on all trials; errors: `baseline` and `extended`
-    errors on the held-out trials; floor_m: distance of the seen positions from the smoothed path.
+    residual: nameless terms beside what was chosen; forces, dependences: what the baseline lacks,
+    on all trials; errors: `baseline` and `extended` errors on the held-out trials; floor_m: path
+    error that a true model would have on them; horizon_s: how long a free run means anything.
     """
 
     verdict: str
     choice: Choice
     baseline: Tuned
     extended: Tuned
-    dropped: Mapping[str, Trialled]
     residual: Trialled
     forces: Sequence[MissingForce]
     dependences: Sequence[Dependence]
     held_out: Sequence[str]
     errors: Mapping[str, Mapping[str, float]]
     floor_m: float
+    horizon_s: float
 
 
 def find_mismatch(
@@ -65,99 +56,65 @@ def find_mismatch(
     """`Found` for the measured trials of a study."""
     kernel = compiled(plates())
     held_out = held_out_trials(study, [s.name for s in series])
-    train = [s for s in series if s.name not in held_out]
-    test = [s for s in series if s.name in held_out] or train
+    few = thin(series)
+    train = [s for s in few if s.name not in held_out]
+    test = [s for s in series if s.name in held_out] or series
     progress("baseline")
     baseline = tune(train)
-    bare = Trialled(
-        (), baseline.fit, held_out_worth(baseline.fit.normal, folds(train)), baseline.noise
-    )
-    names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
-    choice = choose(kernel, train, baseline.base, bare, names, progress=progress)
-    progress("residual without a name")
-    first = choice.rounds[0]
-    residual = _with_residual(kernel, train, baseline, first)
-    dropped = {
-        name: without(kernel, train, baseline.base, choice, name) for name in choice.chosen.effects
-    }
+    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
+    bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
+    choice = choose(bench, trialled(kernel, (), baseline.fit, baseline.noise, train))
+    progress("terms without a name")
+    residual = nameless(bench, choice.chosen)
     verdict = _verdict(kernel, choice, residual)
-    final = residual if verdict == "unexplained" else choice.chosen
-    extended = retuned(kernel, train, baseline, final)
+    extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
-    values = baseline.trial_values(kernel, series)
-    forces = missing_force(kernel, series, values, baseline.noise)
+    forces = missing_force(kernel, few, baseline.trial_values(kernel, few), baseline.noise)
     trials = {t.trial_id: t for t in study.trials}
-    told = dependences(series, forces, variables(series, forces, trials))
+    told = dependences(few, forces, variables(few, forces, trials))
+    paths = path_errors(study, kernel, {"baseline": baseline, "extended": extended}, test)
     errors = {
-        name: _errors(study, kernel, tuned, test, steady)
+        name: {"path_rmse_m": paths.rmse_m[name], **steady_errors(study, kernel, tuned, test,
+                                                                  steady)}
         for name, tuned in (("baseline", baseline), ("extended", extended))
-    }
+    }  # fmt: skip
     return Found(
-        verdict=verdict, choice=choice, baseline=baseline, extended=extended, dropped=dropped,
-        residual=residual, forces=forces, dependences=told, held_out=[s.name for s in test],
-        errors=errors, floor_m=_floor(kernel, extended, test),
+        verdict=verdict, choice=choice, baseline=baseline, extended=extended, residual=residual,
+        forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
+        floor_m=paths.floor_m, horizon_s=paths.horizon_s,
     )  # fmt: skip
 
 
-def _with_residual(
-    kernel: Kernel, train: Sequence[Series], baseline: Tuned, first: Round
-) -> Trialled:
-    """The nameless residual in the first round's place, under its own noise."""
-    coefficients = list(baseline.fit.free)
-    tried = try_effects(
-        kernel, train, baseline.base, coefficients, ["residual"], noise=first.before.noise,
-        predictor=first.predictor, start=baseline.fit.by_label(), iterations=8,
-    )  # fmt: skip
-    return settled(kernel, train, baseline.base, tried, count=len(coefficients))
+def nameless(bench: Bench, model: Trialled) -> Trialled:
+    """A model with the fewest nameless terms that pay beside its effects, one after the other."""
+    effect = bench.kernel.system.effect("residual")
+    terms = replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
+    for _ in range(MOST_TERMS):
+        done: Round = one_round(terms, model, tried=4)
+        if done.best.effects == model.effects:
+            break
+        model = done.best
+    return model
 
 
 def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained, by held-out gains over the bare model."""
-    before = choice.rounds[0].before
+    beyond = residual.effects != choice.chosen.effects
     if not choice.chosen.effects:
-        return "unexplained" if pays(before, residual) else "none"
-    named = choice.rounds[-1].before
-    share = (named.total - before.total) / max(residual.total - before.total, 1e-9)
-    if pays(named, residual) and share < NAMED_SHARE:
+        return "unexplained" if beyond else "none"
+    share = (choice.chosen.total - choice.bare.total) / max(
+        residual.total - choice.bare.total, 1e-9
+    )
+    if beyond and pays(choice.chosen, residual) and share < NAMED_SHARE:
         return "unexplained"
     return kernel.system.effect(choice.chosen.effects[0]).kind
 
 
-def retuned(kernel: Kernel, train: Sequence[Series], baseline: Tuned, model: Trialled) -> Tuned:
-    """A tried model with the noise fitted anew around it, and its covariance."""
+def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
+    """A tried model with all of the noise fitted anew around it, and its covariance."""
     if not model.effects:
         return baseline
-    frees = model.fit.free
-    points = [trial_values(kernel, baseline.base, frees, model.fit.values, s.group) for s in train]
-    noise = fit_noise(kernel, train, points, baseline.noise, rounds=4)
-    own = list(frees[: len(baseline.fit.free)])
-    again = try_effects(kernel, train, baseline.base, own, model.effects, noise=noise,
-                        start=model.fit.by_label())  # fmt: skip
-    found: Fit = again.fit
-    return Tuned(found, noise, jackknife_cov(found.normal, moving(kernel, found)), baseline.base)
-
-
-def _errors(
-    study: Study,
-    kernel: Kernel,
-    tuned: Tuned,
-    test: Sequence[Series],
-    steady: Mapping[str, Steady],
-) -> dict[str, float]:
-    shots = shoot(kernel, test, tuned.trial_values(kernel, test))
-    known = [s.rmse**2 for s in shots if np.isfinite(s.rmse)]
-    rmse = float(np.sqrt(np.mean(known))) if known else float("nan")
-    return {"path_rmse_m": rmse, **steady_errors(study, kernel, tuned, test, steady)}
-
-
-def _floor(kernel: Kernel, tuned: Tuned, test: Sequence[Series]) -> float:
-    """Root mean square distance of the seen positions from the smoothed path, m: no model can
-    come closer without following the measuring noise.
-    """
-    points = tuned.trial_values(kernel, test)
-    squares = []
-    for one, result in zip(test, filter_all(kernel, test, points, tuned.noise), strict=True):
-        mean, _ = smooth(result)
-        square = np.sum((one.seen[:, :2] - mean[:, :2]) ** 2, axis=1)
-        squares.append(float(np.mean(square[np.isfinite(square)])))
-    return float(np.sqrt(np.mean(squares)))
+    noise = fit_noise(bench.kernel, bench.series, bench.points(model), model.noise)
+    again = bench.refit(model.effects, replace(model, noise=noise))
+    cov = jackknife_cov(again.fit.normal, moving(bench.kernel, again.fit))
+    return Tuned(again.fit, noise, cov, baseline.base)

@@ -47,7 +47,7 @@ def missing_force(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[MissingForce]:
     """`MissingForce` of every trial around a fitted model."""
-    slots = disturbance_slots(kernel)
+    slots = disturbance_slots(kernel, acting=True)
     out = []
     for one, result in zip(series, filter_all(kernel, series, values, noise), strict=True):
         mean, cov = smooth(result)

@@ -3,15 +3,17 @@
 Knows no fish: a model, candidate effects, trials. A candidate is fitted together with all the
 coefficients of the model, since these have absorbed part of what it would explain. Its worth is
 the gain in log likelihood on held-out conditions, each fold predicted from the others by a Newton
-step from the joint fit (the trials' normal equations are kept apart for that).
+step from the joint fit (the trials' normal equations are kept apart for that). How sure its
+strength is follows from leaving out trials, which correlated errors within a trial cannot feign.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import f as f_distribution
 
 from ..data import Float
 from ..fitting import (
@@ -23,11 +25,13 @@ from ..fitting import (
     Series,
     filter_all,
     fit,
+    jackknife_cov,
+    moving,
     normal_equations,
     pseudo_inverse,
     trial_values,
 )
-from ..integrate import Effect, Kernel
+from ..integrate import Kernel, System
 
 FOLDS = 6
 PASSES = 2
@@ -38,18 +42,60 @@ PASSES = 2
 class Trialled:
     """A model with some effects, fitted: worth (trials,) is its held-out log likelihood.
 
-    noise: the random part it was judged under.
+    noise: the random part it was judged under. inflation: how many times wider its numbers spread
+    over trials than one Fisher matrix says (1 where errors are as independent as modelled).
+    chance: effect -> probability that strengths as sure as these come of nothing.
     """
 
     effects: tuple[str, ...]
     fit: Fit
     worth: Float
     noise: Noise
+    inflation: float
+    chance: Mapping[str, float]
 
     @property
     def total(self) -> float:
         """Held-out log likelihood of all trials."""
         return float(self.worth.sum())
+
+
+def trialled(
+    kernel: Kernel, effects: Sequence[str], found: Fit, noise: Noise, series: Sequence[Series]
+) -> Trialled:
+    """`Trialled` of a finished fit; worth nothing where the fit's model runs away."""
+    if not found.normal.usable:
+        nothing = np.full(len(series), -np.inf)
+        return Trialled(tuple(effects), found, nothing, noise, np.inf, dict.fromkeys(effects, 1.0))
+    worth = held_out_worth(found.normal, folds(series))
+    chance = {name: chance_of(kernel, found, name) for name in effects}
+    return Trialled(tuple(effects), found, worth, noise, inflation(kernel, found), chance)
+
+
+def chance_of(kernel: Kernel, found: Fit, effect: str) -> float:
+    """Probability of an effect at least as sure as this where there is none.
+
+    W = s' C^-1 s of its k strengths s with their covariance C over n trials; W / k is compared to
+    Fisher's F with k and n - 1 degrees of freedom.
+    """
+    frees, strengths = candidate_frees(kernel.system, effect)
+    names = [free.name for free in frees[:strengths]]
+    own = [i for i, free in enumerate(found.free) if free.name in names]
+    move = moving(kernel, found)
+    move[own] = True
+    cov = jackknife_cov(found.normal, move)[np.ix_(own, own)]
+    s = found.values[own]
+    wald = max(float(s @ pseudo_inverse(cov) @ s), 0.0)
+    trials = int(np.sum(np.any(np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0, axis=1)))
+    return float(f_distribution.sf(wald / len(own), len(own), max(trials - 1, 1)))
+
+
+def inflation(kernel: Kernel, found: Fit) -> float:
+    """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix."""
+    move = moving(kernel, found)
+    H = found.normal.hessian.sum(axis=0)[np.ix_(move, move)]
+    C = jackknife_cov(found.normal, move)[np.ix_(move, move)]
+    return float(max(1.0, np.trace(H @ C) / max(int(move.sum()), 1)))
 
 
 def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:
@@ -76,21 +122,25 @@ def held_out_worth(normal: Normal, parts: Sequence[np.ndarray]) -> Float:
     return worth
 
 
-def effect_frees(effect: Effect, *, shape: bool = True) -> list[Free]:
-    """The numbers of an effect that a fit may change; its strengths alone where not `shape`."""
-    parameters = effect.parameters if shape else effect.parameters[: effect.strengths]
-    return [Free(f"{effect.name}.{p.name}") for p in parameters]
+def candidate_frees(system: System, name: str) -> tuple[list[Free], int]:
+    """The numbers of a candidate that a fit may change, and how many of them are strengths.
+
+    A candidate is an effect, or one term of an effect of many terms as `effect.term`.
+    """
+    if "." in name:
+        return [Free(name)], 1
+    effect = system.effect(name)
+    return [Free(f"{name}.{p.name}") for p in effect.parameters], effect.strengths
 
 
 def with_starts(kernel: Kernel, base: Float, effects: Sequence[str], share: float = 1.0) -> Float:
     """`base` with the named effects at `share` of their starting strength, shapes at start."""
-    out = base.copy()
+    out, system = base.copy(), kernel.system
     for name in effects:
-        effect = kernel.system.effect(name)
-        for i, (slot, p) in enumerate(
-            zip(kernel.system.slots(name), effect.parameters, strict=True)
-        ):
-            out[slot] = p.start * (share if i < effect.strengths else 1.0)
+        frees, strengths = candidate_frees(system, name)
+        for i, free in enumerate(frees):
+            slot = system.slot[free.name]
+            out[slot] = system.parameters[slot].start * (share if i < strengths else 1.0)
     return out
 
 
@@ -103,11 +153,11 @@ def try_effects(
     *,
     noise: Noise,
     predictor: Sequence[Filtered] | None = None,
-    start: dict[str, float] | None = None,
+    start: Mapping[str, float] | None = None,
     iterations: int = 12,
 ) -> Trialled:
     """The model with these effects, all its numbers fitted, and its held-out worth."""
-    frees = [*coefficients, *(f for e in effects for f in effect_frees(kernel.system.effect(e)))]
+    frees = [*coefficients, *(f for e in effects for f in candidate_frees(kernel.system, e)[0])]
     point = with_starts(kernel, base, effects, 0.3)
     known = dict(start or {})
     for _ in range(PASSES):
@@ -118,8 +168,15 @@ def try_effects(
         predictor = filter_all(kernel, series, points, noise)
     normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
                               predictor=predictor)  # fmt: skip
-    found = replace(found, normal=normal)
-    return Trialled(tuple(effects), found, held_out_worth(normal, folds(series)), noise)
+    return trialled(kernel, effects, replace(found, normal=normal), noise, series)
+
+
+@dataclass(frozen=True)
+class Foretold:
+    """What a refit with a candidate would bring: held-out gain, and where it would begin."""
+
+    gain: float
+    start: Mapping[str, float]
 
 
 def screened(
@@ -129,28 +186,53 @@ def screened(
     base: Float,
     candidates: Sequence[str],
     *,
-    noise: Noise,
     predictor: Sequence[Filtered] | None = None,
-) -> dict[str, float]:
-    """Candidate -> held-out gain expected of it, from one set of normal equations for all.
+) -> dict[str, Foretold]:
+    """Candidate -> what is expected of it, from one set of normal equations for all.
 
     At the current fit each candidate's strengths are differenced at zero beside the numbers
-    already free; a step of Newton's in these alone foretells the refit.
+    already free; a step of Newton's in these alone foretells the refit. A strength that would
+    leave its bounds foretells nothing.
     """
     shifted = [Free(f.name, f.group) for f in current.fit.free]
-    strengths = {c: effect_frees(kernel.system.effect(c), shape=False) for c in candidates}
+    both = {c: candidate_frees(kernel.system, c) for c in candidates}
+    strengths = {c: frees[:count] for c, (frees, count) in both.items()}
     frees = [*shifted, *(f for c in candidates for f in strengths[c])]
     values = np.concatenate([current.fit.values, np.zeros(len(frees) - len(shifted))])
-    normal = normal_equations(kernel, series, base, frees, values, noise=noise, predictor=predictor)
+    normal = normal_equations(kernel, series, base, frees, values, noise=current.noise,
+                              predictor=predictor)  # fmt: skip
     parts = folds(series)
     own = list(range(len(shifted)))
     reference = float(held_out_worth(_part(normal, own), parts).sum())
-    gains, at = {}, len(shifted)
+    told, at = {}, len(shifted)
     for c in candidates:
         columns = [*own, *range(at, at + len(strengths[c]))]
         at += len(strengths[c])
-        gains[c] = float(held_out_worth(_part(normal, columns), parts).sum()) - reference
-    return gains
+        told[c] = _foretold(kernel, _part(normal, columns), [frees[k] for k in columns],
+                            values[columns], parts, reference=reference)  # fmt: skip
+    return told
+
+
+def _foretold(
+    kernel: Kernel,
+    normal: Normal,
+    frees: Sequence[Free],
+    values: Float,
+    parts: Sequence[np.ndarray],
+    *,
+    reference: float,
+) -> Foretold:
+    if not normal.usable:
+        return Foretold(-np.inf, {})
+    step = pseudo_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
+    parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in frees]
+    lower, upper = np.array([(p.lower, p.upper) for p in parameters]).T
+    end = values + step
+    new = np.array(["." in f.name for f in frees]) & (values == 0.0)
+    wrong_way = new & ((end < lower) | ((lower >= 0.0) & (step <= 0.0)))
+    gain = float(held_out_worth(normal, parts).sum()) - reference
+    start = {f.label: float(v) for f, v in zip(frees, np.clip(end, lower, upper), strict=True)}
+    return Foretold(-np.inf if wrong_way.any() else gain, start)
 
 
 def _part(normal: Normal, columns: Sequence[int]) -> Normal:

@@ -1,163 +1,205 @@
-"""Forward choice of effects, while an addition pays; rivals kept with their weights."""
+"""Choice of effects: forward while an addition pays, back where one no longer does, then rivals.
+
+An addition pays where the trials it was not fitted to gain clearly by it, and where its strength
+is sure when trials are left out. Each model is judged under its own noise, fitted anew: a model
+that lacks something takes its lack for noise.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..data import Float
-from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
+from ..fitting import Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
-from .search import Trialled, screened, try_effects
+from .search import Foretold, Trialled, candidate_frees, screened, try_effects
 
-LEAST_GAIN_PER_TRIAL = 2.0
-LEAST_T = 3.0
+LEAST_GAIN = 4.0
+"""Held-out log likelihood over the inflation, summed over trials."""
+MOST_CHANCE = 2e-4
+"""About 30 candidates are tried: one study in 150 may show one of them by chance."""
 TRIED = 6
 CONTENDERS = 3
 MOST_CAUSES = 4
-TEMPERATURE = 6.0
-"""Held-out log likelihoods are divided by this before they become weights: errors within a trial
-are correlated, so that raw differences would be far too sure."""
+MOST_ROUNDS = 8
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What all rounds share: kernel, trials to fit, the values of what is not fitted, candidates.
+
+    count: how many of the free numbers are the model's own coefficients.
+    """
+
+    kernel: Kernel
+    series: Sequence[Series]
+    base: Float
+    candidates: tuple[str, ...]
+    coefficients: tuple[Free, ...]
+    progress: Progress
+
+    def points(self, model: Trialled) -> list[Float]:
+        """Full parameter vectors of a model, one a trial."""
+        free, values = model.fit.free, model.fit.values
+        return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]
+
+    def refit(
+        self, effects: Sequence[str], under: Trialled, start: Mapping[str, float] | None = None,
+        predictor: Sequence | None = None,
+    ) -> Trialled:  # fmt: skip
+        """The model with these effects, fitted under the noise of another."""
+        known = under.fit.by_label() if start is None else start
+        return try_effects(self.kernel, self.series, self.base, self.coefficients, effects,
+                           noise=under.noise, predictor=predictor, start=known)  # fmt: skip
+
+    def settled(self, model: Trialled) -> Trialled:
+        """A model under its own noise: random forces and numbers fitted in turn."""
+        noise = fit_noise(self.kernel, self.series, self.points(model), model.noise,
+                          forces_only=True)  # fmt: skip
+        return try_effects(self.kernel, self.series, self.base, self.coefficients, model.effects,
+                           noise=noise, start=model.fit.by_label())  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Round:
-    """One round of the search: the model it started from, the gains foretold, what was refitted.
+    """One round: the model it started from, the gains foretold, the candidates refitted with it.
 
-    The start and the `CONTENDERS` best are judged each under its own noise, fitted anew, since a
-    model that lacks something takes its lack for noise; the others under that of the start.
+    tried: best first; each has one effect more than `before`.
     """
 
     before: Trialled
-    foretold: dict[str, float]
+    foretold: Mapping[str, float]
     tried: tuple[Trialled, ...]
-    predictor: tuple[Filtered, ...]
 
     @property
     def best(self) -> Trialled:
-        """What did best, the start of the round included."""
-        return max((self.before, *self.tried), key=lambda t: t.total)
+        """What paid most; the start of the round where nothing pays."""
+        paying = [t for t in self.tried if pays(self.before, t)]
+        return max(paying, key=lambda t: t.total, default=self.before)
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What the search ended with: the model without effects, with those that pay, the rounds."""
+    """What the search ended with.
+
+    bare: the model without effects; chosen: with those that pay; rounds: how it got there;
+    without: chosen effect -> the model without it; places: chosen effect -> the round in which it
+    competes for its place beside all the others that are chosen.
+    """
 
     bare: Trialled
     chosen: Trialled
     rounds: tuple[Round, ...]
+    without: Mapping[str, Trialled]
+    places: Mapping[str, Round]
 
 
-def choose(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    bare: Trialled,
-    candidates: Sequence[str],
-    *,
-    progress: Callable[[str], None],
-) -> Choice:
-    """Forward selection: screen all, refit the most promising, keep the best while it pays."""
-    current, rounds = bare, []
-    while True:
-        left = [c for c in candidates if c not in current.effects]
-        done = _round(kernel, series, base, current, left, count=len(bare.fit.free),
-                      progress=progress)  # fmt: skip
+def choose(bench: Bench, bare: Trialled) -> Choice:
+    """Forward and back until nothing changes, then every chosen effect against its rivals."""
+    current = bench.settled(bare)
+    rounds: list[Round] = []
+    seen: set[frozenset[str]] = set()
+    bare = current
+    without: dict[str, Trialled] = {}
+    while len(rounds) < MOST_ROUNDS:
+        done = one_round(bench, current)
         rounds.append(done)
-        if not pays(done.before, done.best):
-            return Choice(bare, current, tuple(rounds))
-        current = done.best
-        if len(current.effects) >= MOST_CAUSES:
-            return Choice(bare, current, tuple(rounds))
+        if done.best.effects == current.effects or len(current.effects) >= MOST_CAUSES:
+            break
+        current, without = pruned(bench, done.best)
+        if frozenset(current.effects) in seen:
+            break
+        seen.add(frozenset(current.effects))
+    if current.effects and not without:
+        current, without = pruned(bench, current)
+    places = {e: _place(bench, current, without[e], e, rounds) for e in current.effects}
+    return Choice(bare, current, tuple(rounds), without, places)
 
 
-def _round(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    current: Trialled,
-    left: Sequence[str],
-    *,
-    count: int,
-    progress: Callable[[str], None],
-) -> Round:
-    coefficients = list(current.fit.free[:count])
-    noise = current.noise
-    predictor = tuple(filter_all(kernel, series, _points(kernel, series, base, current), noise))
-
-    def refit(effects: tuple[str, ...]) -> Trialled:
-        progress(f"refit {', '.join(effects) or 'the model'}")
-        return try_effects(kernel, series, base, coefficients, effects, noise=noise,
-                           predictor=predictor, start=current.fit.by_label())  # fmt: skip
-
-    before = refit(current.effects)
-    gains = screened(kernel, series, before, base, left, noise=noise, predictor=predictor)
-    promising = [c for c in sorted(gains, key=lambda c: -gains[c])[:TRIED] if gains[c] > 0]
-    names = [*promising, *_hard_to_foretell(kernel, left, promising)]
-    tried = sorted((refit((*current.effects, name)) for name in names), key=lambda t: -t.total)
-    best = [t for t in tried[:CONTENDERS] if t.total > before.total]
-    settled_best = [settled(kernel, series, base, t, count=count) for t in best]
-    return Round(
-        settled(kernel, series, base, before, count=count),
-        gains,
-        (*settled_best, *tried[len(best) :]),
-        predictor,
-    )
+def one_round(bench: Bench, before: Trialled, *, tried: int = TRIED) -> Round:
+    """All candidates screened, the most promising refitted, the best of these settled."""
+    kernel, series = bench.kernel, bench.series
+    predictor = filter_all(kernel, series, bench.points(before), before.noise)
+    left = [c for c in bench.candidates if c not in before.effects]
+    told = screened(kernel, series, before, bench.base, left, predictor=predictor)
+    names = _promising(kernel, told, tried)
+    found = []
+    for name in names:
+        bench.progress(f"refit with {', '.join((*before.effects, name))}")
+        found.append(_refit(bench, before, name, told[name], predictor))
+    found.sort(key=lambda t: -t.total)
+    best = [bench.settled(t) for t in found[:CONTENDERS] if t.total > before.total]
+    ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
+    return Round(before, {c: f.gain for c, f in told.items()}, tuple(ordered))
 
 
-def settled(
-    kernel: Kernel, series: Sequence[Series], base: Float, model: Trialled, *, count: int
+def _refit(
+    bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Sequence
 ) -> Trialled:
-    """A model under its own noise: noise and numbers fitted in turn."""
-    noise = fit_noise(kernel, series, _points(kernel, series, base, model), model.noise)
-    return try_effects(kernel, series, base, list(model.fit.free[:count]), model.effects,
-                       noise=noise, start=model.fit.by_label())  # fmt: skip
+    start = told.start if told.gain > 0 else before.fit.by_label()
+    found = bench.refit((*before.effects, name), before, start, predictor)
+    if np.isfinite(found.total) or told.gain <= 0:
+        return found
+    return bench.refit((*before.effects, name), before, predictor=predictor)
 
 
-def _points(kernel: Kernel, series: Sequence[Series], base: Float, model: Trialled) -> list[Float]:
-    return [trial_values(kernel, base, model.fit.free, model.fit.values, s.group) for s in series]
+def _promising(kernel: Kernel, told: Mapping[str, Foretold], count: int) -> list[str]:
+    """The best foretold, and those with a shape: a step at strength 0 foretells these badly."""
+    ranked = sorted(told, key=lambda c: -told[c].gain)
+    best = [c for c in ranked[:count] if told[c].gain > 0]
+    shaped = [c for c in ranked if _has_shape(kernel, c) and c not in best
+              and np.isfinite(told[c].gain)]  # fmt: skip
+    return best + shaped
 
 
-def _hard_to_foretell(kernel: Kernel, left: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Effects with a shape parameter, whose gain a step at strength 0 foretells badly."""
-    return [
-        c
-        for c in left
-        if c not in known
-        and len(kernel.system.effect(c).parameters) > kernel.system.effect(c).strengths
-    ]
+def _has_shape(kernel: Kernel, name: str) -> bool:
+    frees, strengths = candidate_frees(kernel.system, name)
+    return len(frees) > strengths
+
+
+def pruned(bench: Bench, model: Trialled) -> tuple[Trialled, dict[str, Trialled]]:
+    """A model without the effects that no longer pay, and what it is without each of the rest."""
+    while True:
+        without = {e: _without(bench, model, e) for e in model.effects}
+        idle = [e for e in model.effects[:-1] if not pays(without[e], model)]
+        if not idle:
+            return model, without
+        model = max((without[e] for e in idle), key=lambda t: t.total)
+
+
+def _without(bench: Bench, model: Trialled, name: str) -> Trialled:
+    """A model with one of its effects taken away, all else refitted, under noise of its own."""
+    rest = [e for e in model.effects if e != name]
+    start = {k: v for k, v in model.fit.by_label().items() if not k.startswith(name + ".")}
+    return bench.settled(bench.refit(rest, model, start))
+
+
+def _place(
+    bench: Bench, chosen: Trialled, without: Trialled, name: str, rounds: Sequence[Round]
+) -> Round:
+    """The round in which `name` competes for its place beside the other chosen effects."""
+    rest = frozenset(chosen.effects) - {name}
+    for done in rounds:
+        if frozenset(done.before.effects) == rest:
+            return done
+    return one_round(bench, without)
 
 
 def pays(before: Trialled, after: Trialled) -> bool:
-    """Whether the held-out gain is large enough and shared by the trials (t statistic)."""
-    gain = after.worth - before.worth
-    return bool(gain.sum() > LEAST_GAIN_PER_TRIAL * len(gain) and shared(gain) > LEAST_T)
+    """Whether the held-out gain is clear and the new effects' strengths are sure."""
+    gain = (after.total - before.total) / after.inflation
+    new = [e for e in after.effects if e not in before.effects]
+    return bool(gain > LEAST_GAIN and all(after.chance[e] < MOST_CHANCE for e in new))
 
 
-def shared(gain: Float) -> float:
-    """A t statistic of gains by trial: of their signed roots, so that no single trial decides."""
-    root = np.sign(gain) * np.sqrt(np.abs(gain))
-    spread = float(np.std(root, ddof=1)) if len(root) > 1 else np.inf
-    return float(np.mean(root) / (spread / np.sqrt(len(root)))) if spread > 0 else 0.0
-
-
-def weights(totals: dict[str, float], temperature: float = TEMPERATURE) -> dict[str, float]:
-    """Weights that sum to 1 from held-out log likelihoods."""
-    top = max(totals.values())
-    raw = {name: float(np.exp((value - top) / temperature)) for name, value in totals.items()}
+def weights(models: Mapping[str, Trialled]) -> dict[str, float]:
+    """Weights that sum to 1 from held-out log likelihoods over the best model's inflation."""
+    best = max(models.values(), key=lambda t: t.total)
+    raw = {n: float(np.exp((t.total - best.total) / best.inflation)) for n, t in models.items()}
     total = sum(raw.values())
     return {name: value / total for name, value in raw.items()}
-
-
-def without(
-    kernel: Kernel, series: Sequence[Series], base: Float, choice: Choice, name: str
-) -> Trialled:
-    """The chosen model with one of its effects taken away, all else refitted in the last round."""
-    last = choice.rounds[-1].before
-    rest = [e for e in choice.chosen.effects if e != name]
-    start = {k: v for k, v in choice.chosen.fit.by_label().items() if not k.startswith(name + ".")}
-    coefficients = [Free(f.name, f.group) for f in choice.bare.fit.free]
-    return try_effects(kernel, series, base, coefficients, rest, noise=last.noise,
-                       start=start)  # fmt: skip

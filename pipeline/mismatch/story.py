@@ -36,6 +36,7 @@ def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[
             "baseline": dict(found.errors["baseline"]),
             "extended": dict(found.errors["extended"]),
             "noise_floor_path_rmse_m": found.floor_m,
+            "stretch_s": found.horizon_s,
         },
         "next_trial": next_trial(found, study, series),
     }
@@ -47,8 +48,8 @@ def causes(found: Found) -> list[dict[str, Any]]:
         return [_unexplained(found)]
     if found.verdict == "none":
         return []
-    total = found.choice.rounds[-1].before.total
-    loss = {name: total - model.total for name, model in found.dropped.items()}
+    chosen = found.choice.chosen
+    loss = {name: chosen.total - model.total for name, model in found.choice.without.items()}
     return [_cause(found, name, loss[name]) for name in sorted(loss, key=lambda n: -loss[n])]
 
 
@@ -60,10 +61,21 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
         "channels": list(effect.channels),
         "regime": effect.regime,
         "parameters": _parameters(found, name),
-        "weight": _weight(found, name),
+        "weight": weights_in_place(found, name)[name],
         "held_out_gain": loss,
         "sentence": effect.statement,
     }
+
+
+def weights_in_place(found: Found, name: str) -> dict[str, float]:
+    """A chosen effect and its rivals for its place -> weights that sum to 1."""
+    chosen = found.choice.chosen
+    rivals = {
+        t.effects[-1]: t
+        for t in found.choice.places[name].tried
+        if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
+    }
+    return weights({**rivals, name: chosen})
 
 
 def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
@@ -74,17 +86,6 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
         for f, v, s in zip(tuned.fit.free, tuned.fit.values, tuned.std, strict=True)
         if f.name.startswith(name + ".")
     }
-
-
-def _round_of(found: Found, name: str) -> tuple[Trialled, ...]:
-    """The refits among which an effect was chosen."""
-    return found.choice.rounds[found.choice.chosen.effects.index(name)].tried
-
-
-def _weight(found: Found, name: str) -> float:
-    totals = {t.effects[-1]: t.total for t in _round_of(found, name)}
-    later = found.choice.chosen.effects[found.choice.chosen.effects.index(name) + 1 :]
-    return weights({k: v for k, v in totals.items() if k not in later})[name]
 
 
 def _unexplained(found: Found) -> dict[str, Any]:
@@ -104,15 +105,15 @@ def _unexplained(found: Found) -> dict[str, Any]:
 
 def rivals(found: Found) -> list[dict[str, Any]]:
     """Candidates that would have done nearly as well in place of a chosen one."""
-    out = []
-    for name in found.choice.chosen.effects if found.verdict != "none" else ():
-        totals = {t.effects[-1]: t.total for t in _round_of(found, name)}
-        totals = {k: v for k, v in totals.items()
-                  if k == name or k not in found.choice.chosen.effects}  # fmt: skip
-        for other, weight in weights(totals).items():
-            if other != name and weight >= RIVAL_WEIGHT:
-                out.append({"name": other, "in_place_of": name, "weight": weight,
-                            "how_to_tell_apart": _apart(name, other)})  # fmt: skip
+    if found.verdict in ("none", "unexplained"):
+        return []
+    out = [
+        {"name": other, "in_place_of": name, "weight": weight,
+         "how_to_tell_apart": _apart(name, other)}
+        for name in found.choice.chosen.effects
+        for other, weight in weights_in_place(found, name).items()
+        if other != name and weight >= RIVAL_WEIGHT
+    ]  # fmt: skip
     return sorted(out, key=lambda r: -r["weight"])
 
 
@@ -154,13 +155,14 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
 
 
 def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
-    last = sorted(found.choice.rounds[-1].tried, key=lambda t: -t.total)
     chosen = found.choice.chosen
     if not chosen.effects:
+        last = found.choice.rounds[-1].tried
         other = last[0] if last else found.residual
-        return chosen, other, ("the baseline", other.effects[-1])
-    options = sorted(_round_of(found, chosen.effects[0]), key=lambda t: -t.total)
-    other = next((t for t in options if t.effects[-1] not in chosen.effects), found.choice.bare)
+        return chosen, other, ("the baseline", (other.effects or ("a residual",))[-1])
+    first = chosen.effects[0]
+    options = [t for t in found.choice.places[first].tried if t.effects[-1] not in chosen.effects]
+    other = options[0] if options else found.choice.bare
     return chosen, other, (" and ".join(chosen.effects), (other.effects or ("the baseline",))[-1])
 
 
@@ -218,6 +220,7 @@ def details(found: Found) -> dict[str, Any]:
                 "held_out_gain": t.total - one.before.total,
                 "trials_better": int(np.sum(t.worth > one.before.worth)),
                 "trials": len(one.before.worth),
+                "chance": t.chance[t.effects[-1]],
                 "outcome": t.fit.outcome,
                 "parameters": {
                     k.split(".", 1)[1]: v
@@ -226,7 +229,7 @@ def details(found: Found) -> dict[str, Any]:
                 },
             }
             for i, one in enumerate(found.choice.rounds)
-            for t in sorted(one.tried, key=lambda t: -t.total)
+            for t in one.tried
         ],
         "foretold": [dict(one.foretold) for one in found.choice.rounds],
         "coefficients": {

@@ -1,6 +1,6 @@
 """Coefficients from trials: the paper's three steps at each power, and one set for all."""
 
-from .joint import Tuned, determined, table, tune
+from .joint import Tuned, determined, table, thin, tune
 from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
 from .series import condition, study_series, trial_series
@@ -17,6 +17,7 @@ __all__ = [
     "table",
     "table_1",
     "table_2",
+    "thin",
     "three_steps",
     "trial_series",
     "tune",

@@ -20,6 +20,7 @@ The way through the house, in the order in which the data flow:
     campaign      a study and everything its run has written
     figures       one figure a file
     report        one self-contained page with all of it
+    challenge     concealed studies made, analysed without their truth, scored
     synthetic     footage rendered from known truth; imports nothing that it tests
 
     data, files, faults    types that flow, files written whole, mistakes told in words

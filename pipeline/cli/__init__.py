@@ -6,6 +6,7 @@ import click
 
 from ..faults import Fault, printable
 from .camera import calibrate, pool
+from .challenge import challenge
 from .check import check
 from .doctor import doctor
 from .run import run
@@ -39,5 +40,5 @@ def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
 
 
-for _command in (run, check, doctor, calibrate, pool, simulate, stage):
+for _command in (run, check, doctor, calibrate, pool, simulate, challenge, stage):
     main.add_command(_command)

@@ -1,0 +1,52 @@
+"""The finder sent over the folders of a challenge, in processes shut out from the seals."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..faults import fault
+from ..files import read_json
+from .make import sealed_folder
+
+Progress = Callable[[str, int, int], None]
+
+
+def studies_of(folder: Path) -> list[str]:
+    """Names of the studies that a challenge publishes.
+
+    Raises: Fault where there is no challenge.
+    """
+    if not (folder / "challenge.json").is_file():
+        raise fault(folder, "", "no challenge.json", "a folder that `challenge make` has written")
+    return sorted(read_json(folder / "challenge.json")["studies"])
+
+
+def results_of(folder: Path, name: str) -> Path:
+    """Where the results of a study stand."""
+    return folder / "results" / name
+
+
+def find(folder: Path, *, workers: int, again: bool, progress: Progress) -> int:
+    """How many studies ended without a verdict; the others have results in `results/NAME`."""
+    names = studies_of(folder)
+    todo = [n for n in names if again or not (results_of(folder, n) / "times.json").is_file()]
+    running = [_start(folder, todo[i::workers]) for i in range(workers) if todo[i::workers]]
+    done = 0
+    for process in running:
+        for line in process.stdout or ():
+            done += 1
+            progress(line.strip(), done, len(todo))
+    for process in running:
+        process.wait()
+    return sum(not (results_of(folder, n) / "mismatch.json").is_file() for n in names)
+
+
+def _start(folder: Path, names: Sequence[str]) -> subprocess.Popen[str]:
+    """A process that gives up the right to read the seals, then analyses the named studies."""
+    sealed = sealed_folder(folder.resolve())
+    command = [sys.executable, "-m", "pipeline", "challenge", "find-alone", str(folder.resolve())]
+    command += [str(sealed), *names]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603

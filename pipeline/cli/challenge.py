@@ -1,0 +1,102 @@
+"""`bluekoi challenge`: concealed studies made, analysed without the truth, scored."""
+
+from __future__ import annotations
+
+import logging
+import shutil
+import time
+from pathlib import Path
+
+import click
+
+FOLDER = click.argument("folder", type=click.Path(path_type=Path))
+WORKERS = click.option(
+    "--workers", default=2, show_default=True, type=click.IntRange(min=1), help="Processes."
+)
+
+
+@click.group()
+def challenge() -> None:
+    """Prove the search on studies whose truth is concealed: make, find, score."""
+
+
+def _say(name: str, done: int, count: int) -> None:
+    click.echo(f"{done:4d}/{count}  {name}", err=True)
+
+
+@challenge.command()
+@FOLDER
+@click.option("--seed", required=True, type=click.IntRange(min=0), help="Start of the draw.")
+@click.option("--count", default=12, show_default=True, type=click.IntRange(min=1))
+@click.option("--footage", default=0, show_default=True, type=click.IntRange(min=0),
+              help="So many of the studies are filmed.")  # fmt: skip
+@WORKERS
+def make(*, folder: Path, seed: int, count: int, footage: int, workers: int) -> None:
+    """Draw COUNT studies into FOLDER; their truth goes under seal to FOLDER-sealed."""
+    from ..challenge.make import make as run  # noqa: PLC0415
+
+    run(folder, seed=seed, count=count, footage=footage, workers=workers, progress=_say)
+    click.echo(f"{count} studies in {folder}; hashes of their sealed truth in challenge.json")
+
+
+@challenge.command()
+@FOLDER
+@WORKERS
+@click.option("--again", is_flag=True, help="Also studies that have results.")
+@click.pass_context
+def find(ctx: click.Context, *, folder: Path, workers: int, again: bool) -> None:
+    """Analyse every study of FOLDER in processes that cannot read the seals."""
+    from ..challenge.find import find as run  # noqa: PLC0415
+
+    started = time.perf_counter()
+    failed = run(folder, workers=workers, again=again, progress=_say)
+    click.echo(f"done in {time.perf_counter() - started:.0f} s; {failed} without a verdict")
+    ctx.exit(3 if failed else 0)
+
+
+@challenge.command("find-alone", hidden=True)
+@FOLDER
+@click.argument("sealed", type=click.Path(path_type=Path))
+@click.argument("names", nargs=-1)
+def find_alone(*, folder: Path, sealed: Path, names: tuple[str, ...]) -> None:
+    """Analyse studies one after the other; the first thing done is to give up the seals."""
+    from ..challenge.find import results_of  # noqa: PLC0415
+    from ..challenge.guard import shut_out  # noqa: PLC0415
+    from ..files import write_json  # noqa: PLC0415
+
+    guard = shut_out(sealed)
+    logging.basicConfig(level=logging.ERROR, format="%(message)s")
+    for name in names:
+        results = results_of(folder, name)
+        shutil.rmtree(results, ignore_errors=True)
+        results.mkdir(parents=True)
+        times, failure = _analysed(folder / "studies" / name, results)
+        write_json(results / "times.json", {"guard": guard, "failure": failure, "cpu_s": times})
+        click.echo(f"{name} {sum(times.values()):.1f} s {failure}".strip())
+
+
+def _analysed(study: Path, results: Path) -> tuple[dict[str, float], str]:
+    """Processor time (s) of each stage of one study, and why it failed (empty: it did not)."""
+    from ..stages.keypoints import keypoints  # noqa: PLC0415
+    from ..stages.mismatch import mismatch  # noqa: PLC0415
+    from ..stages.steady import steady  # noqa: PLC0415
+    from ..stages.tracks import tracks  # noqa: PLC0415
+    from ..stages.tuning import tuning  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    times: dict[str, float] = {}
+    try:
+        trials = [trial.trial_id for trial in load_study(study).trials]
+        for stage in (keypoints, tracks):
+            begin = time.process_time()
+            for trial in trials:
+                stage(study, results, trial)
+            times[stage.__name__] = time.process_time() - begin
+        for whole in (steady, tuning, mismatch):
+            begin = time.process_time()
+            whole(study, results)
+            times[whole.__name__] = time.process_time() - begin
+    except Exception as error:  # one study must not stop the others
+        logging.getLogger(__name__).exception("study %s", study.name)
+        return times, repr(error)
+    return times, ""

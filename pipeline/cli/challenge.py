@@ -54,6 +54,25 @@ def find(ctx: click.Context, *, folder: Path, workers: int, again: bool) -> None
     ctx.exit(3 if failed else 0)
 
 
+@challenge.command()
+@FOLDER
+@click.option("--quiet", is_flag=True, help="The table alone, without a line a study.")
+def score(*, folder: Path, quiet: bool) -> None:
+    """Open the seals of FOLDER, check their hashes, print the table; also to score.json."""
+    from dataclasses import asdict  # noqa: PLC0415
+
+    from ..challenge.score import judge_all  # noqa: PLC0415
+    from ..challenge.table import lines, summary, told  # noqa: PLC0415
+    from ..files import write_json  # noqa: PLC0415
+
+    judged = judge_all(folder)
+    figures = summary(judged)
+    for line in [*([] if quiet else lines(judged)), *told(figures)]:
+        click.echo(line)
+    each = [asdict(j) | {"right": j.right, "false": j.false} for j in judged]
+    write_json(folder / "score.json", figures | {"each": each})
+
+
 @challenge.command("find-alone", hidden=True)
 @FOLDER
 @click.argument("sealed", type=click.Path(path_type=Path))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +38,7 @@ class Recipe:
 
     name: str
     kind: str
+    level: str
     trials: int
     seed: int
     robot: Robot
@@ -81,9 +83,11 @@ def choose_form(rng: np.random.Generator, name: str, ratio: float) -> Chosen:
 
 def with_effect(laws: Laws, chosen: Chosen, strength: float) -> Laws:
     """Laws with a chosen effect put in at a strength."""
-    fixed = {k: int(v) if k.endswith("_law") else v for k, v in chosen.form.fixed.items()}
+    fixed: dict[str, Any] = {
+        k: int(v) if k.endswith("_law") else v for k, v in chosen.form.fixed.items()
+    }
     scaled = {k: w * strength for k, w in chosen.form.weights.items()}
-    return laws._replace(**fixed, **chosen.numbers, **scaled)
+    return laws._replace(**{**fixed, **chosen.numbers, **scaled})
 
 
 def draw_recipe(
@@ -102,6 +106,7 @@ def draw_recipe(
     return Recipe(
         name=name,
         kind=kind,
+        level=level,
         trials=trials,
         seed=int(rng.integers(2**31)),
         robot=robot,

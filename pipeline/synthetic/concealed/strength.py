@@ -6,6 +6,7 @@ take up; what is left over of an effect's change of the path is the error that i
 """
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def _by_trial(column: np.ndarray, sizes: Sequence[int]) -> list[np.ndarray]:
     """A change of all paths `(3, samples)` cut into one column a trial, zero elsewhere."""
     ends = np.cumsum([0, *sizes])
     out = []
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in pairwise(ends):
         alone = np.zeros_like(column)
         alone[:, low:high] = column[:, low:high]
         out.append(alone)

@@ -165,6 +165,8 @@ def _seal(
         {
             "study": recipe.name,
             "kind": recipe.kind,
+            "level": recipe.level,
+            "body_swims_straight": recipe.has_fin,
             "trials": recipe.trials,
             "footage": recipe.footage,
             "noise_m": POINT_NOISE_M * recipe.noise,

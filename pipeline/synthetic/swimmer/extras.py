@@ -40,7 +40,7 @@ def dry(g: Laws, V: float) -> float:
 @njit(cache=True)
 def near_walls(b: Body, g: Laws, x: float, y: float) -> float:
     """Nearness of the nearest wall: `exp(-gap/reach)`, or `1/(1 + gap/reach)^3`."""
-    gap = max(min(min(x, b.pool_length_m - x), min(y, b.pool_width_m - y)), 0.0)
+    gap = max(min(x, b.pool_length_m - x, y, b.pool_width_m - y), 0.0)
     if g.wall_law == 0:
         return math.exp(-gap / g.wall_reach_m)
     return (1 + gap / g.wall_reach_m) ** -3.0

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ..data import Steady
 from ..fitting import Series, fit_noise, jackknife_cov, moving
 from ..integrate import Kernel, compiled
@@ -14,11 +16,13 @@ from ..tuning import Tuned, thin, tune
 from .horizon import path_errors
 from .locate import Dependence, MissingForce, dependences, missing_force
 from .search import Trialled, trialled
-from .select import Bench, Choice, Round, choose, one_round, pays
+from .select import Bench, Choice, Round, choose, one_round
 from .setting import held_out_trials, steady_errors, variables
 
-NAMED_SHARE = 0.6
-"""Named causes must bring at least this share of what they and nameless terms bring together."""
+TELLING_SHARE = 0.5
+"""Nameless terms tell of something unexplained where they foretell at least this share of the
+variance of what looked random in a channel; a named law in another form than nature's leaves less.
+"""
 MOST_TERMS = 4
 KINDS = ("physics", "measurement")
 
@@ -28,9 +32,9 @@ class Found:
     """Everything the search found; `story.mismatch_json` tells it.
 
     verdict; choice: the search on the trials to fit; baseline and extended: tuned models on these;
-    residual: nameless terms beside what was chosen; forces, dependences: what the baseline lacks,
-    on all trials; errors: `baseline` and `extended` errors on the held-out trials; floor_m: path
-    error that a true model would have on them; horizon_s: how long a free run means anything.
+    residual: nameless terms beside what was chosen; forces, dependences: what is lacking without
+    the additions, on all trials; errors: those of `baseline` and `extended` on the held-out trials;
+    floor_m: path error that a true model would have there; horizon_s: how long a free run bears.
     """
 
     verdict: str
@@ -69,9 +73,7 @@ def find_mismatch(
     verdict = _verdict(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
-    forces = missing_force(kernel, few, baseline.trial_values(kernel, few), baseline.noise)
-    trials = {t.trial_id: t for t in study.trials}
-    told = dependences(few, forces, variables(few, forces, trials))
+    forces, told = _located(study, kernel, few, baseline, extended)
     paths = path_errors(study, kernel, {"baseline": baseline, "extended": extended}, test)
     errors = {
         name: {"path_rmse_m": paths.rmse_m[name], **steady_errors(study, kernel, tuned, test,
@@ -83,6 +85,27 @@ def find_mismatch(
         forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
         floor_m=paths.floor_m, horizon_s=paths.horizon_s,
     )  # fmt: skip
+
+
+def _located(
+    study: Study, kernel: Kernel, series: Sequence[Series], baseline: Tuned, extended: Tuned
+) -> tuple[list[MissingForce], list[Dependence]]:
+    """What the model lacks without its additions, and what that depends on.
+
+    The coefficients are those found with the additions, since the baseline's own have absorbed
+    part of what is missing; where something has no name, the named additions stay.
+    """
+    free = extended.fit.free
+    nameless = any(f.name.startswith("residual.") for f in free)
+    values = [v.copy() for v in extended.trial_values(kernel, series)]
+    for f in free:
+        if f.name.startswith("residual.") or ("." in f.name and not nameless):
+            for v in values:
+                v[kernel.system.slot[f.name]] = 0.0
+    forces = missing_force(kernel, series, values, baseline.noise)
+    trials = {t.trial_id: t for t in study.trials}
+    units = extended.noise.disturbance[: forces[0].force.shape[1]]
+    return forces, dependences(series, forces, variables(series, forces, trials), units)
 
 
 def nameless(bench: Bench, model: Trialled) -> Trialled:
@@ -98,16 +121,19 @@ def nameless(bench: Bench, model: Trialled) -> Trialled:
 
 
 def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
-    """none, physics, measurement or unexplained, by held-out gains over the bare model."""
-    beyond = residual.effects != choice.chosen.effects
-    if not choice.chosen.effects:
-        return "unexplained" if beyond else "none"
-    share = (choice.chosen.total - choice.bare.total) / max(
-        residual.total - choice.bare.total, 1e-9
-    )
-    if beyond and pays(choice.chosen, residual) and share < NAMED_SHARE:
+    """none, physics, measurement or unexplained."""
+    chosen = choice.chosen
+    if residual.effects != chosen.effects and (
+        not chosen.effects or foretold_randomness(chosen, residual) > TELLING_SHARE
+    ):
         return "unexplained"
-    return kernel.system.effect(choice.chosen.effects[0]).kind
+    return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
+
+
+def foretold_randomness(before: Trialled, after: Trialled) -> float:
+    """Largest share of a random state's variance that a larger model has turned into law."""
+    old, new = (m.noise.disturbance for m in (before, after))
+    return float(np.max(1.0 - (new / np.maximum(old, 1e-12))[old > 0] ** 2, initial=0.0))
 
 
 def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:

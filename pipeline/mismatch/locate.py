@@ -35,7 +35,9 @@ class MissingForce:
 
 @dataclass(frozen=True)
 class Dependence:
-    """Share of a channel's missing force that a variable foretells in conditions left out."""
+    """Share of all the missing force that a variable foretells in a channel, in conditions left
+    out; channels are made comparable by what remains random in each.
+    """
 
     channel: int
     variable: str
@@ -60,33 +62,36 @@ def dependences(
     series: Sequence[Series],
     forces: Sequence[MissingForce],
     variables: Sequence[Mapping[str, Float]],
+    units: Float,
 ) -> list[Dependence]:
     """Dependences of every channel on every variable, the largest share first.
 
-    variables: one mapping a trial, name -> (n,), as `forces` has frames.
+    variables: one mapping a trial, name -> (n,), as `forces` has frames. units (channels,): size
+    of a force in each channel that means as much as in the others.
     """
     parts = folds(series)
+    scaled = [f.force / units for f in forces]
+    total = max(sum(float(np.sum(y**2)) for y in scaled), 1e-300)
     found = []
-    for channel in range(forces[0].force.shape[1]):
-        force = [f.force[:, channel] for f in forces]
+    for channel in range(len(units)):
+        force = [y[:, channel] for y in scaled]
         for name in variables[0]:
             x = [v[name] for v in variables]
-            share, helped = foretold_share(x, force, parts)
-            trials = tuple(forces[t].name for t in helped)
-            found.append(Dependence(channel, name, share, trials))
+            gained = foretold(x, force, parts)
+            order = [int(t) for t in np.argsort(-gained) if gained[t] > 0]
+            trials = tuple(forces[t].name for t in order[: max(3, len(order) // 4)])
+            found.append(Dependence(channel, name, max(0.0, float(gained.sum())) / total, trials))
     return sorted(found, key=lambda d: -d.share)
 
 
-def foretold_share(
-    x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]
-) -> tuple[float, list[int]]:
-    """Share of the sum of squares of y foretold across folds, and the trials it helps most."""
+def foretold(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:
+    """Sum of squares of y that a smooth curve over x foretells across folds, (trials,)."""
     low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
     scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
     design = [np.polynomial.chebyshev.chebvander(v, DEGREE) for v in scaled]
     grams = [d.T @ d for d in design]
     moments = [d.T @ v for d, v in zip(design, y, strict=True)]
-    gained, total = np.zeros(len(y)), sum(float(v @ v) for v in y)
+    gained = np.zeros(len(y))
     for part in parts:
         rest = [t for t in range(len(y)) if t not in set(part.tolist())]
         A = sum(grams[t] for t in rest) + 1e-6 * np.eye(DEGREE + 1)
@@ -94,5 +99,4 @@ def foretold_share(
         for t in part:
             error = y[t] - design[t] @ coefficients
             gained[t] = float(y[t] @ y[t] - error @ error)
-    order = [int(t) for t in np.argsort(-gained) if gained[t] > 0]
-    return max(0.0, float(gained.sum()) / max(total, 1e-300)), order[: max(3, len(y) // 4)]
+    return gained

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float, Steady
 from ..fitting import Series
 from ..integrate import Kernel
-from ..model import simulate, steady_turn
+from ..model import simulate
 from ..study import Study, Trial
 from ..tuning import Tuned
 from .locate import MissingForce
@@ -86,20 +86,30 @@ def steady_errors(
     radii: list[float] = []
     for one, values in zip(series, tuned.trial_values(kernel, series), strict=True):
         seen = steady.get(one.name)
-        trial = study.trial(one.name)
         if seen is None or seen.quality not in ("good", "short_arc", "straight"):
             continue
-        coefficients, effects = split(kernel, values)
-        speed, radius = steady_turn(
-            coefficients, setup=study.setup, head_length_m=trial.head_length_m,
-            head_angle_rad=trial.head_angle_rad, flap_hz=seen.flap_hz, effects=effects,
-            settle_s=max(4.0, seen.steady_to_s),
-        )  # fmt: skip
+        speed, radius = _turn(study, kernel, study.trial(one.name), seen, values)
         speeds.append(abs(speed / seen.speed_m_s - 1))
         if np.isfinite(seen.radius_m) and seen.quality != "straight" and np.isfinite(radius):
             radii.append(abs(radius / seen.radius_m - 1))
     mean = [100 * float(np.mean(v)) if v else np.nan for v in (radii, speeds)]
     return {"radius_error_pct": mean[0], "speed_error_pct": mean[1]}
+
+
+def _turn(
+    study: Study, kernel: Kernel, trial: Trial, seen: Steady, values: Float
+) -> tuple[float, float]:
+    """Speed (m/s) and radius (m) of a model from rest, over the stretch in which they were seen."""
+    coefficients, effects = split(kernel, values)
+    run = simulate(
+        coefficients, setup=study.setup, head_length_m=trial.head_length_m,
+        head_angle_rad=trial.head_angle_rad, flap_hz=seen.flap_hz, effects=effects,
+        duration_s=max(seen.steady_to_s, 1.0),
+    )  # fmt: skip
+    inside = run.time_s >= min(seen.steady_from_s, run.time_s[-2])
+    speed = float(run.speed_m_s[inside].mean())
+    yaw_rate = abs(float(run.state[inside, 5].mean()))
+    return speed, speed / yaw_rate if yaw_rate > 1e-6 else np.inf
 
 
 def split(kernel: Kernel, values: Float) -> tuple[dict[str, float], dict[str, dict[str, float]]]:

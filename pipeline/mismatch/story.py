@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..integrate import compiled
-from ..model import plates
+from ..model import plates, residual_channel
 from ..study import Study
 from .find import Found
 from .locate import LEAST_SHARE
@@ -43,14 +43,11 @@ def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[
 
 
 def causes(found: Found) -> list[dict[str, Any]]:
-    """The chosen effects, the one whose loss costs most first."""
-    if found.verdict == "unexplained":
-        return [_unexplained(found)]
-    if found.verdict == "none":
-        return []
+    """The chosen effects, the one whose loss costs most first, and what is left unexplained."""
     chosen = found.choice.chosen
     loss = {name: chosen.total - model.total for name, model in found.choice.without.items()}
-    return [_cause(found, name, loss[name]) for name in sorted(loss, key=lambda n: -loss[n])]
+    told = [_cause(found, name, loss[name]) for name in sorted(loss, key=lambda n: -loss[n])]
+    return [*told, _unexplained(found)] if found.verdict == "unexplained" else told
 
 
 def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
@@ -89,8 +86,10 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
 
 
 def _unexplained(found: Found) -> dict[str, Any]:
-    channels = sorted({CHANNELS[d.channel] for d in found.dependences[:2]}, key=CHANNELS.index)
-    first = found.dependences[0]
+    terms = [e.split(".", 1)[1] for e in found.residual.effects if e.startswith("residual.")]
+    channels = sorted({residual_channel(t) for t in terms}, key=CHANNELS.index)
+    told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
+    first = told[0]
     return {
         "name": "unexplained",
         "kind": "physics",
@@ -98,6 +97,7 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "regime": f"depends on {first.variable}",
         "parameters": _parameters(found, "residual"),
         "weight": 1.0,
+        "held_out_gain": found.residual.total - found.choice.chosen.total,
         "sentence": "A force is missing that none of the named causes explains well; it is "
         f"modelled by a fitted residual term and depends most on {first.variable}.",
     }
@@ -105,8 +105,6 @@ def _unexplained(found: Found) -> dict[str, Any]:
 
 def rivals(found: Found) -> list[dict[str, Any]]:
     """Candidates that would have done nearly as well in place of a chosen one."""
-    if found.verdict in ("none", "unexplained"):
-        return []
     out = [
         {"name": other, "in_place_of": name, "weight": weight,
          "how_to_tell_apart": _apart(name, other)}
@@ -184,9 +182,9 @@ def sentence(
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
     if found.verdict == "unexplained":
-        return (
-            f"Something is missing that no known cause explains; modelled as a residual, {proof}."
-        )
+        beside = " and ".join(str(c["name"]) for c in told if c["name"] != "unexplained")
+        first = f"Physics left out: {beside}; and something else" if beside else "Something"
+        return f"{first} is missing that no known cause explains; modelled as a residual, {proof}."
     names = " and ".join(str(c["name"]) for c in told)
     doubt = [r for r in others if r["weight"] > 0.2]
     if doubt:
@@ -203,6 +201,7 @@ def details(found: Found) -> dict[str, Any]:
                 "time_s": f.times,
                 "x_m": f.states[:, 0],
                 "y_m": f.states[:, 1],
+                "heading_rad": f.states[:, 2],
                 "surge_N": f.force[:, 0],
                 "sway_N": f.force[:, 1],
                 "yaw_Nm": f.force[:, 2],

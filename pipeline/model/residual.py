@@ -27,6 +27,11 @@ PARAMETERS = tuple(
 STRENGTHS = len(PARAMETERS)
 
 
+def channel(term: str) -> str:
+    """Channel in which a term acts, by its letter."""
+    return CHANNELS["abc".index(term[0])]
+
+
 def force(
     t: float, f: float, uc: float, vc: float, r: float, sphi: float,
     a1: float, a2: float, a3: float, a4: float, a5: float, a6: float,

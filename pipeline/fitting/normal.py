@@ -33,7 +33,8 @@ class Normal:
     @property
     def usable(self) -> bool:
         """Whether all of it is finite: a simulation that runs away makes it not so."""
-        return bool(np.isfinite(self.hessian).all() and np.isfinite(self.log_likelihood).all())
+        parts = (self.hessian, self.gradient, self.log_likelihood)
+        return all(bool(np.isfinite(part).all()) for part in parts)
 
 
 def trial_values(

@@ -67,7 +67,8 @@ def trialled(
     if not found.normal.usable:
         nothing = np.full(len(series), -np.inf)
         return Trialled(tuple(effects), found, nothing, noise, np.inf, dict.fromkeys(effects, 1.0))
-    worth = held_out_worth(found.normal, folds(series))
+    free = np.flatnonzero(moving(kernel, found)).tolist()
+    worth = held_out_worth(_part(found.normal, free), folds(series))
     chance = {name: chance_of(kernel, found, name) for name in effects}
     return Trialled(tuple(effects), found, worth, noise, inflation(kernel, found), chance)
 
@@ -191,10 +192,10 @@ def screened(
     """Candidate -> what is expected of it, from one set of normal equations for all.
 
     At the current fit each candidate's strengths are differenced at zero beside the numbers
-    already free; a step of Newton's in these alone foretells the refit. A strength that would
-    leave its bounds foretells nothing.
+    already free; a step of Newton's in these alone foretells the refit. Numbers that stand at a
+    bound stay there, and a strength that would leave its bounds foretells nothing.
     """
-    shifted = [Free(f.name, f.group) for f in current.fit.free]
+    shifted = list(current.fit.free)
     both = {c: candidate_frees(kernel.system, c) for c in candidates}
     strengths = {c: frees[:count] for c, (frees, count) in both.items()}
     frees = [*shifted, *(f for c in candidates for f in strengths[c])]
@@ -202,7 +203,7 @@ def screened(
     normal = normal_equations(kernel, series, base, frees, values, noise=current.noise,
                               predictor=predictor)  # fmt: skip
     parts = folds(series)
-    own = list(range(len(shifted)))
+    own = np.flatnonzero(moving(kernel, current.fit)).tolist()
     reference = float(held_out_worth(_part(normal, own), parts).sum())
     told, at = {}, len(shifted)
     for c in candidates:

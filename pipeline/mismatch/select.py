@@ -141,7 +141,7 @@ def one_round(bench: Bench, before: Trialled, *, tried: int = TRIED) -> Round:
 def _refit(
     bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Sequence
 ) -> Trialled:
-    start = told.start if told.gain > 0 else before.fit.by_label()
+    start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {})}
     found = bench.refit((*before.effects, name), before, start, predictor)
     if np.isfinite(found.total) or told.gain <= 0:
         return found

@@ -88,7 +88,7 @@ def steady_errors(
         seen = steady.get(one.name)
         if seen is None or seen.quality not in ("good", "short_arc", "straight"):
             continue
-        speed, radius = _turn(study, kernel, study.trial(one.name), seen, values)
+        speed, radius = _turn(study, kernel, one, seen, values)
         speeds.append(abs(speed / seen.speed_m_s - 1))
         if np.isfinite(seen.radius_m) and seen.quality != "straight" and np.isfinite(radius):
             radii.append(abs(radius / seen.radius_m - 1))
@@ -97,14 +97,15 @@ def steady_errors(
 
 
 def _turn(
-    study: Study, kernel: Kernel, trial: Trial, seen: Steady, values: Float
+    study: Study, kernel: Kernel, one: Series, seen: Steady, values: Float
 ) -> tuple[float, float]:
-    """Speed (m/s) and radius (m) of a model from rest, over the stretch in which they were seen."""
+    """Speed (m/s) and radius (m) of a free run, over the stretch in which they were seen."""
     coefficients, effects = split(kernel, values)
+    trial = study.trial(one.name)
     run = simulate(
         coefficients, setup=study.setup, head_length_m=trial.head_length_m,
         head_angle_rad=trial.head_angle_rad, flap_hz=seen.flap_hz, effects=effects,
-        duration_s=max(seen.steady_to_s, 1.0),
+        duration_s=max(seen.steady_to_s, 1.0), start=tuple(one.mean[:6].tolist()),
     )  # fmt: skip
     inside = run.time_s >= min(seen.steady_from_s, run.time_s[-2])
     speed = float(run.speed_m_s[inside].mean())

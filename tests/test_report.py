@@ -122,6 +122,20 @@ def test_left_out_trials_are_named_with_the_reason(tmp_path):
     assert f"{len(base.study.trials) - 1} of {len(base.study.trials)} trials analysed" in text
 
 
+def test_names_and_variables_are_told_in_words(tmp_path, found):
+    told_of = {
+        **found.mismatch,
+        "sentence": "Physics left out: linear_yaw_damping and a_thing.",
+        "where": [{"channel": "yaw", "variable": "sway_speed_m_s", "share": 0.5, "trials": []}],
+        "next_trial": {"power_pct": 50, "why": "here tail_fin_lift and crossflow_drag part most"},
+    }
+    text = write(Campaign(**{**found.__dict__, "mismatch": told_of}), tmp_path)
+    assert "Physics left out: linear yaw damping and a_thing." in text
+    assert "sideways speed, to the left (m/s)" in text
+    assert "here tail fin lift and crossflow drag part most" in text
+    assert "linear yaw damping: N_r (N m s)" in text
+
+
 def test_every_number_has_its_place(tmp_path, found):
     text = write(found, tmp_path)
     assert "linear yaw damping" in text

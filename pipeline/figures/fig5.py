@@ -116,4 +116,6 @@ def _model(
 
 
 def _words(axes: Axes, words: Iterable[str]) -> None:
-    axes.text(0, 0, "\n".join(words), ha="center", va="center", fontsize=6.8)
+    behind = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
+    text = "\n".join(words)
+    axes.text(0, 0, text, ha="center", va="center", fontsize=6.5, bbox=behind, zorder=5)

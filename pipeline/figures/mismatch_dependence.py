@@ -132,7 +132,10 @@ def _dots(
 
 
 def _averages(x: Sequence[Float], y: Sequence[Float]) -> tuple[Float, Float, Float]:
-    """Middle, mean and deviation over trials of equal bins that at least two trials cross."""
+    """Place, mean and deviation over trials of equal bins that at least two trials cross.
+
+    The place of a bin is the mean of what lies in it, not its middle: straight runs all lie at 0.
+    """
     every = np.concatenate(list(x))
     every = every[np.isfinite(every)]
     values = np.unique(every)
@@ -142,20 +145,19 @@ def _averages(x: Sequence[Float], y: Sequence[Float]) -> tuple[Float, Float, Flo
         edges = np.concatenate(
             [[values[0] - 1], 0.5 * (values[1:] + values[:-1]), [values[-1] + 1]]
         )
-        middles = values
     else:
         low, high = np.quantile(every, (0.01, 0.99))
         edges = np.linspace(float(low), float(high), BINS + 1)
-        middles = 0.5 * (edges[1:] + edges[:-1])
-    rows = [_bin(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)]
-    table = np.array([[middle, *row] for middle, row in zip(middles, rows, strict=True)])
+    table = np.array([_bin(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)])
     table = table[np.isfinite(table[:, 1])]
     return table[:, 0], table[:, 1], table[:, 2]
 
 
-def _bin(x: Sequence[Float], y: Sequence[Float], low: float, high: float) -> tuple[float, float]:
-    inside = [b[(a >= low) & (a < high)] for a, b in zip(x, y, strict=True)]
-    means = np.array([values.mean() for values in inside if len(values) > 1])
+def _bin(
+    x: Sequence[Float], y: Sequence[Float], low: float, high: float
+) -> tuple[float, float, float]:
+    found = [(a[at], b[at]) for a, b in zip(x, y, strict=True) for at in [(a >= low) & (a < high)]]
+    means = np.array([(a.mean(), b.mean()) for a, b in found if len(a) > 1])
     if len(means) < 2:
-        return (float("nan"), 0.0)
-    return float(means.mean()), float(means.std(ddof=1))
+        return (float("nan"), float("nan"), 0.0)
+    return float(means[:, 0].mean()), float(means[:, 1].mean()), float(means[:, 1].std(ddof=1))

@@ -38,6 +38,7 @@ class Line:
     xy_px: Float
     colour: Colour
     dashed: bool = False
+    width_px: int = 2
 
 
 @dataclass(frozen=True)
@@ -81,11 +82,10 @@ def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None
     if len(way) == 0:
         return
     pieces = _dashes(way) if line.dashed else [way]
-    width = 2 if line.dashed else 4
-    for piece in [] if line.dashed else pieces:
-        _polyline(canvas, piece, DARK, width + 2)
+    for piece in pieces if line.width_px > 2 else []:
+        _polyline(canvas, piece, DARK, line.width_px + 2)
     for piece in pieces:
-        _polyline(canvas, piece, line.colour, width)
+        _polyline(canvas, piece, line.colour, line.width_px)
     end = _fixed(way[-1])
     cv2.circle(canvas, end, 5 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
     cv2.circle(canvas, end, 3 << SHIFT, line.colour, -1, cv2.LINE_AA, SHIFT)

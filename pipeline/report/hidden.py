@@ -11,14 +11,12 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..data import Float, Steady
-from ..model import COEFFICIENTS
 from ..study.seal import Seal
-from .numbers import BAND, measured, number, percent, unit, words
+from .numbers import BAND, measured, number, percent, units, words
 from .story import Row
 
 SHOWN_APART = ("hidden", "coefficients", "trials")
 LONGEST_CELL = 200
-UNITS = {p.name: unit(p.unit) for p in COEFFICIENTS}
 MOST_ROWS = 300
 
 
@@ -85,8 +83,8 @@ def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
         Row(
             words(name),
             (
-                _parameters(true.get(name)),
-                _fitted(named.get(name)),
+                _parameters(name, true.get(name)),
+                _fitted(name, named.get(name)),
                 _agreement(name in true, name in named, name in rivals),
             ),
             (name in true) != (name in named),
@@ -103,15 +101,20 @@ def _agreement(true: bool, named: bool, rival: bool) -> str:
     return "named, but not in what was hidden"
 
 
-def _parameters(values: Any) -> str:
+def _parameters(cause: str, values: Any) -> str:
     if not isinstance(values, Mapping):
         return "–"
-    return ", ".join(f"{k} = {_text(v)}" for k, v in values.items()) or "–"
+    told = [f"{k} = {_text(v)} {units().get(f'{cause}.{k}', '')}" for k, v in values.items()]
+    return ", ".join(text.strip() for text in told) or "–"
 
 
-def _fitted(cause: Mapping[str, Any] | None) -> str:
-    cells = (cause or {}).get("parameters") or {}
-    return ", ".join(f"{k} = {measured(c.get('value'), c.get('std'))}" for k, c in cells.items())
+def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
+    cells = (found or {}).get("parameters") or {}
+    told = [
+        f"{k} = {measured(c.get('value'), c.get('std'), units().get(f'{cause}.{k}', ''))}"
+        for k, c in cells.items()
+    ]
+    return ", ".join(told)
 
 
 def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
@@ -137,14 +140,14 @@ def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
 
 def _place(entry: tuple[str, Any]) -> tuple[int, str]:
     """The model's coefficients in its order, then others; powers by size."""
-    name, order = entry[0], list(UNITS)
+    name, order = entry[0], list(units())
     return (order.index(name) if name in order else len(order), name.rjust(4))
 
 
 def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
     open_ = isinstance(before, Mapping) and not before.get("determined", True)
     return Row(
-        f"{name}{at} ({UNITS[name]})" if name in UNITS else name + at,
+        f"{name}{at} ({units()[name]})" if name in units() else name + at,
         (
             _text(true),
             _cell(before) + (" (not determined)" if open_ else ""),

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
+
+from ..model import plates
 
 BAND = 1.96
 UNITS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "": "–"}
@@ -50,6 +55,20 @@ def percent(value: Any, places: int = 1) -> str:
 def words(name: str) -> str:
     """A cause's name in words."""
     return name.replace("_", " ")
+
+
+def in_words(sentence: str, names: Iterable[str]) -> str:
+    """A sentence with the causes' names in words."""
+    known = sorted((re.escape(name) for name in names if "_" in name), key=len, reverse=True)
+    if not known:
+        return sentence
+    return re.sub(rf"\b({'|'.join(known)})\b", lambda found: words(found[1]), sentence)
+
+
+@lru_cache(maxsize=1)
+def units() -> dict[str, str]:
+    """Printed unit of every coefficient (`C_T`) and of every effect's parameter (`stall.k`)."""
+    return {p.name: unit(p.unit) for p in plates().parameters}
 
 
 def _raised(power: int) -> str:

@@ -95,13 +95,14 @@ def paths(
 ) -> tuple[Line, ...]:
     """Measured path, and model paths after and before where they are known, in pixels.
 
-    The dashed path before stands on top, so that both can be seen where they agree.
+    Measured wide, after narrow on it, before dashed on top: all can be seen where they agree.
     """
 
     def seen(x: Float, y: Float) -> Float:
         return project(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
 
-    lines = [Line("measured path", track.time_s, seen(track.x_m, track.y_m), MEASURED)]
+    measured = seen(track.x_m, track.y_m)
+    lines = [Line("measured path", track.time_s, measured, MEASURED, width_px=6)]
     names = {"extended": ("model after", AFTER, False), "joint": ("model before", BEFORE, True)}
     for prefix, (name, colour, dashed) in names.items():
         if f"{prefix}_x_m" in columns:

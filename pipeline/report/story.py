@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..campaign import Campaign
-from .numbers import measured, number, unit, words
+from ..figures.drawing.lacking import LABELS
+from .numbers import in_words, measured, number, unit, units, words
 
 KINDS = {
     "none": "Nothing beyond the noise",
@@ -64,7 +65,12 @@ def verdict(campaign: Campaign) -> dict[str, str]:
     names = [words(str(cause["name"])) for cause in found.get("causes") or []]
     if kind in ("physics", "measurement") and names:
         heading += ": " + " and ".join(names)
-    return {"kind": kind, "heading": heading, "sentence": str(found.get("sentence") or heading)}
+    sentence = in_words(str(found.get("sentence") or heading), _causes_known())
+    return {"kind": kind, "heading": heading, "sentence": sentence}
+
+
+def _causes_known() -> set[str]:
+    return {name.split(".")[0] for name in units() if "." in name}
 
 
 def numbers(campaign: Campaign) -> list[tuple[str, str]]:
@@ -100,7 +106,11 @@ def where(campaign: Campaign) -> list[Row]:
     return [
         Row(
             CHANNELS.get(str(r["channel"]), str(r["channel"])),
-            (words(str(r["variable"])), _share(r.get("share")), ", ".join(r.get("trials") or [])),
+            (
+                LABELS.get(str(r["variable"]), words(str(r["variable"]))),
+                _share(r.get("share")),
+                ", ".join(r.get("trials") or []),
+            ),
         )
         for r in (campaign.mismatch or {}).get("where") or []
     ]
@@ -110,7 +120,7 @@ def rivals(campaign: Campaign) -> list[Row]:
     """Causes that the data cannot quite exclude, and how to tell them apart."""
     rows = (campaign.mismatch or {}).get("rivals") or []
     return [
-        Row(words(str(r["name"])), (_share(r.get("weight")), str(r.get("how_to_tell_apart") or "")))
+        Row(words(str(r["name"])), (_share(r.get("weight")), _told(r.get("how_to_tell_apart"))))
         for r in rows
     ]
 
@@ -125,7 +135,7 @@ def next_trial(campaign: Campaign) -> str:
         parts.append(f"{float(found['head_angle_deg']):g} degrees head angle")
     if "head_length_m" in found:
         parts.append(f"{float(found['head_length_m']):g} m head")
-    return ", ".join(parts) + f": {found.get('why', '')}"
+    return ", ".join(parts) + f": {_told(found.get('why'))}"
 
 
 def candidates(campaign: Campaign) -> list[Row]:
@@ -189,6 +199,10 @@ def _cause(entry: dict[str, Any]) -> Cause:
         weight=_share(entry.get("weight")),
         parameters=tuple(parameters),
     )
+
+
+def _told(sentence: Any) -> str:
+    return in_words(str(sentence or ""), _causes_known())
 
 
 def _share(weight: Any) -> str:

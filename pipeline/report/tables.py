@@ -7,7 +7,7 @@ from typing import Any
 
 from ..campaign import Campaign
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
-from .numbers import measured, number, percent, unit, words
+from .numbers import BAND, measured, number, percent, unit, units, words
 from .story import Row
 
 COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
@@ -41,7 +41,8 @@ def joint_words(campaign: Campaign) -> list[str]:
     ]
     straight = (found.get("straight_swimming") or {}).get("sentence")
     reading = campaign.coefficients.get("unit_reading")
-    return [*out, *([str(straight)] if straight else []), *([str(reading)] if reading else [])]
+    told = [str(text).rstrip(".") + "." for text in (straight, reading) if text]
+    return [*out, *told]
 
 
 def table_1(campaign: Campaign) -> list[dict[str, Any]]:
@@ -107,7 +108,7 @@ def shifts(campaign: Campaign) -> list[Row]:
         return []
     return [
         Row(
-            words(name) if "." in name else name,
+            _named(name),
             (_cell(before.get(name)), _cell(after.get(name)), _moved(before.get(name), cell)),
         )
         for name, cell in after.items()
@@ -118,9 +119,19 @@ def _cell(cell: Mapping[str, Any] | None) -> str:
     return "–" if cell is None else measured(cell.get("value"), cell.get("std"))
 
 
+def _named(name: str) -> str:
+    """`C_T (m²)`, `tail fin lift: S (m²)`."""
+    cause, _, parameter = name.rpartition(".")
+    of = f" ({units()[name]})" if name in units() else ""
+    return (f"{words(cause)}: " if cause else "") + parameter + of
+
+
 def _moved(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> str:
-    if before is None or not before.get("value"):
+    """Change in percent; none of a number that could not be told from 0."""
+    if before is None:
         return "new"
+    if abs(float(before["value"])) <= BAND * float(before.get("std") or 0.0):
+        return "was not told from 0"
     return percent(100 * (float(after["value"]) / float(before["value"]) - 1))
 
 

@@ -101,7 +101,7 @@ def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[Cell, ...]:
         Cell(number(row.flap_hz), _key(row.flap_hz)),
         Cell(measured(row.speed_m_s, row.speed_std_m_s), _key(row.speed_m_s)),
         Cell(radius, _key(row.radius_m)),
-        Cell(number(row.arc_deg), _key(row.arc_deg)),
+        Cell("–" if math.isinf(row.radius_m) else number(row.arc_deg), _key(row.arc_deg)),
         *(Cell(number(error), _key(error)) for error in errors),
     )
 

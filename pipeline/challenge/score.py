@@ -13,10 +13,20 @@ import numpy as np
 
 from ..faults import fault
 from ..files import read_json
+from ..synthetic.concealed.truth import true_law_error
 from .find import results_of, studies_of
 from .make import sealed_folder
 
 Tree = Mapping[str, Any]
+WHOLE_S = 60.0
+KINDS: Mapping[str, str] = {
+    "speed_m_s": "speed", "flap_hz": "speed",
+    "yaw_rate_rad_s": "turn", "sway_speed_m_s": "turn", "angle_of_attack_rad": "turn",
+    "head_angle_rad": "turn", "side": "turn",
+    "x_m": "place", "y_m": "place",
+    "time_s": "time", "heading_turned_rad": "time",
+    "head_length_m": "head", "tail_beat_phase_rad": "beat",
+}  # fmt: skip
 TOGETHER = 0.2
 """A rival of this weight or more counts as named together with the cause whose place it takes."""
 
@@ -27,7 +37,7 @@ class Judged:
 
     true, said: names. together: names said at least as rivals. weights: name -> weight, for
     `causes` alone. pulls: parameter -> (value - truth)/std; errors: parameter -> relative error.
-    where: (hits, said, true) of channels and of variables. held_out: mm by name.
+    channels, places: counts, see `_channels`, `_places`. held_out: mm by name.
     """
 
     name: str
@@ -46,7 +56,7 @@ class Judged:
     pulls: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
     channels: tuple[int, int, int] = (0, 0, 0)
-    variables: tuple[int, int] = (0, 0)
+    places: tuple[int, int, int, int] = (0, 0, 0, 0)
     held_out: Mapping[str, float] = field(default_factory=dict)
     cpu_s: Mapping[str, float] = field(default_factory=dict)
     failure: str = ""
@@ -128,7 +138,7 @@ def judge(folder: Path, name: str) -> Judged:
         pulls=_compared(true, causes, pulls=True),
         errors=_compared(true, causes, pulls=False),
         channels=_channels(true, told),
-        variables=_variables(true, told),
+        places=_places(true, told),
         held_out=_held_out(truth, told),
         cpu_s=times["cpu_s"],
         failure=times["failure"],
@@ -164,11 +174,17 @@ def _channels(true: Sequence[Tree], told: Tree) -> tuple[int, int, int]:
     return len(want & said), len(said), len(want)
 
 
-def _variables(true: Sequence[Tree], told: Tree) -> tuple[int, int]:
-    """Of the places told in `where`: how many name a true channel with a variable it depends on."""
-    places = {(c, v) for cause in true for c in cause["channels"] for v in cause["variables"]}
-    said = [(w["channel"], w["variable"]) for w in told.get("where", ())]
-    return sum(w in places for w in said), len(said)
+def _places(true: Sequence[Tree], told: Tree) -> tuple[int, int, int, int]:
+    """Told places that are true, told places, true effects with a told place, true effects.
+
+    A place is a channel and the kind of thing (`KINDS`) that its force depends on.
+    """
+    want = [{(c, KINDS.get(v, v)) for c in cause["channels"] for v in cause["variables"]}
+            for cause in true if cause["channels"]]  # fmt: skip
+    said = {(w["channel"], KINDS.get(w["variable"], w["variable"])) for w in told.get("where", ())}
+    said = said if told.get("verdict") not in ("none", None) else set()
+    hit = sum(any(place in effect for effect in want) for place in said)
+    return hit, len(said), sum(bool(said & effect) for effect in want), len(want)
 
 
 def _held_out(truth: Tree, told: Tree) -> dict[str, float]:
@@ -177,11 +193,11 @@ def _held_out(truth: Tree, told: Tree) -> dict[str, float]:
     if not held:
         return {}
     floor = held["noise_floor_path_rmse_m"]
-    law = [truth["true_law_path_rmse_m"][t] for t in held["trials"]]
+    law = true_law_error(truth, held["trials"], held.get("stretch_s") or WHOLE_S)
     known = {
         "before": held["baseline"]["path_rmse_m"],
         "after": held["extended"]["path_rmse_m"],
-        "true_law": float(np.hypot(np.sqrt(np.mean(np.square(law))), floor or 0.0)),
+        "true_law": float(np.hypot(law, floor or 0.0)),
         "floor": floor,
     }
     return {k: float("nan") if v is None else 1000 * float(v) for k, v in known.items()}

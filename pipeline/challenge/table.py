@@ -69,17 +69,18 @@ def _false_alarms(judged: Sequence[Judged]) -> dict[str, Any]:
 
 
 def _localisation(judged: Sequence[Judged]) -> dict[str, float]:
-    """F1 of the channels, and how often a told place is a true channel and variable."""
+    """F1 of the channels, and of the channel together with the kind of variable (`KINDS`)."""
     hits, said, true = (sum(j.channels[i] for j in judged) for i in range(3))
     precision, recall = hits / max(said, 1), hits / max(true, 1)
-    places = [sum(j.variables[i] for j in judged) for i in range(2)]
-    first = [j for j in judged if j.variables[1]]
+    true_told, told, found, effects = (sum(j.places[i] for j in judged) for i in range(4))
+    p, r = true_told / max(told, 1), found / max(effects, 1)
     return {
         "channel_precision": precision,
         "channel_recall": recall,
         "channel_F1": 2 * hits / max(said + true, 1),
-        "place_precision": places[0] / max(places[1], 1),
-        "studies_with_a_true_place": sum(j.variables[0] > 0 for j in first) / max(len(first), 1),
+        "variable_precision": p,
+        "variable_recall": r,
+        "variable_F1": 2 * p * r / max(p + r, 1e-9),
     }
 
 

@@ -13,9 +13,8 @@ import numpy as np
 from pipeline.synthetic.concealed.recipe import Chosen, Recipe, effect_of, with_effect
 from pipeline.synthetic.swimmer.motion import states
 from pipeline.synthetic.swimmer.quantities import NO_EDDIES, Body, Command, Laws
-from pipeline.synthetic.trial import Trial
 
-__all__ = ["left_over", "scaled", "span_of_the_rest", "true_law_errors"]
+__all__ = ["HEADING_ARM_M", "left_over", "paths", "scaled", "span_of_the_rest"]
 
 STEP_S, KEEP = 1 / 120, 8
 HEADING_ARM_M = 0.15
@@ -27,7 +26,7 @@ ROUNDS = 5
 Trials = Sequence[tuple[Command, float]]
 
 
-def _paths(body: Body, laws: Laws, trials: Trials) -> np.ndarray:
+def paths(body: Body, laws: Laws, trials: Trials) -> np.ndarray:
     """x, y, heading arm (m) of all trials one after the other, `(3, samples)`, still water."""
     calm = body._replace(pulse=0.0)
     parts = []
@@ -51,19 +50,19 @@ def _by_trial(column: np.ndarray, sizes: Sequence[int]) -> list[np.ndarray]:
 
 def span_of_the_rest(body: Body, laws: Laws, trials: Trials) -> np.ndarray:
     """Orthonormal basis `(3 samples, directions)` of what a refit of the rest can take up."""
-    base = _paths(body, laws, trials)
+    base = paths(body, laws, trials)
     sizes = [int(d / STEP_S) // KEEP + 1 for _, d in trials]
     columns = [
-        _paths(body._replace(**{n: getattr(body, n) * 1.01}), laws, trials) - base
+        paths(body._replace(**{n: getattr(body, n) * 1.01}), laws, trials) - base
         for n in COEFFICIENTS
     ]
     if laws.fin_m2 > 0:
         for name in ("fin_m2", "fin_arm_m"):
             changed = laws._replace(**{name: getattr(laws, name) * 1.01})
-            columns.append(_paths(body, changed, trials) - base)
+            columns.append(paths(body, changed, trials) - base)
     for name, step in RELEASE.items():
         moved = [(c._replace(**{name: step}), d) for c, d in trials]
-        columns += _by_trial(_paths(body, laws, moved) - base, sizes)
+        columns += _by_trial(paths(body, laws, moved) - base, sizes)
     for direction in ((1.0, 0.0), (0.0, 1.0)):
         shift = np.zeros_like(base)
         shift[:2] = np.array(direction)[:, None]
@@ -91,10 +90,10 @@ def scaled(
     """Strength of a chosen effect, and the path error (m) that it leaves at that strength."""
     effect = effect_of(chosen.name)
     basis = span_of_the_rest(recipe.body, laws, trials)
-    base = _paths(recipe.body, laws, trials)
+    base = paths(recipe.body, laws, trials)
 
     def error(strength: float) -> float:
-        changed = _paths(recipe.body, with_effect(laws, chosen, strength), trials)
+        changed = paths(recipe.body, with_effect(laws, chosen, strength), trials)
         return left_over(basis, changed - base)
 
     return _solve(error, chosen.ratio * noise_m, effect.usual, effect.most)
@@ -116,45 +115,3 @@ def _solve(
         slope = float(np.clip(rise, 0.3, 2.5)) if np.isfinite(rise) else 1.0
         strength, found = tried, now
     return strength, found
-
-
-def true_law_errors(
-    body: Body, laws: Laws, trials: Sequence[tuple[Command, Trial]]
-) -> dict[str, float]:
-    """Path error (m, rms) by trial that the true laws make without knowing the water's eddies.
-
-    Still water, true numbers, pulse left out, the state at release that suits the trial best: what
-    a model with the right law can reach in a free simulation, but for the measuring noise.
-    """
-    return {t.plan.trial_id: _true_law_error(body, laws, c, t) for c, t in trials}
-
-
-def _true_law_error(body: Body, laws: Laws, command: Command, trial: Trial) -> float:
-    duration = max(float(trial.time_s[-1]), 10 * STEP_S)
-    at_s = np.arange(int(duration / STEP_S) // KEEP + 1) * (STEP_S * KEEP)
-    seen = trial.motion.mean(at_s)[:, :3].T * np.array([[1.0], [1.0], [HEADING_ARM_M]])
-    steps = {"x": 1e-3, "y": 1e-3, "psi": 1e-3, **RELEASE}
-
-    def off(from_state: Command) -> np.ndarray:
-        return _paths(body, laws, [(from_state, duration)]) - seen
-
-    left = off(command)
-    for _ in range(ROUNDS):
-        slopes = [(off(_moved(command, n, h)) - left).ravel() / h for n, h in steps.items()]
-        change = -np.linalg.lstsq(np.stack(slopes, axis=1), left.ravel(), rcond=1e-9)[0]
-        for share in (1.0, 0.3, 0.1):
-            tried = command._replace(
-                **{n: getattr(command, n) + share * float(d)
-                   for n, d in zip(steps, change, strict=True)}
-            )  # fmt: skip
-            now = off(tried)
-            if np.sum(now**2) < np.sum(left**2):
-                command, left = tried, now
-                break
-        else:
-            break
-    return float(np.sqrt(np.mean(np.sum(left[:2] ** 2, axis=0))))
-
-
-def _moved(command: Command, name: str, step: float) -> Command:
-    return command._replace(**{name: getattr(command, name) + step})

@@ -22,6 +22,7 @@ from pipeline.synthetic.water import draw_eddies
 __all__ = ["LONGEST_S", "Swum", "design_of", "film_design", "seen_pixels", "swum"]
 
 LONGEST_S = {50: 7.5, 75: 6.5, 100: 5.5}
+NEEDS_LONG_TRIALS = ("wake_reentry",)
 CHECK_STEP_S = 0.05
 SINKING_M = 0.15
 """Depth (m) gained per unit of drag gained, while sinking."""
@@ -51,9 +52,10 @@ def settings(recipe: Recipe) -> tuple[tuple[float, float], ...]:
 
 def design_of(recipe: Recipe) -> Design:
     """The recipe's trials, camera and noise as a design; its tank gives robot and pool alone."""
+    longer = 1.5 if any(c.name in NEEDS_LONG_TRIALS for c in recipe.chosen) else 1.0
     rows = [(power, *setting) for power in recipe.flap_hz for setting in settings(recipe)]
     plans = tuple(
-        Plan(f"T{n:02d}", power, angle, round(head, 4), LONGEST_S[power])
+        Plan(f"T{n:02d}", power, angle, round(head, 4), longer * LONGEST_S[power])
         for n, (power, angle, head) in enumerate(rows, start=1)
     )
     robot = recipe.robot

@@ -11,9 +11,10 @@ from pipeline.files import whole_file, write_text
 from pipeline.synthetic.campaign import study_contents, write_study_files
 from pipeline.synthetic.concealed.effects import PHYSICS
 from pipeline.synthetic.concealed.faults import state_wrongly
-from pipeline.synthetic.concealed.recipe import Chosen, Recipe, effect_of, with_effect
-from pipeline.synthetic.concealed.strength import scaled, true_law_errors
+from pipeline.synthetic.concealed.recipe import CLEAR, Chosen, Recipe, effect_of, with_effect
+from pipeline.synthetic.concealed.strength import scaled
 from pipeline.synthetic.concealed.trials import Swum, design_of, film_design, seen_pixels, swum
+from pipeline.synthetic.concealed.truth import path_truth
 from pipeline.synthetic.design import Design
 from pipeline.synthetic.encode import GOPRO_RATE, write_video
 from pipeline.synthetic.film import frames_of
@@ -147,25 +148,33 @@ def conceal(recipe: Recipe, folder: Path, sealed: Path) -> Made:
         duration = float(one.trial.time_s[-1])
         write_motor_log(folder / "motor" / f"{name}.csv", motor_angles(one.motor, duration, rng))
     causes += _fault_told(recipe)
-    errors = true_law_errors(recipe.body, laws, [(t.command, t.trial) for t in trials])
-    digest = _seal(recipe, laws, causes, errors, sealed)
+    paths = {one.trial.plan.trial_id: path_truth(one) for one in trials}
+    digest = _seal(recipe, laws, causes, paths, sealed)
     write_text(folder / "truth.sha256", digest + "\n")
     wanted = [c["ratio"] / c["wanted_ratio"] for c in causes if "ratio" in c]
     return Made(recipe.name, digest, float(np.min(wanted)) if wanted else 1.0)
+
+
+def _level(recipe: Recipe, causes: list[dict[str, Any]]) -> str:
+    """Clear or faint, by the error that the weakest effect leaves; as dealt for faults."""
+    ratios = [c["ratio"] for c in causes if "ratio" in c]
+    if not ratios:
+        return recipe.level
+    return "clear" if min(ratios) >= 0.5 * CLEAR else "faint"
 
 
 def _seal(
     recipe: Recipe,
     laws: Laws,
     causes: list[dict[str, Any]],
-    errors: dict[str, float],
+    paths: dict[str, Any],
     path: Path,
 ) -> str:
     digest, content = seal(
         {
             "study": recipe.name,
             "kind": recipe.kind,
-            "level": recipe.level,
+            "level": _level(recipe, causes),
             "body_swims_straight": recipe.has_fin,
             "trials": recipe.trials,
             "footage": recipe.footage,
@@ -175,7 +184,7 @@ def _seal(
             "body": recipe.body._asdict(),
             "laws": laws._asdict(),
             "causes": causes,
-            "true_law_path_rmse_m": errors,
+            "paths": paths,
         }
     )
     with whole_file(path) as temporary:

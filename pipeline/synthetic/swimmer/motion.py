@@ -48,7 +48,7 @@ def _load(
     T = thrust(b, g, c, t, f, u, s[6])
     X, Y, N, aim = head_plate(b, g, c, phi, uh, vh, s[7], s[8])
     V = math.sqrt(u * u + v * v)
-    k = drag_over_speed(b, g, c, t, s[0], s[1], s[2] - c.psi, V)
+    k = drag_over_speed(b, g, c, t, s[0], s[1], s[2] - c.psi + c.turned, V)
     X, Y = X + T - k * u, Y - k * v + g.jet * math.sin(phi) * T
     N += other_moment(g, T, phi, u, V, s[5], c.head_length_m / b.head_1x_m)
     N -= b.C_Md * s[5] * abs(s[5])
@@ -97,14 +97,20 @@ def rates(
 def states(
     b: Body, g: Laws, c: Command, eddies: np.ndarray, steps: int, step_s: float, keep: int
 ) -> np.ndarray:
-    """States `(steps // keep + 1, 9)` from release, every `keep`-th step of `step_s` (RK4)."""
+    """States `(steps // keep + 1, 9)` from the start, every `keep`-th step of `step_s` (RK4).
+
+    Lagging lift starts where it tends to.
+    """
     s = np.zeros(STATES)
     s[0], s[1], s[2], s[3], s[4], s[5], s[6] = c.x, c.y, c.psi, c.u, c.v, c.r, c.beat
+    phi = head_angle(g, c, c.time_s)
+    s[7] = head_plate(b, g, c, phi, s[3], s[4], 0.0, 0.0)[3]
+    s[8] = s[7]
     out = np.zeros((steps // keep + 1, STATES))
     out[0] = s
     k1, k2, k3, k4 = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
     for i in range(steps):
-        t = i * step_s
+        t = c.time_s + i * step_s
         rates(b, g, c, eddies, t, s, k1)
         rates(b, g, c, eddies, t + 0.5 * step_s, s + 0.5 * step_s * k1, k2)
         rates(b, g, c, eddies, t + 0.5 * step_s, s + 0.5 * step_s * k2, k3)

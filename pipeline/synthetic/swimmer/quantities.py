@@ -108,7 +108,10 @@ class Laws(NamedTuple):
 
 
 class Command(NamedTuple):
-    """One trial: what the operator sets, and the state at release (core frame, at rest: zeros)."""
+    """One trial: what the operator sets, and the state to start from (core frame).
+
+    By default at rest at release; `time_s` after release and `turned` (rad) by then otherwise.
+    """
 
     flap_hz: float
     head_angle: float
@@ -120,3 +123,5 @@ class Command(NamedTuple):
     v: float = 0.0
     r: float = 0.0
     beat: float = 0.0
+    time_s: float = 0.0
+    turned: float = 0.0

@@ -204,6 +204,8 @@ def screened(
                               predictor=predictor)  # fmt: skip
     parts = folds(series)
     own = np.flatnonzero(moving(kernel, current.fit)).tolist()
+    if not _part(normal, own).usable:
+        return {c: Foretold(-np.inf, {}) for c in candidates}
     reference = float(held_out_worth(_part(normal, own), parts).sum())
     told, at = {}, len(shifted)
     for c in candidates:

@@ -17,7 +17,7 @@ from ..fitting import Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .search import Foretold, Trialled, candidate_frees, screened, try_effects
 
-LEAST_GAIN = 4.0
+LEAST_GAIN = 2.0
 """Held-out log likelihood over the inflation, summed over trials."""
 MOST_CHANCE = 2e-4
 """About 30 candidates are tried: one study in 150 may show one of them by chance."""
@@ -166,7 +166,8 @@ def pruned(bench: Bench, model: Trialled) -> tuple[Trialled, dict[str, Trialled]
     """A model without the effects that no longer pay, and what it is without each of the rest."""
     while True:
         without = {e: _without(bench, model, e) for e in model.effects}
-        idle = [e for e in model.effects[:-1] if not pays(without[e], model)]
+        idle = [e for e in model.effects[:-1]
+                if np.isfinite(without[e].total) and not pays(without[e], model)]  # fmt: skip
         if not idle:
             return model, without
         model = max((without[e] for e in idle), key=lambda t: t.total)

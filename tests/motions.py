@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.signal import lfilter
 
 from pipeline.data import Float, Pose
 
@@ -77,6 +79,24 @@ def turning_start(t: Float, final: float = 0.38, tau: float = 0.9, radius: float
     xy = 0.9 + radius * np.column_stack([np.cos(a), np.sin(a)])
     velocity = v[:, None] * np.column_stack([-np.sin(a), np.cos(a)])
     return Motion(t, xy, a + np.pi / 2 + 0.15, velocity, v / radius)
+
+
+def wandering(t: Float, rng: np.random.Generator, fine: int = 10) -> Motion:
+    """Turn whose speed and yaw rate wander: 0.35 +- 0.05 m/s, 0.5 +- 0.3 rad/s within a second.
+
+    Ornstein-Uhlenbeck processes, integrated by the trapezium rule on a grid `fine` times finer.
+    """
+    dt, n = (t[1] - t[0]) / fine, (len(t) - 1) * fine + 1
+    keep = np.exp(-dt / 1.0)
+    kicks = rng.normal(0, np.sqrt(1 - keep**2), (n, 2))
+    kicks[0] = rng.normal(0, 1, 2)
+    away = lfilter([1.0], [1.0, -keep], kicks, axis=0)
+    speed, rate = (np.array([0.35, 0.5]) + away * [0.05, 0.3]).T
+    course = cumulative_trapezoid(rate, dx=dt, initial=0)
+    v = speed[:, None] * np.column_stack([np.cos(course), np.sin(course)])
+    xy = 0.5 + cumulative_trapezoid(v, dx=dt, axis=0, initial=0)
+    at = slice(None, None, fine)
+    return Motion(t, xy[at], course[at] + 0.15, v[at], rate[at])
 
 
 MOTIONS: dict[str, Callable[[Float], Motion]] = {

@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from motions import Seen, circle, observe, times
+from motions import Seen, circle, observe, startup, times
 from pipeline.smoothing import twin
 from pipeline.smoothing.chain import Chain
+from pipeline.smoothing.course import rough_speed, steady_course
 from pipeline.smoothing.descent import descend
 from pipeline.smoothing.grid import filter_grid
 from pipeline.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from pipeline.smoothing.reference import filter_and_smooth, rauch_tung_striebel
 
-NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5, 2e-6])
+NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5])
+PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6])
 
 
 def chain_of(recoil: bool) -> tuple[Chain, np.ndarray]:
@@ -23,7 +25,8 @@ def chain_of(recoil: bool) -> tuple[Chain, np.ndarray]:
     truth = circle(times(60))
     pose = observe(truth, np.random.default_rng(1), Seen(gap_s=(0.8, 1.1)))
     dt = np.diff(pose.time_s, prepend=pose.time_s[0])
-    F, Q = planar_matrices(NOISE, dt, hz, np.exp(-pose.time_s), truth.heading)
+    course = np.column_stack([np.exp(-pose.time_s), np.tile([0.7, 1e-4], (60, 1))])
+    F, Q = planar_matrices(PLANAR_NOISE, dt, hz, course, truth.heading)
     d = F.shape[1]
     used = np.isfinite(pose.values[:, 0])
     z = np.where(used[:, None], pose.values[:, :2], 0.0)
@@ -84,7 +87,7 @@ def test_motion_without_process_noise_is_smoothed():
 
 def test_mean_motion_solves_its_differential_equation():
     tau, dt = 0.8, 0.033
-    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, np.zeros(2))
+    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, steady_course(2))
     A = np.array([[0, 1, 0], [0, 0, 1], [0, 0, -1 / tau]])
     assert F[1] == pytest.approx(expm(A * dt), abs=1e-12)
     fine = np.linspace(0, dt, 4001)
@@ -100,7 +103,7 @@ def test_a_steady_turn_is_exact_over_one_step():
     """Surge and sway constant, heading turning: the step ends on the circle."""
     w, dt, speed = 1.5, 0.05, 0.4
     theta = np.array([0.3, 0.3 + w * dt])
-    F, _ = planar_matrices(NOISE, np.array([0.0, dt]), 0.0, np.zeros(2), theta)
+    F, _ = planar_matrices(PLANAR_NOISE, np.array([0.0, dt]), 0.0, steady_course(2), theta)
     state = np.array([0.0, 0.0, speed, 0.0, 0.0, 0.0])
     radius = speed / w
     expected = radius * np.array(
@@ -109,9 +112,46 @@ def test_a_steady_turn_is_exact_over_one_step():
     assert (F[1] @ state)[:2] == pytest.approx(expected, abs=1e-12)
 
 
+def test_a_start_against_quadratic_drag_needs_no_process_noise():
+    """v = v_inf tanh(t / tau) has a' = -(2 tanh(t / tau) / tau) a: pace tanh, time tau / 2."""
+    t = times(200)
+    truth = startup(t, final=0.38, tau=0.9, heading=0.0)
+    dt = np.diff(t, prepend=t[0])
+    pace = np.append(0.0, np.diff(np.log(np.cosh(t / 0.9))) * 0.9 / dt[1:])
+    course = np.column_stack([np.zeros(200), np.maximum(pace, 1e-9), np.zeros(200)])
+    noise = np.array([0.45, 0.0, 0.0, 0.0, 1.0])
+    F, _ = planar_matrices(noise, dt, 0.0, course, np.zeros(200))
+    state = np.array([*truth.xy[0], 0.0, 0.0, 0.38 / 0.9, 0.0])
+    for k in range(1, 200):
+        state = F[k] @ state
+        assert state[0] == pytest.approx(truth.xy[k, 0], abs=4e-4)
+        assert state[2] == pytest.approx(truth.speed[k], abs=4e-4)
+
+
+def test_noise_of_surge_and_sway_turns_with_the_body():
+    """Heading along y: what disturbs surge moves y, and sway's share of it moves x."""
+    course = steady_course(2)
+    course[:, 2] = 1e-3
+    dt, theta = np.array([0.0, 0.05]), np.full(2, np.pi / 2)
+    _, Q = planar_matrices(PLANAR_NOISE, dt, 0.0, course, theta)
+    _, along = heading_matrices(NOISE, dt, 0.0, steady_course(2))
+    assert Q[1, 1, 1] == pytest.approx(along[1, 0, 0])
+    assert Q[1, 3, 3] == pytest.approx(0.3 * along[1, 1, 1] + 1e-3 * 0.05, rel=1e-9)
+    assert Q[1, 0, 0] == pytest.approx(Q[1, 3, 3] * 0.05**2 / 3, rel=0.01)
+    assert np.linalg.eigvalsh(Q[1]).min() > -1e-15
+
+
+def test_rough_speed_follows_a_start_and_no_tail_beat():
+    truth = startup(times(150))
+    pose = observe(truth, np.random.default_rng(4), Seen(hz=5.82, gap_s=(2.0, 2.3)))
+    grid = filter_grid(pose.time_s, 5.82)
+    found = rough_speed(grid.on_nodes(pose.values[:, :2]), grid.on_nodes(pose.cov[:, :2, :2]), grid)
+    assert np.abs(found[grid.frame] - truth.speed).max() < 0.08
+
+
 def test_recoil_keeps_its_variance():
-    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, np.zeros(400))
-    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, np.zeros(400))
+    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_course(400))
+    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_course(400))
     P = np.zeros((2, 2))
     for k in range(1, 400):
         P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]

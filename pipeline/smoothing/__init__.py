@@ -6,7 +6,8 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 from ..faults import fault
-from .channels import angle_chain, moving_cost, planar_chain
+from .channels import Going, angle_chain, moving_cost, planar_chain
+from .course import rough_speed
 from .grid import Grid, filter_grid
 from .reference import filter_and_smooth
 from .search import Found
@@ -61,12 +62,15 @@ def _check(pose: Pose) -> None:
 
 def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Found, Found]:
     """Chains of heading and position, both at rest in the first frame or both moving."""
+    speed = rough_speed(values[:, :2], cov[:, :2, :2], grid)
 
     def tried(resting: bool) -> tuple[Found, Found]:
         angle, place = (values[:, 2], cov[:, 2, 2]), (values[:, :2], cov[:, :2, :2])
-        heading = angle_chain(*angle, grid, flap_hz=hz, resting=resting)
-        theta = smoothed(heading.chain, heading.used).x[:, 0]
-        return heading, planar_chain(*place, grid, theta=theta, flap_hz=hz, resting=resting)
+        heading = angle_chain(*angle, grid, speed=speed, flap_hz=hz, resting=resting)
+        turn = smoothed(heading.chain, heading.used)
+        std, rate_std = np.sqrt(turn.P[:, 0, 0]), np.sqrt(turn.P[:, 1, 1])
+        going = Going(turn.x[:, 0], std, rate_std, speed)
+        return heading, planar_chain(*place, grid, going=going, flap_hz=hz, resting=resting)
 
     rest = tried(True)
     costs = sum(found.cost for found in rest)
@@ -81,7 +85,9 @@ def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[st
     n = int(grid.frame.sum())
     value, std = np.full(n, np.nan), np.full(n, np.nan)
     if np.isfinite(angle).sum() >= LEAST_FRAMES:
-        found = angle_chain(angle, variance, grid, flap_hz=hz, resting=True)
+        found = angle_chain(
+            angle, variance, grid, speed=np.ones(len(angle)), flap_hz=hz, resting=True
+        )
         state = filter_and_smooth(found.chain, found.used)
         value, std = state.x[grid.frame, 0], np.sqrt(state.P[grid.frame, 0, 0])
     return {"head_angle_rad": value, "head_angle_rad_std": std}

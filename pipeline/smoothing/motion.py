@@ -1,10 +1,12 @@
 """Motion models: a mean motion whose acceleration dies out, and the tail-beat recoil on top.
 
 Mean motion of one coordinate (integrated Ornstein-Uhlenbeck acceleration, after Singer 1970):
-    p' = v,  v' = a + w_v,  a' = -a / tau + w_a
-so that speed approaches a steady value as it does in water. Around the start w_a is larger, by a
-factor that is searched with the rest: forces set in there. Recoil: a damped stochastic oscillator
-at the flapping frequency, stationary with standard deviation s.
+    p' = v,  v' = a + w_v,  a' = -(pace / tau) a + w_a
+pace = speed / usual speed: against a drag D v^2 with steady thrust, m v' = T - D v^2, the
+acceleration obeys a' = -(2 D v / m) a, so that a start from rest (v_inf tanh) and a steady motion
+both are free of noise; so is the yaw rate of a turn from rest, which keeps its radius. Around the
+start w_a is larger, by a factor that is searched with the rest: forces set in there. Recoil: a
+damped stochastic oscillator at the flapping frequency, stationary with standard deviation s.
 
 In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
 heading's own chain: in a steady turn they are constant, which they are not in the pool frame.
@@ -24,55 +26,59 @@ BEATS = 15.0
 
 
 @numba.njit(cache=True)
-def heading_matrices(noise, dt, hz, kick):  # type: ignore[no-untyped-def]
+def heading_matrices(noise, dt, hz, course):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
     noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance). dt: (n,) s,
-    dt[0] unused. kick: (n,) from 0 to 1, by which the start-up factor multiplies w_a.
+    dt[0] unused. course: (n, 3): kick from 0 to 1, by which the start-up factor multiplies w_a,
+    pace, the speed over the usual one, and slip, a density added to that of sway's w_v.
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
     F[0] = np.eye(d)
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, kick[k])
+        _mean_motion(F[k], Q[k], dt[k], noise, course[k])
         if hz > 0:
             _recoil(F[k], Q[k], dt[k], hz, noise[4], 3)
     return F, Q
 
 
 @numba.njit(cache=True)
-def planar_matrices(noise, dt, hz, kick, theta):  # type: ignore[no-untyped-def]
+def planar_matrices(noise, dt, hz, course, theta):  # type: ignore[no-untyped-def]
     """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
 
-    noise, dt as `heading_matrices`, the recoil variances of surge and sway being noise[4], [5].
+    noise, dt, course as `heading_matrices`, but noise[4] is the share of sway, its densities over
+    those of surge, and noise[5], [6] are the recoil variances of surge and sway.
     theta: (n,) mean heading, rad.
     """
     n, d = len(dt), 10 if hz > 0 else 6
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
     F[0] = np.eye(d)
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, kick[k])
+        _mean_motion(F[k], Q[k], dt[k], noise, course[k])
         half = 0.5 * (theta[k] - theta[k - 1])
         # chord over arc of a steady turn: the step is exact where surge and sway are constant
         chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
         c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
         _turn(F[k], Q[k], c, s, chord)
         if hz > 0:
-            _recoil(F[k], Q[k], dt[k], hz, noise[4], 6)
-            _recoil(F[k], Q[k], dt[k], hz, noise[5], 8)
+            _recoil(F[k], Q[k], dt[k], hz, noise[5], 6)
+            _recoil(F[k], Q[k], dt[k], hz, noise[6], 8)
     return F, Q
 
 
 @numba.njit(cache=True)
-def _mean_motion(F, Q, dt, noise, kick):  # type: ignore[no-untyped-def]
+def _mean_motion(F, Q, dt, noise, course):  # type: ignore[no-untyped-def]
     """Fill the blocks of the m = 1 or 2 coordinates, order p (m), v (m), a (m)."""
     m = 1 if len(F) in (3, 5) else 2
-    tau, qv = noise[0], noise[1]
-    qa = noise[2] * (1.0 + noise[3] * kick)
+    tau = noise[0] / course[1]
     decay = np.exp(-dt / tau)
     gain = -tau * np.expm1(-dt / tau)
     for i in range(m):
         v, a = m + i, 2 * m + i
+        share = noise[4] if i == 1 else 1.0
+        qv = share * noise[1] + i * course[2]
+        qa = share * noise[2] * (1.0 + noise[3] * course[0])
         F[i, i] = F[v, v] = 1.0
         F[i, v] = dt
         F[v, a], F[a, a] = gain, decay
@@ -92,11 +98,14 @@ def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
         f = F[0, column] * chord
         F[0, column], F[0, column + 1] = c * f, -s * f
         F[1, column], F[1, column + 1] = s * f, c * f
-        q = Q[0, column]
+        q, w = Q[0, column], Q[1, column + 1]
         Q[0, column] = Q[column, 0] = c * q
-        Q[0, column + 1] = Q[column + 1, 0] = -s * q
+        Q[0, column + 1] = Q[column + 1, 0] = -s * w
         Q[1, column] = Q[column, 1] = s * q
-        Q[1, column + 1] = Q[column + 1, 1] = c * q
+        Q[1, column + 1] = Q[column + 1, 1] = c * w
+    along, across = Q[0, 0], Q[1, 1]
+    Q[0, 0], Q[1, 1] = c * c * along + s * s * across, s * s * along + c * c * across
+    Q[0, 1] = Q[1, 0] = c * s * (along - across)
 
 
 @numba.njit(cache=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +32,13 @@ class Found:
 
 
 def most_likely(
-    build: Callable[[Float], Chain], seen: Mask, *, first: Mask, spread: Float, rounds: int = 4
+    build: Callable[[Float], Chain],
+    seen: Mask,
+    *,
+    first: Mask,
+    spread: Float,
+    starts: Sequence[Float],
+    rounds: int = 4,
 ) -> Found:
     """Chain whose noise has the greatest posterior, with outliers set aside.
 
@@ -42,17 +48,18 @@ def most_likely(
     after it, predict (deletion residual); those set aside are tried again in each round.
 
     build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all;
-    first: (n,) those that the first round uses.
+    first: (n,) those that the first round uses. starts: logarithms from which the first round
+    searches, the best end counts: a motion disturbed in its rate and one disturbed in its
+    acceleration are valleys of their own.
     A measurement set aside counts in the cost as one that lies on the gate.
     """
-    logs, used = _lively(spread), first
-    gate = gate_of(build(logs).z.shape[1])
+    used, places = first, starts
+    gate = gate_of(build(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
-        logs, cost = _search(build, used, limit, logs, spread)
-        if np.any(logs > 2 * spread):
-            again = _search(build, used, limit, 2 * _lively(spread), spread)
-            logs, cost = again if again[1] < cost else (logs, cost)
+        ends = [_search(build, used, limit, place, spread) for place in places]
+        logs = min(ends, key=lambda end: end[1])[0]
+        places = [logs]
         chain = build(logs)
         kept = seen & (_deletion_squares(chain, _within(chain, used, limit)) <= gate)
         if np.array_equal(kept, used):
@@ -84,16 +91,6 @@ def _within(chain: Chain, used: Mask, gate: float) -> Mask:
         return used
     squares = twin.innovations(chain, used, gate)
     return used & ~(squares > gate)
-
-
-def _lively(spread: Float) -> Float:
-    """Start of the search: process noise above its unit, so that no motion looks like an outlier.
-
-    From below, the search may run off to a huge measurement noise that explains everything.
-    """
-    start = 1.8 * spread
-    start[[0, -1]] = 0.0
-    return start
 
 
 def _search(

@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+import yaml
 from click.testing import CliRunner
 
 from pipeline.cli import main
@@ -83,6 +84,30 @@ def test_check_names_missing_files(tmp_path):
     result = bluekoi("check", study)
     assert result.exit_code == 1
     assert "trial T10: found no file 'motor/T10.csv'" in result.output
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            lambda text: {**text, "detection": {"source": "silhouete"}},
+            "study.yaml: detection.source: found 'silhouete'; expected a keypoint source. Did you",
+        ),
+        (
+            lambda text: {**text, "camera": {**text["camera"], "pool_corners_px": [
+                *text["camera"]["pool_corners_px"][1:], text["camera"]["pool_corners_px"][0]]}},
+            "study.yaml: camera.pool_corners_px: found corners that miss the best pose",
+        ),
+    ],
+    ids=["source", "corners begin elsewhere"],
+)  # fmt: skip
+def test_check_looks_further_than_each_value(tmp_path, change, words):
+    study = small_study(tmp_path / "study")
+    content = yaml.safe_load((study / "study.yaml").read_text())
+    (study / "study.yaml").write_text(yaml.safe_dump(change(content)))
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert f"{study}/{words}" in result.output
 
 
 def test_doctor_looks_at_every_dependency():

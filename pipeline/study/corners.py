@@ -4,7 +4,7 @@ from __future__ import annotations
 
 Corner = tuple[float, float]
 EXPECTED = (
-    "pool_corners_px must be the images of pool (0,0), (length,0), (length,width), (0,width) "
+    "the images of pool (0,0), (length,0), (length,width), (0,width) "
     "in this order, seen from above (counter-clockwise in the pool, image v downwards)"
 )
 

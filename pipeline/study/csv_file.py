@@ -28,6 +28,8 @@ def read_trials(path: Path, findings: list[Finding]) -> list[Trial]:
     trials = [_trial(str(path), number, names, row, findings=findings) for number, row in rows[1:]]
     known = [trial for trial in trials if trial is not None]
     findings.extend(_duplicates(str(path), known))
+    if known and all(trial.role == "held_out" for trial in known):
+        findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
     return known
 
 
@@ -84,7 +86,7 @@ def _trial(
     try:
         trial = Trial.model_validate(cells)
     except ValidationError as error:
-        place = f"row {number} ({cells.get('trial_id', '?')})"
+        place = f"row {number} ({cells.get('trial_id', '?')[:40]})"
         findings.extend(explain(path, error, Trial, prefix=place))
         return None
     findings.extend(_path_findings(path, f"row {number} ({trial.trial_id})", trial))

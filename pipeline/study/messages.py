@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..faults import Finding, nearest
+from .rules import TOGETHER
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 110
@@ -18,7 +19,26 @@ def explain(
     path: str, error: ValidationError, model: type[BaseModel], *, prefix: str = ""
 ) -> list[Finding]:
     """One finding for each thing that pydantic refused, in the order of the file."""
-    return [_finding(path, model, dict(item), prefix) for item in error.errors(include_url=False)]
+    items = [dict(item) for item in error.errors(include_url=False)]
+    return [finding for item in items for finding in _findings(path, model, item, prefix)]
+
+
+def _findings(
+    path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
+) -> list[Finding]:
+    if item["type"] != TOGETHER:
+        return [_finding(path, model, item, prefix)]
+    section = ".".join(map(str, item["loc"]))
+    return [
+        Finding(
+            path,
+            ", ".join(filter(None, [prefix, f"{section}.{one.key}".lstrip(".")])),
+            one.found,
+            one.expected,
+            one.cure,
+        )
+        for one in item["ctx"]["problems"]
+    ]
 
 
 def _finding(path: str, model: type[BaseModel], item: dict[str, Any], prefix: str) -> Finding:

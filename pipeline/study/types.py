@@ -7,14 +7,30 @@ import re
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    field_validator,
+    model_validator,
+)
 
-from ..data import PARTS
 from ..faults import fault, nearest
-from .corners import corner_problems
+from .rules import camera_problems, refuse, robot_problems, setup_problems, trial_problems
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Number = Annotated[float, Field(allow_inf_nan=False)]
+
+def _plain_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("a number, not true or false")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("a finite number")
+    return value
+
+
+Plain = BeforeValidator(_plain_number)
+Positive = Annotated[float, Plain, Field(gt=0, allow_inf_nan=False)]
+Number = Annotated[float, Plain, Field(allow_inf_nan=False)]
 Pixel = tuple[Number, Number]
 Row3 = tuple[Number, Number, Number]
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
@@ -37,7 +53,7 @@ class Water(_Section):
     """Density in kg/m3 and refractive index against air."""
 
     density_kg_m3: Positive = 1000.0
-    refractive_index: Annotated[float, Field(ge=1.0, le=2.0)] = 1.333
+    refractive_index: Annotated[float, Plain, Field(ge=1.0, le=2.0)] = 1.333
 
 
 class Robot(_Section):
@@ -48,17 +64,13 @@ class Robot(_Section):
     body_length_m: Positive
     head_length_m: Positive
     head_span_m: Positive
-    hinge_to_com_m: Annotated[float, Field(ge=0, allow_inf_nan=False)]
+    hinge_to_com_m: Annotated[float, Plain, Field(ge=0, allow_inf_nan=False)]
     tail_length_m: Positive
-    keypoint_depth_m: Annotated[float, Field(ge=0, allow_inf_nan=False)] = 0.04
+    keypoint_depth_m: Annotated[float, Plain, Field(ge=0, allow_inf_nan=False)] = 0.04
 
     @model_validator(mode="after")
-    def _lengths_fit(self) -> Robot:
-        if self.head_length_m + self.hinge_to_com_m >= self.body_length_m:
-            raise ValueError(
-                "head_length_m + hinge_to_com_m must be smaller than body_length_m, "
-                f"found {self.head_length_m} + {self.hinge_to_com_m} and {self.body_length_m}"
-            )
+    def _fits(self) -> Robot:
+        refuse(robot_problems(self))
         return self
 
     def aerodynamic_arm_m(self, head_length_m: float) -> float:
@@ -90,28 +102,9 @@ class Camera(_Section):
     pool_corners_height_m: Number = 0.0
 
     @model_validator(mode="after")
-    def _consistent(self) -> Camera:
-        problems = [*self._lens_problems(), *corner_problems(self.pool_corners_px)]
-        if problems:
-            raise ValueError("; ".join(problems))
+    def _fits(self) -> Camera:
+        refuse(camera_problems(self))
         return self
-
-    def _lens_problems(self) -> list[str]:
-        if self.matrix is None:
-            return ["distortion is given without a matrix"] if self.distortion else []
-        problems = []
-        fx, fy = self.matrix[0][0], self.matrix[1][1]
-        if fx <= 0 or fy <= 0:
-            problems.append(f"matrix: focal lengths must be positive, found {fx} and {fy}")
-        if self.image_size_px is None:
-            problems.append("image_size_px is needed with a matrix")
-        allowed = (4,) if self.model == "fisheye" else (4, 5, 8, 12, 14)
-        if self.distortion is not None and len(self.distortion) not in allowed:
-            problems.append(
-                f"distortion: a {self.model} lens has {' or '.join(map(str, allowed[:2]))} "
-                f"coefficients, found {len(self.distortion)}"
-            )
-        return problems
 
 
 class Detection(_Section):
@@ -132,11 +125,8 @@ class Setup(_Section):
     detection: Detection = Detection()
 
     @model_validator(mode="after")
-    def _known_parts(self) -> Setup:
-        unknown = [part for part in self.bodyparts if part not in PARTS]
-        if unknown:
-            hints = "; ".join(f"'{part}': {nearest(part, PARTS)}" for part in unknown)
-            raise ValueError(f"bodyparts maps our part to the file's name; unknown {hints}")
+    def _fits(self) -> Setup:
+        refuse(setup_problems(self))
         return self
 
 
@@ -155,14 +145,16 @@ class Trial(_Section):
     end_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
     role: Literal["fit", "held_out"] | None = None
 
+    @field_validator("trial_id")
+    @classmethod
+    def _plain(cls, name: str) -> str:
+        if not re.fullmatch(r"[A-Za-z0-9_-]{1,100}", name):
+            raise ValueError("letters, digits, _ and - only, 100 at most")
+        return name
+
     @model_validator(mode="after")
-    def _consistent(self) -> Trial:
-        if not re.fullmatch(r"[A-Za-z0-9_-]{1,100}", self.trial_id):
-            raise ValueError(f"trial_id: letters, digits, _ and - only, found '{self.trial_id}'")
-        if self.reads_keypoints and self.fps is None:
-            raise ValueError("fps is required where the source is a keypoint file")
-        if self.start_s is not None and self.end_s is not None and self.end_s <= self.start_s:
-            raise ValueError(f"end_s must come after start_s, found {self.start_s}, {self.end_s}")
+    def _fits(self) -> Trial:
+        refuse(trial_problems(self))
         return self
 
     @property

@@ -24,9 +24,10 @@ class _OnceLoader(yaml.SafeLoader):
 def _mapping(loader: _OnceLoader, node: yaml.MappingNode) -> dict[Hashable, Any]:
     names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
     if len(set(names)) < len(names):
-        twice = next(name for i, name in enumerate(names) if name in names[:i])
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = next(key for i, key in enumerate(keys) if key.value in names[:i])
         raise yaml.constructor.ConstructorError(
-            None, None, f"the key '{twice}' stands twice", node.start_mark
+            None, None, f"the key '{twice.value}' stands twice", twice.start_mark
         )
     return loader.construct_mapping(node, deep=True)
 
@@ -60,10 +61,11 @@ def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
         findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
         return None
     except UNREADABLE as error:
-        reason = " ".join(str(error).split())
+        reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
         findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "plain yaml"))
         return None
     if not isinstance(content, dict):
-        findings.append(Finding(str(path), "", brief(content), "keys pool, robot, camera, ..."))
+        found = "an empty file" if content is None else brief(content)
+        findings.append(Finding(str(path), "", found, "keys pool, robot, camera and others"))
         return None
     return content

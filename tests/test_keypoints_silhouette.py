@@ -103,6 +103,32 @@ def test_stated_covariances_have_the_right_width():
     assert np.sqrt(np.mean(width[list(RIGID)] ** 2)) == pytest.approx(1.0, abs=0.2)
 
 
+def test_a_straight_robot_is_learned_in_moving_light():
+    """Parts of it alone stand out; head and tail are told apart, nothing wrong is believed."""
+    film, setup, trial, truth = rendered("hard", STRAIGHT, every=3)
+    found = silhouette.detect(lambda: film, setup, trial)
+    off = errors(found, truth)
+    seen = np.isfinite(off[:, 1])
+    assert seen.mean() > 0.4
+    assert np.all(np.median(off[seen], axis=0)[list(RIGID)] < 2.0)
+    axis, right = (points[seen, 0] - points[seen, 3] for points in (found.xy_px, truth))
+    assert np.all(np.sum(axis * right, axis=1) > 0)
+    assert not np.any((off > 5.0) & (found.likelihood > 0.9))
+
+
+def test_a_tail_smeared_by_the_exposure_says_so():
+    film, setup, trial, truth = rendered("blur", STRAIGHT)
+    found = silhouette.detect(lambda: film, setup, trial)
+    sharp, setup, trial, sharp_truth = rendered("middle", STRAIGHT)
+    clear = silhouette.detect(lambda: sharp, setup, trial)
+    believed = found.likelihood[:, 4] > 0.9
+    assert 0.6 < pulls(found, truth)[4] < 1.6
+    assert 0.6 < pulls(clear, sharp_truth)[4] < 1.4
+    wide, narrow = (np.median(k.cov_px2[:, 4].trace(axis1=1, axis2=2)) for k in (found, clear))
+    assert wide > 4 * narrow
+    assert believed.mean() > 0.5
+
+
 @pytest.mark.parametrize(
     ("step", "name"),
     [("hand", STRAIGHT), ("second_body", LEFT), ("occluder", LEFT), ("leaving", STRAIGHT)],

@@ -105,7 +105,7 @@ def _lesson(
 
 
 def _worth(lesson: Lesson | None) -> float:
-    return 0.0 if lesson is None else lesson.support * min(lesson.frames, 3) / 3
+    return 0.0 if lesson is None else lesson.worth
 
 
 def _lost(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,8 @@ ROUNDS = (0.016, 0.012, 0.010, 0.008, 0.008, 0.008)
 INSIDE_PX = 2.5
 AREA = 0.16
 WELL = 0.9
-PASSES = 3
+BENT_RAD = 0.15
+SLIDES_M = ((0.0,), (-0.03, 0.0, 0.03), (-0.05, -0.025, 0.0, 0.025, 0.05))
 
 
 @dataclass(frozen=True)
@@ -38,28 +39,50 @@ class Lesson:
         """How many frames it was learned from."""
         return len(self.samples)
 
+    @property
+    def worth(self) -> float:
+        """Support, less where it was learned from fewer than three frames."""
+        return self.support * min(self.frames, 3) / 3
+
 
 def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) -> Lesson | None:
     """Template learned from the samples in which a robot-like blob is found; None without any.
 
     Fit, move each station by its median offset over frames and both sides, fit again; where that
-    does not settle, look for the robot again with what was learned.
+    does not settle, look for the robot again with the width, grey level and core learned, all
+    along each blob, and learn from the frames that agree best. The best lesson counts.
     """
     area = AREA * (trial.head_length_m + robot.hinge_to_com_m + robot.com_to_tail_base_m) ** 2
     seen = [(f, blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
     first = _first(seen, robot, trial)
     if first is None:
         return None
-    lesson: Lesson | None = None
-    for _ in range(PASSES):
-        known = first if lesson is None else lesson.template
-        starts = [(f, best) for f, found in seen if (best := _start(f, found, scene, known))]
+    lessons: list[Lesson] = []
+    for slides in SLIDES_M:
+        known = anew(lessons[-1].template, robot, trial) if lessons else first
+        starts = [
+            (f, best) for f, found in seen if (best := _start(f, found, scene, known, slides))
+        ]
         if not starts:
             break
-        lesson = _taught(starts, scene, known)
-        if lesson.support > WELL:
+        lessons.append(_taught(_better_half(starts) if lessons else starts, scene, known))
+        if lessons[-1].support > WELL:
             break
-    return lesson
+    return max(lessons, key=lambda one: one.worth, default=None)
+
+
+def anew(template: Template, robot: Robot, trial: Trial) -> Template:
+    """Generic template of a learned one's width and grey level, its core as learned."""
+    skin = float(np.median(template.core_skin))
+    generic = first_template(robot, trial, float(template.half.max()), skin)
+    return replace(generic, half=template.half, core_skin=template.core_skin)
+
+
+def _better_half(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+    """Fits of no less than the median support: where two shapes compete, one of them."""
+    support = [min(one.support[:2]) for _, one in fits]
+    least = float(np.median(support))
+    return [pair for pair, own in zip(fits, support, strict=True) if own >= least]
 
 
 def _taught(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -> Lesson:
@@ -68,8 +91,9 @@ def _taught(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -
     for size in ROUNDS:
         shape = template.shape()
         reach = reaches(scene, size, size, size)
+        bend = _common_bend(fits, scene)
         fits = [
-            (f, fitted(f.luma, scene, shape, one.pose, reach, width_px=0.4 * reach[-1]))
+            (f, fitted(f.luma, scene, shape, bent(one.pose, bend), reach, width_px=0.4 * reach[-1]))
             for f, one in fits
         ]
         kept = _agreeing(fits)
@@ -130,18 +154,41 @@ def _extent(blob: Blob) -> float:
     return float(np.ptp(across, axis=0).max())
 
 
-def _start(frame: Frame, found: list[Blob], scene: Scene, template: Template) -> Fit | None:
-    """Best coarse fit of the generic template to any likely blob of a frame."""
+def _start(
+    frame: Frame, found: list[Blob], scene: Scene, template: Template, slides_m: Sequence[float]
+) -> Fit | None:
+    """Best coarse fit of the generic template to any likely blob of a frame.
+
+    Begun at the blob's poses, each moved along its heading by `slides_m`: a part of a body lies
+    anywhere along it.
+    """
     shape = template.shape()
     reach = reaches(scene, 0.026, 0.022, 0.018, 0.014, 0.012)
     tried = [
-        fitted(frame.luma, scene, shape, pose, reach, width_px=0.3 * reach[-1])
+        fitted(frame.luma, scene, shape, slid(pose, slide), reach, width_px=0.3 * reach[-1])
         for blob in found
         if plausible(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
+        for slide in slides_m
     ]
     tried = [one for one in tried if abs(one.pose[3] - scene.head_angle_rad) < 0.6]
     return max(tried, key=lambda one: one.nearness, default=None)
+
+
+def _common_bend(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
+    """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
+    bend = float(np.median([one.pose[3] for _, one in fits]))
+    return bend if abs(bend - scene.head_angle_rad) < BENT_RAD else scene.head_angle_rad
+
+
+def bent(pose: Float, bend: float) -> Float:
+    """A pose with another head angle."""
+    return np.append(pose[:3], bend)
+
+
+def slid(pose: Float, along_m: float) -> Float:
+    """A pose moved along its core's heading."""
+    return pose + along_m * np.array([math.cos(pose[2]), math.sin(pose[2]), 0.0, 0.0])
 
 
 def _offsets(

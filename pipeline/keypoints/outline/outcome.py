@@ -14,11 +14,16 @@ from .tracking import ARCS, Fit, Scene
 
 Float = npt.NDArray[np.float64]
 CERTAIN, WORTHLESS = 0.80, 0.35
+SHAPELESS = (0.25, 0.55)
 BEND_RAD = 0.07
 CLIPPED = 9.0
 FLOOR_PX = 0.03
-TAIL_PX = (0.16, 0.15)
-UNSEEN = (2.8, 1.7, 0.0, 2.2)
+TAIL_PX = (0.14, 0.12)
+SLIM, PALE = 0.25, 0.14
+AWRY_ALONG, AWRY_ACROSS = (0.06, 0.4), (0.24, 0.7)
+"""Error of the tail tip along and across it, by paleness times the tail's length and by the width
+beyond the usual one. Measured against rendered footage."""
+UNSEEN = (2.8, 1.5, 0.0, 2.2)
 """Errors of the pose that its own edges cannot show, along and across the core, heading, nose
 sideways, as multiples of the usual offset of an arc of the outline: light that lies unevenly
 about the robot moves whole flanks, and the fit follows them. Measured against rendered footage
@@ -46,7 +51,8 @@ def keypoints_of(
         xy[where], cov[where] = _points(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
         jumps = _jumps(times, fits)
-        known_shape = _graded(float(np.median([one.support[0] for one in known])))
+        head = float(np.median([one.support[0] for one in known]))
+        known_shape = _graded(head, SHAPELESS)
         each = np.array([_likelihood(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
@@ -106,9 +112,7 @@ def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Floa
     inner = (_pose_covariances(fits) + np.diag(unseen**2))[:, None]
     cov = carried @ inner @ carried.swapaxes(2, 3) + FLOOR_PX**2 * np.eye(2)
     tips = np.array([one.tail[0] for one in fits])
-    tails = np.array(
-        [_tail_covariance(one, base) for one, base in zip(fits, cov[:, 3], strict=True)]
-    )
+    tails = _tail_covariances(fits, cov[:, 3], template.tail_m * scene.plane.px_per_m)
     return np.concatenate([uv, tips[:, None]], axis=1), np.concatenate(
         [cov, tails[:, None]], axis=1
     )
@@ -137,28 +141,39 @@ def _pose_covariances(fits: Sequence[Fit]) -> Float:
     return (widened @ usual @ widened.swapaxes(1, 2))[:, :4, :4]
 
 
-def _tail_covariance(one: Fit, base: Float) -> Float:
-    """Covariance of the tail tip: the base's, and the trace's scatter across its end."""
-    _, heading, _, scatter = one.tail
-    if not math.isfinite(heading):
-        return np.full((2, 2), np.nan)
-    along = np.array([math.cos(heading), math.sin(heading)])
-    across = np.array([-along[1], along[0]])
-    sideways = max(scatter, TAIL_PX[1]) ** 2
-    return base + sideways * np.outer(across, across) + TAIL_PX[0] ** 2 * np.outer(along, along)
+def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Float:
+    """Covariances (n, 2, 2) of the tail tip: the base's, and what the tail's own signs tell.
+
+    A tail that is pale towards its end moved during the exposure; one wider than it usually is
+    has a shadow or a shine beside it; either may have drawn the trace aside.
+    """
+    heading = np.array([one.tail[1] for one in fits])
+    scatter, pale, width = np.array([one.tail[3] for one in fits]).T
+    slim = np.nanquantile(width, SLIM) if np.isfinite(width).any() else 0.0
+    signs = np.maximum([length_px * (pale - PALE), width - slim], 0.0)
+    along = TAIL_PX[0] ** 2 + np.array(AWRY_ALONG) ** 2 @ signs**2
+    across = np.maximum(scatter, TAIL_PX[1]) ** 2 + np.array(AWRY_ACROSS) ** 2 @ signs**2
+    axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    side = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
+    outer = [v[:, :, None] * v[:, None] for v in (axis, side)]
+    return bases + along[:, None, None] * outer[0] + across[:, None, None] * outer[1]
 
 
 def _likelihood(one: Fit, bend: float) -> Float:
-    """Likelihood (5,) from how much of the outline about each part is where it should be."""
+    """Likelihood (5,) from how much of the outline about each part is where it should be.
+
+    The core alone tapers, so that without the head it may have slid along itself.
+    """
     head, core, both = (_graded(value) for value in one.support)
+    core = min(core, both)
     off = math.remainder(one.pose[3] - bend, 2 * math.pi) / BEND_RAD
     sane = math.exp(-0.5 * max(0.0, abs(off) - 1.0) ** 2)
     tail = min(core, _graded(one.tail[2]))
-    return sane * np.array([head, min(head, core, both), core, core, tail])
+    return sane * np.array([head, min(head, core), core, core, tail])
 
 
-def _graded(support: float) -> float:
-    return min(max((support - WORTHLESS) / (CERTAIN - WORTHLESS), 0.0), 1.0)
+def _graded(support: float, between: tuple[float, float] = (WORTHLESS, CERTAIN)) -> float:
+    return min(max((support - between[0]) / (between[1] - between[0]), 0.0), 1.0)
 
 
 def _jumps(times: Sequence[float], fits: Sequence[Fit | None]) -> Float:

@@ -19,8 +19,12 @@ TURN_RAD = 0.5
 @numba.njit(cache=True, error_model="numpy")
 def trace(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
-) -> tuple[Float, float, float, float]:
-    """Tip (2,) [px], its direction from the picture's u axis [rad], support and side error [px].
+) -> tuple[Float, float, float, tuple[float, float, float]]:
+    """Tip (2,) [px], its direction from the picture's u axis [rad], support, and three signs.
+
+    Signs of how well the tip is known: scatter of the traced line [px]; paleness of the tail
+    towards its end (0 solid, 1 none), which tells how far it moved during the exposure; its width
+    there [px].
 
     base: (2,) px of the caudal base; back_rad: direction backwards along the core, in the picture.
     Going out along circles about the base, the tail's bearing is the coverage's centre near the
@@ -31,24 +35,24 @@ def trace(
     tip = np.full(2, math.nan)
     reach = length_px + 4.0
     if not (reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach):
-        return tip, math.nan, 0.0, math.nan
+        return tip, math.nan, 0.0, (math.nan, math.nan, math.nan)
     bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
-    bend = 0.0
     u, v = base[0], base[1]
-    travelled = 0.0
+    bend, travelled = 0.0, 0.0
     covered, beyond, steps, past = 0.0, 0.0, 0, 0
     ending, last = 0.0, 0
-    scatter = 0.0
+    scatter, pale, breadth = 0.0, 0.0, 0.0
     radius = 3.0
     heading = bearing
     while radius < 1.25 * length_px:
-        found, cover = _bearing(pictures, base, (bearing + bend, radius), skin)
+        found, cover, width = _bearing(pictures, base, (bearing + bend, radius), skin)
         if travelled < length_px:
             covered += 1.0 if cover > 0.5 else 0.0
             steps += 1
             if travelled > 0.6 * length_px:
                 ending += 1.0 if cover > 0.35 else 0.0
                 last += 1
+                pale, breadth = pale + 1.0 - cover, breadth + width
             if cover > 0.3:
                 scatter += ((found - bearing - bend) * radius) ** 2
                 bend = 0.7 * (found - bearing)
@@ -67,7 +71,12 @@ def trace(
             past += 1
         radius += 1.0
     support = min(covered / max(steps, 1), ending / max(last, 1)) - beyond / max(past, 1)
-    return tip, heading, support, math.sqrt(scatter / max(steps, 1))
+    return (
+        tip,
+        heading,
+        support,
+        (math.sqrt(scatter / max(steps, 1)), pale / max(last, 1), breadth / max(last, 1)),
+    )
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -93,8 +102,8 @@ def _first_bearing(
 @numba.njit(cache=True, error_model="numpy")
 def _bearing(
     pictures: Pictures, base: Float, polar: tuple[float, float], skin: float
-) -> tuple[float, float]:
-    """Centre of the coverage on an arc about the base, and its largest value."""
+) -> tuple[float, float, float]:
+    """Centre of the coverage on an arc about the base, its largest value, its width [px]."""
     angle, radius = polar
     half = min(TURN_RAD, 5.0 / radius)
     weight, moment, most = 0.0, 0.0, 0.0
@@ -108,7 +117,8 @@ def _bearing(
         if cover > 0.25:
             weight += cover
             moment += cover * a
-    return (moment / weight if weight > 0 else angle), most
+    width = weight * 2.0 * half * radius / (count - 1)
+    return (moment / weight if weight > 0 else angle), most, width
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -23,7 +23,8 @@ PRIOR = np.array([3e3, 3e3, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MOST_BEND = 0.7
 ARCS = 8
-UNTRACED = (np.full(2, np.nan), math.nan, 0.0, math.nan)
+UNTRACED = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
+LOST_FRAMES = 8
 NEAR_M = 0.014
 STEPS_M = (0.014, 0.008)
 
@@ -52,8 +53,8 @@ class Fit:
     (both in body axes).
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
-    px, direction [rad], support, side error [px]. nose_px: how far the nose's edge lies ahead of
-    the template's.
+    px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
+    far the nose's edge lies ahead of the template's.
     """
 
     pose: Float
@@ -61,7 +62,7 @@ class Fit:
     scores: Float
     support: tuple[float, float, float]
     nearness: float
-    tail: tuple[Float, float, float, float]
+    tail: tuple[Float, float, float, tuple[float, float, float]]
     nose_px: float
 
 
@@ -147,13 +148,16 @@ def follow(
 
 
 def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]) -> Float | None:
-    """Pose expected at a time from the last two fits; None where the last frames had none."""
-    if not fits or fits[-1] is None:
+    """Pose expected at a time from the last two fits of the last frames; None without any."""
+    first = max(0, len(fits) - LOST_FRAMES)
+    known = [(t, one) for t, one in zip(times[first:], fits[first:], strict=True) if one]
+    if not known:
         return None
-    if len(fits) < 2 or (before := fits[-2]) is None:
-        return fits[-1].pose.copy()
-    ahead = (time_s - times[-1]) / (times[-1] - times[-2])
-    return fits[-1].pose + min(ahead, 2.0) * (fits[-1].pose - before.pose)
+    if len(known) < 2:
+        return known[-1][1].pose.copy()
+    (before_s, before), (last_s, last) = known[-2:]
+    ahead = (time_s - last_s) / (last_s - before_s)
+    return last.pose + min(ahead, float(LOST_FRAMES)) * (last.pose - before.pose)
 
 
 def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:

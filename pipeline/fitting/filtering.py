@@ -112,14 +112,18 @@ def random_effects(kernel: Kernel) -> list[Effect]:
 
 
 def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
-    """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy."""
+    """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy.
+
+    A random effect's parameters are `present` and then a memory for all its states, or one each.
+    """
     out, at = values.copy(), 0
     for effect in random_effects(kernel):
-        present, tau = kernel.system.slots(effect.name)
+        present, *memories = kernel.system.slots(effect.name)
         own = noise.disturbance[at : at + len(effect.states)]
         out[present] = float(np.any(own > 0))
         if np.any(own > 0):
-            out[tau] = noise.tau[at]
+            for i, slot in enumerate(memories):
+                out[slot] = noise.tau[at + i]
         at += len(effect.states)
     return out
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel
+from ..integrate import Kernel, Parameter
 from .filtering import disturbance_slots, filter_all, random_effects
 from .series import Noise, Series
 
@@ -48,7 +48,7 @@ def fit_noise(
     for _ in range(rounds):
         for i in range(len(logs)):
             logs, best = _along(likelihood, logs, best, i, width)
-        width *= 0.6
+        width *= 0.8
     return noise_of(logs)
 
 
@@ -74,29 +74,32 @@ def _flat(noise: Noise) -> Float:
 
 
 def _sought(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
-    """Places in `_flat`: strengths; and, unless `forces_only`, memories of errors and scales.
-
-    The memory of the forces stays, since a force's strength and its memory hardly differ in what
-    they do to a path.
-    """
+    """Places in `_flat`: strengths; and, unless `forces_only`, memories and scales."""
     count = len(noise.disturbance)
     slots = disturbance_slots(kernel)[:count]
     acting = set(disturbance_slots(kernel, acting=True))
-    forces = [k for k, slot in enumerate(slots) if slot in acting and noise.disturbance[k] > 0]
+    used = [k for k in range(count) if noise.disturbance[k] > 0]
     if forces_only:
-        return forces
-    errors = [k for k, slot in enumerate(slots) if slot not in acting and noise.disturbance[k] > 0]
-    scales = [2 * count + k for k in range(min(3, len(noise.scale)))]
-    return [*forces, *errors, *([count + errors[0]] if errors else []), *scales]
+        return [k for k in used if slots[k] in acting]
+    memories = [count + k for k in _memories(kernel, count) if k in used]
+    return [*used, *memories, *(2 * count + k for k in range(min(3, len(noise.scale))))]
+
+
+def _memories(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
+    """Random states with a memory of their own -> how many states share it, and its parameter."""
+    out, at = {}, 0
+    for effect in random_effects(kernel):
+        own = effect.parameters[1:]
+        shared = len(effect.states) // len(own)
+        out |= {at + i * shared: (shared, p) for i, p in enumerate(own)}
+        at += len(effect.states)
+    return {k: v for k, v in out.items() if k < count}
 
 
 def _with(kernel: Kernel, noise: Noise, sought: Sequence[int], found: Float) -> Noise:
     flat, count = _flat(noise), len(noise.disturbance)
     flat[list(sought)] = found
-    tau, at = flat[count : 2 * count], 0
-    for effect in random_effects(kernel):
-        own = slice(at, at + len(effect.states))
-        bound = effect.parameters[1]
-        tau[own] = np.clip(tau[at], bound.lower, bound.upper) if at < count else tau[own]
-        at += len(effect.states)
+    tau = flat[count : 2 * count].copy()
+    for k, (shared, parameter) in _memories(kernel, count).items():
+        tau[k : k + shared] = np.clip(tau[k], parameter.lower, parameter.upper)
     return Noise(flat[:count], tau, flat[2 * count :])

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Noise, Series, shoot
+from ..fitting import Noise, Series, filter_series, shoot
 from ..fitting.filtering import disturbance_slots, with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
@@ -29,6 +29,7 @@ GROWTH = 6.0
 SHORTEST_S = 1.0
 FLOOR_SEED = 20240517
 FLOOR_DRAWS = 3
+OWN_SHARES = (0.06, 0.12, 0.25, 0.5, 2.0)
 
 
 @dataclass(frozen=True)
@@ -119,18 +120,41 @@ def _rmse(kernel: Kernel, tuned: Tuned, pieces: Sequence[Series]) -> float:
 def imitated(
     kernel: Kernel, tuned: Tuned, pieces: Sequence[Series], rng: np.random.Generator
 ) -> list[Series]:
-    """Stretches as the model would have given them, with its random forces and errors drawn."""
-    shots = shoot(kernel, pieces, tuned.trial_values(kernel, pieces))
+    """Stretches as the model would have given them, with its random forces and errors drawn.
+
+    Water is stiller in one trial than in the next: the random forces of each stretch are as strong
+    as its own recording makes most likely.
+    """
+    values = tuned.trial_values(kernel, pieces)
+    shots = shoot(kernel, pieces, values)
     starts = [np.where(np.isfinite(shot.start), shot.start, one.mean)
               for one, shot in zip(pieces, shots, strict=True)]  # fmt: skip
-    clean = _random_runs(kernel, tuned, pieces, np.array(starts), rng)
+    noises = [stillest(kernel, p, v, tuned.noise) for p, v in zip(pieces, values, strict=True)]
+    clean = _random_runs(kernel, tuned, pieces, np.array(starts), noises=noises, rng=rng)
     return [replace(one, seen=_with_white(one, tuned.noise, y[: len(one.times)], rng))
             for one, y in zip(pieces, clean, strict=True)]  # fmt: skip
 
 
+def stillest(kernel: Kernel, one: Series, values: Float, noise: Noise) -> Noise:
+    """The noise with its forces, one by one, as strong as makes this recording most likely."""
+    acting = set(disturbance_slots(kernel, acting=True))
+    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
+    best, likelihood = noise, filter_series(kernel, one, values, noise).log_likelihood
+    for k in (k for k, slot in enumerate(slots) if slot in acting):
+        for share in OWN_SHARES:
+            own = best.disturbance.copy()
+            own[k] = share * noise.disturbance[k]
+            trial = Noise(own, noise.tau, noise.scale)
+            found = filter_series(kernel, one, values, trial).log_likelihood
+            if found > likelihood:
+                best, likelihood = trial, found
+    return best
+
+
 def _random_runs(
-    kernel: Kernel, tuned: Tuned, pieces: Sequence[Series], state: Float, rng: np.random.Generator
-) -> Float:
+    kernel: Kernel, tuned: Tuned, pieces: Sequence[Series], state: Float, *,
+    noises: Sequence[Noise], rng: np.random.Generator,
+) -> Float:  # fmt: skip
     """Observations (stretches, frames, observations) of runs pushed at random, without white noise.
 
     Between frames everything moves as modelled; at each frame the random states of correlation
@@ -141,7 +165,7 @@ def _random_runs(
     values = np.array([with_noise(kernel, v, tuned.noise)
                        for v in tuned.trial_values(kernel, pieces)])  # fmt: skip
     slots = disturbance_slots(kernel)[: len(tuned.noise.disturbance)]
-    sigma, tau = tuned.noise.disturbance, tuned.noise.tau
+    sigma, tau = np.array([n.disturbance for n in noises]), tuned.noise.tau
     keep = np.zeros((len(pieces), 1))
     out = np.zeros((len(pieces), longest, len(kernel.system.observations)))
     for k in range(longest):

@@ -14,7 +14,9 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The water is never quite still and pushes the robot about at random."
 PARAMETERS = (
     Parameter("present", "1", 1.0, 0.0, 1.0, "1 where the forces act"),
-    Parameter("tau", "s", 0.5, 0.05, 10.0, "time within which a force is forgotten"),
+    Parameter("tau_surge", "s", 0.5, 0.05, 5.0, "time within which the surge force is forgotten"),
+    Parameter("tau_sway", "s", 0.5, 0.05, 5.0, "time within which the sway force is forgotten"),
+    Parameter("tau_yaw", "s", 0.5, 0.05, 5.0, "time within which the yaw moment is forgotten"),
 )
 STATES = ("g_surge", "g_sway", "g_yaw")
 
@@ -25,7 +27,12 @@ def force(g_surge: float, g_sway: float, g_yaw: float) -> tuple[float, float, fl
 
 
 def own_rates(
-    g_surge: float, g_sway: float, g_yaw: float, tau: float
+    g_surge: float,
+    g_sway: float,
+    g_yaw: float,
+    tau_surge: float,
+    tau_sway: float,
+    tau_yaw: float,
 ) -> tuple[float, float, float]:
     """Derivatives of the three forces (N/s, N m/s)."""
-    return -g_surge / tau, -g_sway / tau, -g_yaw / tau
+    return -g_surge / tau_surge, -g_sway / tau_sway, -g_yaw / tau_yaw

@@ -1,0 +1,50 @@
+"""Videos written for people to look at: right times, whole or not at all."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_footage import SIZE, picture
+
+from pipeline.footage import encode, frames, open_recording
+from pipeline.footage.writing import encoder
+
+
+def shown(path) -> list[float]:
+    return [frame.time_s for frame in frames(open_recording([path]))]
+
+
+def test_pictures_are_shown_at_their_own_times_from_the_first_on(tmp_path):
+    times = [0.0, 0.05, 0.1, 0.1834, 0.2168]
+    with encoder(tmp_path / "o.mp4", fps=29.97, size=SIZE) as out:
+        for number, time_s in enumerate(times):
+            out.write(picture(number), time_s)
+    np.testing.assert_allclose(shown(tmp_path / "o.mp4"), times, atol=1e-4)
+
+
+@pytest.mark.parametrize("fps", [24.0, 29.97, 30.0, 59.94, 120.0])
+def test_pictures_without_times_keep_the_rate(tmp_path, fps):
+    assert encode(tmp_path / "o.mp4", (picture(i) for i in range(12)), fps=fps, size=SIZE) == 12
+    np.testing.assert_allclose(shown(tmp_path / "o.mp4"), np.arange(12) / fps, atol=2e-5)
+
+
+def test_odd_sizes_and_colour_can_be_written(tmp_path):
+    colour = np.zeros((97, 161, 3), np.uint8)
+    colour[..., 2] = 200
+    assert encode(tmp_path / "c.mp4", [colour] * 3, fps=30, size=(161, 97)) == 3
+    recording = open_recording([tmp_path / "c.mp4"])
+    assert recording.size_px == (160, 96)
+    red = next(iter(frames(recording, colour=True))).bgr[40, 80]
+    assert red[2] > 150
+    assert red[0] < 60
+
+
+def test_a_time_that_goes_back_is_refused_and_nothing_is_left(tmp_path):
+    def turned_back() -> None:
+        with encoder(tmp_path / "o.mp4", fps=30, size=SIZE) as out:
+            out.write(picture(0), 0.5)
+            out.write(picture(1), 0.4)
+
+    with pytest.raises(ValueError, match="not after"):
+        turned_back()
+    assert list(tmp_path.iterdir()) == []

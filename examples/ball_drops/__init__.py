@@ -1,0 +1,1 @@
+"""Balls dropped from a bridge: gravity alone, and what it leaves out."""

@@ -1,0 +1,116 @@
+"""Runs of the fish robot as the engine takes them, tracking faults set aside and counted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.data import Float
+from pipeline.faults import fault
+from pipeline.fitting import Noise, Series
+
+from ..averaging import averaged
+from .model import SYSTEM
+
+TANK_M = (6.0, 2.04)
+"""ASSUME length and width of the tank: the light is seen from 0 to 5.9 m and from 0 to 2.01 m."""
+PLACE_STD_M = 0.01
+FASTEST_M_S = 1.0
+"""Faster than any robot here swims by twice: what moves faster was mistaken for the light."""
+SWIMMING_M_S = 0.08
+FIRST_NOISE = Noise(np.array([0.02, 0.1, 0.005, 0.005]), np.array([1.0, 1.0, 0.3, 0.3]), np.ones(2))
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: frequency Hz, amplitude deg, lag; times (n,), places (n, 2) m, each seen once.
+
+    faults: places set aside since nothing swims there so fast; gap_s: longest time without light.
+    """
+
+    name: str
+    condition: str
+    beat_hz: float
+    times: Float
+    places: Float
+    faults: int
+    gap_s: float
+
+
+def read_folder(folder: Path) -> list[Run]:
+    """All runs of a folder of `data_FREQUENCY_AMPLITUDE_LAG_STAMP.csv`.
+
+    Raises: Fault where there is none.
+    """
+    paths = sorted(Path(folder).glob("data_*.csv"))
+    if not paths:
+        raise fault(folder, "", "no data_*.csv", "one file a run")
+    return [read(path) for path in paths]
+
+
+def read(path: Path) -> Run:
+    """One run; a place held over several rows counts once, at its first."""
+    table = pd.read_csv(path).to_numpy(dtype=float)
+    new = np.concatenate([[True], np.any(np.diff(table[:, 1:], axis=0) != 0, axis=1)])
+    times, places = table[new, 0], table[new, 1:3]
+    kept = followed(times, places)
+    hz, amplitude, lag = path.stem.split("_")[1:4]
+    first, last = swimming(times[kept], places[kept])
+    times_, places_ = times[kept][first:last], places[kept][first:last]
+    gap = float(np.diff(times_).max(initial=0.0))
+    return Run(path.stem[5:], f"{hz}_{amplitude}_{lag}", float(hz), times_ - times_[0], places_,
+               int((~kept).sum()), gap)  # fmt: skip
+
+
+def followed(times: Float, places: Float) -> np.ndarray:
+    """Which places (n,) belong to the longest chain in which nothing moves too fast.
+
+    From each place the chain goes on to the next that can be reached; chains that break off are
+    shorter.
+    """
+    length, before = np.ones(len(times)), np.full(len(times), -1)
+    for i in range(1, len(times)):
+        near = np.arange(max(0, i - 40), i)
+        step = np.hypot(*(places[near] - places[i]).T)
+        reach = near[step <= FASTEST_M_S * (times[i] - times[near]) + 0.02]
+        if len(reach):
+            before[i] = reach[np.argmax(length[reach])]
+            length[i] = length[before[i]] + 1
+    kept, i = np.zeros(len(times), dtype=bool), int(np.argmax(length))
+    while i >= 0:
+        kept[i] = True
+        i = int(before[i])
+    return kept
+
+
+def swimming(times: Float, places: Float) -> tuple[int, int]:
+    """First and last frame of the longest stretch in which the robot swims."""
+    grid = np.interp
+    back, ahead = times - 0.75, times + 0.75
+    moved = np.hypot(*[grid(ahead, times, p) - grid(back, times, p) for p in places.T])
+    span = np.minimum(ahead, times[-1]) - np.maximum(back, times[0])
+    swims = moved / span > SWIMMING_M_S
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], swims.astype(int), [0]])))
+    longest = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * longest]), int(edges[2 * longest + 1])
+
+
+def series(run: Run) -> Series:
+    """A run by its means over body beats, in which the swing of the light averages out."""
+    n, states = len(run.times), len(SYSTEM.all_states)
+    early = run.times < run.times[0] + 2.0
+    (x, y), (vx, vy) = np.polynomial.polynomial.polyfit(run.times[early], run.places[early], 1)
+    start = [x, y, np.arctan2(vy, vx), np.hypot(vx, vy)]
+    std = np.concatenate([[0.05, 0.05, 0.3, 0.1], np.full(states - 4, 1e-6)])
+    return averaged(
+        Series(
+            name=run.name, group=run.name, condition=run.condition, times=run.times,
+            inputs=np.zeros((n, 0)), constants=np.array(TANK_M), seen=run.places,
+            noise=np.tile(np.eye(2) * PLACE_STD_M**2, (n, 1, 1)),
+            mean=np.concatenate([start, np.zeros(states - 4)]), cov=np.diag(std) ** 2,
+        ),
+        1.0 / run.beat_hz,
+    )  # fmt: skip

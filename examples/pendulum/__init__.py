@@ -1,0 +1,1 @@
+"""A real pendulum: which friction stops it."""

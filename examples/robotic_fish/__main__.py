@@ -1,0 +1,73 @@
+"""`python -m examples.robotic_fish FOLDER [--predict OTHER]`: what the flat-plate model lacks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from pipeline.fitting import Noise
+from pipeline.mismatch import Trialled
+
+from ..engine import Case, case, investigate
+from ..telling import coefficients, found, table
+from .errors import left_out, path_errors, repeatability, total
+from .model import SYSTEM
+from .reading import Recording, by_beats, read_folder, series
+
+FIRST_NOISE = Noise(
+    np.array([3e-3, 3e-3, 1e-4, 1e-3, 1e-3, 1e-2]), np.array([1.0] * 3 + [0.2] * 3), np.ones(3)
+)
+KNOWN_S = (np.inf, 1.0)
+"""Starts that suit the whole trial, and starts told by its first second alone."""
+
+
+def case_of(recordings: list[Recording]) -> Case:
+    """The search over means of tail beats."""
+    return case(SYSTEM, [by_beats(r) for r in recordings], FIRST_NOISE)
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
+def main(folder: Path, predict: Path | None) -> None:
+    """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
+    recordings = read_folder(folder)
+    given = case_of(recordings)
+    outcome = investigate(given)
+    models = {"bare": outcome.choice.bare, "with what was named": outcome.chosen}
+    click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
+    if predict is None:
+        click.echo(_told_apart(given, models, recordings))
+    else:
+        click.echo(_foretold(given, models, read_folder(predict)))
+
+
+def _told_apart(given: Case, models: dict[str, Trialled], recordings: list[Recording]) -> str:
+    """Leave-condition-out errors beside the recordings' own repeatability."""
+    trials = [series(r) for r in recordings]
+    rows = []
+    for name, model in models.items():
+        errors = left_out(given, model, trials, KNOWN_S)
+        rows.append((name, *(f"{1000 * total(errors[k]):.1f}" for k in KNOWN_S)))
+    own = [repeatability(recordings, k) for k in KNOWN_S]
+    rows.append(("one repeat laid on the other", *(f"{1000 * total(e):.1f}" for e in own)))
+    return table(("path error, mm, conditions left out", "start fitted", "first second"), rows)
+
+
+def _foretold(given: Case, models: dict[str, Trialled], others: list[Recording]) -> str:
+    """Errors on trials at conditions that no fit has seen, one a line."""
+    trials = [series(r) for r in others]
+    errors = {(n, k): path_errors(given, m, trials, k) for n, m in models.items() for k in KNOWN_S}
+    rows = [
+        (t.name, f"{r.beat_hz:.3f}", *(f"{1000 * e[i]:.1f}" for e in errors.values()))
+        for i, (t, r) in enumerate(zip(trials, others, strict=True))
+    ]
+    rows.append(("all", "", *(f"{1000 * total(e):.1f}" for e in errors.values())))
+    head = [f"{n}, {'start fitted' if np.isinf(k) else 'first second'}" for n, k in errors]
+    return table(("path error, mm", "tail beat, Hz", *head), rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+"""Trials of the fish as the engine takes them, from folders named after amplitude and bias."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.data import Float, Pose, Track
+from pipeline.faults import fault
+from pipeline.fitting import Series
+from pipeline.motor import tail_beat
+from pipeline.smoothing import smooth
+
+from ..averaging import averaged
+from .model import CONSTANTS, GEOMETRY, SYSTEM
+
+COLUMNS = 7
+POSITION_STD_M = 1e-3
+HEADING_STD_RAD = 0.01
+START_STD = np.array([0.005, 0.005, 0.05, 0.02, 0.02, 0.15])
+"""What is known of the first frame's state beforehand: m, m, rad, m/s, m/s, rad/s."""
+_FOLDER = re.compile(r"Amp(?P<amp>\d+(?:\.\d+)?)Bias(?P<bias>-?\d+(?:\.\d+)?)$")
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One trial: amplitude and bias in degrees, times (n,), x, y [m] and heading [rad] (n, 3),
+    the track smoothed without the recoil, and the tail beat that the recoil shows, Hz.
+    """
+
+    name: str
+    amplitude_deg: float
+    bias_deg: float
+    times: Float
+    seen: Float
+    track: Track
+    beat_hz: float
+    beat_std_hz: float
+
+    @property
+    def condition(self) -> str:
+        """What repeats share."""
+        return f"Amp{self.amplitude_deg:g}Bias{self.bias_deg:g}"
+
+
+def read_folder(folder: Path) -> list[Recording]:
+    """All trials of a folder of `AmpABiasB/STATESn.txt`, by amplitude and bias.
+
+    Raises: Fault where there is none, or where a file does not hold seven columns of numbers.
+    """
+    found = sorted(p for p in Path(folder).glob("Amp*Bias*/*STATES*.txt"))
+    if not found:
+        raise fault(folder, "", "no AmpABiasB/STATESn.txt", "one folder a condition")
+    recordings = [read(path) for path in found]
+    return sorted(recordings, key=lambda r: (r.amplitude_deg, r.bias_deg, r.name))
+
+
+def read(path: Path) -> Recording:
+    """One trial; columns t s, v1, v2 m/s, yaw rate rad/s, heading rad, x, y m."""
+    name = _FOLDER.search(path.parent.name)
+    if name is None:
+        raise fault(path, "folder", path.parent.name, "a name like Amp15Bias-20")
+    rows = _numbers(path)
+    times = rows[:, 0] - rows[0, 0]
+    seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
+    pose = Pose(times, np.column_stack([seen, np.zeros(len(seen))]), _cov(len(seen), 4))
+    hz, std = tail_beat(pose, 2.1)
+    return Recording(f"{path.parent.name}/{path.stem}", float(name["amp"]), float(name["bias"]),
+                     times, seen, smooth(pose, hz), hz, std)  # fmt: skip
+
+
+def _numbers(path: Path) -> Float:
+    try:
+        rows = np.loadtxt(path, ndmin=2)
+    except ValueError as error:
+        raise fault(path, "", str(error), "rows of seven numbers") from None
+    if rows.shape[1] != COLUMNS or len(rows) < 20 or not np.isfinite(rows).all():
+        raise fault(path, "", f"{rows.shape[0]} rows of {rows.shape[1]}", "20 or more rows of 7")
+    if np.any(np.diff(rows[:, 0]) <= 0):
+        raise fault(path, "column 1", "times that do not increase", "increasing times")
+    return rows
+
+
+def _cov(frames: int, size: int) -> Float:
+    std = np.array([POSITION_STD_M, POSITION_STD_M, HEADING_STD_RAD, 1.0][:size])
+    return np.tile(np.diag(std**2), (frames, 1, 1))
+
+
+def by_beats(one: Recording) -> Series:
+    """A trial by its means over tail beats, as the fit takes it.
+
+    The model knows thrust as its mean over a beat; over a beat the recoil, with all that its
+    harmonics do, averages to nothing.
+    """
+    return averaged(series(one), 1.0 / one.beat_hz)
+
+
+def series(one: Recording) -> Series:
+    """A trial frame by frame, without its recoil."""
+    states = len(SYSTEM.all_states)
+    amplitude, bias = np.radians([one.amplitude_deg, one.bias_deg])
+    start = _start(one)
+    return Series(
+        name=one.name,
+        group=format(one.amplitude_deg, "g"),
+        condition=one.condition,
+        times=one.times,
+        inputs=np.tile([bias, amplitude, one.beat_hz], (len(one.times), 1)),
+        constants=np.array([GEOMETRY[name] for name in CONSTANTS]),
+        seen=one.seen - one.track.recoil,
+        noise=_cov(len(one.times), 3),
+        mean=np.concatenate([start, np.zeros(states - 6)]),
+        cov=np.diag(np.concatenate([START_STD, np.full(states - 6, 1e-6)]) ** 2),
+    )
+
+
+def _start(one: Recording) -> Float:
+    """x, y, heading, surge, sway, yaw rate at the first frame, from the smoothed track."""
+    k = one.track
+    c, s = np.cos(k.heading_rad[0]), np.sin(k.heading_rad[0])
+    vx, vy = k.vx_m_s[0], k.vy_m_s[0]
+    return np.array(
+        [k.x_m[0], k.y_m[0], k.heading_rad[0], vx * c + vy * s, vy * c - vx * s,
+         k.yaw_rate_rad_s[0]]
+    )  # fmt: skip

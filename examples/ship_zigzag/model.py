@@ -1,0 +1,207 @@
+"""Linear manoeuvring in dimensionless (prime) form, surge held up by the propeller.
+
+    v' = U/L (Y_v v + Y_r r L) + U^2/L Y_d delta
+    r' = U/L^2 (N_v v + N_r r L) + U^2/L^2 N_d delta
+    u' = X_0 (U_0^2 - u^2) / L
+
+Accelerations are taken in the ship's frame, the turning of the frame is in Y_r. Positions in the
+tank, x ahead and y to starboard, heading and rudder clockwise positive (rad).
+Source: Fossen (2011), sec. 7.1 (linear manoeuvring theory, prime system), 7.1.2 (second-order
+modulus and cubic terms); single-screw asymmetry as constant force and moment.
+"""
+
+# ruff: noqa: PLR0913, PLR0917 -- arguments are named after what an equation needs
+from __future__ import annotations
+
+from pipeline.integrate import Parameter, Stage, System
+from pipeline.integrate.trigonometry import sin_cos
+
+from ..effect import effect
+
+LENGTH_M = 7.0
+Three = tuple[float, float, float]
+
+COEFFICIENTS = (
+    Parameter("X_0", "1", 0.05, 0.0, 2.0, "return to the speed of straight course"),
+    Parameter("U_0", "m/s", 1.18, 0.8, 1.6, "speed of straight course"),
+    Parameter("Y_v", "1", -0.7, -10.0, 5.0, "sway damping"),
+    Parameter("Y_r", "1", -0.3, -10.0, 5.0, "sway from turning, centripetal part included"),
+    Parameter("Y_d", "1", 0.1, -5.0, 5.0, "sway from the rudder"),
+    Parameter("N_v", "1", -2.0, -30.0, 30.0, "yaw from drift"),
+    Parameter("N_r", "1", -2.0, -30.0, 5.0, "yaw damping"),
+    Parameter("N_d", "1", 1.0, -10.0, 10.0, "yaw from the rudder"),
+)
+
+
+def steer(rudder: float) -> tuple[float]:
+    """Rudder angle (rad)."""
+    return (rudder,)
+
+
+def sailed(u: float, v: float) -> tuple[float]:
+    """Speed through the water (m/s)."""
+    return ((u * u + v * v + 1e-9) ** 0.5,)
+
+
+def acceleration(
+    u: float, v: float, r: float, U: float, delta: float, L: float, X_0: float, U_0: float,
+    Y_v: float, Y_r: float, Y_d: float, N_v: float, N_r: float, N_d: float,
+) -> Three:  # fmt: skip
+    """Surge, sway (m/s2) and yaw (rad/s2)."""
+    X = X_0 * (U_0 * U_0 - u * u) / L
+    Y = U / L * (Y_v * v + Y_r * r * L) + U * U / L * Y_d * delta
+    N = U / (L * L) * (N_v * v + N_r * r * L) + U * U / (L * L) * N_d * delta
+    return X, Y, N
+
+
+def motion(
+    psi: float, u: float, v: float, r: float, wx: float, wy: float, X: float, Y: float, N: float
+) -> tuple[float, float, float, float, float, float]:  # fmt: skip
+    """Derivatives of x, y, psi, u, v, r; water that moves (wx, wy) carries the ship along."""
+    s, c = sin_cos(psi)
+    return u * c - v * s + wx, u * s + v * c + wy, r, X, Y, N
+
+
+def seen(x: float, y: float, psi: float) -> Three:
+    """Place (m) and heading (rad)."""
+    return x, y, psi
+
+
+def speed_loss(v: float, r: float, L: float, X_vv: float, X_vr: float, X_rr: float) -> Three:
+    """X = (X_vv v^2 + X_vr v r L + X_rr r^2 L^2) / L."""
+    rl = r * L
+    return (X_vv * v * v + X_vr * v * rl + X_rr * rl * rl) / L, 0.0, 0.0
+
+
+def rudder_drag(U: float, delta: float, L: float, X_dd: float) -> Three:
+    """X = -X_dd U^2 delta^2 / L."""
+    return -X_dd * U * U * delta * delta / L, 0.0, 0.0
+
+
+def single_screw(U: float, L: float, Y_0: float, N_0: float) -> Three:
+    """Y = Y_0 U^2 / L, N = N_0 U^2 / L^2, to one side whatever the ship does."""
+    return 0.0, Y_0 * U * U / L, N_0 * U * U / (L * L)
+
+
+def slipstream(U: float, delta: float, L: float, U_0: float, k: float) -> Three:
+    """The rudder's forces grow by k (U_0 / U - 1): the screw keeps blowing on it as speed falls.
+
+    In units of a yaw acceleration U^2 / L^2 delta.
+    """
+    return 0.0, 0.0, k * (U_0 / U - 1.0) * U * U / (L * L) * delta
+
+
+def crossflow(v: float, r: float, L: float, Y_vv: float, N_rr: float) -> Three:
+    """Y = -Y_vv v |v| / L, N = -N_rr r |r|."""
+    return 0.0, -Y_vv * v * abs(v) / L, -N_rr * r * abs(r)
+
+
+def cubic(v: float, r: float, U: float, L: float, N_vvr: float, N_vrr: float) -> Three:
+    """N = (N_vvr v^2 r L + N_vrr v r^2 L^2) / (U L^2)."""
+    rl = r * L
+    return 0.0, 0.0, (N_vvr * v * v * rl + N_vrr * v * rl * rl) / (U * L * L)
+
+
+def drift_asymmetry(v: float, L: float, k: float) -> Three:
+    """N = k v^2 / L^2: drift to one side turns the ship more than to the other."""
+    return 0.0, 0.0, k * v * v / (L * L)
+
+
+def rudder_zero(d: float) -> tuple[float]:
+    """Delta = read + d."""
+    return (d,)
+
+
+def stalled(rudder: float, k: float) -> tuple[float]:
+    """Delta = read - k read^3: the rudder stalls at large angles."""
+    return (-k * rudder * rudder * rudder,)
+
+
+def set_by(c_x: float, c_y: float) -> tuple[float, float]:
+    """Velocity of the water in the tank (m/s)."""
+    return c_x, c_y
+
+
+def heading_zero(d: float) -> Three:
+    """The heading reads d beside the ship's axis."""
+    return 0.0, 0.0, d
+
+
+def disturbance_force(g_x: float, g_y: float, g_n: float) -> Three:
+    """Random accelerations (m/s2, m/s2, rad/s2)."""
+    return g_x, g_y, g_n
+
+
+def disturbance_rates(g_x: float, g_y: float, g_n: float, tau: float) -> Three:
+    """They forget themselves within tau."""
+    return -g_x / tau, -g_y / tau, -g_n / tau
+
+
+def lasting_observe(e_x: float, e_y: float, e_psi: float) -> Three:
+    """Lasting errors of place (m) and heading (rad)."""
+    return e_x, e_y, e_psi
+
+
+def lasting_rates(e_x: float, e_y: float, e_psi: float, tau: float) -> Three:
+    """They forget themselves within tau."""
+    return -e_x / tau, -e_y / tau, -e_psi / tau
+
+
+EFFECTS = (
+    effect("disturbance", "The tank is never quite still.", {"force": disturbance_force},
+           (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"),
+            ("tau", "s", 5.0, 0.2, 60.0, "memory")),
+           kind="disturbance", channels=("surge", "sway", "yaw"), states=("g_x", "g_y", "g_n"),
+           rates=disturbance_rates),
+    effect("lasting_error", "Errors of tracking last for a while.", {"observe": lasting_observe},
+           (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
+            ("tau", "s", 1.0, 0.1, 5.0, "memory")),
+           kind="disturbance", states=("e_x", "e_y", "e_psi"), rates=lasting_rates),
+    effect("speed_loss", "Drifting and turning cost speed.", {"force": speed_loss},
+           (("X_vv", "1", -0.1, -10.0, 10.0, "from drift"),
+            ("X_vr", "1", 0.1, -10.0, 10.0, "from drift and turn"),
+            ("X_rr", "1", -0.02, -10.0, 10.0, "from turn")), channels=("surge",), strengths=3),
+    effect("rudder_drag", "A rudder put over costs speed.", {"force": rudder_drag},
+           (("X_dd", "1", 0.02, -2.0, 5.0, "per rudder angle squared"),), channels=("surge",)),
+    effect("single_screw", "The single screw pushes the stern to one side.",
+           {"force": single_screw},
+           (("Y_0", "1", 0.001, -0.5, 0.5, "side force"), ("N_0", "1", 0.005, -0.5, 0.5, "moment")),
+           channels=("sway", "yaw"), strengths=2),
+    effect("rudder_zero", "The rudder's zero is not amidships.", {"steer": rudder_zero},
+           (("d", "rad", 0.005, -0.2, 0.2, "offset"),), kind="measurement", channels=("yaw",)),
+    effect("rudder_stall", "The rudder loses force at large angles.", {"steer": stalled},
+           (("k", "1/rad2", 0.2, -2.5, 2.5, "share lost per angle squared"),), channels=("yaw",)),
+    effect("slipstream", "The screw keeps blowing on the rudder as the ship slows down.",
+           {"force": slipstream}, (("k", "1", 0.2, -10.0, 10.0, "share of N_d"),),
+           channels=("yaw",)),
+    effect("crossflow_drag", "Drag across the flow grows with its square.", {"force": crossflow},
+           (("Y_vv", "1", 0.3, -20.0, 40.0, "in sway"), ("N_rr", "1", 0.3, -20.0, 40.0, "in yaw")),
+           channels=("sway", "yaw"), strengths=2),
+    effect("drift_and_turn", "The yaw moment of drifting and turning at once is not linear.",
+           {"force": cubic},
+           (("N_vvr", "1", -1.0, -300.0, 300.0, "drift squared times turn"),
+            ("N_vrr", "1", 1.0, -300.0, 300.0, "drift times turn squared")),
+           channels=("yaw",), strengths=2),
+    effect("drift_asymmetry", "Drift to port and to starboard turn the ship unequally.",
+           {"force": drift_asymmetry}, (("k", "1", 0.2, -50.0, 50.0, "per drift squared"),),
+           channels=("yaw",)),
+    effect("current", "The water in the tank moves.", {"water": set_by},
+           (("c_x", "m/s", 0.003, -0.3, 0.3, "ahead"), ("c_y", "m/s", 0.003, -0.3, 0.3, "aside")),
+           channels=("surge", "sway"), strengths=2),
+    effect("heading_zero", "The heading is read beside the ship's axis.",
+           {"observe": heading_zero}, (("d", "rad", 0.003, -0.2, 0.2, "offset"),),
+           kind="measurement", channels=("yaw",)),
+)  # fmt: skip
+STATES = ("x", "y", "psi", "u", "v", "r")
+STAGES = (
+    Stage("steer", ("delta",), steer, open=True),
+    Stage("sailed", ("U",), sailed),
+    Stage("force", ("X", "Y", "N"), acceleration, open=True),
+    Stage("water", ("wx", "wy"), None, open=True),
+    Stage("rates", STATES, motion),
+    Stage("observe", ("x_seen", "y_seen", "heading"), seen, open=True),
+)
+SYSTEM = System(
+    "ship_zigzag", STATES, ("L",), ("rudder",), COEFFICIENTS, STAGES,
+    ("x_seen", "y_seen", "heading"), EFFECTS,
+)  # fmt: skip

@@ -1,0 +1,54 @@
+"""`python -m examples.yaw_coastdown FOLDER`: each part of the damping withheld in turn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import numpy as np
+
+from pipeline.fitting import Series, thinned
+
+from ..engine import Case, case, foretold, investigate, refitted
+from ..telling import coefficients, found, table
+from .model import SYSTEM
+from .reading import FIRST_NOISE, read_folder
+
+LADDER = (
+    (),
+    ("quadratic_yaw_damping",),
+    ("quadratic_yaw_damping", "constant_moment"),
+    ("quadratic_yaw_damping", "gyro_bias"),
+)
+
+
+def withheld(trials: tuple[Series, ...], known: str) -> Case:
+    """The search with one kind of damping known and all else left out."""
+    return case(SYSTEM, [thinned(t) for t in trials], FIRST_NOISE, within=[known])
+
+
+def error_rad_s(given: Case, trials: tuple[Series, ...], effects: tuple[str, ...]) -> float:
+    """Leave-one-out error: free runs of each spin-down by the model fitted to the others."""
+    like = investigate(given).chosen
+    shots = foretold(given, refitted(given, effects, like), trials, open_states=1)
+    squares = [np.mean((t.seen - s.observed) ** 2) for t, s in zip(trials, shots, strict=True)]
+    return float(np.sqrt(np.mean(squares)))
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+def main(folder: Path) -> None:
+    """What damps the vessel in FOLDER, and what shifts it."""
+    trials = read_folder(folder)
+    for known in ("linear_yaw_damping", "quadratic_yaw_damping"):
+        given = withheld(trials, known)
+        outcome = investigate(given)
+        click.echo(f"\n{known} known, the rest withheld: {coefficients(outcome)}\n")
+        click.echo(found(given, outcome))
+    given = withheld(trials, "linear_yaw_damping")
+    rows = [(" + ".join(("linear", *e)), f"{error_rad_s(given, trials, e):.4f}") for e in LADDER]
+    click.echo("\n" + table(("model", "leave-one-out error, rad/s"), rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""Yaw alone: I r' = -d(r) + what may have been left out; the gyro sees r.
+
+The vessel's authors fitted d = N_r r. Here every part of the damping is an effect; the bare model
+has one of them, the others are candidates.
+"""
+
+from __future__ import annotations
+
+from pipeline.integrate import Stage, System
+
+from ..effect import effect
+
+YAW_INERTIA = 5.45
+"""kg m2, as the vessel's authors give it."""
+
+
+def linear_moment(r: float, N_r: float) -> tuple[float]:
+    """N = -N_r r."""
+    return (-N_r * r,)
+
+
+def quadratic_moment(r: float, N_rr: float) -> tuple[float]:
+    """N = -N_rr r |r|."""
+    return (-N_rr * r * abs(r),)
+
+
+def dry_moment(r: float, N_c: float) -> tuple[float]:
+    """N = -N_c sign r, smooth within 0.005 rad/s."""
+    return (-N_c * r / (r * r + 2.5e-5) ** 0.5,)
+
+
+def constant_moment(N_0: float) -> tuple[float]:
+    """N = N_0: wind, or a hull that is not symmetric."""
+    return (N_0,)
+
+
+def disturbance_moment(g: float) -> tuple[float]:
+    """A random moment (N m)."""
+    return (g,)
+
+
+def disturbance_rate(g: float, tau: float) -> tuple[float]:
+    """It forgets itself within tau."""
+    return (-g / tau,)
+
+
+def lasting_rate(e: float) -> tuple[float]:
+    """An error of the gyro (rad/s)."""
+    return (e,)
+
+
+def lasting_decay(e: float, tau_e: float) -> tuple[float]:
+    """It forgets itself within tau_e."""
+    return (-e / tau_e,)
+
+
+def acceleration(inertia: float, N: float) -> tuple[float]:
+    """R' = N / I."""
+    return (N / inertia,)
+
+
+def gyro(r: float) -> tuple[float]:
+    """The yaw rate as it is seen (rad/s)."""
+    return (r,)
+
+
+def offset(b: float) -> tuple[float]:
+    """The gyro reads b at rest."""
+    return (b,)
+
+
+def scaled(r: float, k: float) -> tuple[float]:
+    """The gyro reads (1 + k) r."""
+    return (k * r,)
+
+
+_DISTURBANCE = effect(
+    "disturbance", "The water is never quite still.", {"moment": disturbance_moment},
+    (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"), ("tau", "s", 1.0, 0.05, 10.0, "memory")),
+    kind="disturbance", channels=("yaw",), states=("g",), rates=disturbance_rate,
+)  # fmt: skip
+_LASTING = effect(
+    "lasting_error", "The gyro's errors last for a while.", {"observe": lasting_rate},
+    (("present", "1", 1.0, 0.0, 1.0, "1 where they are"), ("tau_e", "s", 0.2, 0.02, 2.0, "memory")),
+    kind="disturbance", states=("e",), rates=lasting_decay,
+)  # fmt: skip
+_LINEAR = effect(
+    "linear_yaw_damping", "The water resists turning in proportion to the yaw rate.",
+    {"moment": linear_moment}, (("N_r", "N m s", 0.5, 0.0, 50.0, "moment at 1 rad/s"),),
+)  # fmt: skip
+_QUADRATIC = effect(
+    "quadratic_yaw_damping", "The water resists turning in proportion to the yaw rate squared.",
+    {"moment": quadratic_moment}, (("N_rr", "N m s2", 1.0, 0.0, 100.0, "moment at 1 rad/s"),),
+)  # fmt: skip
+_OTHERS = (
+    effect("dry_friction", "A moment against the turning that does not depend on its rate.",
+           {"moment": dry_moment}, (("N_c", "N m", 0.05, 0.0, 5.0, "moment"),)),
+    effect("constant_moment", "A lasting moment acts on the vessel: wind, trim, a bent keel.",
+           {"moment": constant_moment}, (("N_0", "N m", 0.05, -5.0, 5.0, "moment"),)),
+    effect("gyro_bias", "The gyro does not read zero at rest.", {"observe": offset},
+           (("b", "rad/s", 0.01, -0.2, 0.2, "reading at rest"),), kind="measurement",
+           evidence={"compass": 1.0}),
+    effect("gyro_scale", "The gyro reads all rates too large or too small.", {"observe": scaled},
+           (("k", "1", 0.02, -0.3, 0.3, "share read too much"),), kind="measurement"),
+)  # fmt: skip
+
+
+STAGES = (
+    Stage("moment", ("N",), None, open=True),
+    Stage("rates", ("r",), acceleration),
+    Stage("observe", ("rate",), gyro, open=True),
+)
+EFFECTS = (_DISTURBANCE, _LASTING, _LINEAR, _QUADRATIC, *_OTHERS)
+SYSTEM = System("yaw_coastdown", ("r",), ("inertia",), (), (), STAGES, ("rate",), EFFECTS)

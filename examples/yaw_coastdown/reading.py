@@ -1,0 +1,58 @@
+"""Spin-downs as the engine takes them: column I yaw rate in rad/s, column J time in s."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.faults import fault
+from pipeline.fitting import Noise, Series
+
+from ..spreadsheet import columns, sheets
+from .model import YAW_INERTIA
+
+GYRO_STD = 0.003
+FIRST_NOISE = Noise(np.array([0.02, 0.002]), np.array([1.0, 0.2]), np.ones(1))
+COMPASS_STD = 0.015
+"""rad/s: a compass that is wrong by 0.3 rad, over 20 s."""
+
+
+def read_folder(folder: Path) -> tuple[Series, ...]:
+    """One `Series` a workbook.
+
+    Raises: Fault where there is none, or where one has no rows of rate and time.
+    """
+    paths = sorted(Path(folder).glob("*.xlsx"))
+    if not paths:
+        raise fault(folder, "", "no .xlsx", "one workbook a spin-down")
+    return tuple(read(path) for path in paths)
+
+
+def read(path: Path) -> Series:
+    """One spin-down."""
+    table = columns(sheets(path).get("Sheet1", {}), "JI")
+    if len(table) < 20:
+        raise fault(path, "Sheet1", f"{len(table)} rows", "20 or more with columns I and J")
+    times, rate = np.ascontiguousarray(table.T)
+    n = len(times)
+    return Series(
+        name=path.stem, group="all", condition=path.stem, times=times - times[0],
+        inputs=np.zeros((n, 0)), constants=np.array([YAW_INERTIA]), seen=rate.reshape(-1, 1),
+        noise=np.full((n, 1, 1), GYRO_STD**2), mean=np.array([rate[0], 0.0, 0.0]),
+        cov=np.diag([0.05, 1e-6, 1e-6]) ** 2,
+        evidence={"compass": (gyro_over_compass(path), COMPASS_STD)},
+    )  # fmt: skip
+
+
+def gyro_over_compass(path: Path) -> float:
+    """What the gyro reads beyond the turning that the compass shows, rad/s.
+
+    Over the whole recording, run-up and all: the mean of column B (yaw rate) less the turn of
+    column E (compass heading, clockwise) over its time, column F (ms).
+    """
+    clock, heading, rate = columns(sheets(path)["Sheet1"], "FEB").T
+    seconds = (clock - clock[0]) / 1000.0
+    turned = -(np.unwrap(heading)[-1] - heading[0])
+    read_ = float(np.sum(0.5 * (rate[1:] + rate[:-1]) * np.diff(seconds)))
+    return (read_ - turned) / float(seconds[-1])

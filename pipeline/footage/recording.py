@@ -10,7 +10,9 @@ from ..faults import Fault, fault
 from .boxes import Boxes, read_boxes
 from .chapters import chapter_of, in_order, unnamed_chapters
 from .probe import Probe, probe
+from .telemetry import camera_seconds
 
+CLOCK_SLACK = 0.02
 STRETCHED = {"S": "SuperView", "H": "HyperView"}
 
 
@@ -52,7 +54,7 @@ def open_recording(
     """Recording of one file, or of the chapters of one recording in any order.
 
     Raises: Fault where a file is missing, empty, not a video, without its index, in a stretched
-    lens mode, of another size than its fellows, or where a chapter is missing.
+    lens mode or a time-lapse, of another size than its fellows, or where a chapter is missing.
     """
     ordered = in_order([Path(path) for path in paths])
     probes = [_checked(path, fps) for path in ordered]
@@ -93,6 +95,8 @@ def _checked(path: Path, fps: float | None) -> Probe:
     result = probe(path, boxes)
     _check_lens(path, boxes)
     _check_clock(path, result, fps)
+    if boxes is not None and boxes.gopro and fps is None:
+        _check_camera_clock(path)
     return result
 
 
@@ -129,6 +133,19 @@ def _check_clock(path: Path, found: Probe, fps: float | None) -> None:
             f"{captured:g} frames/s taken, {found.fps:g} shown (slow motion or time-lapse)",
             "pictures shown at the rate they were taken",
             f"Set fps to {captured:g} in trials.csv if that rate is true.",
+        )
+
+
+def _check_camera_clock(path: Path) -> None:
+    """Fault where a GoPro's telemetry tells that its clock outran the footage."""
+    ran = camera_seconds(path)
+    if ran is not None and abs(ran - 1) > CLOCK_SLACK:
+        raise fault(
+            path,
+            "frame rate",
+            f"a time-lapse or TimeWarp ({ran:.3g} s on the camera's clock per second shown)",
+            "pictures shown at the rate they were taken",
+            "Film in video mode; or, if the true rate is known, set fps in trials.csv.",
         )
 
 

@@ -1,0 +1,72 @@
+"""How fast the camera's own clock ran while the footage plays: told by its telemetry.
+
+A GoPro file has a track of GPMF payloads, one for about each second shown; every sensor's stream in
+a payload bears STMP, the camera's clock in microseconds at its first sample
+(github.com/gopro/gpmf-parser, README). In a time-lapse or TimeWarp that clock outruns the footage.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .probe import opened
+
+HANDLER = "GoPro MET"
+LARGEST_PAYLOAD = 2**20
+NESTED = 0
+
+
+def camera_seconds(path: Path) -> float | None:
+    """Seconds on the camera's clock per second of footage shown; None where no telemetry tells."""
+    with opened(path) as container:
+        tracks = [
+            s for s in container.streams.data if HANDLER in s.metadata.get("handler_name", "")
+        ]
+        if not tracks:
+            return None
+        entries, base = tracks[0].index_entries, tracks[0].time_base
+        if len(entries) < 2 or not base:
+            return None
+        first, last = entries[0], entries[len(entries) - 1]
+        shown_s = float((last.timestamp - first.timestamp) * base)
+        stamps = [_stamps(path, entry) for entry in (first, last)]
+    names = stamps[0].keys() & stamps[1].keys()
+    if not names or shown_s <= 0:
+        return None
+    return float(np.median([stamps[1][n] - stamps[0][n] for n in names])) * 1e-6 / shown_s
+
+
+def _stamps(path: Path, entry: Any) -> dict[str, int]:
+    """STMP [microseconds] of each sensor's stream in a payload, by the stream's name."""
+    if not 0 < entry.size <= LARGEST_PAYLOAD:
+        return {}
+    with path.open("rb") as file:
+        file.seek(entry.pos)
+        body = file.read(entry.size)
+    found = {}
+    for device in _nested(body, b"DEVC"):
+        for stream in _nested(device, b"STRM"):
+            items = {key: value for key, _, value in _items(stream)}
+            if len(items.get(b"STMP", b"")) == 8:
+                name = items.get(b"STNM", b"").decode("latin-1")
+                found[name] = struct.unpack(">Q", items[b"STMP"])[0]
+    return found
+
+
+def _nested(body: bytes, wanted: bytes) -> Iterator[bytes]:
+    return (value for key, kind, value in _items(body) if key == wanted and kind == NESTED)
+
+
+def _items(body: bytes) -> Iterator[tuple[bytes, int, bytes]]:
+    """Key, type and value of each item: 4 + 1 + 1 + 2 bytes of header, values in fours of bytes."""
+    at = 0
+    while at + 8 <= len(body):
+        key, kind, size, repeat = struct.unpack(">4sBBH", body[at : at + 8])
+        length = size * repeat
+        yield key, kind, body[at + 8 : at + 8 + length]
+        at += 8 + (length + 3) // 4 * 4

@@ -1,0 +1,107 @@
+"""Time that a file tells wrongly: time-lapse, slow motion; and rates that it tells rightly."""
+
+from __future__ import annotations
+
+import struct
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from test_footage import SIZE, numbers, picture, write_video
+
+from pipeline.faults import Fault
+from pipeline.footage import frames, open_recording
+from pipeline.footage import telemetry as told
+from pipeline.footage.telemetry import camera_seconds
+
+
+def item(key: bytes, kind: str, size: int, value: bytes) -> bytes:
+    """One GPMF item: header, value, filled up to fours of bytes."""
+    head = struct.pack(">4sBBH", key, ord(kind) if kind else 0, size, len(value) // size)
+    return head + value + b"\0" * (-len(value) % 4)
+
+
+def payload(sensors: dict[str, int]) -> bytes:
+    """GPMF payload with the camera's clock [microseconds] in each sensor's stream."""
+    streams = b""
+    for name, stamp in sensors.items():
+        inner = item(b"STMP", "J", 8, struct.pack(">Q", stamp))
+        inner += item(b"STNM", "c", 1, name.encode()) + item(b"ACCL", "s", 6, bytes(60))
+        streams += item(b"STRM", "", 1, inner)
+    return item(b"DEVC", "", 1, item(b"DVNM", "c", 1, b"Camera") + streams)
+
+
+class Entry:
+    """An entry of a track's index, as the container gives it."""
+
+    def __init__(self, pos: int, size: int) -> None:
+        self.pos, self.size = pos, size
+
+
+def test_the_cameras_clock_is_read_from_each_sensors_stream(tmp_path):
+    body = payload({"Accelerometer": 80_577, "Gyroscope": 80_600})
+    (tmp_path / "p.bin").write_bytes(b"xx" + body + b"more")
+    found = told._stamps(tmp_path / "p.bin", Entry(2, len(body)))
+    assert found == {"Accelerometer": 80_577, "Gyroscope": 80_600}
+    assert told._stamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
+    assert told._stamps(tmp_path / "p.bin", Entry(2, 9)) == {}
+
+
+def gopro(path: Path) -> Path:
+    """A video with a GoPro's settings in its header."""
+    data = write_video(path, [1001 * i for i in range(6)], front=False).read_bytes()
+    body = item(b"DEVC", "", 1, item(b"VFOV", "c", 1, b"L"))
+    gpmf = struct.pack(">I", 8 + len(body)) + b"GPMF" + body
+    udta = struct.pack(">I", 8 + len(gpmf)) + b"udta" + gpmf
+    at = data.rindex(b"moov") - 4
+    moov = struct.unpack(">I", data[at : at + 4])[0]
+    longer = struct.pack(">I", moov + len(udta))
+    path.write_bytes(data[:at] + longer + data[at + 4 : at + moov] + udta)
+    return path
+
+
+@pytest.mark.parametrize(("ran", "refused"), [(1.0003, False), (None, False), (10.0, True)])
+def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch, ran, refused):
+    path = gopro(tmp_path / "GX010001.MP4")
+    monkeypatch.setattr("pipeline.footage.recording.camera_seconds", lambda _: ran)
+    if not refused:
+        assert open_recording([path]).frames_present == 6
+        return
+    with pytest.raises(Fault, match="time-lapse or TimeWarp") as caught:
+        open_recording([path])
+    assert "GX010001.MP4" in str(caught.value)
+    assert open_recording([path], fps=3.0).fps == 3.0
+
+
+def test_a_file_without_telemetry_tells_no_clock(tmp_path):
+    assert camera_seconds(write_video(tmp_path / "a.mp4", [0, 1001, 2002])) is None
+
+
+@pytest.mark.recordings
+def test_a_gopros_own_clock_agrees_with_its_footage(recordings):
+    path = recordings / "gopro_clip" / "max-heromode.mp4"
+    assert camera_seconds(path) == pytest.approx(1.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    "rate", [Fraction(24000, 1001), Fraction(30000, 1001), Fraction(30), Fraction(60000, 1001)]
+)
+@pytest.mark.parametrize("codec", ["libx264", "libx265", "mpeg4"])
+def test_rates_are_exact(tmp_path, rate, codec):
+    """29.97 and 59.94 are 30000/1001 and 60000/1001, not 30 and 60."""
+    path = tmp_path / "r.mp4"
+    with av.open(str(path), "w", format="mp4") as out:
+        stream = out.add_stream(codec, rate=rate)
+        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        stream.bit_rate = 8_000_000
+        stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "0"}
+        for number in range(12):
+            out.mux(stream.encode(av.VideoFrame.from_ndarray(picture(number), format="gray")))
+        out.mux(stream.encode(None))
+    recording = open_recording([path])
+    times = [frame.time_s for frame in frames(recording)]
+    assert recording.nominal_fps == pytest.approx(float(rate), rel=1e-9)
+    np.testing.assert_allclose(times, np.arange(12) / float(rate), atol=2e-5)
+    assert numbers(recording) == list(range(12))

@@ -73,6 +73,21 @@ def score(*, folder: Path, quiet: bool) -> None:
     write_json(folder / "score.json", figures | {"each": each})
 
 
+@challenge.command()
+@FOLDER
+def compare(*, folder: Path) -> None:
+    """Set what others would use beside the search, on the analysed studies of FOLDER."""
+    from ..challenge.compare import compare as run  # noqa: PLC0415
+    from ..challenge.compare import compared  # noqa: PLC0415
+    from ..challenge.score import judge_all  # noqa: PLC0415
+    from ..files import write_json  # noqa: PLC0415
+
+    figures = run(folder, judge_all(folder), _say)
+    for line in compared(figures):
+        click.echo(line)
+    write_json(folder / "compare.json", figures)
+
+
 @challenge.command("find-alone", hidden=True)
 @FOLDER
 @click.argument("sealed", type=click.Path(path_type=Path))

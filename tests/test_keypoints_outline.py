@@ -99,7 +99,7 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
 
 def mouse_setup() -> tuple[Setup, Trial]:
     robot = {
-        "mass_kg": 1, "yaw_inertia_kg_m2": 1, "body_length_m": 0.1, "head_length_m": 0.03,
+        "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.1, "head_length_m": 0.03,
         "head_span_m": 0.03, "hinge_to_com_m": 0.02, "tail_length_m": 0.05,
     }  # fmt: skip
     corners = ((0, 480), (640, 480), (640, 0), (0, 0))

@@ -17,7 +17,7 @@ CORNERS = ((60.0, 420.0), (580.0, 420.0), (580.0, 100.0), (60.0, 100.0))
 def plane() -> Plane:
     """A pool of 2.6 x 1.6 m seen straight from above at 200 px per m."""
     robot = {
-        "mass_kg": 1, "yaw_inertia_kg_m2": 1, "body_length_m": 0.3, "head_length_m": 0.12,
+        "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.3, "head_length_m": 0.12,
         "head_span_m": 0.07, "hinge_to_com_m": 0.04, "tail_length_m": 0.06,
     }  # fmt: skip
     return plane_of(Setup(robot=robot, camera={"pool_corners_px": CORNERS}))

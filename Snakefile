@@ -2,6 +2,7 @@
 #
 #   snakemake --cores all                                    the demo study, rendered first
 #   snakemake --cores all --config study=PATH results=DIR    any study
+#   snakemake --cores all challenge                          studies whose truth is concealed
 #
 # Values and their meaning: config/default.yaml, config/schema.yaml. Each rule calls the function
 # of its name in pipeline/stages/. A bad trial writes why into status/ID.json and stops only itself;
@@ -65,8 +66,19 @@ rule keypoints:
     shell: "python3 -m pipeline stage keypoints {params.at} --trial {wildcards.trial} --threads {threads} &> {log:q}"
 
 
+rule geometry:
+    input: expand(rules.keypoints.output, trial=plan.trials),
+    output: R / "geometry.json",
+    conda: ENV
+    log: LOGS / "geometry.log"
+    benchmark: TIMES / "geometry.tsv"
+    params: at=AT, code=plan.code("geometry"), settings=plan.distances(),
+    resources: mem_mb=900, runtime=20,
+    shell: "python3 -m pipeline stage geometry {params.at} &> {log:q}"
+
+
 rule tracks:
-    input: rules.keypoints.output, plan.motor,
+    input: rules.keypoints.output, plan.motor, plan.depth(),
     output: R / "status/{trial}.json",
     conda: ENV
     log: LOGS / "tracks/{trial}.log"
@@ -100,7 +112,7 @@ rule tuning:
 
 
 rule mismatch:
-    input: rules.tuning.output,
+    input: rules.tuning.output, rules.geometry.output,
     output: R / "mismatch.json", R / "mismatch_detail.json",
     conda: ENV
     log: LOGS / "mismatch.log"
@@ -112,7 +124,7 @@ rule mismatch:
 
 
 rule figure:
-    input: rules.tuning.output, rules.mismatch.output,
+    input: rules.tuning.output, rules.mismatch.output, plan.drawn_from,
     output:
         report(R / "figures/{figure}.png", "config/captions/figure.rst", "Figures"),
         R / "figures/{figure}.pdf",
@@ -153,6 +165,17 @@ rule outcome:
     log: LOGS / "outcome.log"
     params: at=AT, code=plan.code("outcome"),
     shell: "python3 -m pipeline stage outcome {params.at} &> {log:q}"
+
+
+rule challenge:
+    output: R / "challenge/score.json", R / "challenge/score.txt",
+    conda: ENV
+    log: LOGS / "challenge.log"
+    benchmark: TIMES / "challenge.tsv"
+    params: at=AT, code=plan.code("challenge"),
+    threads: 2
+    resources: mem_mb=3000, runtime=240,
+    shell: "python3 -m pipeline stage challenge {params.at} --threads {threads} &> {log:q}"
 
 
 onsuccess:

@@ -24,6 +24,7 @@ LEAST_SHARE = 0.8
 class Campaign:
     """Results of one study, by trial id; a trial that failed is in `statuses` alone.
 
+    geometry: content of geometry.json, None before it is there.
     coefficients: content of coefficients.json, empty before the tuning. mismatch and
     mismatch_detail: content of mismatch.json and mismatch_detail.json, None before the search.
     simulations: columns of simulations/ID.csv, model paths from each trial's fitted start.
@@ -38,6 +39,7 @@ class Campaign:
     mismatch_detail: Tree | None = None
     simulations: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
     statuses: Mapping[str, Tree] = field(default_factory=dict)
+    geometry: Tree | None = None
 
     @property
     def analysed(self) -> tuple[Trial, ...]:
@@ -102,6 +104,7 @@ def load_campaign(
         mismatch_detail=_optional(root / "mismatch_detail.json"),
         simulations=_per_trial(root / "simulations", ids, ".csv", _simulation),
         statuses=_per_trial(root / "status", ids, ".json", read_json),
+        geometry=_optional(root / "geometry.json"),
     )
 
 

@@ -128,6 +128,17 @@ def campaign(
     return Campaign(study=study, **(given | more))
 
 
+GEOMETRY = {
+    "scale": 0.985, "scale_std": 0.002, "likely": "scale_error", "rivals": [], "depth_m": 0.04,
+    "sentence": "rigid lengths come out -1.50 +- 0.20 % over the pool",
+    "estimates": [{"name": "scale_error", "parameters": ["scale"], "units": ["-"],
+                   "values": [0.015], "stds": [0.002], "gain": 210.0, "p_value": 1e-6,
+                   "text": "the pool is larger than stated by: scale +0.015 +- 0.002"}],
+    "map": {"x_edges_m": [0.0, 1.3, 2.6], "y_edges_m": [0.0, 1.6], "excess": [[-0.014, -0.016]],
+            "std": [[0.001, 0.001]], "count": [[400.0, 300.0]], "model": [[-0.015, -0.015]]},
+}  # fmt: skip
+
+
 def searched(base: Campaign) -> Campaign:
     """The campaign with a search that found a linear yaw damping of 0.02 N m s in it."""
     forces = {}
@@ -146,6 +157,7 @@ def searched(base: Campaign) -> Campaign:
     errors = {"path_rmse_m": 0.031, "radius_error_pct": 9.8, "speed_error_pct": 3.1}
     return Campaign(**{
         **base.__dict__,
+        "geometry": GEOMETRY,
         "mismatch": {
             "verdict": "physics", "sentence": "Physics left out: linear_yaw_damping.",
             "causes": [cause], "rivals": [],

@@ -13,7 +13,7 @@ import pytest
 from exact_campaign import campaign, searched
 
 from pipeline.campaign import Campaign
-from pipeline.report import write_report
+from pipeline.report.page import write_report
 from pipeline.report.hidden import hidden, true_steady
 from pipeline.stages.demo import lay_out
 from pipeline.study.seal import Seal, open_seal, seal_files

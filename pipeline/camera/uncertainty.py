@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from .bundle import lens_of, parameters
 from .plane import through_four
-from .pool import PoolCamera, to_pool
+from .pool import PoolCamera, project, to_pool
 from .resection import pose
 
 
@@ -36,6 +36,12 @@ def calibration_covariance(
     """Covariance (n, 2, 2), m2, of each place from the calibration alone."""
     modes = calibration_modes(camera, uv_px, depth_m, lens_std=lens_std)
     return np.asarray(modes @ np.swapaxes(modes, 1, 2))
+
+
+def calibration_at(camera: PoolCamera, xy_m: Float, depth_m: float) -> Float:
+    """Covariance (n, 2, 2), m2, of places (n, 2) at a depth from the calibration alone."""
+    below = np.column_stack([xy_m, np.full(len(xy_m), -depth_m)])
+    return calibration_covariance(camera, project(camera, below), depth_m)
 
 
 def _neighbours(camera: PoolCamera, lens_std: Float | None) -> Iterator[PoolCamera]:

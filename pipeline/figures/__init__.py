@@ -30,6 +30,7 @@ WORDS = {
     "steady": "steady speeds and radii",
     "coefficients": "fitted coefficients",
     "simulations": "simulated paths",
+    "geometry": "the check of the rigid distances (geometry.json)",
     "mismatch": "the search for what was left out (mismatch.json)",
     "mismatch_detail": "the details of that search (mismatch_detail.json)",
 }

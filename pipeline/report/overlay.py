@@ -48,13 +48,19 @@ def trial_overlay(campaign: Campaign, trial_id: str, results: str | Path, path: 
     scene = Scene(
         label=_label(trial),
         size_px=camera.size_px,
-        lines=paths(camera, track, columns, study.setup.robot.keypoint_depth_m),
+        lines=paths(camera, track, columns, _depth_m(campaign)),
         keypoints=found,
         floor=empty_pool(camera, WIDTH_PX),
     )
     moments = found.time_s if found is not None else track.time_s
     shown = film if film is not None else _blank(moments)
     return write_overlay(path, scene, shown, fps=frame_rate(moments))
+
+
+def _depth_m(campaign: Campaign) -> float:
+    """Depth of the keypoints that the tracks were made with."""
+    given = campaign.study.setup.robot.keypoint_depth_m
+    return float((campaign.geometry or {}).get("depth_m", given))
 
 
 def write_overlay(

@@ -46,6 +46,11 @@ class Layout:
         return self.root / "overlays" / f"{trial_id}.mp4"
 
     @property
+    def geometry(self) -> Path:
+        """What the rigid distances say about scale, lens, pose and depth."""
+        return self.root / "geometry.json"
+
+    @property
     def steady(self) -> Path:
         """A row a trial: speed, radius, flapping frequency."""
         return self.root / "steady.csv"

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..campaign import load_campaign
-from ..report import write_report
+from ..report.page import write_report
 from ..study import load_study
 from ..study.seal import open_seal
 from .layout import Layout

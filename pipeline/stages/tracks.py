@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..camera import map_keypoints, pool_camera
-from ..data import Flapping, Keypoints, Positions, write_pose, write_track
+import numpy as np
+
+from ..camera import PoolCamera, map_keypoints, pool_camera
+from ..camera.uncertainty import calibration_at
+from ..data import Flapping, Keypoints, Positions, Track, write_pose, write_track
 from ..faults import fault
 from ..files import read_json
 from ..keypoints.deeplabcut import read
@@ -15,6 +19,7 @@ from ..pose import rigid_pose
 from ..smoothing import smooth
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
+from .depth import keypoint_depth
 from .layout import Layout
 from .status import attempt
 
@@ -39,13 +44,14 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     size = detection.get("size_px")
     camera = pool_camera(study.setup, (size[0], size[1]) if size else None)
     found = _detections(layout.keypoints(trial.trial_id), trial)
-    positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
+    depth = keypoint_depth(study.setup, layout)
+    positions = map_keypoints(camera, found, depth)
     flapping = flapping_of(study, trial, positions)
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     track = smooth(pose, flapping.flap_hz)
     steady = steady_state(track, flapping, trial.head_angle_rad)
     write_pose(layout.pose(trial.trial_id), pose)
-    write_track(layout.track(trial.trial_id), track)
+    write_track(layout.track(trial.trial_id), _with_calibration(track, camera, depth))
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     remarks = [*detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
     return {**detection, "remarks": list(dict.fromkeys(remarks)), "flapping": _told(flapping)}
@@ -55,6 +61,16 @@ def _detections(path: Path, trial: Trial) -> Keypoints:
     """Keypoints as the stage before wrote them: our names, already cut to the part to use."""
     whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
     return read(path, whole, {})
+
+
+def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:
+    """The track whose positions' deviations hold the calibration's, common to all frames."""
+    cov = calibration_at(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
+    x, y = (
+        np.hypot(np.sqrt(cov[:, 0, 0]), track.x_m_std),
+        np.hypot(np.sqrt(cov[:, 1, 1]), track.y_m_std),
+    )
+    return replace(track, x_m_std=x, y_m_std=y)
 
 
 def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:

@@ -21,7 +21,8 @@ from ..study.seal import seal_files
 from .provenance import PACKAGE, fingerprint
 
 RESULTS = (
-    "steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json", "report.html",
+    "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
+    "mismatch.json", "report.html",
 )  # fmt: skip
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 
@@ -84,6 +85,18 @@ class Plan:
         name = self.study.trial(wildcards.trial).motor_log
         return [self._named(name)] if name and self._comes(name) else []
 
+    def depth(self) -> list[str]:
+        """What tells the depth of the keypoints, where study.yaml does not."""
+        return [] if self._depth_given else [str(self.results / "geometry.json")]
+
+    def drawn_from(self, wildcards: Any) -> list[str]:
+        """What a figure is drawn from beside the fits and the search."""
+        return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
+
+    @property
+    def _depth_given(self) -> bool:
+        return "keypoint_depth_m" in self.study.setup.robot.model_fields_set
+
     def _named(self, name: str) -> str:
         return str(self.folder / name)
 
@@ -114,7 +127,13 @@ class Plan:
         """Fingerprint of what the pose and the track of a trial depend on beside detections."""
         setup = self.study.setup.model_dump(mode="json")
         row = _without(_row(self.study.trial(wildcards.trial)), "role")
-        return _hash(row, _without(setup, "detection"))
+        return _hash(row, _without(setup, "detection"), self._depth_given)
+
+    def distances(self) -> str:
+        """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
+        heads = [(trial.trial_id, trial.head_length_m) for trial in self.study.trials]
+        setup = self.study.setup.model_dump(mode="json")
+        return _hash(heads, _without(setup, "detection"), self._depth_given)
 
     def fit(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""

@@ -1,0 +1,82 @@
+"""Rigid distances over the pool: what is left wrong with lens, pose, refraction or scale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..campaign import Campaign
+from ..data import Float
+from .drawing.look import DIVERGING, absent, letter
+from .drawing.pool import pool
+
+TITLE = "Is the geometry right? Rigid distances over the pool"
+CAPTION = (
+    "The robot's head and core keep their lengths wherever it swims. A: by how much the measured "
+    "lengths miss the stated ones, place by place; grey figures are standard deviations. B: what "
+    "the likeliest error of the geometry would do, on the same scale; even where none is found. "
+    "C: how much each possible error explains, fitted alone, in units of chi-squared (logarithmic)."
+)
+NEEDS = ("geometry",)
+SHOWN = 9
+
+
+def draw(campaign: Campaign) -> Figure:
+    """The map, what the likely error predicts, and all suspects."""
+    found = campaign.geometry or {}
+    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    for axes, name in zip((left, middle, right), "ABC", strict=True):
+        letter(axes, name)
+    if not found.get("map"):
+        for axes in (left, middle, right):
+            absent(axes, str(found.get("sentence", "no distances")))
+        return figure
+    grid = {key: _numbers(value) for key, value in found["map"].items()}
+    span = max(100 * float(np.nanmax(np.abs(grid["excess"]))), 0.05)
+    _map(left, campaign, grid, span, "excess")
+    picture = _map(middle, campaign, grid, span, "model")
+    figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
+    left.set_title("measured over stated length")
+    middle.set_title(f"likeliest: {_plain(found['likely'])}")
+    _suspects(right, found["estimates"])
+    return figure
+
+
+def _numbers(values: Any) -> Float:
+    return np.array(values, dtype=np.float64)
+
+
+def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, name: str) -> Any:
+    pool(axes, campaign.study)
+    shown = np.where(grid["count"] > 0, 100 * grid[name], np.nan)
+    picture = axes.pcolormesh(
+        grid["x_edges_m"], grid["y_edges_m"], shown, cmap=DIVERGING, vmin=-span, vmax=span, zorder=1
+    )
+    if name == "excess":
+        _deviations(axes, grid)
+    return picture
+
+
+def _deviations(axes: Axes, grid: dict[str, Float]) -> None:
+    x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
+    for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
+        text = f"±{100 * grid['std'][row, column]:.2f}"
+        axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5, color="#5b6570")
+
+
+def _suspects(axes: Axes, estimates: list[dict[str, Any]]) -> None:
+    best = estimates[:SHOWN][::-1]
+    gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
+    names = [f"{_plain(one['name'])}: {', '.join(map(_plain, one['parameters']))}" for one in best]
+    axes.barh(range(len(best)), gains, left=1.0, color="#56B4E9", height=0.6)
+    axes.set_yticks(range(len(best)), names, fontsize=7)
+    axes.set_xscale("log")
+    axes.set_xlabel("chi-squared explained alone")
+
+
+def _plain(name: str) -> str:
+    return name.removesuffix("_m").removesuffix("_rad").replace("_", " ")

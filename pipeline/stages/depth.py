@@ -1,0 +1,19 @@
+"""How deep the keypoints lie: as study.yaml says, else as the rigid distances told."""
+
+from __future__ import annotations
+
+from ..files import read_json
+from ..study import Setup
+from .layout import Layout
+
+
+def keypoint_depth(setup: Setup, layout: Layout) -> float:
+    """Depth of the keypoints, m: as study.yaml gives it, else as the distances tell it."""
+    if depth_given(setup):
+        return setup.robot.keypoint_depth_m
+    return float(read_json(layout.geometry)["depth_m"])
+
+
+def depth_given(setup: Setup) -> bool:
+    """Whether study.yaml says how deep the keypoints lie."""
+    return "keypoint_depth_m" in setup.robot.model_fields_set

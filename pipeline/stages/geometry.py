@@ -1,0 +1,126 @@
+"""What the rigid distances of all trials say about scale, lens, pose and depth."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from ..camera import map_keypoints, pool_camera
+from ..camera.geometry import Estimate, GeometryCheck, check_geometry, estimate_depth
+from ..camera.pool import PoolCamera
+from ..data import Positions
+from ..faults import Fault
+from ..files import read_json, write_json
+from ..keypoints.deeplabcut import read
+from ..study import Setup, Study, Trial, load_study
+from .depth import depth_given
+from .layout import Layout
+from .status import good_trials
+
+USEFUL_DEPTH_STD_M = 0.01
+"""An estimated depth less certain than this is worth less than the usual one."""
+
+
+def geometry(study: Path, results: Path) -> None:
+    """Write geometry.json: scale, depth and the likely error, each with what speaks for it.
+
+    scale: measured over true lengths, given the robot's lengths in study.yaml, with scale_std
+    (trials as clusters). depth_m: of the keypoints, estimated where study.yaml does not give it
+    and the distances tell it to 10 mm. likely: `nothing`, the name of an error, or `unknown`.
+    map: relative error of the distances over the pool, and what the likely error predicts there.
+    """
+    loaded, layout = load_study(study), Layout(results)
+    ids = [trial.trial_id for trial in loaded.trials]
+    good = good_trials([layout.detection(trial_id) for trial_id in ids])
+    try:
+        told = _told(loaded, [loaded.trial(name) for name in good], layout)
+    except Fault as nothing:
+        told = _unknown(loaded.setup, str(nothing))
+    write_json(layout.geometry, told)
+
+
+def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+    setup, depth = study.setup, study.setup.robot.keypoint_depth_m
+    if not trials:
+        return _unknown(setup, "no trial with keypoints")
+    camera = _camera(study, trials[0], layout)
+    lengths = [trial.head_length_m for trial in trials]
+    placed = _placed(camera, trials, layout, depth)
+    found, std = (depth, 0.0) if camera.lens is None else estimate_depth(
+        camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
+    )  # fmt: skip
+    if _taken(setup, found, std):
+        depth = found
+        placed = _placed(camera, trials, layout, depth)
+    check = check_geometry(camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot)
+    return {
+        **_evidence(check),
+        "depth_m": depth,
+        "depth_given": depth_given(setup),
+        "depth_estimate_m": found if std else None,
+        "depth_estimate_std_m": std or None,
+        "trials": len(trials),
+    }
+
+
+def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
+    size = read_json(layout.detection(trial.trial_id)).get("size_px")
+    return pool_camera(study.setup, (size[0], size[1]) if size else None)
+
+
+def _placed(
+    camera: PoolCamera, trials: list[Trial], layout: Layout, depth_m: float
+) -> list[Positions]:
+    def place(trial: Trial) -> Positions:
+        whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+        return map_keypoints(camera, read(layout.keypoints(trial.trial_id), whole, {}), depth_m)
+
+    return [place(trial) for trial in trials]
+
+
+def _taken(setup: Setup, depth_m: float, std_m: float) -> bool:
+    inside = 0 <= depth_m < setup.pool.depth_m
+    return not depth_given(setup) and 0 < std_m < USEFUL_DEPTH_STD_M and inside
+
+
+def _evidence(check: GeometryCheck) -> dict[str, Any]:
+    scale = next((e for e in check.estimates if e.suspect.name == "scale_error"), None)
+    return {
+        "scale": 1 - scale.values[0] if scale else None,
+        "scale_std": scale.stds[0] if scale else None,
+        "likely": check.outcome,
+        "rivals": check.rivals,
+        "sentence": check.sentence,
+        "mean_excess": check.mean_excess,
+        "mean_excess_std": check.mean_excess_std,
+        "estimates": [_row(estimate) for estimate in check.estimates],
+        "map": asdict(check.map),
+    }
+
+
+def _row(estimate: Estimate) -> dict[str, Any]:
+    return {
+        "name": estimate.suspect.name,
+        "parameters": estimate.suspect.parameters,
+        "units": estimate.suspect.units,
+        "values": estimate.values,
+        "stds": estimate.stds,
+        "gain": estimate.gain,
+        "p_value": estimate.p_value,
+        "text": estimate.text,
+    }
+
+
+def _unknown(setup: Setup, why: str) -> dict[str, Any]:
+    return {
+        "scale": None,
+        "scale_std": None,
+        "likely": "unknown",
+        "rivals": [],
+        "sentence": f"the geometry could not be checked: {why}",
+        "depth_m": setup.robot.keypoint_depth_m,
+        "depth_given": depth_given(setup),
+        "estimates": [],
+        "map": None,
+    }

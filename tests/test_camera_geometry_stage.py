@@ -1,0 +1,132 @@
+"""geometry.json and its figure: what a study's keypoints say about scale, depth and lens."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from exact_campaign import GEOMETRY, campaign
+
+from pipeline.camera import pool_camera
+from pipeline.camera.uncertainty import calibration_at
+from pipeline.campaign import Campaign
+from pipeline.data import read_track
+from pipeline.figures import draw
+from pipeline.stages.depth import keypoint_depth
+from pipeline.stages.geometry import geometry
+from pipeline.stages.keypoints import keypoints
+from pipeline.stages.layout import Layout
+from pipeline.stages.tracks import tracks
+from pipeline.study import load_study
+from studies import PLANS, small_study
+
+
+def edited(study: Path, change) -> None:
+    path = study / "study.yaml"
+    content = yaml.safe_load(path.read_text())
+    change(content)
+    path.write_text(yaml.safe_dump(content))
+
+
+@pytest.fixture(scope="module")
+def detected(tmp_path_factory):
+    """A study of three trials, its keypoints read."""
+    root = tmp_path_factory.mktemp("geometry")
+    study = small_study(root / "study")
+    for trial in PLANS:
+        keypoints(study, root / "results", trial)
+    return study, root / "results"
+
+
+def told(study: Path, results: Path) -> dict:
+    geometry(study, results)
+    return json.loads((results / "geometry.json").read_text())
+
+
+def test_a_right_study_has_scale_one_and_its_depth_as_given(detected):
+    found = told(*detected)
+    assert found["scale"] == pytest.approx(1.0, abs=max(4 * found["scale_std"], 0.001))
+    assert 0 < found["scale_std"] < 0.01
+    assert found["depth_given"]
+    assert found["depth_m"] == 0.04
+    assert found["likely"] == "nothing"
+    assert found["trials"] == 3
+    assert np.shape(found["map"]["excess"]) == np.shape(found["map"]["model"])
+
+
+def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
+    study, results = detected
+    copy = tmp_path / "study"
+    copy.mkdir()
+    for name in ("study.yaml", "trials.csv"):
+        (copy / name).write_bytes((study / name).read_bytes())
+
+    def shorten(content):
+        content["pool"]["length_m"] *= 0.97
+        content["pool"]["width_m"] *= 0.97
+
+    edited(copy, shorten)
+    found = told(copy, results)
+    assert found["scale"] == pytest.approx(0.97, abs=0.006)
+    assert found["likely"] != "nothing"
+    assert "scale_error" in {found["likely"], *found["rivals"]}
+    told(study, results)
+
+
+def test_depth_that_is_not_given_is_estimated_and_used(detected, tmp_path):
+    study, results = detected
+    copy = tmp_path / "study"
+    copy.mkdir()
+    for name in ("study.yaml", "trials.csv"):
+        (copy / name).write_bytes((study / name).read_bytes())
+    edited(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
+    found = told(copy, results)
+    assert not found["depth_given"]
+    std = found["depth_estimate_std_m"]
+    assert found["depth_estimate_m"] == pytest.approx(0.04, abs=4 * std)
+    taken = found["depth_estimate_m"] if std < 0.01 else 0.04
+    assert found["depth_m"] == pytest.approx(taken)
+    assert keypoint_depth(load_study(copy).setup, Layout(results)) == pytest.approx(taken)
+    told(study, results)
+
+
+def test_no_keypoints_at_all_are_said_and_stop_nothing(tmp_path):
+    study = small_study(tmp_path / "study")
+    for name in PLANS:
+        (study / f"keypoints/{name}.csv").write_text("")
+        keypoints(study, tmp_path / "results", name)
+    found = told(study, tmp_path / "results")
+    assert found["likely"] == "unknown"
+    assert found["scale"] is None
+    assert "could not be checked" in found["sentence"]
+
+
+def test_stated_deviations_of_positions_hold_the_calibrations(detected):
+    study, results = detected
+    tracks(study, results, PLANS[0])
+    track = read_track(Layout(results).track(PLANS[0]))
+    camera = pool_camera(load_study(study).setup, None)
+    xy = np.column_stack([track.x_m, track.y_m])
+    cov = calibration_at(camera, xy, 0.04)
+    assert (track.x_m_std**2 > cov[:, 0, 0]).all()
+    assert (track.y_m_std**2 > cov[:, 1, 1]).all()
+    assert (cov[:, 0, 0] > 0).all()
+
+
+def test_the_figure_shows_the_map_and_the_suspects():
+    base = campaign()
+    figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": GEOMETRY}))
+    left, middle, right = figure.axes[:3]
+    assert left.collections[0].get_array().compressed() == pytest.approx([-1.4, -1.6])
+    assert middle.get_title() == "likeliest: scale error"
+    assert [t.get_text() for t in right.get_yticklabels()] == ["scale error: scale"]
+
+
+def test_the_figure_says_when_there_is_no_map():
+    nothing = {**GEOMETRY, "map": None, "sentence": "no trial with keypoints"}
+    base = campaign()
+    figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": nothing}))
+    assert "no trial with" in figure.axes[0].texts[-1].get_text()

@@ -9,6 +9,7 @@ from .camera import calibrate, pool
 from .challenge import challenge
 from .check import check
 from .doctor import doctor
+from .export import export
 from .run import run
 from .simulate import simulate
 from .stage import stage
@@ -40,5 +41,5 @@ def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
 
 
-for _command in (run, check, doctor, calibrate, pool, simulate, challenge, stage):
+for _command in (run, check, doctor, calibrate, pool, simulate, challenge, export, stage):
     main.add_command(_command)

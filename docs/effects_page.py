@@ -1,0 +1,61 @@
+"""docs/effects.md from the files of the effects and of the measurement's faults.
+
+    python docs/effects_page.py
+
+Each file is one physical statement; this page is made of nothing else. A test holds it current.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+HERE = Path(__file__).resolve().parent
+PACKAGE = HERE.parent / "pipeline"
+FOLDERS = {"effects": "Physics", "measurement": "Faults of the measurement"}
+HEAD = """# What may have been left out
+
+Made by `python docs/effects_page.py` from the files of `pipeline/effects/` and
+`pipeline/measurement/`; edit those. The search of `mismatch` refits each on whole trajectories
+together with the coefficients of the plain model. Axes: surge forward, sway to the left, yaw
+counter-clockwise; `u`, `v` velocity along and across the core, `r` yaw rate, `rho` water density.
+"""
+
+
+def page() -> str:
+    """Text of docs/effects.md."""
+    return "\n".join([HEAD, *(line for folder in FOLDERS for line in _part(folder))])
+
+
+def _part(folder: str) -> Iterator[str]:
+    yield f"## {FOLDERS[folder]}\n"
+    for path in sorted((PACKAGE / folder).glob("*.py")):
+        if not path.stem.startswith("_"):
+            yield from _entry(path.stem, import_module(f"pipeline.{folder}.{path.stem}"))
+
+
+def _entry(name: str, module: ModuleType) -> Iterator[str]:
+    yield f"### `{name}`\n"
+    yield f"{module.STATEMENT}\n"
+    yield _as_markdown(module.__doc__ or "")
+    yield f"Acts on {', '.join(module.CHANNELS)}; seen in: {module.REGIME}."
+    if module.CONFUSED_WITH:
+        others = ", ".join(f"`{other}`" for other in module.CONFUSED_WITH)
+        yield f"Easily taken for {others}."
+    yield "\n| parameter | unit | start | from | to | meaning |\n|---|---|---|---|---|---|"
+    for one in module.PARAMETERS:
+        span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"
+        yield f"| `{one.name}` | {one.unit} | {span} | {one.meaning} |"
+    yield ""
+
+
+def _as_markdown(text: str) -> str:
+    """A docstring without its heading; indented lines stay formulas."""
+    body = text.strip().split("\n", 1)[1:]
+    return body[0].strip("\n") + "\n" if body else ""
+
+
+if __name__ == "__main__":
+    (HERE / "effects.md").write_text(page(), encoding="utf-8")

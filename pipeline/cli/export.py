@@ -1,0 +1,158 @@
+"""`bluekoi export`: results in the forms that other programs read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from ..campaign import Campaign
+    from ..data import Float, Track
+
+PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+RATES = {
+    "heading_rad": "rad",
+    "head_angle_rad": "rad",
+    "speed_m_s": "m/s",
+    "vx_m_s": "m/s",
+    "vy_m_s": "m/s",
+    "yaw_rate_rad_s": "rad/s",
+    "x_m": "m",
+    "y_m": "m",
+}
+INDIVIDUAL = "robot"
+
+
+@click.command()
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option("--results", type=click.Path(path_type=Path), help="Folder with the results.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
+def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
+    """Write the tracks of STUDY as netCDF for `movement`, and its coefficients as csv.
+
+    One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
+    RESULTS/export without --out. Needs xarray: pip install 'bluekoi[netcdf]'.
+    """
+    from ..campaign import load_campaign  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    folder = results or Path("results") / study.resolve().name
+    target = out or folder / "export"
+    campaign = load_campaign(folder, load_study(study))
+    chosen = _chosen(campaign, trials, folder)
+    for name in chosen:
+        write_netcdf(campaign, name, target / f"{name}.nc")
+    if campaign.coefficients:
+        _write_coefficients(campaign.coefficients, target / "coefficients.csv")
+    click.echo(f"{len(chosen)} trials written to {target}")
+
+
+def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:
+    from ..faults import fault, nearest  # noqa: PLC0415
+
+    known = [t.trial_id for t in campaign.study.trials if t.trial_id in campaign.tracks]
+    if not known:
+        raise fault(folder / "tracks", "", "no tracks", "those of a run", "bluekoi run STUDY")
+    for name in trials:
+        if name not in known:
+            raise fault(folder / "tracks", "", f"no '{name}'", "a track", nearest(name, known))
+    return [name for name in known if not trials or name in trials]
+
+
+def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
+    """Write one trial as a `poses` dataset of movement: time, space, keypoints, individuals.
+
+    Raises: Fault where xarray is not installed.
+    """
+    from ..files import whole_file  # noqa: PLC0415
+
+    dataset = _dataset(campaign, trial_id)
+    with whole_file(path) as temporary:
+        dataset.to_netcdf(temporary, format="NETCDF3_64BIT", engine="scipy")
+
+
+def _dataset(campaign: Campaign, trial_id: str) -> Any:
+    """Position (time, space, keypoints, individuals), m, confidence without space, and rates."""
+    import numpy as np  # noqa: PLC0415
+
+    xarray = _xarray()
+    track, trial = campaign.tracks[trial_id], campaign.study.trial(trial_id)
+    position = _position(campaign, trial_id, track)
+    frames = len(track.time_s)
+    layout = ("time", "space", "keypoints", "individuals")
+    data: dict[str, Any] = {
+        "position": (layout, position[..., None], {"units": "m"}),
+        "confidence": (
+            ("time", "keypoints", "individuals"),
+            np.full((frames, len(PARTS), 1), np.nan),
+        ),
+    }
+    for name, unit in RATES.items():
+        for column in (name, f"{name}_std"):
+            data[column] = ("time", getattr(track, column), {"units": unit})
+    return xarray.Dataset(
+        data,
+        coords={
+            "time": track.time_s,
+            "space": ["x", "y"],
+            "keypoints": list(PARTS),
+            "individuals": [INDIVIDUAL],
+        },
+        attrs={
+            "ds_type": "poses",
+            "source_software": "BlueKoi",
+            "source_file": str(trial.source),
+            "time_unit": "seconds",
+            "fps": float(1 / np.median(np.diff(track.time_s))),
+            "trial_id": trial_id,
+            "power_pct": trial.power_pct,
+            "head_angle_deg": trial.head_angle_deg,
+            "head_length_m": trial.head_length_m,
+            "frame": "pool: origin at one corner on the water surface, x along the length, z up",
+        },
+    )
+
+
+def _position(campaign: Campaign, trial_id: str, track: Track) -> Float:
+    """Rigid keypoints of the smoothed motion, (frames, 2, parts), m."""
+    import numpy as np  # noqa: PLC0415
+
+    robot, trial = campaign.study.setup.robot, campaign.study.trial(trial_id)
+    core = np.column_stack([np.cos(track.heading_rad), np.sin(track.heading_rad)])
+    theta = track.heading_rad - track.head_angle_rad
+    head = np.column_stack([np.cos(theta), np.sin(theta)])
+    center = np.column_stack([track.x_m, track.y_m])
+    hinge = center + robot.hinge_to_com_m * core
+    tip = hinge + trial.head_length_m * head
+    tail = center - robot.com_to_tail_base_m * core
+    return np.stack([tip, hinge, center, tail], axis=2)
+
+
+def _xarray() -> Any:
+    from ..faults import fault  # noqa: PLC0415
+
+    try:
+        return import_module("xarray")
+    except ImportError as error:
+        cure = "pip install 'bluekoi[netcdf]'"
+        raise fault("this machine", "", "no xarray", "xarray, for netCDF", cure) from error
+
+
+def _write_coefficients(content: Mapping[str, Any], path: Path) -> None:
+    from ..files import write_text  # noqa: PLC0415
+
+    lines = ["fit,coefficient,value,std,unit,determined", *_rows(content)]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _rows(content: Mapping[str, Any]) -> Iterator[str]:
+    fits = {f"paper_{power}_pct": fit for power, fit in content.get("paper_steps", {}).items()}
+    for fit, found in {**fits, "joint": content.get("joint") or {}}.items():
+        for name, one in (found.get("coefficients") or {}).items():
+            cells = (one.get(key) for key in ("value", "std", "unit", "determined"))
+            yield ",".join([fit, name, *("" if cell is None else str(cell) for cell in cells)])

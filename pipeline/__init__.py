@@ -16,6 +16,7 @@ The way through the house, in the order in which the data flow:
     measurement   candidate faults of the measurement: one a file
     model         the paper's equations, with effects added
     tuning        the paper's three steps and the joint fit
+    design_space  other designs and manoeuvres of the fitted robot
     mismatch      what was left out: is there anything, where, what
     campaign      a study and everything its run has written
     figures       one figure a file

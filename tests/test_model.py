@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
@@ -17,8 +18,13 @@ FIN = {"tail_fin_lift": {"S": 0.012, "a": 0.15}}
 
 
 def plain_equations(t: float, s: np.ndarray, power: int, phi: float) -> list[float]:
+    """Eq. 8 with Table I at a power."""
+    return plain_law(t, s, TABLE_1[power], phi, FLAP_HZ[power])
+
+
+def plain_law(t: float, s: np.ndarray, c: Mapping[str, float], phi: float, f: float) -> list[float]:
     """Eq. 8 in world axes and complex numbers, as printed; A, l of the 1x head."""
-    c, f, rho, A = TABLE_1[power], FLAP_HZ[power], 1000.0, 0.12 * 0.069
+    rho, A = 1000.0, 0.12 * 0.069
     l, m, I = 0.12 + 0.04 - 0.331 / 4, 0.68, 0.0095
     theta, v, r = s[2], complex(s[3], s[4]), s[5]
     speed = abs(v)

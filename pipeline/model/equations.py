@@ -31,21 +31,26 @@ def drive(head_angle: float, flap_hz: float) -> tuple[float, float]:
     return head_angle, flap_hz
 
 
+def head(phi: float) -> tuple[float, float]:
+    """Cosine and sine of the head angle."""
+    s, c = sin_cos(phi)
+    return c, s
+
+
 def flow(
-    psi: float, u: float, v: float, phi: float, wx: float, wy: float
-) -> tuple[float, float, float, float, float, float, float, float, float]:
+    psi: float, u: float, v: float, cphi: float, sphi: float, wx: float, wy: float
+) -> tuple[float, float, float, float, float, float, float]:
     """Directions and velocities relative to the water (wx, wy), m/s.
 
-    Out: cos and sin of psi and phi, velocity along and across the core, along and across the
-    head plate, speed.
+    Out: cos and sin of psi, velocity along and across the core, along and across the head plate,
+    speed.
     """
     s, c = sin_cos(psi)
-    sp, cp = sin_cos(phi)
     uc = u - (wx * c + wy * s)
     vc = v - (wy * c - wx * s)
-    uh = uc * cp - vc * sp
-    vh = uc * sp + vc * cp
-    return c, s, cp, sp, uc, vc, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
+    uh = uc * cphi - vc * sphi
+    vh = uc * sphi + vc * cphi
+    return c, s, uc, vc, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
 
 
 def thrust(rho: float, A: float, f: float, C_T: float) -> tuple[float]:
@@ -95,6 +100,11 @@ def inertia(m: float, I: float) -> tuple[float, float, float]:
     return m, m, I
 
 
+def mobility(mx: float, my: float, J: float) -> tuple[float, float, float]:
+    """Acceleration by a unit force: 1/mx, 1/my (1/kg), 1/J (1/(kg m2))."""
+    return 1.0 / mx, 1.0 / my, 1.0 / J
+
+
 def rates(
     u: float,
     v: float,
@@ -106,19 +116,21 @@ def rates(
     N: float,
     mx: float,
     my: float,
-    J: float,
+    bx: float,
+    by: float,
+    bJ: float,
 ) -> tuple[float, float, float, float, float, float]:
     """Derivatives of x, y, psi, u, v, r: Newton and Euler in the frame of the core (Eq. 8).
 
-    mx u' = X + my v r;  my v' = Y - mx u r;  J r' = N - (my - mx) u v
+    mx u' = X + my v r;  my v' = Y - mx u r;  J r' = N - (my - mx) u v;  b is 1/m and 1/J
     """
     return (
         u * cpsi - v * spsi,
         u * spsi + v * cpsi,
         r,
-        (X + my * v * r) / mx,
-        (Y - mx * u * r) / my,
-        (N - (my - mx) * u * v) / J,
+        (X + my * v * r) * bx,
+        (Y - mx * u * r) * by,
+        (N - (my - mx) * u * v) * bJ,
     )
 
 

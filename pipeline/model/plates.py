@@ -23,15 +23,13 @@ STAGES = (
     Stage("clock", ("clock_rate",), equations.clock, open=True),
     Stage("drive", ("phi", "f"), equations.drive, open=True),
     Stage("water", ("wx", "wy"), None, open=True),
-    Stage(
-        "flow",
-        ("cpsi", "spsi", "cphi", "sphi", "uc", "vc", "uh", "vh", "V"),
-        equations.flow,
-    ),
+    Stage("head", ("cphi", "sphi"), equations.head),
+    Stage("flow", ("cpsi", "spsi", "uc", "vc", "uh", "vh", "V"), equations.flow),
     Stage("thrust", ("T",), equations.thrust, open=True),
     Stage("plate", ("Xh", "Yh"), equations.plate, open=True),
     Stage("force", ("X", "Y", "N"), equations.force, open=True),
     Stage("inertia", ("mx", "my", "J"), equations.inertia, open=True),
+    Stage("mobility", ("bx", "by", "bJ"), equations.mobility),
     Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
     Stage("observe", ("x", "y", "heading", "head_angle"), equations.observe, open=True),
 )

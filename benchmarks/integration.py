@@ -1,0 +1,198 @@
+"""Simulations per second beside solve_ivp and hand-written C compiled on the spot (needs gcc).
+
+    python benchmarks/integration.py [--seconds 3] [--fresh]
+
+One simulation is 8 s of the paper's model from rest with the head turned, seen 30 times a second.
+C is integration.c: one simulation at a time, and 16 at a time with the compiler's own choice of
+vector width and with the widest; each ratio is to the fastest C. Rounds alternate between the
+candidates and the best round of each counts, so that other work on the machine hurts all alike.
+With --fresh the first call with an empty cache and the first of a later process are timed too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+
+from test_model import plain_equations
+
+from pipeline.integrate import LANES, System, compiled
+from pipeline.integrate.batch import propagate
+from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
+from robots import SETUP
+
+HERE = Path(__file__).resolve().parent
+FRAMES, RATE = 241, 30.0
+BLOCKS = 16
+POWER, ANGLE = 75, np.radians(35.0)
+FLAGS = {
+    "C, one at a time": ("scalar", ["-O3"]),
+    "C, 16 lanes": ("lanes", ["-Ofast"]),
+    "C, 16 lanes, widest vectors": ("lanes", ["-Ofast", "-mprefer-vector-width=512"]),
+}
+ORDER = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
+
+Run = Callable[[float], np.ndarray]
+"""Longest step [s] -> end of the first path: x, y, core heading."""
+
+
+def ours(system: System) -> Run:
+    """All blocks in one call, from this system's kernel."""
+    values = np.tile(system.values(TABLE_1[POWER])[None, :, None], (BLOCKS, 1, LANES))
+    fixed = np.tile(constants(SETUP, 0.12)[None, :, None], (BLOCKS, 1, LANES))
+    state = np.zeros((BLOCKS, len(system.all_states), LANES))
+    times = np.tile(np.arange(FRAMES) / RATE, (BLOCKS, 1))
+    inputs = np.tile([ANGLE, FLAP_HZ[POWER]], (BLOCKS, FRAMES, 1))
+    kernel = compiled(system)
+
+    def run(step_s: float) -> np.ndarray:
+        observed, _ = propagate(
+            kernel, state, values, fixed, times=times, inputs=inputs, step_s=step_s
+        )
+        return observed[0, -1, :3, 0]
+
+    return run
+
+
+def bare() -> System:
+    """The paper's model with no effect in it at all."""
+    return replace(plates(), name="bare", effects=())
+
+
+def by_hand(folder: Path, name: str) -> Run:
+    """The C version, compiled here and now."""
+    function, flags = FLAGS[name]
+    library = folder / (name.replace(" ", "_").replace(",", "") + ".so")
+    gcc = shutil.which("gcc") or sys.exit("gcc is needed for this benchmark")
+    subprocess.run(
+        [gcc, *flags, "-march=native", "-shared", "-fPIC", "-o", str(library),
+         str(HERE / "integration.c"), "-lmvec", "-lm"], check=True,
+    )  # fmt: skip
+    call = getattr(ctypes.CDLL(str(library)), function)
+    array = np.ctypeslib.ndpointer(np.float64, flags="C")
+    call.argtypes = [ctypes.c_long] * 3 + [ctypes.c_double, array, array]
+    robot = SETUP.robot
+    one = np.array([
+        1000.0, robot.head_area_m2(0.12), robot.aerodynamic_arm_m(0.12), robot.mass_kg,
+        robot.yaw_inertia_kg_m2, ANGLE, FLAP_HZ[POWER], *(TABLE_1[POWER][k] for k in ORDER),
+    ])  # fmt: skip
+    wide = function == "lanes"
+    count = BLOCKS if wide else BLOCKS * LANES
+    given = np.tile(one[None, :, None], (count, 1, LANES)) if wide else np.tile(one, (count, 1))
+    paths = np.zeros((count, FRAMES, 3, LANES) if wide else (count, FRAMES, 3))
+
+    def run(step_s: float) -> np.ndarray:
+        substeps = round(1 / RATE / step_s)
+        call(count, FRAMES, substeps, 1 / RATE / substeps, given, paths)
+        return paths[0, -1, :, 0] if wide else paths[0, -1]
+
+    return run
+
+
+def exact(rtol: float, method: str) -> np.ndarray:
+    """End of the path by scipy, from equations written independently of the model."""
+    found = solve_ivp(plain_equations, (0, (FRAMES - 1) / RATE), [0, 0, -ANGLE, 0, 0, 0],
+                      args=(POWER, ANGLE), method=method, rtol=rtol, atol=1e-3 * rtol,
+                      t_eval=np.arange(FRAMES) / RATE)  # fmt: skip
+    end = found.y[:3, -1]
+    return np.array([end[0], end[1], end[2] + ANGLE])
+
+
+def best_times(runs: dict[str, Run], step_s: float, seconds: float) -> dict[str, float]:
+    """Shortest time [s] of each, rounds in turn."""
+    best = dict.fromkeys(runs, np.inf)
+    end = time.perf_counter() + seconds * len(runs)
+    while time.perf_counter() < end:
+        for name, run in runs.items():
+            start = time.perf_counter()
+            run(step_s)
+            best[name] = min(best[name], time.perf_counter() - start)
+    return best
+
+
+def errors(end: np.ndarray, truth: np.ndarray) -> str:
+    """Distance in mm and heading in degrees."""
+    return (
+        f"{1e3 * np.hypot(*(end - truth)[:2]):9.1e} mm {abs(np.degrees(end - truth)[2]):9.1e} deg"
+    )
+
+
+def compare(runs: dict[str, Run], seconds: float) -> None:
+    """Print simulations per second at two steps, and each one's ratio to the fastest C."""
+    truth = exact(1e-12, "DOP853")
+    simulations = BLOCKS * LANES
+    for step_s in (1 / 60, 1 / 240):
+        best = best_times(runs, step_s, seconds)
+        fastest = min(t for name, t in best.items() if name.startswith("C"))
+        usual = best["C, 16 lanes"]
+        print(f"\nstep 1/{1 / step_s:.0f} s{'':28s}per second   to C   to widest C    error at 8 s")
+        for name, taken in best.items():
+            print(
+                f"{name:40s}{simulations / taken:10.0f} {usual / taken:6.2f} {fastest / taken:9.2f}"
+                f"       {errors(runs[name](step_s), truth)}"
+            )
+    start = time.perf_counter()
+    end = exact(1e-6, "RK45")
+    taken = time.perf_counter() - start
+    best_ours = best_times({"ours": runs["ours, every effect off"]}, 1 / 60, seconds)["ours"]
+    print(f"\nsolve_ivp RK45, rtol 1e-6{1 / taken:25.1f}{'':24s}{errors(end, truth)}")
+    print(f"ours at 1/60 s is {taken * simulations / best_ours:.0f} times as fast, on one core")
+
+
+def on_two_cores(run: Run, seconds: float) -> None:
+    """Print what a second thread brings."""
+    times = {}
+    for threads in ("1", "2"):
+        os.environ["BLUEKOI_THREADS"] = threads
+        times[threads] = best_times({"run": run}, 1 / 240, seconds)["run"]
+    os.environ["BLUEKOI_THREADS"] = "1"
+    print(f"two cores: {times['1'] / times['2']:.2f} times one")
+
+
+def first_calls() -> None:
+    """Print the time to the first simulation with an empty cache, and in a later process."""
+    line = (
+        "from pipeline.model import simulate, TABLE_1; from robots import SETUP;"
+        "simulate(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=0.5, flap_hz=4.0,"
+        " duration_s=8.0)"
+    )
+    with tempfile.TemporaryDirectory() as cache:
+        path = os.pathsep.join([str(HERE.parent / "tests"), str(HERE.parent)])
+        places = os.environ | {"BLUEKOI_CACHE": cache, "PYTHONPATH": path}
+        for what in ("first call, nothing compiled", "first call of a later process"):
+            start = time.perf_counter()
+            subprocess.run([sys.executable, "-c", line], check=True, env=places)
+            print(f"{what}: {time.perf_counter() - start:.2f} s, start of Python included")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seconds", type=float, default=2.0, help="for each candidate and step")
+    parser.add_argument("--fresh", action="store_true")
+    given = parser.parse_args()
+    os.environ["BLUEKOI_THREADS"] = "1"
+    with tempfile.TemporaryDirectory() as folder:
+        runs: dict[str, Run] = {name: by_hand(Path(folder), name) for name in FLAGS}
+        runs |= {"ours, bare model": ours(bare()), "ours, every effect off": ours(plates())}
+        compare(runs, given.seconds)
+        on_two_cores(runs["ours, every effect off"], given.seconds)
+    if given.fresh:
+        first_calls()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,64 @@
+"""Which stages of a system depend on what: on others, or on nothing that moves."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable
+
+from .system import Effect, Function, Stage, System
+
+RANDOM = "disturbance"
+"""Kind of effects that are present in every filter."""
+
+
+def names(function: Function) -> list[str]:
+    """Names of a function's arguments, in order."""
+    return list(inspect.signature(function).parameters)
+
+
+def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
+    """What a stage and these effects on it ask for; effects' own parameters left out."""
+    asked = set(names(stage.function)) if stage.function else set()
+    for effect in effects:
+        if stage.name in effect.hooks:
+            own = {p.name for p in effect.parameters}
+            asked |= set(names(effect.hooks[stage.name])) - own
+    return asked
+
+
+def needed(system: System, last: Stage) -> list[Stage]:
+    """Stages whose outputs the last one needs, directly or through others, in order."""
+    asked = arguments(last, system.effects)
+    found: list[Stage] = []
+    for stage in reversed(_inner(system)):
+        if asked & set(stage.outputs):
+            found.insert(0, stage)
+            asked |= arguments(stage, system.effects)
+    return found
+
+
+def _inner(system: System) -> list[Stage]:
+    return [s for s in system.stages if s.name not in ("rates", "observe")]
+
+
+def held(system: System) -> list[Stage]:
+    """Stages that follow from parameters, constants and inputs alone while no effect is on."""
+    known = {*(p.name for p in system.coefficients), *system.constants, *system.inputs}
+    found: list[Stage] = []
+    for stage in _inner(system):
+        random = any(e.kind == RANDOM and stage.name in e.hooks for e in system.effects)
+        if not random and arguments(stage, ()) <= known:
+            found.append(stage)
+            known |= set(stage.outputs)
+    return found
+
+
+def moving(system: System) -> list[Stage]:
+    """Stages that depend on the state, in order, `rates` last."""
+    still = held(system)
+    return [s for s in system.stages if s.name != "observe" and s not in still]
+
+
+def zeros(system: System) -> set[str]:
+    """Outputs that are 0 while no effect is on: of held stages without a function."""
+    return {o for stage in held(system) if stage.function is None for o in stage.outputs}

@@ -1,0 +1,47 @@
+"""A driven, damped pendulum: a system for the integrator that is no fish."""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.integrate import Effect, Parameter, Stage, System
+
+
+def damping(c: float) -> tuple[float]:
+    return (2.0 * c,)
+
+
+def torque(angle: float, rate: float, t: float, g: float, push: float, c2: float) -> tuple[float]:
+    return (-g * math.sin(angle) - c2 * rate + push + 0.3 * math.sin(5.0 * t),)
+
+
+def rates(rate: float, N: float) -> tuple[float, float]:
+    return rate, N
+
+
+def observe(angle: float) -> tuple[float]:
+    return (angle,)
+
+
+def cubic(rate: float, k: float) -> tuple[float]:
+    return (-k * rate * rate * rate,)
+
+
+PENDULUM = System(
+    "pendulum",
+    states=("angle", "rate"),
+    constants=("g",),
+    inputs=("push",),
+    coefficients=(Parameter("c", "1/s", 0.1, 0.0, 2.0, "damping"),),
+    stages=(
+        Stage("damping", ("c2",), damping),
+        Stage("torque", ("N",), torque, open=True),
+        Stage("rates", ("angle", "rate"), rates),
+        Stage("observe", ("seen",), observe),
+    ),
+    observations=("seen",),
+    effects=(
+        Effect("cubic", "physics", "It is damped by the cube.",
+               (Parameter("k", "s", 0.1, 0.0, 5.0, "strength"),), {"torque": cubic}, "pendulum"),
+    ),
+)  # fmt: skip

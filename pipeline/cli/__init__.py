@@ -8,6 +8,7 @@ from ..faults import Fault, printable
 from .camera import calibrate, pool
 from .challenge import challenge
 from .check import check
+from .design import design
 from .doctor import doctor
 from .export import export
 from .run import run
@@ -41,5 +42,6 @@ def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
 
 
-for _command in (run, check, doctor, calibrate, pool, simulate, challenge, export, stage):
+_COMMANDS = (run, check, doctor, calibrate, pool, simulate, design, challenge, export, stage)
+for _command in _COMMANDS:
     main.add_command(_command)

@@ -1,72 +1,150 @@
-"""`bluekoi simulate`: the model's path for a robot, a power, a head."""
+"""`bluekoi simulate`: the model's path for a robot under commands that change over time."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
+    from ..design_space import Fitted, Schedule
     from ..model import Simulation
+    from ..study import Setup
+
+NAMES = ("s-turn", "underpowered-turn", "start-stop")
+DT_S = 1 / 60
 
 
 @click.command()
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option("--flap-hz", required=True, type=click.FloatRange(min=0), help="Flapping frequency.")
+@click.option("--flap-hz", type=click.FloatRange(min=0), help="Flapping frequency.")
+@click.option("--power-pct", type=click.FloatRange(min=0), help="Or motor power.")
 @click.option("--head-angle-deg", default=0.0, show_default=True)
+@click.option("--schedule", type=click.Path(path_type=Path),
+              help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
+@click.option("--manoeuvre", type=click.Choice(NAMES), help="Or a well-known one, made from "
+              "frequency, head angle and seconds.")  # fmt: skip
 @click.option("--head-length-m", type=click.FloatRange(min=0, min_open=True), help="Default: 1x.")
 @click.option("--seconds", default=10.0, show_default=True, type=click.FloatRange(0.1, 600))
-@click.option(
-    "--results",
-    type=click.Path(path_type=Path),
-    help="Results folder whose joint fit is used; else Table I of the paper at 100 %.",
-)
+@click.option("--results", type=click.Path(path_type=Path),
+              help="Results whose fit is used; else Table I of the paper at 100 %.")  # fmt: skip
+@click.option("--model", type=click.Choice(["joint", "extended"]),
+              help="Default: extended by the causes found, where there are any.")  # fmt: skip
 @click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")
+@click.option("--picture", type=click.Path(path_type=Path), help="png or pdf to draw it to.")
 def simulate(
     *,
     study: Path,
-    flap_hz: float,
+    flap_hz: float | None,
+    power_pct: float | None,
     head_angle_deg: float,
+    schedule: Path | None,
+    manoeuvre: str | None,
     head_length_m: float | None,
     seconds: float,
     results: Path | None,
+    model: str | None,
     out: Path | None,
+    picture: Path | None,
 ) -> None:
-    """Simulate the robot of STUDY from rest; say its steady speed and turn radius."""
-    from ..model import simulate as run  # noqa: PLC0415
-    from ..model import steady_turn  # noqa: PLC0415
+    """Simulate the robot of STUDY from rest, under constant commands or a schedule of them."""
     from ..study import load_study  # noqa: PLC0415
 
-    setup, coefficients = load_study(study).setup, _coefficients(results)
-    how: dict[str, Any] = {
-        "head_length_m": head_length_m or setup.robot.head_length_m,
-        "head_angle_rad": math.radians(head_angle_deg),
-        "flap_hz": flap_hz,
-    }
-    speed, radius = steady_turn(coefficients, setup=setup, **how)
-    turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"
-    click.echo(f"steady: {speed:.3f} m/s, {turn}")
+    setup, fit = load_study(study).setup, _fit(results, model)
+    length = head_length_m or setup.robot.head_length_m
+    if schedule is not None:
+        from ..design_space import read_schedule  # noqa: PLC0415
+
+        told = read_schedule(schedule, fit.at_power)
+    else:
+        hz = _frequency(flap_hz, power_pct, fit)
+        told = _made(manoeuvre, hz, math.radians(head_angle_deg), seconds)
+        if manoeuvre is None:
+            _say_steady(fit, setup, length, hz, math.radians(head_angle_deg))
+    run = _run(fit, setup, length, told, seconds)
+    if schedule is not None or manoeuvre is not None:
+        _say_path(run)
     if out is not None:
-        _write(out, run(coefficients, setup=setup, duration_s=seconds, **how))
+        _write(out, run, told)
         click.echo(f"Written: {out}")
+    if picture is not None:
+        from ..design_space.picture import path_figure, save  # noqa: PLC0415
+
+        save(path_figure(run, told, setup, length), picture)
+        click.echo(f"Drawn: {picture}")
 
 
-def _coefficients(results: Path | None) -> Mapping[str, float]:
-    from ..files import read_json  # noqa: PLC0415
-    from ..model import TABLE_1  # noqa: PLC0415
+def _fit(results: Path | None, model: str | None) -> Fitted:
+    from ..design_space import Fitted, fitted  # noqa: PLC0415
+    from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
 
-    if results is None:
-        return TABLE_1[100]
-    joint = read_json(results / "coefficients.json")["joint"]["coefficients"]
-    return {name: float(joint[name]["value"]) for name in TABLE_1[100]}
+    if results is not None:
+        return fitted(results, model=model)
+    hz = {float(power): value for power, value in FLAP_HZ.items()}
+    return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
 
 
-def _write(out: Path, path: Simulation) -> None:
+def _frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:
+    if (flap_hz is None) == (power_pct is None):
+        raise click.UsageError("give --flap-hz or --power-pct, one of them (or --schedule)")
+    return fit.at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
+
+
+def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) -> Schedule:
+    import numpy as np  # noqa: PLC0415
+
+    from ..design_space import MANOEUVRES, Schedule  # noqa: PLC0415
+
+    if manoeuvre is not None:
+        return MANOEUVRES[manoeuvre](hz, angle_rad, seconds)
+    return Schedule(np.zeros(1), np.full(1, hz), np.full(1, angle_rad))
+
+
+def _say_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
+    from ..design_space import Condition, steady_states  # noqa: PLC0415
+
+    found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
+    speed, radius = float(found.speed_m_s[0, 0]), float(found.radius_m[0, 0])
+    turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"
+    settled = f"steady: {speed:.3f} m/s, {turn}"
+    click.echo(settled if math.isfinite(speed) else "it does not settle within half a minute")
+
+
+def _run(fit: Fitted, setup: Setup, length: float, told: Schedule, seconds: float) -> Simulation:
+    import numpy as np  # noqa: PLC0415
+
+    from ..model import constants, simulate_at  # noqa: PLC0415
+
+    times = np.arange(round(seconds / DT_S) + 1, dtype=np.float64) * DT_S
+    hz, angle = told.at(times)
+    start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
+    inputs = np.column_stack([angle, hz])
+    return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
+
+
+def _say_path(run: Simulation) -> None:
+    import numpy as np  # noqa: PLC0415
+
+    moved = np.hypot(*(run.state[-1, :2] - run.state[0, :2]))
+    turned = math.degrees(run.heading_rad[-1] - run.heading_rad[0])
+    click.echo(
+        f"after {run.time_s[-1]:g} s: {moved:.2f} m from the start, turned by {turned:.0f} degrees,"
+        f" {run.speed_m_s[-1]:.3f} m/s (fastest {run.speed_m_s.max():.3f})"
+    )
+
+
+def _write(out: Path, run: Simulation, told: Schedule) -> None:
+    import numpy as np  # noqa: PLC0415
+
     from ..data import write_columns  # noqa: PLC0415
 
+    hz, angle = told.at(run.time_s)
     names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "yaw_rate_rad_s")
-    columns = {name: path.state[:, i] for i, name in enumerate(names)}
-    write_columns(out, {"time_s": path.time_s, **columns, "heading_rad": path.heading_rad})
+    columns = {name: run.state[:, i] for i, name in enumerate(names)}
+    write_columns(
+        out,
+        {"time_s": run.time_s, **columns, "heading_rad": run.heading_rad, "flap_hz": hz,
+         "head_angle_deg": np.degrees(angle)},
+    )  # fmt: skip

@@ -1,0 +1,104 @@
+"""`bluekoi design`: what the fitted robot could do beyond what was tested."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from ..design_space import Design
+
+
+class _Numbers(click.ParamType):
+    """Numbers `50,75,100`, or a row of them `10:60:5` (from, to, step)."""
+
+    name = "numbers"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[float, ...]:
+        text = str(value)
+        try:
+            if ":" not in text:
+                return tuple(float(part) for part in text.split(","))
+            first, last, step = (float(part) for part in text.split(":"))
+            count = int((last - first) / step + 1 + 1e-9)
+            if count < 1 or count > 1000:
+                raise ValueError
+            return tuple(round(first + k * step, 9) for k in range(count))
+        except (ValueError, ZeroDivisionError):
+            self.fail(f"'{text}': write 50,75,100 or 10:60:5 (from, to, step)", param, ctx)
+
+
+NUMBERS = _Numbers()
+
+
+@click.command()
+@click.argument("study", type=click.Path(path_type=Path))
+@click.option("--results", type=click.Path(path_type=Path), help="Default: results/STUDY.")
+@click.option("--model", type=click.Choice(["joint", "extended"]),
+              help="Default: extended by the causes found, where there are any.")  # fmt: skip
+@click.option("--powers", type=NUMBERS, default="50:150:25", show_default=True, help="%")
+@click.option("--angles-deg", type=NUMBERS, default="10:60:5", show_default=True)
+@click.option("--lengths-m", type=NUMBERS, default="0.04:0.24:0.02", show_default=True,
+              help="Head lengths.")  # fmt: skip
+@click.option("--robot", "other", multiple=True, metavar="KEY=NUMBERS",
+              help="A further key of robot in study.yaml: mass_kg=0.5,0.7.")  # fmt: skip
+@click.option("--speed-m-s", type=click.FloatRange(min=0), default=0.0, show_default=True,
+              help="The turn must be at least so fast.")  # fmt: skip
+@click.option("--tested-only", is_flag=True, help="Answer from the tested range alone.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
+def design(
+    *,
+    study: Path,
+    results: Path | None,
+    model: str | None,
+    powers: tuple[float, ...],
+    angles_deg: tuple[float, ...],
+    lengths_m: tuple[float, ...],
+    other: tuple[str, ...],
+    speed_m_s: float,
+    tested_only: bool,
+    out: Path | None,
+) -> None:
+    """Speed and radius of other designs of STUDY's robot, and the tightest turn among them.
+
+    Writes designs.csv and designs.png; designs that no other beats in speed and radius are on the
+    front.
+    """
+    from ..data import write_columns  # noqa: PLC0415
+    from ..design_space import columns, designs, fitted, smallest_radius, tested_range  # noqa: PLC0415
+    from ..design_space.picture import designs_figure, save  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    loaded = load_study(study)
+    home = results or Path("results") / study.resolve().name
+    fit = fitted(home, model=model)
+    found = designs(fit, loaded.setup, tested_range(loaded), powers=powers, angles_deg=angles_deg,
+                    lengths_m=lengths_m, other=_further(other))  # fmt: skip
+    folder = out or home / "design"
+    write_columns(folder / "designs.csv", columns(found))
+    save(designs_figure(found, least_speed_m_s=speed_m_s), folder / "designs.png")
+    best = smallest_radius(found, least_speed_m_s=speed_m_s, tested_only=tested_only)
+    click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
+    click.echo(_answer(best, speed_m_s))
+
+
+def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
+    pairs = [text.partition("=") for text in given]
+    return {key: NUMBERS.convert(values, None, None) for key, _, values in pairs}
+
+
+def _answer(best: Design | None, speed_m_s: float) -> str:
+    if best is None:
+        return f"no design turns at {speed_m_s:g} m/s or more"
+    radius, low, high = best.radius_m
+    more = "".join(f", {k} {v:g}" for k, v in best.other.items())
+    warning = f" - extrapolated in {' and '.join(best.beyond)}" if best.beyond else ""
+    return (
+        f"tightest turn at {speed_m_s:g} m/s or more: radius {radius:.3f} m ({low:.3f} to "
+        f"{high:.3f}), {best.speed_m_s[0]:.3f} m/s, at {best.power_pct:g} % power, head angle "
+        f"{best.head_angle_deg:g} degrees, head {best.head_length_m:g} m{more}{warning}"
+    )

@@ -1,0 +1,73 @@
+"""Which designs are worth building: none other is both faster and tighter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+
+COLUMNS = (
+    "power_pct", "flap_hz", "head_angle_deg", "head_length_m", "speed_m_s", "speed_low_m_s",
+    "speed_high_m_s", "radius_m", "radius_low_m", "radius_high_m", "on_front", "extrapolated",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Design:
+    """One design: what is set, and steady speed and radius as (best, lower, upper 95 % bound).
+
+    beyond: names of what lies outside the tested range.
+    """
+
+    power_pct: float
+    flap_hz: float
+    head_angle_deg: float
+    head_length_m: float
+    speed_m_s: tuple[float, float, float]
+    radius_m: tuple[float, float, float]
+    beyond: tuple[str, ...] = ()
+    other: Mapping[str, float] = field(default_factory=dict)
+
+
+def on_front(designs: Sequence[Design]) -> Float:
+    """Which designs no other beats in both speed and radius, bool (designs,)."""
+    pairs = np.array([[-d.speed_m_s[0], d.radius_m[0]] for d in designs])
+    valid = np.isfinite(pairs).all(axis=1)
+    out = np.zeros(len(designs), dtype=bool)
+    tightest = np.inf
+    for i in np.lexsort((pairs[:, 1], pairs[:, 0])):
+        if valid[i] and pairs[i, 1] < tightest:
+            out[i], tightest = True, pairs[i, 1]
+    return out
+
+
+def smallest_radius(
+    designs: Sequence[Design], *, least_speed_m_s: float = 0.0, tested_only: bool = False
+) -> Design | None:
+    """The tightest turn among designs at least so fast; None where there is none."""
+    fit = [
+        d
+        for d in designs
+        if np.isfinite(d.radius_m[0])
+        and d.speed_m_s[0] >= least_speed_m_s
+        and not (tested_only and d.beyond)
+    ]
+    return min(fit, key=lambda d: d.radius_m[0], default=None)
+
+
+def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
+    """Columns of designs.csv; further dimensions of the robot come last."""
+    front = on_front(designs)
+    rows = [
+        (d.power_pct, d.flap_hz, d.head_angle_deg, d.head_length_m, *d.speed_m_s, *d.radius_m,
+         bool(front[i]), " and ".join(d.beyond))
+        for i, d in enumerate(designs)
+    ]  # fmt: skip
+    out = {name: [row[k] for row in rows] for k, name in enumerate(COLUMNS)}
+    for key in designs[0].other if designs else ():
+        out[key] = [d.other[key] for d in designs]
+    return out

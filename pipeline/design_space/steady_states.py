@@ -1,0 +1,82 @@
+"""Steady speeds and turn radii of many conditions and many draws of the coefficients at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import LANES, compiled
+from ..integrate.batch import propagate
+from ..model import constants, plates
+from ..study import Setup
+
+SETTLE_S, CHECK_S = 30.0, 25.0
+STEP_S = 1 / 30
+STEADY = 0.005
+"""Between `CHECK_S` and `SETTLE_S` speed and yaw rate may change by this share, no more."""
+STRAIGHT_RAD_S = 1e-6
+REST_M_S = 1e-4
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What is set: flapping frequency, head angle (core minus head, rad), head length, robot."""
+
+    flap_hz: float
+    head_angle_rad: float
+    head_length_m: float
+    setup: Setup
+
+
+@dataclass(frozen=True)
+class SteadyStates:
+    """speed_m_s, radius_m: (conditions, draws); radius inf for a straight run.
+
+    Both NaN where nothing settles within half a minute.
+    """
+
+    speed_m_s: Float
+    radius_m: Float
+
+
+def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyStates:
+    """Steady states from rest, for every condition and every row of `values`.
+
+    values: (draws, parameters), or (conditions, draws, parameters) where conditions have their own.
+    """
+    count, draws = len(conditions), values.shape[-2]
+    own = np.broadcast_to(values, (count, draws, values.shape[-1]))
+    parts = -(-draws // LANES)
+    padded = np.concatenate([own, np.repeat(own[:, :1], parts * LANES - draws, axis=1)], axis=1)
+    lanes = padded.reshape(count * parts, LANES, -1).transpose(0, 2, 1)
+    speed, rate = _settled(conditions, lanes, parts)
+    speed, rate = (a.reshape(2, count, parts * LANES)[:, :, :draws] for a in (speed, rate))
+    change = np.abs(speed[1] - speed[0]) + np.abs(rate[1] - rate[0]) * speed[1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        steady = change <= STEADY * np.maximum(np.abs(speed[1]), REST_M_S)
+        turning = np.abs(rate[1]) > STRAIGHT_RAD_S
+        radius = np.where(turning, speed[1] / np.abs(rate[1]), np.inf)
+    return SteadyStates(np.where(steady, speed[1], np.nan), np.where(steady, radius, np.nan))
+
+
+def _settled(conditions: Sequence[Condition], lanes: Float, parts: int) -> tuple[Float, Float]:
+    """Speed and yaw rate (2, blocks, 16) at `CHECK_S` and `SETTLE_S`."""
+    system = plates()
+    blocks = len(lanes)
+    fixed = np.array([constants(c.setup, c.head_length_m) for c in conditions])
+    inputs = np.array([[c.head_angle_rad, c.flap_hz] for c in conditions])
+    _, states = propagate(
+        compiled(system),
+        np.zeros((blocks, len(system.all_states), LANES)),
+        lanes,
+        np.repeat(np.repeat(fixed, parts, axis=0)[:, :, None], LANES, axis=2),
+        times=np.tile([0.0, CHECK_S, SETTLE_S], (blocks, 1)),
+        inputs=np.repeat(np.repeat(inputs, parts, axis=0)[:, None], 3, axis=1),
+        keep_states=True,
+        step_s=STEP_S,
+    )
+    u, v, r = (states[:, 1:, i].transpose(1, 0, 2) for i in (3, 4, 5))
+    return np.hypot(u, v), r

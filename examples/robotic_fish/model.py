@@ -16,7 +16,6 @@ import math
 
 from pipeline.integrate import Parameter, Stage, System
 from pipeline.integrate.trigonometry import sin_cos
-from pipeline.model.equations import inertia, plate, rates
 
 from . import effects
 
@@ -29,8 +28,8 @@ COEFFICIENTS = (
     Parameter("C_Md", "kg m2", 0.005, -0.05, 1.0, "damping of the yaw rate squared"),
 )
 STATES = ("x", "y", "psi", "u", "v", "r")
-CONSTANTS = ("rho", "A", "l", "m", "I", "length", "span", "x_tail", "beat_hz0")
-INPUTS = ("bias", "amplitude", "beat_hz")
+CONSTANTS = ("rho", "A", "l", "m", "I", "length", "span", "x_tail", "beat_hz0", "recoil_share")
+INPUTS = ("bias", "amplitude", "beat_hz", "recoil")
 OBSERVATIONS = ("x", "y", "heading")
 
 GEOMETRY = {
@@ -43,10 +42,13 @@ GEOMETRY = {
     "I": 2.66e-3,
     "x_tail": 0.105,
     "beat_hz0": 2.0,
+    "recoil_share": 0.163,
 }
 """ASSUME the size of this family of robots: body some 0.21 m long and 0.08 m deep, 0.725 kg,
 2.66e-3 kg m2, tail joint 0.105 m behind the centre of mass; aerodynamic centre a quarter of the
-body behind its nose. No file of the recordings states them; coefficients scale with them."""
+body behind its nose. No file of the recordings states them; coefficients scale with them.
+beat_hz0: the frequency at which the tail is seen to beat in straight swimming; recoil_share: mean
+of the body's yaw recoil over the tail amplitude told."""
 
 
 def clock() -> tuple[float]:
@@ -82,6 +84,35 @@ def force(
     """Surge and sway force (N) and yaw moment (N m) in the body's frame (Eqs. 4, 7, 8)."""
     M = 0.5 * rho * A * C_Ma * (-2.0 * uh * vh) - C_Md * r * abs(r)
     return T * cphi + Xh, T * sphi + Yh, M + Yh * l
+
+
+def plate(
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float, C_D0: float, C_Da: float
+) -> tuple[float, float]:  # fmt: skip
+    """Lift and drag of the body (N), Eqs. 2, 3, 5, 6: V^2 sin 2 alpha = -2 u v,
+    V^2 (1 - cos 2 alpha) = 2 v^2.
+    """
+    k = 0.5 * rho * A
+    L = k * C_La * (-2.0 * uh * vh) / V
+    D = k * (C_D0 * V * V + C_Da * 2.0 * vh * vh) / V
+    return -L * vh - D * uh, L * uh - D * vh
+
+
+def inertia(m: float, I: float) -> tuple[float, float, float]:
+    """Mass against surge and sway (kg), inertia against yaw (kg m2)."""
+    return m, m, I
+
+
+def rates(
+    u: float, v: float, r: float, cpsi: float, spsi: float,
+    X: float, Y: float, N: float, mx: float, my: float, J: float,
+) -> tuple[float, float, float, float, float, float]:  # fmt: skip
+    """Derivatives of x, y, psi, u, v, r (Eq. 8 in the body's frame).
+
+    mx u' = X + my v r;  my v' = Y - mx u r;  J r' = N - (my - mx) u v
+    """
+    return (u * cpsi - v * spsi, u * spsi + v * cpsi, r, (X + my * v * r) / mx,
+            (Y - mx * u * r) / my, (N - (my - mx) * u * v) / J)  # fmt: skip
 
 
 def seen(x: float, y: float, psi: float) -> tuple[float, float, float]:

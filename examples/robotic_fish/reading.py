@@ -28,7 +28,8 @@ _FOLDER = re.compile(r"Amp(?P<amp>\d+(?:\.\d+)?)Bias(?P<bias>-?\d+(?:\.\d+)?)$")
 @dataclass(frozen=True)
 class Recording:
     """One trial: amplitude and bias in degrees, times (n,), x, y [m] and heading [rad] (n, 3),
-    the track smoothed without the recoil, and the tail beat that the recoil shows, Hz.
+    the track smoothed without the recoil; the tail beat that the recoil shows, Hz, and the
+    amplitude of the recoil in yaw, rad.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Recording:
     track: Track
     beat_hz: float
     beat_std_hz: float
+    recoil_rad: float
 
     @property
     def condition(self) -> str:
@@ -68,8 +70,10 @@ def read(path: Path) -> Recording:
     seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
     pose = Pose(times, np.column_stack([seen, np.zeros(len(seen))]), _cov(len(seen), 4))
     hz, std = tail_beat(pose, 2.1)
+    track = smooth(pose, hz)
+    recoil = float(np.sqrt(2.0) * np.std(track.recoil[:, 2]))
     return Recording(f"{path.parent.name}/{path.stem}", float(name["amp"]), float(name["bias"]),
-                     times, seen, smooth(pose, hz), hz, std)  # fmt: skip
+                     times, seen, track, hz, std, recoil)  # fmt: skip
 
 
 def _numbers(path: Path) -> Float:
@@ -108,7 +112,7 @@ def series(one: Recording) -> Series:
         group=format(one.amplitude_deg, "g"),
         condition=one.condition,
         times=one.times,
-        inputs=np.tile([bias, amplitude, one.beat_hz], (len(one.times), 1)),
+        inputs=np.tile([bias, amplitude, one.beat_hz, one.recoil_rad], (len(one.times), 1)),
         constants=np.array([GEOMETRY[name] for name in CONSTANTS]),
         seen=one.seen - one.track.recoil,
         noise=_cov(len(one.times), 3),

@@ -1,0 +1,5 @@
+"""What the flat-plate model of the fish may have left out, by where it would sit."""
+
+from . import camera, tail, water
+
+EFFECTS = (*water.EFFECTS, *camera.EFFECTS, *tail.EFFECTS)

@@ -1,0 +1,60 @@
+"""What the camera and its clock may have got wrong.
+
+Source: own statements; Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
+Navigation (2001), sec. 8.2 (errors that last).
+"""
+
+from __future__ import annotations
+
+from ...effect import effect
+
+Three = tuple[float, float, float]
+
+
+def lasting_observe(e_x: float, e_y: float, e_psi: float) -> Three:
+    """Errors of place (m, m) and heading (rad)."""
+    return e_x, e_y, e_psi
+
+
+def lasting_rates(e_x: float, e_y: float, e_psi: float, tau_e: float) -> Three:
+    """They forget themselves within tau_e."""
+    return -e_x / tau_e, -e_y / tau_e, -e_psi / tau_e
+
+
+def beat_clock(beat_hz: float, beat_hz0: float, k: float) -> tuple[float]:
+    """True seconds in a recorded one: 1 + k (seen beat / f0 - 1); k = 1: the clock is at fault."""
+    return (k * (beat_hz / beat_hz0 - 1.0),)
+
+
+def point_observe(cpsi: float, spsi: float, bx: float, by: float) -> Three:
+    """The tracked point lies (bx, by) from the centre of mass, fixed to the body."""
+    return bx * cpsi - by * spsi, bx * spsi + by * cpsi, 0.0
+
+
+def heading_observe(d: float) -> Three:
+    """The heading is read d beside the body's axis."""
+    return 0.0, 0.0, d
+
+
+EFFECTS = (
+    effect(
+        "lasting_error", "Errors of the tracked place and heading last for a while, what is left "
+        "of the recoil among them.", {"observe": lasting_observe},
+        (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
+         ("tau_e", "s", 0.2, 0.02, 2.0, "memory")),
+        kind="disturbance", states=("e_x", "e_y", "e_psi"), rates=lasting_rates),
+    effect(
+        "clock_error", "The recordings' clocks run at different rates; a tail that beats at one "
+        "rate is seen at several.", {"clock": beat_clock},
+        (("k", "1", 0.5, -1.0, 2.0, "1: the whole difference of the seen beats is the clock's"),),
+        kind="measurement", channels=("surge", "yaw")),
+    effect(
+        "keypoint_bias", "The tracked point is not the centre of mass.",
+        {"observe": point_observe},
+        (("by", "m", 0.003, -0.1, 0.1, "to the left"), ("bx", "m", 0.003, -0.15, 0.15, "ahead")),
+        kind="measurement", channels=("sway", "yaw"), strengths=2),
+    effect(
+        "heading_bias", "The heading is read beside the body's axis.",
+        {"observe": heading_observe}, (("d", "rad", 0.02, -0.4, 0.4, "to the left"),),
+        kind="measurement", channels=("yaw",)),
+)  # fmt: skip

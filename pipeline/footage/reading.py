@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..data import Frame
+from .ahead import Ahead
 from .probe import opened, video_stream
 from .recording import Recording
 
@@ -33,6 +34,10 @@ class Film:
     def __iter__(self) -> Iterator[Frame]:
         """All frames of the recording's part, in order."""
         return _all(self.recording, self.colour, self._open)
+
+    def ahead(self) -> Ahead[Frame]:
+        """All frames as by iteration, decoded by a thread of their own from now on."""
+        return Ahead(iter(self))
 
     def spread(self, count: int) -> Iterator[Frame]:
         """About `count` frames spread evenly over the recording's part, decoded alone."""

@@ -6,7 +6,8 @@ frame by frame, the template fitted to the edges from where the robot is expecte
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -40,15 +41,30 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     """
     plane = plane_of(setup)
     again = _kept(frames)
-    scene, lesson, remarks = taught(again, plane, setup, trial)
-    if lesson is None:
-        times = [frame.time_s for frame in again()]
-        return _nothing(times, (*remarks, "no robot was found against the background"))
-    times, fits = follow(again(), scene, lesson.template)
+    samples = sample(again(), SAMPLES[0])
+    if not samples:
+        raise fault(trial.source, "", "no frames", "footage with frames")
+    with _begun(again()) as film:
+        scene, lesson, remarks = taught(again, samples, plane, setup, trial)
+        if lesson is None:
+            times = [frame.time_s for frame in film]
+            return _nothing(times, (*remarks, "no robot was found against the background"))
+        times, fits = follow(film, scene, lesson.template)
     if not times:
         raise fault(trial.source, "", "no frames", "frames between start_s and end_s")
     remarks = (*remarks, *_lost(times, fits))
     return keypoints_of(times, fits, scene, lesson.template, remarks)
+
+
+@contextmanager
+def _begun(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
+    """The film, its decoding begun where it can be: it goes on while the template is learned."""
+    ahead = getattr(film, "ahead", None)
+    if ahead is None:
+        yield film
+    else:
+        with ahead() as begun:
+            yield begun
 
 
 def _kept(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
@@ -58,18 +74,20 @@ def _kept(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]
 
 
 def taught(
-    frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
+    frames: Callable[[], Iterable[Frame]],
+    samples: Sequence[Frame],
+    plane: Plane,
+    setup: Setup,
+    trial: Trial,
 ) -> tuple[Scene, Lesson | None, tuple[str, ...]]:
-    """Scene and learned template: from a few frames, from many where a few do not do.
+    """Scene and learned template: from the first few samples, from more where these do not do.
 
     At last from a background bridged at the robot's resting place.
     """
     found: list[tuple[Scene, Lesson | None]] = []
     notes: tuple[str, ...] = ()
     for count in SAMPLES:
-        samples = sample(frames(), count)
-        if not samples:
-            raise fault(trial.source, "", "no frames", "footage with frames")
+        samples = samples if count == SAMPLES[0] else sample(frames(), count)
         found.append(_lesson(samples, plane, setup, trial))
         notes = camera_remarks(samples, plane)
         lesson = found[-1][1]

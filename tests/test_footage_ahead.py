@@ -1,0 +1,84 @@
+"""Frames made ahead by a thread of their own: the same ones, its faults raised, its end clean."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+from test_footage import STEADY, write_video
+
+from pipeline.footage import frames, open_recording
+from pipeline.footage.ahead import MOST, Ahead
+
+
+class Source:
+    """Numbers up to a count, or to a fault; knows how many it gave and whether it was closed."""
+
+    def __init__(self, count: int, fault: Exception | None = None) -> None:
+        self.given, self.closed = 0, False
+        self._count, self._fault = count, fault
+
+    def __iter__(self) -> Iterator[int]:
+        return self
+
+    def __next__(self) -> int:
+        if self.given == self._count:
+            raise self._fault or StopIteration
+        self.given += 1
+        return self.given - 1
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.mark.parametrize("count", [0, 1, MOST, 5 * MOST])
+def test_all_come_in_order_and_then_the_end(count):
+    source = Source(count)
+    with Ahead(source) as made:
+        assert list(made) == list(range(count))
+        assert list(made) == []
+    assert source.closed
+
+
+def test_no_more_is_made_than_there_is_room_for():
+    source = Source(1000)
+    with Ahead(source) as made:
+        assert next(made) == 0
+        time.sleep(0.1)
+        assert MOST <= source.given <= MOST + 2
+    assert source.closed
+    assert source.given <= MOST + 3
+
+
+def test_a_fault_is_raised_in_its_place():
+    with Ahead(Source(3, OSError("card pulled"))) as made:
+        assert [next(made) for _ in range(3)] == [0, 1, 2]
+        with pytest.raises(OSError, match="card pulled"):
+            next(made)
+
+
+def test_leaving_early_ends_the_thread():
+    before = threading.active_count()
+    source = Source(1000)
+    made = Ahead(source)
+    assert next(made) == 0
+    assert threading.active_count() == before + 1
+    made.close()
+    assert threading.active_count() == before
+    assert list(made) == []
+    assert source.closed
+
+
+def test_a_film_read_ahead_is_the_film(tmp_path):
+    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
+    plain = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
+    few = [frame.time_s for frame in film.spread(3)]
+    with film.ahead() as made:
+        late = [frame.time_s for frame in film.spread(3)]
+        ahead = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in made]
+    assert ahead == plain
+    assert late == few
+    again = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
+    assert again == plain

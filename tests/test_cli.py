@@ -61,6 +61,19 @@ def test_a_wrong_use_exits_with_2():
     assert bluekoi("stage", "nothing", "--study", ".", "--results", ".").exit_code == 2
 
 
+def test_a_misspelt_option_is_not_handed_on_to_snakemake():
+    result = bluekoi("run", "demo", "--resluts", "x")
+    assert result.exit_code == 2
+    assert "--resluts" in result.output
+    assert "--results" in result.output
+
+
+def test_commands_that_no_robot_can_follow_are_refused(tmp_path):
+    study = small_study(tmp_path / "study")
+    assert bluekoi("simulate", study, "--flap-hz", "1e9").exit_code == 2
+    assert bluekoi("simulate", study, "--flap-hz", "5", "--head-angle-deg", "400").exit_code == 2
+
+
 def test_a_fault_is_its_message_alone_and_exits_with_1(monkeypatch):
     @click.command()
     def broken():

@@ -32,7 +32,7 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
     ]
 
 
-@click.command(context_settings={"ignore_unknown_options": True})
+@click.command()
 @click.argument("study", default="demo")
 @click.option("--results", type=click.Path(path_type=Path), help="Folder for the results.")
 @click.option("--cores", default="all", show_default=True, help="How many jobs at once.")

@@ -19,9 +19,9 @@ DT_S = 1 / 60
 
 @click.command()
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option("--flap-hz", type=click.FloatRange(min=0), help="Flapping frequency.")
-@click.option("--power-pct", type=click.FloatRange(min=0), help="Or motor power.")
-@click.option("--head-angle-deg", default=0.0, show_default=True)
+@click.option("--flap-hz", type=click.FloatRange(0, 100), help="Flapping frequency.")
+@click.option("--power-pct", type=click.FloatRange(0, 300), help="Or motor power.")
+@click.option("--head-angle-deg", default=0.0, show_default=True, type=click.FloatRange(-120, 120))
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
 @click.option("--manoeuvre", type=click.Choice(NAMES), help="Or a well-known one, made from "

@@ -35,5 +35,8 @@ def _findings(error: ValidationError) -> Iterator[Finding]:
             cure = nearest(str(key), known)
             yield Finding("configuration", where, "an unknown key", "a known key", cure)
         return
-    expected = " ".join(error.schema.get("description", "").split())
-    yield Finding("configuration", place, error.message, expected or "what schema.yaml says")
+    entry = error.schema
+    wanted = entry.get("enum") or entry.get("type") or "what config/schema.yaml says"
+    kind = " or ".join(map(repr, wanted)) if isinstance(wanted, list) else f"a {wanted}"
+    meaning = " ".join(entry.get("description", "").split())
+    yield Finding("configuration", place, repr(error.instance), kind, meaning)

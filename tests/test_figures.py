@@ -12,6 +12,7 @@ from PIL import Image
 from pipeline import figures
 from pipeline.campaign import Campaign
 from pipeline.faults import Fault
+from pipeline.figures import mismatch_dependence
 from pipeline.figures.drawing import groups
 from pipeline.figures.drawing.circles import circle, measured_arc
 from pipeline.figures.drawing.lacking import lacking, put_in_its_place, variable
@@ -272,3 +273,13 @@ def test_powers_can_be_told_apart_by_the_colour_blind(sight):
     styles = power_styles([50, 75, 100])
     assert len({style.marker for style in styles.values()}) == 3
     assert len({style.colour for style in power_styles(range(12)).values()}) == 12
+
+
+def test_averages_stand_where_their_frames_are():
+    """Straight runs at exactly 0 among turns to both sides: their average is drawn at 0."""
+    x = [np.zeros(50), np.zeros(50), np.full(50, 0.8), np.full(50, 0.82), np.full(50, -0.9),
+         np.full(50, -0.95)]  # fmt: skip
+    at, mean, std = mismatch_dependence._averages(x, [10 * one for one in x])
+    assert np.abs(at).min() == 0
+    np.testing.assert_allclose(mean, 10 * at, atol=1e-12)
+    assert (std < 0.3).all()

@@ -128,6 +128,20 @@ def test_files_are_short_enough_to_read_in_one_go():
     assert long == {}
 
 
+def test_every_file_of_the_package_is_installed_with_it():
+    """`pip install .` takes what package-data names; a template left out breaks the first fit."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    patterns = project["package-data"]["pipeline"]
+    named = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
+    other = {
+        path
+        for path in PACKAGE.rglob("*")
+        if path.is_file() and path.suffix != ".py" and "__pycache__" not in path.parts
+    }
+    assert other - named == set()
+    assert all((path.parent / "__init__.py").is_file() for path in PACKAGE.rglob("*.py"))
+
+
 def test_tests_assert():
     silent = [
         f"{path.name}::{node.name}"

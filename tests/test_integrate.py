@@ -104,7 +104,7 @@ def test_the_general_way_gives_what_the_fast_one_gives() -> None:
 
 def test_the_general_way_gives_what_the_way_with_random_forces_gives() -> None:
     pushed = (0.3, 0.4, 0.2, 0.1, 0.0, 0.0, 5e-3, -4e-3, 3e-4)
-    random = {"disturbance": {"present": 1.0, "tau": 0.7}}
+    random = {"disturbance": {"present": 1.0, "tau_surge": 0.7, "tau_sway": 0.7, "tau_yaw": 0.7}}
     fast, general = turning(random, pushed), turning(random | NOTHING, pushed)
     assert general == pytest.approx(fast, abs=1e-11)
     still = turning({}, pushed[:6])

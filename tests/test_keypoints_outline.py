@@ -10,13 +10,10 @@ import pytest
 from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
 from pipeline.data import Frame
-from pipeline.keypoints import ends
-from pipeline.keypoints.deeplabcut import read_any
 from pipeline.keypoints.outline.background import median, sample, without_resident
 from pipeline.keypoints.outline.edges import edge_offset
 from pipeline.keypoints.outline.plane import plane_of
 from pipeline.keypoints.outline.template import first_template, learned
-from pipeline.study import Setup, Trial
 from pipeline.synthetic.conditions import LADDER
 from pipeline.synthetic.design import ladder_design
 from pipeline.synthetic.trial import frame_truth, prepare
@@ -95,46 +92,3 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     assert points[part == 0, 0].max() == pytest.approx(trial.head_length_m)
     assert np.all(skin[2:-2] == 70.0)
     assert len(points) == len(skin) == len(part) == wider.kept().sum()
-
-
-def mouse_setup() -> tuple[Setup, Trial]:
-    robot = {
-        "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.1, "head_length_m": 0.03,
-        "head_span_m": 0.03, "hinge_to_com_m": 0.02, "tail_length_m": 0.05,
-    }  # fmt: skip
-    corners = ((0, 480), (640, 480), (640, 0), (0, 0))
-    trial = Trial(trial_id="m", source="m.mp4", power_pct=0, head_angle_deg=0, head_length_m=0.03)
-    return Setup(robot=robot, camera={"pool_corners_px": corners}), trial
-
-
-@pytest.mark.recordings
-def test_nose_and_tail_base_of_the_labelled_mouse(recordings):
-    """116 frames labelled by hand: median 5 px, 95 % within 15 px."""
-    folder = recordings / "openfield_mouse" / "labeled-data" / "m4s1"
-    labels = read_any(folder / "CollectedData_Pranav.csv", 30.0)
-    pictures = [
-        cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in sorted(folder.glob("*.png"))
-    ]
-    film = [Frame(i, i / 30, picture) for i, picture in enumerate(pictures)]
-    found = ends.detect(lambda: film, *mouse_setup())
-    assert len(film) == len(labels.time_s) == 116
-    for part, label in (("head_tip", "snout"), ("tail_base", "tailbase")):
-        off = np.linalg.norm(found.part(part) - labels.part(label), axis=1)
-        assert np.median(off) <= 5.0
-        assert np.mean(off <= 15.0) >= 0.95
-
-
-def test_ends_of_a_drawn_body_with_and_without_a_tail():
-    def picture(x: int, tailed: bool) -> np.ndarray:
-        image = np.full((480, 640), 200, np.uint8)
-        cv2.ellipse(image, (x, 240), (60, 24), 0, 0, 360, 20, -1)
-        if tailed:
-            cv2.line(image, (x - 58, 240), (x - 140, 250), 110, 5)
-        return cv2.GaussianBlur(image, (0, 0), 1.0)
-
-    film = [Frame(i, i / 30, picture(180 + 30 * i, i != 6)) for i in range(10)]
-    found = ends.detect(lambda: film, *mouse_setup())
-    nose, base = found.part("head_tip"), found.part("tail_base")
-    assert np.abs(nose[:, 0] - (240 + 30 * np.arange(10))).max() < 5
-    assert np.abs(base[:, 0] - (120 + 30 * np.arange(10))).max() < 6
-    assert found.likelihood[6, 0] <= 0.5 < found.likelihood[2, 0]

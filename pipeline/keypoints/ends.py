@@ -6,7 +6,7 @@ is the tail, and where it leaves is the tail base. The nose is the body's far en
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -16,14 +16,29 @@ import numpy.typing as npt
 from ..data import Frame, Keypoints
 from ..faults import fault
 from ..study import Setup, Trial
-from .outline.background import Image, median, noise_level, sample
+from .outline.background import Image, noise_level, ranked, sample
 
 NAMES = ("head_tip", "core_center", "tail_base")
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
 SOLID, FAINT = 0.72, 0.35
-SPREAD = (0.10, 0.08, 0.09)
+SPREAD = (0.115, 0.08, 0.08)
 ROI_GROWTH = 2.2
+SELDOM = 0.1
+LEAST_CHANGE = 20.0
+
+
+@dataclass(frozen=True)
+class Arena:
+    """The place without the body: its picture, where to look (mask), least change that counts.
+
+    sign: 1 where the body is darker than the floor, -1 where it is brighter.
+    """
+
+    floor: Image
+    region: Image
+    level: float
+    sign: float
 
 
 @dataclass(frozen=True)
@@ -50,15 +65,13 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     samples = [frame.luma for frame in sample(frames(), SAMPLES)]
     if not samples:
         raise fault(trial.source, "", "no frames", "footage with frames")
-    floor = median(samples)
-    level = max(20.0, 6.0 * noise_level(samples, floor))
-    region = _region(floor.shape, setup)
+    arena = arena_of(samples, setup)
     times: list[float] = []
     bodies: list[Body | None] = []
     for frame in frames():
         before = bodies[-1] if bodies else None
         times.append(frame.time_s)
-        bodies.append(body_of(frame.luma, floor, region, (level, before)))
+        bodies.append(body_of(frame.luma, arena, before))
     return _keypoints(np.array(times), bodies)
 
 
@@ -71,22 +84,38 @@ def _region(shape: tuple[int, ...], setup: Setup) -> Image:
     return mask
 
 
-def body_of(
-    luma: Image, floor: Image, region: Image, known: tuple[float, Body | None]
-) -> Body | None:
-    """Body of one frame; None without one. known: least change [grey levels], body before."""
-    level, before = known
-    change = cv2.subtract(floor, luma, dtype=cv2.CV_16S).astype(np.float32)
-    box = _strongest(change, region, level)
+def arena_of(samples: Sequence[Image], setup: Setup) -> Arena:
+    """The place without its body, from pictures spread over the film.
+
+    Where something passed, a pixel's usual grey level is the floor's; only where the body rests
+    for long it is the body's. So most of the swept pixels tell whether the body is the darker or
+    the brighter one, and the floor is what each pixel is like without it, be that seldom.
+    """
+    least, low, usual, high, most = ranked(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
+    region = _region(usual.shape, setup)
+    level = max(LEAST_CHANGE, 6.0 * noise_level(samples, usual))
+    brighter, darker = (_swept(away, region, level) for away in (most - usual, usual - least))
+    sign, rare = (1.0, high) if darker >= brighter else (-1.0, low)
+    floor = np.where(cv2.absdiff(rare, usual) > level, rare, usual)
+    return Arena(floor, region, level, sign)
+
+
+def _swept(away: Image, region: Image, level: float) -> float:
+    """How much changes at some time, summed over the region, grey levels."""
+    return float(away[(region > 0) & (away > level)].sum(dtype=float))
+
+
+def body_of(luma: Image, arena: Arena, before: Body | None) -> Body | None:
+    """Body of one frame; None without one. before: the body in the frame before."""
+    change = arena.sign * cv2.subtract(arena.floor, luma, dtype=cv2.CV_16S).astype(np.float32)
+    box = _strongest(change, arena.region, arena.level)
     if box is None:
         return None
-    change, floor, luma = change[box], floor[box], luma[box]
-    inside = np.abs(change) > level
-    sign = 1.0 if np.median(change[inside]) > 0 else -1.0
-    skin = float(np.percentile(sign * luma[inside & (sign * change > level)].astype(float), 25))
-    depth = np.maximum(sign * floor.astype(np.float32) - skin, 25.0)
-    cover = sign * change / depth
-    cover[sign * floor.astype(np.float32) - skin < 30] = 0.0
+    change, luma = change[box], luma[box]
+    ground = arena.sign * arena.floor[box].astype(np.float32)
+    skin = float(np.percentile(arena.sign * luma[change > arena.level].astype(float), 25))
+    cover = change / np.maximum(ground - skin, 25.0)
+    cover[ground - skin < 30] = 0.0
     outline = _outline(cover > SOLID)
     if outline is None:
         return None
@@ -96,7 +125,7 @@ def body_of(
 def _strongest(change: Float, region: Image, level: float) -> tuple[slice, slice] | None:
     """Box about the blob that changed most, with room for the tail."""
     size = max(3, change.shape[1] // 70)
-    mask = (np.abs(change) > level).astype(np.uint8) & region
+    mask = (change > level).astype(np.uint8) & region
     mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((size, size), np.uint8))
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     if not contours:
@@ -105,7 +134,7 @@ def _strongest(change: Float, region: Image, level: float) -> tuple[slice, slice
     for contour in contours:
         x, y, w, h = cv2.boundingRect(contour)
         inside = mask[y : y + h, x : x + w] > 0
-        strength.append(float(np.abs(change[y : y + h, x : x + w][inside]).sum()))
+        strength.append(float(change[y : y + h, x : x + w][inside].sum()))
     x, y, w, h = cv2.boundingRect(contours[int(np.argmax(strength))])
     reach = int(0.5 * ROI_GROWTH * max(w, h))
     top, left = max(0, y + h // 2 - reach), max(0, x + w // 2 - reach)

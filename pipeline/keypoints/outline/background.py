@@ -41,14 +41,20 @@ def _copied(frame: Frame) -> Frame:
 
 def median(images: Sequence[Image]) -> Image:
     """Median (height, width) of pictures, exact; the lower middle of an even number."""
-    return _median(np.stack(images))
+    return ranked(images, 0.5)[0]
+
+
+def ranked(images: Sequence[Image], *shares: float) -> npt.NDArray[np.uint8]:
+    """Pictures (shares, height, width): the grey level of each pixel that ranks at each share."""
+    places = [int(share * (len(images) - 1)) for share in shares]
+    return _ranked(np.stack(images), np.array(places))
 
 
 @numba.njit(cache=True)
-def _median(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def _ranked(stack: npt.NDArray[np.uint8], places: npt.NDArray[np.int64]) -> npt.NDArray[np.uint8]:
     """Odd-even transposition sort of whole rows: nothing but minima and maxima."""
     count, height, width = stack.shape
-    out = np.empty((height, width), np.uint8)
+    out = np.empty((len(places), height, width), np.uint8)
     rows = np.empty((count, width), np.uint8)
     for y in range(height):
         for k in range(count):
@@ -58,7 +64,8 @@ def _median(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
                 for x in range(width):
                     a, b = rows[k, x], rows[k + 1, x]
                     rows[k, x], rows[k + 1, x] = min(a, b), max(a, b)
-        out[y] = rows[(count - 1) // 2]
+        for i in range(len(places)):
+            out[i, y] = rows[places[i]]
     return out
 
 

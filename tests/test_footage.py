@@ -169,6 +169,10 @@ def test_ten_bit_hevc_arrives_as_eight(tmp_path):
     assert frame.luma.dtype == np.uint8
     lit = frame.luma[4:20, 4:36].astype(float) - frame.luma[60:, 80:].mean()
     assert lit.mean() == pytest.approx((235 - 40) * 219 / 255, abs=3)
+    with av.open(str(path)) as container:
+        plane = next(container.decode(video=0)).planes[0]
+    wide = np.frombuffer(plane, "<u2").reshape(plane.height, -1)[:, : SIZE[0]]
+    np.testing.assert_array_equal(frame.luma, wide // 4)
 
 
 def test_colour_only_when_asked(tmp_path):

@@ -101,7 +101,8 @@ def luma(picture: Any) -> Luma:
             return _rows(plane, np.uint8)[: picture.height, : picture.width]
         if name.endswith("le"):
             wide = _rows(plane, np.dtype("<u2"))[: picture.height, : picture.width]
-            return (wide >> (depth - 8)).astype(np.uint8)
+            narrow = np.empty(wide.shape, np.uint8)
+            return np.right_shift(wide, depth - 8, out=narrow, casting="unsafe")
     return picture.to_ndarray(format="gray")
 
 

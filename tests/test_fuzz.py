@@ -6,7 +6,9 @@ BLUEKOI_FUZZ sets how many cases each target gets; the long test makes 10,000 in
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -28,6 +30,8 @@ from pipeline.footage import encode, frames, open_recording
 from pipeline.keypoints.deeplabcut import read
 from pipeline.motor import flapping_from_log
 from pipeline.report.numbers import words
+from pipeline.stages.keypoints import keypoints
+from pipeline.stages.tracks import tracks
 from pipeline.study import Trial, load_study, missing_files
 from studies import small_study
 
@@ -178,6 +182,44 @@ def test_motor_log(data, study, folder):
     path.write_bytes(data.draw(spoilt_table(whole) | spoilt_bytes(whole.encode())))
     said = value_or_fault(lambda: flapping_from_log(path))
     assert not said or path.name in said
+
+
+@settings(checked, max_examples=max(CASES // 6, 6))
+@given(data=st.data())
+def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, study, folder):
+    """Through pose, smoothing and steady state: whatever is wrong is told as the file's fault."""
+    other, results = folder / "stages", folder / "results"
+    if not other.exists():
+        shutil.copytree(study, other)
+    lines = (study / "keypoints/T09.csv").read_text().splitlines()[:60]
+    spoilt = spoilt_table("\n".join(lines))
+    (other / "keypoints/T09.csv").write_bytes(data.draw(spoilt))
+    with in_time():
+        keypoints(other, results, "T09")
+        tracks(other, results, "T09")
+    told = json.loads((results / "status/T09.json").read_text())
+    assert "a defect of this program" not in told["message"], told["message"]
+    assert told["ok"] or "T09" in told["message"]
+
+
+@settings(checked, max_examples=max(CASES // 6, 6))
+@given(data=st.data())
+def test_stages_find_no_defect_of_ours_in_spoilt_studies(data, study, folder):
+    """What the door lets in can be calculated with, or is refused in words."""
+    other, results = folder / "odd", folder / "odd_results"
+    if not other.exists():
+        shutil.copytree(study, other)
+    content = yaml.safe_load((study / "study.yaml").read_text())
+    (other / "study.yaml").write_bytes(data.draw(spoilt_yaml(content)))
+
+    def both() -> None:
+        keypoints(other, results, "T09")
+        tracks(other, results, "T09")
+        message = json.loads((results / "status/T09.json").read_text())["message"]
+        assert "a defect of this program" not in message, message
+
+    said = value_or_fault(both)
+    assert not said or str(other) in said
 
 
 @cache

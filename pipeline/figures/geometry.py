@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from ..campaign import Campaign
 from ..data import Float
@@ -17,7 +18,7 @@ TITLE = "Is the geometry right? Rigid distances over the pool"
 CAPTION = (
     "The robot's head and core keep their lengths wherever it swims. A: by how much the measured "
     "lengths miss the stated ones, place by place; grey figures are standard deviations. B: what "
-    "the likeliest error of the geometry would do, on the same scale; even where none is found. "
+    "the error that explains them would do, on the same scale; blank where no error shows. "
     "C: how much each possible error explains, fitted alone, in units of chi-squared (logarithmic)."
 )
 NEEDS = ("geometry",)
@@ -36,7 +37,7 @@ def draw(campaign: Campaign) -> Figure:
             absent(axes, str(found.get("sentence", "no distances")))
         return figure
     grid = {key: _numbers(value) for key, value in found["map"].items()}
-    span = max(100 * float(np.nanmax(np.abs(grid["excess"]))), 0.05)
+    span = _span(grid)
     _map(left, campaign, grid, span, "excess")
     picture = _map(middle, campaign, grid, span, "model")
     figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
@@ -44,6 +45,13 @@ def draw(campaign: Campaign) -> Figure:
     middle.set_title(f"likeliest: {_plain(found['likely'])}")
     _suspects(right, found["estimates"])
     return figure
+
+
+def _span(grid: dict[str, Float]) -> float:
+    """Largest error shown, %, by cells that are known no worse than twice the usual."""
+    known = (grid["count"] > 0) & (grid["std"] <= 2 * np.nanmedian(grid["std"][grid["count"] > 0]))
+    both = np.abs(np.concatenate([grid["excess"][known], grid["model"][known]]))
+    return max(100 * float(np.nanmax(both)), 0.05)
 
 
 def _numbers(values: Any) -> Float:
@@ -75,6 +83,8 @@ def _suspects(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     axes.barh(range(len(best)), gains, left=1.0, color="#56B4E9", height=0.6)
     axes.set_yticks(range(len(best)), names, fontsize=7)
     axes.set_xscale("log")
+    axes.set_xlim(1, 1.5 * max(10.0, *gains))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("chi-squared explained alone")
 
 

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ..camera import PoolCamera, project
+from ..camera.pool import PoolCamera, project
 from ..data import Float, Keypoints
 
 Picture = npt.NDArray[np.uint8]

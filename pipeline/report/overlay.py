@@ -8,7 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..camera import PoolCamera, pool_camera, project
+from ..camera.corners import pool_camera
+from ..camera.pool import PoolCamera, project
 from ..campaign import Campaign
 from ..data import Float, Frame, Keypoints, Track
 from ..footage import frames, open_recording

@@ -26,6 +26,9 @@ steady motion too wide, a smaller one makes those of a hardly disturbed motion t
 LIVELY, LIVELY_RECOIL = 14.0, 5.0
 """Logarithms over the units from which the search starts, so that no motion looks like an outlier:
 from below, it may run off to a huge measurement noise that explains everything."""
+LIVELIEST = 0.3, 7.0
+"""Densities above which nothing moves: of the rate, speed^2 per unit of time T, and of the
+acceleration, (speed / T)^2 per T."""
 AT_REST = 0.01
 """A body at rest at the first frame moves at less than this share of its usual speed."""
 MOVING = 3.0
@@ -145,14 +148,23 @@ def _found(
 
     shares = [SPREAD_SHARE] * (m - 1)
     spread = np.array([*SPREADS, *shares, *[SPREAD_RECOIL] * recoils, SPREAD_R])
-    starts = _starts(m, recoils)
-    return most_likely(build, data.seen, first=data.plausible, spread=spread, starts=starts)
+    T = grid.scale_s
+    top = np.log(np.array(LIVELIEST) * data.speed**2 / np.array([T, T**3]) / units[1:3])
+    return most_likely(
+        build,
+        data.seen,
+        first=data.plausible,
+        spread=spread,
+        starts=_starts(m, recoils, np.full(2, LIVELY)),
+        livelier=_starts(m, recoils, np.maximum(top, LIVELY)),
+    )
 
 
-def _starts(m: int, recoils: int) -> list[Float]:
+def _starts(m: int, recoils: int, lively: Float) -> list[Float]:
     """Logarithms from which to search: lively in the rate, and lively in the acceleration."""
     others = [*[0.0] * (m - 1), *[LIVELY_RECOIL] * recoils, 0.0]
-    return [np.array([0.0, *pair, *others]) for pair in ((LIVELY, 0.0, 0.0), (0.0, LIVELY, 1.0))]
+    pairs = ((lively[0], 0.0, 0.0), (0.0, lively[1], 1.0))
+    return [np.array([0.0, *pair, *others]) for pair in pairs]
 
 
 def _units(data: Measured, grid: Grid, recoils: int) -> Float:

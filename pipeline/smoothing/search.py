@@ -38,6 +38,7 @@ def most_likely(
     first: Mask,
     spread: Float,
     starts: Sequence[Float],
+    livelier: Sequence[Float] = (),
     rounds: int = 4,
 ) -> Found:
     """Chain whose noise has the greatest posterior, with outliers set aside.
@@ -50,7 +51,8 @@ def most_likely(
     build: chain for logarithms of the noise (m,). seen: (n,) where there is a measurement at all;
     first: (n,) those that the first round uses. starts: logarithms from which the first round
     searches, the best end counts: a motion disturbed in its rate and one disturbed in its
-    acceleration are valleys of their own.
+    acceleration are valleys of their own. livelier: further ones, tried where the search ended at
+    a measurement noise much larger than stated, in which every motion drowns.
     A measurement set aside counts in the cost as one that lies on the gate.
     """
     used, places = first, starts
@@ -58,6 +60,8 @@ def most_likely(
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         ends = [_search(build, used, limit, place, spread) for place in places]
+        if min(ends, key=lambda end: end[1])[0][-1] > 2 * spread[-1]:
+            ends += [_search(build, used, limit, place, spread) for place in livelier]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
         chain = build(logs)

@@ -13,6 +13,8 @@ from .layout import remove
 
 log = logging.getLogger(__name__)
 
+FEWER = "run fewer jobs at once (--cores 1) or close other programs, then start again"
+
 
 def attempt(
     status: Path,
@@ -36,6 +38,9 @@ def attempt(
         text = str(error)
         found = _failed(trial_id, text if source in text else f"{source}: {text}")
         log.warning("%s", error)
+    except MemoryError:
+        found = _failed(trial_id, f"{source}: not enough memory; {FEWER}")
+        log.exception("trial %s", trial_id)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
         found = _failed(
             trial_id, f"a defect of this program, {error!r}; the log of the trial has more"

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..camera import PoolCamera, map_keypoints, pool_camera
+from ..camera.corners import pool_camera
+from ..camera.pool import PoolCamera, map_keypoints
 from ..camera.uncertainty import calibration_at
 from ..data import Flapping, Keypoints, Positions, Track, write_pose, write_track
 from ..faults import fault

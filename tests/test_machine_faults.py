@@ -1,0 +1,151 @@
+"""The machine fails: disk full, read-only results, no memory. A clear word, nothing lost."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipeline.faults import Fault
+from pipeline.files import write_text
+from pipeline.stages.status import attempt
+from pipeline.workflow.plan import make_plan
+from pipeline.workflow.provenance import source_files
+from studies import small_study
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory) -> Path:
+    return small_study(tmp_path_factory.mktemp("machine") / "study")
+
+
+@pytest.fixture
+def mounted(tmp_path):
+    """Mounts a small file system on a folder; skipped where that is not allowed."""
+    folders = []
+
+    def mount(size: str) -> Path:
+        folder = tmp_path / f"disk{len(folders)}"
+        folder.mkdir()
+        options = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+        if shutil.which("mount") is None or subprocess.run(options, check=False).returncode:
+            pytest.skip("file systems cannot be mounted here")
+        folders.append(folder)
+        return folder
+
+    yield mount
+    for folder in folders:
+        subprocess.run(["umount", "-l", str(folder)], check=False)
+
+
+def stage(name: str, study: Path, results: Path, *further: str, limit=None):
+    command = [sys.executable, "-m", "pipeline", "stage", name, "--study", str(study)]
+    return subprocess.run(
+        [*command, "--results", str(results), *further],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        preexec_fn=limit,
+    )
+
+
+def test_a_full_disk_is_said_and_leaves_no_half_file(study, mounted):
+    disk = mounted("64k")
+    results = disk / "results"
+    (disk / "filler").write_bytes(b"x" * 40_000)
+    done = stage("keypoints", study, results, "--trial", "T09")
+    words = done.stderr + "".join(p.read_text() for p in results.rglob("status/keypoints/*.json"))
+    assert "No space left on device" in words
+    assert "Traceback" not in words
+    assert not list(results.rglob("keypoints/*.csv"))
+    assert not list(results.rglob(".*.csv"))
+    (disk / "filler").unlink()
+    subprocess.run(["mount", "-o", "remount,size=8m", str(disk)], check=True)
+    assert stage("keypoints", study, results, "--trial", "T09").returncode == 0
+    assert json.loads((results / "status/keypoints/T09.json").read_text())["ok"]
+
+
+def test_what_stood_before_the_disk_was_full_stands_after(mounted):
+    disk = mounted("64k")
+    write_text(disk / "a.json", "whole")
+    (disk / "filler").write_bytes(b"x" * 50_000)
+    with pytest.raises(Fault, match=r"a\.json.*No space left on device"):
+        write_text(disk / "a.json", "y" * 40_000)
+    assert (disk / "a.json").read_text() == "whole"
+    assert sorted(path.name for path in disk.iterdir()) == ["a.json", "filler"]
+
+
+def test_a_file_size_limit_is_said_like_a_full_disk(study, tmp_path):
+    def small_files() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+
+    done = stage("keypoints", study, tmp_path / "r", "--trial", "T09", limit=small_files)
+    told = json.loads((tmp_path / "r/status/keypoints/T09.json").read_text())
+    assert done.returncode == 0
+    assert not told["ok"]
+    assert "File too large" in told["message"]
+    assert not list((tmp_path / "r").rglob("keypoints/*.csv"))
+
+
+def test_results_that_are_read_only_are_told_at_the_door(study, mounted, monkeypatch):
+    disk = mounted("1m")
+    (disk / "results").mkdir()
+    subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
+    settings = {"study": str(study), "results": str(disk / "results"), "demo_folder": "d"}
+    with pytest.raises(Fault, match=r"Read-only file system.*can be written to"):
+        make_plan({**settings, "overlays": "none"})
+    done = stage("keypoints", study, disk / "results", "--trial", "T09")
+    assert done.returncode == 1
+    assert "Read-only file system" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_want_of_memory_is_a_word_on_the_trial_and_stops_nothing_else(tmp_path):
+    (tmp_path / "half.csv").write_text("x")
+
+    def hungry() -> dict:
+        raise MemoryError
+
+    status, products = tmp_path / "T1.json", (tmp_path / "half.csv",)
+    attempt(status, "T1", hungry, source="videos/T1.mp4", products=products)
+    told = json.loads(status.read_text())
+    assert not told["ok"]
+    assert told["message"].startswith("videos/T1.mp4: not enough memory; run fewer jobs")
+    assert not (tmp_path / "half.csv").exists()
+
+
+@pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="no memory limits here")
+def test_a_stage_in_too_little_memory_ends_and_can_be_done_again(study, tmp_path):
+    def little() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (300 * 2**20, 300 * 2**20))
+
+    done = stage("tracks", study, tmp_path / "r", "--trial", "T09", limit=little)
+    assert done.returncode != 0 or (tmp_path / "r/status/T09.json").is_file()
+    assert not list((tmp_path / "r").rglob("tracks/*.csv"))
+    assert stage("keypoints", study, tmp_path / "r", "--trial", "T09").returncode == 0
+    assert stage("tracks", study, tmp_path / "r", "--trial", "T09").returncode == 0
+    assert json.loads((tmp_path / "r/status/T09.json").read_text())["ok"]
+
+
+def test_the_overlays_do_not_depend_on_the_pages_code():
+    found = source_files("stages.overlay")
+    assert "report/overlay.py" in found
+    assert "report/drawing.py" in found
+    pages = {"page.py", "page.html", "story.py", "tables.py", "trials.py", "media.py"}
+    assert not [name for name in found if name.startswith("report/") and Path(name).name in pages]
+
+
+def test_geometry_does_not_hang_on_smoothing_nor_tracks_on_the_check_of_distances():
+    assert "smoothing/chain.py" not in source_files("stages.geometry")
+    assert "camera/geometry.py" not in source_files("stages.tracks")
+    assert os.path.exists(ROOT / "pipeline/stages/geometry.py")

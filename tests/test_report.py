@@ -17,9 +17,9 @@ from exact_campaign import campaign, searched
 
 from pipeline import figures
 from pipeline.campaign import Campaign
-from pipeline.report.page import write_report
 from pipeline.report.media import clips
 from pipeline.report.numbers import measured, number, percent
+from pipeline.report.page import write_report
 from pipeline.report.story import verdict
 
 VOID = {"meta", "link", "img", "input", "br", "rect", "polyline"}

@@ -13,8 +13,8 @@ import pytest
 from exact_campaign import campaign, searched
 
 from pipeline.campaign import Campaign
-from pipeline.report.page import write_report
 from pipeline.report.hidden import hidden, true_steady
+from pipeline.report.page import write_report
 from pipeline.stages.demo import lay_out
 from pipeline.study.seal import Seal, open_seal, seal_files
 from pipeline.synthetic.design import demo_design

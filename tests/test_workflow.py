@@ -89,7 +89,8 @@ def test_a_study_runs_to_its_figures_and_says_little(done):
     home, run = done
     assert run.returncode == 0, run.stderr
     results = home.root / "results/study"
-    for name in ("steady.csv", "coefficients.json", "table1.csv", "table2.csv", "mismatch.json"):
+    tables = ("steady.csv", "coefficients.json", "table1.csv", "table2.csv")
+    for name in ("geometry.json", *tables, "mismatch.json"):
         assert (results / name).is_file(), name
     for name in figure_names():
         assert (results / "figures" / f"{name}.pdf").is_file()
@@ -111,6 +112,25 @@ def test_the_code_of_one_figure_redraws_that_figure_alone(home):
     assert home.planned() == {"figure": 1, "report": 1}
 
 
+def test_the_code_of_the_page_makes_the_page_alone(home):
+    append(home.root / "pipeline/report/story.py", "\n# changed\n")
+    assert home.planned() == {"report": 1}
+
+
+def test_the_code_of_the_distances_checks_them_again_and_searches(home):
+    append(home.root / "pipeline/camera/geometry.py", "\n# changed\n")
+    found = home.planned()
+    assert found["geometry"] == found["mismatch"] == 1
+    assert "tracks" not in found
+    assert "tuning" not in found
+
+
+def test_a_depth_that_is_not_given_is_told_by_the_distances_before_the_tracks(home):
+    text = (home.study / "study.yaml").read_text()
+    (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
+    assert home.planned() == {"geometry": 1, "tracks": 3} | AFTER_TRACKS
+
+
 def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
     append(home.root / "pipeline/smoothing/chain.py", "\n# changed\n")
     assert home.planned() == {"tracks": 3} | AFTER_TRACKS
@@ -118,7 +138,7 @@ def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
 
 def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(home):
     edit_rows(home.study, T10={"head_length_m": "0.121"})
-    assert home.planned() == {"tracks": 1} | AFTER_TRACKS
+    assert home.planned() == {"tracks": 1, "geometry": 1} | AFTER_TRACKS
 
 
 def test_another_role_does_not_track_again(home):

@@ -13,8 +13,9 @@ import pytest
 from exact_campaign import campaign, searched
 
 from pipeline.campaign import Campaign
-from pipeline.report.hidden import hidden, true_steady
+from pipeline.report.hidden import hidden
 from pipeline.report.page import write_report
+from pipeline.report.truth import true_steady
 from pipeline.stages.demo import lay_out
 from pipeline.study.seal import Seal, open_seal, seal_files
 from pipeline.synthetic.design import demo_design
@@ -109,6 +110,19 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
 def test_a_cause_named_in_vain_is_said():
     shown = hidden(searched(campaign()), Seal("0" * 64, {"hidden": {}}))
     assert [row.cells[-1] for row in shown.causes] == ["named, but not in what was hidden"]
+
+
+def test_causes_may_be_listed_as_the_search_lists_them():
+    truth = {
+        "causes": [{"name": "linear_yaw_damping", "parameters": {"N_r": 0.02}, "law": "linear"}],
+        "body": {"C_T": 4.5e-3, "C_D0": 0.5, "mass_kg": 0.68},
+        "trials": 24,
+    }
+    shown = hidden(searched(campaign()), Seal("0" * 64, truth))
+    assert [row.cells[0] for row in shown.causes] == ["N_r = 0.02000 N m s"]
+    assert shown.causes[0].cells[-1] == "found"
+    assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
+    assert shown.trials == []
 
 
 def test_nothing_hidden_and_nothing_found_agree():

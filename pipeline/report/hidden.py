@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..campaign import Campaign
-from ..data import Float, Steady
+from ..data import Steady
 from ..study.seal import Seal
 from .numbers import BAND, measured, number, percent, units, words
 from .story import Row
+from .truth import READ, put_in, true_coefficients, true_steady, true_trials
 
-SHOWN_APART = ("hidden", "coefficients", "trials")
 LONGEST_CELL = 200
 MOST_ROWS = 300
 
@@ -36,9 +34,10 @@ class Hidden:
 def hidden(campaign: Campaign, seal: Seal | None) -> Hidden | None:
     """What the page shows of a study's seal; None for a study without one.
 
-    The truth may hold `hidden` (cause -> parameters), `coefficients` (name -> value, or power ->
-    name -> value) and `trials` (list with `trial_id`, `flap_hz`, `speed_m_s`, `radius_m` and, to
-    compare over the very stretch that was measured, `mean_path`); anything else is listed as is.
+    The truth may hold `hidden` (cause -> parameters) or `causes` (as in mismatch.json),
+    `coefficients` (name -> value, or power -> name -> value) and `trials` (list with `trial_id`,
+    `flap_hz`, `speed_m_s`, `radius_m` and, to compare over the very stretch that was measured,
+    `mean_path`); anything else is listed as it stands.
     """
     if seal is None:
         return None
@@ -70,12 +69,12 @@ def _sentence(seal: Seal) -> str:
 
 def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """Each hidden cause and each cause named: its parameters, and whether the two agree."""
-    if "hidden" not in truth:
+    true = put_in(truth)
+    if true is None:
         return []
     told = campaign.mismatch or {}
     named = {str(c["name"]): c for c in told.get("causes") or []}
     rivals = {str(r["name"]) for r in told.get("rivals") or []}
-    true = truth["hidden"] if isinstance(truth["hidden"], Mapping) else {}
     if not true and not named:
         agreed = "found: nothing" if told.get("verdict") == "none" else str(told.get("verdict", ""))
         return [Row("nothing", ("–", "–", agreed))]
@@ -119,16 +118,13 @@ def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
 
 def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """True coefficients beside the joint fit without and with what was left out."""
-    true = truth.get("coefficients")
-    if not isinstance(true, Mapping):
-        return []
     joint = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     told = (campaign.mismatch_detail or {}).get("coefficients") or {}
     searched = (campaign.mismatch or {}).get("verdict", "none") != "none"
     after = (told.get("after") or {}) if searched else {}
     steps = campaign.coefficients.get("paper_steps") or {}
     rows = []
-    for name, value in sorted(true.items(), key=_place):
+    for name, value in sorted(true_coefficients(truth).items(), key=_place):
         if isinstance(value, Mapping):
             cells = (steps.get(name) or {}).get("coefficients") or {}
             pairs = sorted(value.items(), key=_place)
@@ -172,46 +168,20 @@ def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
 
 def _trials(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """Speed, radius and flapping frequency of each trial, true and measured."""
-    entries = truth.get("trials")
-    known = [e for e in entries if isinstance(e, Mapping)] if isinstance(entries, list) else []
     return [
-        _trial(campaign.steady[str(entry.get("trial_id"))], entry)
-        for entry in known
-        if str(entry.get("trial_id")) in campaign.steady
+        _trial(name, campaign.steady[name], entry)
+        for name, entry in true_trials(truth).items()
+        if name in campaign.steady
     ]
 
 
-def _trial(found: Steady, entry: Mapping[str, Any]) -> Row:
+def _trial(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
     speed, radius = true_steady(entry, found.steady_from_s, found.steady_to_s)
     turning = math.isfinite(found.radius_m)
     cells = [_pair(speed, found.speed_m_s)]
     cells += [_pair(radius, found.radius_m) if turning else ("straight", "straight", "–")]
     cells += [_pair(entry.get("flap_hz"), found.flap_hz, 5)]
-    return Row(str(entry["trial_id"]), tuple(text for cell in cells for text in cell))
-
-
-def true_steady(entry: Mapping[str, Any], from_s: float, to_s: float) -> tuple[Any, Any]:
-    """True speed (m/s) and radius (m) over a stretch of time, from the sealed mean path.
-
-    Speed is the mean of |v|; radius is distance gone over change of course. Without a mean path,
-    the figures that the truth states, or with one that cannot be read.
-    """
-    path = entry.get("mean_path")
-    if not isinstance(path, Mapping) or not {"time_s", "vx_m_s", "vy_m_s"} <= path.keys():
-        return entry.get("speed_m_s"), entry.get("radius_m")
-    try:
-        t, vx, vy = np.array([path[k] for k in ("time_s", "vx_m_s", "vy_m_s")], dtype=float)
-    except (TypeError, ValueError):
-        return entry.get("speed_m_s"), entry.get("radius_m")
-    return _over(t, vx, vy, np.linspace(from_s, to_s, 200))
-
-
-def _over(t: Float, vx: Float, vy: Float, at: Float) -> tuple[float, float | None]:
-    x, y = np.interp(at, t, vx), np.interp(at, t, vy)
-    speed = float(np.hypot(x, y).mean())
-    course = np.unwrap(np.arctan2(y, x))
-    turned = abs(float(course[-1] - course[0]))
-    return speed, speed * float(at[-1] - at[0]) / turned if turned > 0 else None
+    return Row(name, tuple(text for cell in cells for text in cell))
 
 
 def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
@@ -223,7 +193,7 @@ def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
 
 def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """What else was sealed, key and value, cut short where it is long."""
-    rest = {key: value for key, value in truth.items() if key not in SHOWN_APART}
+    rest = {key: value for key, value in truth.items() if key not in READ}
     rows = list(_flat("", rest))
     yield from rows[:MOST_ROWS]
     if len(rows) > MOST_ROWS:

@@ -4,7 +4,6 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
 
 from pipeline.files import whole_file, write_text
@@ -32,8 +31,8 @@ POINT_NOISE_M = 0.00085
 
 @dataclass(frozen=True)
 class Made:
-    """A study that stands on disk: its name, the SHA-256 of its sealed truth, its effects' error
-    over what was wanted (1 where there are none).
+    """A study that stands on disk: its name, the SHA-256 of its sealed truth, and the error of
+    its effects over what was wanted, or its inverse where more was reached (1: as wanted).
     """
 
     name: str
@@ -151,8 +150,8 @@ def conceal(recipe: Recipe, folder: Path, sealed: Path) -> Made:
     paths = {one.trial.plan.trial_id: path_truth(one) for one in trials}
     digest = _seal(recipe, laws, causes, paths, sealed)
     write_text(folder / "truth.sha256", digest + "\n")
-    wanted = [c["ratio"] / c["wanted_ratio"] for c in causes if "ratio" in c]
-    return Made(recipe.name, digest, float(np.min(wanted)) if wanted else 1.0)
+    shares = [c["ratio"] / c["wanted_ratio"] for c in causes if "ratio" in c]
+    return Made(recipe.name, digest, min((min(s, 1 / s) for s in shares), default=1.0))
 
 
 def _level(recipe: Recipe, causes: list[dict[str, Any]]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.optimize import minimize
 
 from ..data import Float
 from ..integrate import Kernel, Parameter
@@ -12,6 +13,9 @@ from .filtering import disturbance_slots, filter_all, random_effects
 from .series import Noise, Series
 
 LEAST = 1e-9
+DIFFERENCE = 1e-3
+REACH = 4.0
+"""Strengths and memories are sought within a factor of e^4 of where they are begun."""
 
 
 def fit_noise(
@@ -27,9 +31,10 @@ def fit_noise(
     """Random forces, lasting tracking errors and white noise that make the errors most likely.
 
     One strength after the other, each by a parabola through three likelihoods over its logarithm,
-    bounded to a factor of 4 a round; `values` are full parameter vectors, one a trial. Trials are
-    thinned to at most `most`, spread evenly, since few numbers are sought. forces_only: only the
-    random parts that push are sought, the measuring noise stays.
+    then up to `rounds` quasi-Newton steps in all of them; `values` are full parameter vectors, one
+    a trial. While a memory tau is varied, sigma sqrt(tau) stays: slow data tell that product alone.
+    Trials are thinned to at most `most`, spread evenly, since few numbers are sought. forces_only:
+    only the random parts that push are sought, the measuring noise stays.
     """
     chosen = np.unique(np.linspace(0, len(series) - 1, min(most, len(series))).round().astype(int))
     some = [series[i] for i in chosen]
@@ -45,11 +50,23 @@ def fit_noise(
 
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
     best = likelihood(logs)
-    for _ in range(rounds):
-        for i in range(len(logs)):
-            logs, best = _along(likelihood, logs, best, i, width)
-        width *= 0.8
-    return noise_of(logs)
+    for i in range(len(logs)):
+        logs, best = _along(likelihood, logs, best, i, width)
+    return noise_of(_askew(likelihood, logs, rounds))
+
+
+def _askew(likelihood: Callable[[Float], float], logs: Float, rounds: int) -> Float:
+    """On from `logs` by quasi-Newton steps: ridges of the likelihood lie askew to the strengths."""
+
+    def slope(x: Float) -> tuple[float, Float]:
+        value = likelihood(x)
+        steps = DIFFERENCE * np.eye(len(x))
+        return -value, np.array([(value - likelihood(x + step)) / DIFFERENCE for step in steps])
+
+    bounds = [(x - REACH, x + REACH) for x in logs]
+    found = minimize(slope, logs, jac=True, method="L-BFGS-B", bounds=bounds,
+                     options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
+    return np.asarray(found.x)
 
 
 def _along(
@@ -70,7 +87,8 @@ def _along(
 
 
 def _flat(noise: Noise) -> Float:
-    return np.concatenate([noise.disturbance, noise.tau, noise.scale])
+    """Random states' sigma sqrt(tau), then their tau, then the scales of the observations."""
+    return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
 def _sought(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
@@ -102,4 +120,4 @@ def _with(kernel: Kernel, noise: Noise, sought: Sequence[int], found: Float) -> 
     tau = flat[count : 2 * count].copy()
     for k, (shared, parameter) in _memories(kernel, count).items():
         tau[k : k + shared] = np.clip(tau[k], parameter.lower, parameter.upper)
-    return Noise(flat[:count], tau, flat[2 * count :])
+    return Noise(flat[:count] / np.sqrt(tau), tau, flat[2 * count :])

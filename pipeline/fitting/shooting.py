@@ -95,7 +95,8 @@ def _fitted_starts(
 
 def _costs(series: Sequence[Series], observed: Float, starts: Float) -> Float:
     """Cost (trials,) of each run; infinite where it runs away."""
-    found = [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, observed, starts, strict=True)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, observed, starts, strict=True)]
     return np.where(np.isfinite(found), found, np.inf)
 
 

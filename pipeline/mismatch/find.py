@@ -140,7 +140,7 @@ def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     """A tried model with all of the noise fitted anew around it, and its covariance."""
     if not model.effects:
         return baseline
-    noise = fit_noise(bench.kernel, bench.series, bench.points(model), model.noise, rounds=5)
+    noise = fit_noise(bench.kernel, bench.series, bench.points(model), model.noise, rounds=10)
     again = bench.refit(model.effects, replace(model, noise=noise))
     cov = jackknife_cov(again.fit.normal, moving(bench.kernel, again.fit))
     return Tuned(again.fit, noise, cov, baseline.base)

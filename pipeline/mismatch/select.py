@@ -59,10 +59,12 @@ class Bench:
 
     def settled(self, model: Trialled) -> Trialled:
         """A model under its own noise: random forces and numbers fitted in turn."""
-        noise = fit_noise(self.kernel, self.series, self.points(model), model.noise,
-                          forces_only=True)  # fmt: skip
+        points = self.points(model)
+        noise = fit_noise(self.kernel, self.series, points, model.noise, forces_only=True)
+        predictor = filter_all(self.kernel, self.series, points, noise)
         return try_effects(self.kernel, self.series, self.base, self.coefficients, model.effects,
-                           noise=noise, start=model.fit.by_label())  # fmt: skip
+                           noise=noise, predictor=predictor,
+                           start=model.fit.by_label())  # fmt: skip
 
 
 @dataclass(frozen=True)

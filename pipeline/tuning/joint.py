@@ -75,7 +75,7 @@ def tune(
     found = fit(kernel, series, base, free, noise or FIRST_NOISE, start=start)
     if noise is None:
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
-        noise = fit_noise(kernel, series, points, FIRST_NOISE)
+        noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     return Tuned(found, noise, jackknife_cov(found.normal, moving(kernel, found)), base)
 

@@ -1,0 +1,122 @@
+"""Filter, noise and thinning against answers known otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from one_mass import SYSTEM
+from scipy.stats import multivariate_normal
+
+from pipeline.fitting import Noise, Series, filter_series, fit_noise, thinned
+from pipeline.integrate import compiled
+
+STEP_S = 0.05
+WHITE = 0.004
+
+
+def a_series(seen: np.ndarray, step_s: float = STEP_S) -> Series:
+    n = len(seen)
+    return Series(
+        name="T", group="g", condition="c", times=step_s * np.arange(n), inputs=np.zeros((n, 1)),
+        constants=np.zeros(0), seen=seen[:, None], noise=np.full((n, 1, 1), WHITE**2),
+        mean=np.zeros(4), cov=np.diag([0.01**2, 0.02**2, 0.0, 0.0]),
+    )  # fmt: skip
+
+
+def lasting(sigma: float, tau: float, times: np.ndarray) -> np.ndarray:
+    """Covariance of a first-order process: sigma^2 exp(-|t - t'| / tau)."""
+    return sigma**2 * np.exp(-np.abs(times[:, None] - times) / tau)
+
+
+@pytest.mark.parametrize("step_s", [0.02, 0.1, 0.3])
+def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
+    rng = np.random.default_rng(1)
+    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
+    times = step_s * np.arange(40)
+    noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
+    cov = lasting(0.01, 0.2, times) + WHITE**2 * np.eye(40)
+    cov += 0.01**2 + 0.02**2 * np.outer(times, times)
+    seen = rng.multivariate_normal(np.zeros(40), cov)
+    found = filter_series(kernel, a_series(seen, step_s), values, noise)
+    exact = multivariate_normal(np.zeros(40), cov).logpdf(seen)
+    assert found.log_likelihood == pytest.approx(exact, abs=0.02)
+
+
+def test_whitened_errors_are_white() -> None:
+    rng = np.random.default_rng(2)
+    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
+    noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
+    n = 4000
+    root = np.linalg.cholesky(lasting(0.01, 0.2, STEP_S * np.arange(n)))
+    seen = root @ rng.standard_normal(n) + WHITE * rng.standard_normal(n)
+    e = filter_series(kernel, a_series(seen), values, noise).innovations[:, 0]
+    assert np.std(e) == pytest.approx(1, abs=0.03)
+    assert abs(np.mean(e[1:] * e[:-1])) < 0.04
+
+
+def test_fit_noise_finds_force_error_and_white_noise() -> None:
+    rng = np.random.default_rng(3)
+    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    n, true = 400, Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
+    trials = [a_series(_pushed(rng, n, true)) for _ in range(12)]
+    first = Noise(np.array([0.15, 0.004]), np.array([0.5, 0.3]), np.full(1, 2.0))
+    found = fit_noise(kernel, trials, [values] * 12, first, rounds=20)
+
+    def likelihood(noise: Noise) -> float:
+        return sum(filter_series(kernel, t, values, noise).log_likelihood for t in trials)
+
+    assert likelihood(found) > likelihood(true) - 0.5
+    assert likelihood(found) < likelihood(true) + 10  # five numbers cannot gain more by chance
+    strength, known = (n.disturbance * np.sqrt(n.tau) for n in (found, true))
+    assert strength == pytest.approx(known, rel=0.25)
+    assert found.scale == pytest.approx(true.scale, rel=0.15)
+    kept = fit_noise(kernel, trials, [values] * 12, first, forces_only=True)
+    assert kept.disturbance[1] == first.disturbance[1]
+    assert kept.scale == pytest.approx(first.scale)
+
+
+def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
+    fine = 10
+    dt = STEP_S / fine
+    keep = np.exp(-dt / noise.tau)
+    g, e = noise.disturbance * rng.standard_normal(2)
+    x, v, seen = 0.0, 0.0, np.empty(n)
+    for k in range(n):
+        seen[k] = x + e + WHITE * rng.standard_normal()
+        for _ in range(fine):
+            x, v = x + dt * v, v + dt * (g - 0.5 * v)
+            g, e = keep * np.array([g, e]) + noise.disturbance * np.sqrt(
+                1 - keep**2
+            ) * rng.standard_normal(2)
+    return seen
+
+
+def test_thinning_does_not_bias_a_curve() -> None:
+    times = np.arange(0, 6, 1 / 30)
+    one = replace(a_series(0.2 * times**2, 1 / 30))
+    few = thinned(one)
+    assert 55 < len(few.times) < 65
+    assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=1e-12)
+    assert few.times[0] == 0
+    assert few.noise[1:-1, 0, 0] == pytest.approx(WHITE**2 / 3)
+
+
+def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
+    seen = np.ones(180)
+    seen[60:75] = np.nan
+    one = a_series(seen, 1 / 30)
+    few = thinned(one, constant=(0,))
+    assert np.isnan(few.seen[:, 0]).sum() in (4, 5)
+    assert np.sum(1 / few.noise[:, 0, 0]) == pytest.approx(np.sum(1 / one.noise[:, 0, 0]))
+
+
+def test_thinning_leaves_slow_series_alone() -> None:
+    one = a_series(np.ones(100), 0.1)
+    assert thinned(one) is one
+
+
+def test_noise_must_be_positive() -> None:
+    with pytest.raises(ValueError, match="positive"):
+        Noise(np.array([0.1]), np.array([0.5]), np.zeros(1))

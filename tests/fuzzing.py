@@ -93,6 +93,35 @@ def spoilt_table(draw: Any, text: str) -> bytes:
 
 
 @st.composite
+def absurd_numbers(draw: Any, text: str, *, header: int) -> bytes:
+    """A csv whose layout is right and whose numbers are not: blocks of cells frozen, scaled, lost.
+
+    header: rows that stay as they are.
+    """
+    rows = [line.split(",") for line in text.splitlines()]
+    rows = rows[: header + draw(st.integers(1, len(rows) - header))]
+    width = len(rows[0])
+    for _ in range(draw(st.integers(1, 4))):
+        top = draw(st.integers(header, len(rows) - 1))
+        left = draw(st.integers(1, width - 1))
+        bottom, right = draw(st.integers(top, len(rows) - 1)), draw(st.integers(left, width - 1))
+        kind = draw(st.sampled_from(("lost", "same", "scaled", "shifted", "huge", "zero", "one")))
+        by = draw(st.floats(-1e4, 1e4))
+        first = rows[top][left]
+        for row in rows[top : bottom + 1]:
+            for i in range(left, right + 1):
+                row[i] = _absurd(kind, row[i], first, by)
+    return "\n".join(",".join(row) for row in rows).encode()
+
+
+def _absurd(kind: str, cell: str, first: str, by: float) -> str:
+    number = float(cell) if cell.strip() else 0.0
+    plain = {"lost": "", "same": first, "huge": "1e300", "zero": "0", "one": "1"}
+    moved = {"scaled": number * by, "shifted": number + by}
+    return plain[kind] if kind in plain else repr(moved[kind])
+
+
+@st.composite
 def spoilt_yaml(draw: Any, content: dict[str, Any]) -> bytes:
     """A study.yaml with values replaced, keys lost, added or misspelt."""
     tree = copy.deepcopy(content)

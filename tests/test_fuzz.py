@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 import pytest
 import yaml
-from fuzzing import spoilt_bytes, spoilt_table, spoilt_yaml
+from fuzzing import absurd_numbers, spoilt_bytes, spoilt_table, spoilt_yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -33,7 +33,7 @@ from pipeline.report.numbers import words
 from pipeline.stages.keypoints import keypoints
 from pipeline.stages.tracks import tracks
 from pipeline.study import Trial, load_study, missing_files
-from studies import small_study
+from studies import edit_rows, small_study
 
 CASES = int(os.environ.get("BLUEKOI_FUZZ", "40"))
 TARGETS = 7
@@ -191,8 +191,8 @@ def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, study, folder):
     other, results = folder / "stages", folder / "results"
     if not other.exists():
         shutil.copytree(study, other)
-    lines = (study / "keypoints/T09.csv").read_text().splitlines()[:60]
-    spoilt = spoilt_table("\n".join(lines))
+    lines = "\n".join((study / "keypoints/T09.csv").read_text().splitlines()[:60])
+    spoilt = absurd_numbers(lines, header=3) | absurd_numbers(lines, header=3) | spoilt_table(lines)
     (other / "keypoints/T09.csv").write_bytes(data.draw(spoilt))
     with in_time():
         keypoints(other, results, "T09")
@@ -200,6 +200,38 @@ def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, study, folder):
     told = json.loads((results / "status/T09.json").read_text())
     assert "a defect of this program" not in told["message"], told["message"]
     assert told["ok"] or "T09" in told["message"]
+
+
+CELLS = {
+    "fps": ("1e-3", "1", "1000", "1e6"),
+    "head_length_m": ("1e-6", "0.001", "5"),
+    "head_angle_deg": ("-179", "180", "1e-9"),
+    "power_pct": ("1e-6", "1e4"),
+    "start_s": ("0", "2.5", "1e6", "-1"),
+    "end_s": ("0", "0.05", "3", "1e6"),
+    "flap_hz": ("0", "1e-6", "15", "1e6"),
+    "motor_log": ("",),
+}
+
+
+@settings(checked, max_examples=max(CASES // 6, 6))
+@given(cells=st.fixed_dictionaries({}, optional={k: st.sampled_from(v) for k, v in CELLS.items()}))
+def test_stages_find_no_defect_of_ours_in_odd_rows(cells, study, folder):
+    """Numbers that a row may hold by its types, and that no robot has."""
+    other, results = folder / "rows", folder / "rows_results"
+    if not other.exists():
+        shutil.copytree(study, other)
+    (other / "trials.csv").write_bytes((study / "trials.csv").read_bytes())
+    edit_rows(other, T09=cells)
+
+    def both() -> None:
+        keypoints(other, results, "T09")
+        tracks(other, results, "T09")
+        message = json.loads((results / "status/T09.json").read_text())["message"]
+        assert "a defect of this program" not in message, message
+
+    said = value_or_fault(both)
+    assert not said or "trials.csv" in said
 
 
 @settings(checked, max_examples=max(CASES // 6, 6))

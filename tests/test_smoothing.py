@@ -181,6 +181,14 @@ def test_a_body_that_does_not_beat():
     assert rms(track.speed_m_s - truth.speed) < 0.002
 
 
+def test_less_than_one_beat_is_no_recoil():
+    truth = circle(times(100))
+    seen = Seen(5.0, 0.0, 0.0, 0.0, gap_s=(9, 9))
+    track = smooth(observe(truth, np.random.default_rng(9), seen), 1e-6)
+    assert not track.recoil.any()
+    assert rms(track.speed_m_s - truth.speed) < 0.002
+
+
 def test_units_do_not_matter():
     """A larva at 1000 frames a second, in millimetres: the same motion in other units."""
     truth = circle(times(120))

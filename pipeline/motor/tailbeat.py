@@ -15,6 +15,8 @@ from .shaft import wrapped
 
 RANGE = 0.25
 """The beat is looked for within this share of the guess, on both sides."""
+MOST_BEATS_A_FRAME = 2.0
+"""With more beats than that between frames, any frequency fits as well as any other."""
 BACKGROUND_BEATS = 3.0
 """The slow background has one spline knot per so many beats."""
 
@@ -29,14 +31,17 @@ def tail_beat(
     follows the motor's own rate over time (spin-up), scaled by one ratio of the clocks.
 
     guess_hz: expected frequency; without it all frequencies below half the frame rate are tried.
+    More than two beats of it between frames are not seen.
     """
     time_s, signal = _signal(source)
     if len(time_s) < 12:
         return float("nan"), float("nan")
-    top = 0.45 / float(np.median(np.diff(time_s)))
+    step = float(np.median(np.diff(time_s)))
     guessed = np.isfinite(guess_hz) and guess_hz > 0
+    if guessed and guess_hz * step > MOST_BEATS_A_FRAME:
+        return float("nan"), float("nan")
     span = float(np.ptp(time_s))
-    low, high = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz) if guessed else (2 / span, top)
+    low, high = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz) if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _motor_time(time_s, flapping)
     return _search(warp, signal, (low, high), _background(time_s, reference))

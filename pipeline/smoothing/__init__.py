@@ -27,11 +27,13 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
     without the recoil. Where nothing was seen the motion is bridged and its uncertainty grows.
     Process noise and the true size of the measurement noise are the most likely ones.
 
-    flap_hz: flapping frequency; 0 or NaN for a body that does not beat.
+    flap_hz: flapping frequency; 0 or NaN for a body that does not beat. Less than one beat in the
+    whole recording is no recoil.
     Raises: Fault where fewer than 8 frames show the robot.
     """
     _check(pose)
-    hz = float(flap_hz) if np.isfinite(flap_hz) and flap_hz > 0 else 0.0
+    beats = float(flap_hz) * float(np.ptp(pose.time_s))
+    hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
     grid = filter_grid(pose.time_s, hz)
     values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
     heading, plane = _most_likely(values, cov, grid, hz)

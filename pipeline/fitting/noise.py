@@ -105,7 +105,8 @@ def _sought(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
 
 def _memories(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
     """Random states with a memory of their own -> how many states share it, and its parameter."""
-    out, at = {}, 0
+    out: dict[int, tuple[int, Parameter]] = {}
+    at = 0
     for effect in random_effects(kernel):
         own = effect.parameters[1:]
         shared = len(effect.states) // len(own)

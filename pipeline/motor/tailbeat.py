@@ -41,7 +41,8 @@ def tail_beat(
     if guessed and guess_hz * step > MOST_BEATS_A_FRAME:
         return float("nan"), float("nan")
     span = float(np.ptp(time_s))
-    low, high = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz) if guessed else (2 / span, 0.45 / step)
+    near = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz)
+    low, high = near if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _motor_time(time_s, flapping)
     return _search(warp, signal, (low, high), _background(time_s, reference))

@@ -32,12 +32,17 @@ def shut_out(sealed: Path) -> str:
 
 
 def beside(sealed: Path) -> list[Path]:
-    """Everything that may be read: on each level from the root down, all but the way to it."""
+    """Everything that may be read: on each level from the root down, all but the way to it.
+
+    Links are left out: one of them may lead to the way.  What they lead to has rights of its own.
+    """
     allowed: list[Path] = []
     above = Path(sealed.anchor)
     for part in sealed.relative_to(above).parts:
         try:
-            entries = [Path(e.path) for e in os.scandir(above) if e.name != part]
+            entries = [
+                Path(e.path) for e in os.scandir(above) if e.name != part and not e.is_symlink()
+            ]
         except PermissionError:
             entries = []
         allowed += entries
@@ -64,7 +69,7 @@ def _landlock(sealed: Path) -> bool:
 def _allow(libc: ctypes.CDLL, ruleset: int, path: Path, rights: int) -> None:
     """Let a file or folder be read; what vanished meanwhile is passed over."""
     try:
-        handle = os.open(path, O_PATH | os.O_CLOEXEC)
+        handle = os.open(path, O_PATH | os.O_NOFOLLOW | os.O_CLOEXEC)
     except OSError:
         return
     try:

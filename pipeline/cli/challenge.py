@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
 import shutil
 import time
+from importlib import import_module
 from pathlib import Path
 
 import click
@@ -109,28 +111,32 @@ def find_alone(*, folder: Path, sealed: Path, names: tuple[str, ...]) -> None:
         click.echo(f"{name} {sum(times.values()):.1f} s {failure}".strip())
 
 
+CHAIN = ("keypoints", "geometry", "tracks", "steady", "tuning", "mismatch")
+"""Stages from a study folder to mismatch.json, in the order of the Snakefile."""
+
+
 def _analysed(study: Path, results: Path) -> tuple[dict[str, float], str]:
     """Processor time (s) of each stage of one study, and why it failed (empty: it did not)."""
-    from ..stages.keypoints import keypoints  # noqa: PLC0415
-    from ..stages.mismatch import mismatch  # noqa: PLC0415
-    from ..stages.steady import steady  # noqa: PLC0415
-    from ..stages.tracks import tracks  # noqa: PLC0415
-    from ..stages.tuning import tuning  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     times: dict[str, float] = {}
     try:
         trials = [trial.trial_id for trial in load_study(study).trials]
-        for stage in (keypoints, tracks):
+        for name in CHAIN:
             begin = time.process_time()
-            for trial in trials:
-                stage(study, results, trial)
-            times[stage.__name__] = time.process_time() - begin
-        for whole in (steady, tuning, mismatch):
-            begin = time.process_time()
-            whole(study, results)
-            times[whole.__name__] = time.process_time() - begin
+            _stage(name, study, results, trials)
+            times[name] = time.process_time() - begin
     except Exception as error:  # one study must not stop the others
         logging.getLogger(__name__).exception("study %s", study.name)
         return times, repr(error)
     return times, ""
+
+
+def _stage(name: str, study: Path, results: Path, trials: list[str]) -> None:
+    """Run a stage, once or for every trial, as its arguments say."""
+    run = getattr(import_module(f"..stages.{name}", __package__), name)
+    if "trial_id" not in inspect.signature(run).parameters:
+        run(study, results)
+        return
+    for trial in trials:
+        run(study, results, trial)

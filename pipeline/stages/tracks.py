@@ -12,7 +12,7 @@ from ..camera.corners import pool_camera
 from ..camera.pool import PoolCamera, map_keypoints
 from ..camera.uncertainty import calibration_at
 from ..data import Flapping, Keypoints, Positions, Track, write_pose, write_track
-from ..faults import fault
+from ..faults import Fault, fault
 from ..files import read_json
 from ..keypoints.deeplabcut import read
 from ..motor import compare, flapping_from_log, flapping_given, tail_beat
@@ -22,7 +22,11 @@ from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
 from .depth import keypoint_depth
 from .layout import Layout
+from .plausible import implausible
 from .status import attempt
+
+FRAME_RATES = (24, 25, 30, 50, 60, 120, 240)
+"""Frame rates that cameras have and people mistake for one another, 1/s."""
 
 
 def tracks(study: Path, results: Path, trial_id: str) -> None:
@@ -49,6 +53,8 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     positions = map_keypoints(camera, found, depth)
     flapping = flapping_of(study, trial, positions)
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    if wrong := implausible(study, trial, positions, pose):
+        raise Fault(wrong)
     track = smooth(pose, flapping.flap_hz)
     steady = steady_state(track, flapping, trial.head_angle_rad)
     write_pose(layout.pose(trial.trial_id), pose)
@@ -88,7 +94,24 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
         return _from_video(study, trial, positions)
     if flapping.flap_hz <= 0:
         return flapping
-    return compare(flapping, tail_beat(positions, flapping.flap_hz, flapping=flapping))
+    beat = tail_beat(positions, flapping.flap_hz, flapping=flapping)
+    found = compare(flapping, beat)
+    return found if np.isfinite(beat[0]) else _beat_elsewhere(found, positions)
+
+
+def _beat_elsewhere(flapping: Flapping, positions: Positions) -> Flapping:
+    """`flapping` with a remark where the tail beats as if another frame rate had been stated."""
+    hz, std = tail_beat(positions)
+    ratios = [a / b for a in FRAME_RATES for b in FRAME_RATES if a != b]
+    apart = np.abs(hz / flapping.flap_hz / np.array(ratios) - 1)
+    if not (np.isfinite(hz) and std < 0.002 * hz and apart.min() < 0.005):
+        return flapping
+    remark = (
+        f"no tail beat at the motor's {flapping.flap_hz:.2f} Hz, one at {hz:.2f} Hz, "
+        f"{hz / flapping.flap_hz:.2f} times that: check fps in trials.csv, and that the log is "
+        "this trial's"
+    )
+    return replace(flapping, agrees=False, remarks=(*flapping.remarks, remark))
 
 
 def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:

@@ -32,13 +32,13 @@ def tuning(study: Path, results: Path) -> None:
 
 
 def campaign_series(campaign: Campaign) -> list[Series]:
-    """Trials of a campaign as the fit takes them.
+    """Trials of a campaign as the fit takes them; a robot that never moved tells it nothing.
 
     Raises: Fault where no trial can be used.
     """
-    series = study_series(
-        campaign.study, campaign.poses, campaign.tracks, campaign_flapping(campaign)
-    )
+    moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
+    tracks = {i: track for i, track in campaign.tracks.items() if i in moved}
+    series = study_series(campaign.study, campaign.poses, tracks, campaign_flapping(campaign))
     if not series:
         raise fault(campaign.study.root, "", "no trial with a track", "one or more",
                     "See status/ in the results folder for what each trial lacks.")  # fmt: skip

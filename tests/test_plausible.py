@@ -1,0 +1,123 @@
+"""A trial that shows something else than its row says stops, alone, with a word on what is seen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exact_campaign import campaign
+
+from pipeline.camera import map_keypoints, pool_camera
+from pipeline.data import Flapping, Pose, Track
+from pipeline.keypoints.deeplabcut import read
+from pipeline.pose import rigid_pose
+from pipeline.stages.plausible import first_jump, implausible
+from pipeline.stages.tracks import _beat_elsewhere, flapping_of
+from pipeline.stages.tuning import campaign_series
+from pipeline.study import load_study
+from studies import small_study
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory):
+    """A study with three good trials and the positions of its turn T10 (30 degrees, 1x head)."""
+    study = load_study(small_study(tmp_path_factory.mktemp("plausible") / "study"))
+    trial = study.trial("T10")
+    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    depth = study.setup.robot.keypoint_depth_m
+    return study, trial, map_keypoints(pool_camera(study.setup), found, depth)
+
+
+def told(study, trial, positions):
+    pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    return [str(one) for one in implausible(study, trial, positions, pose)]
+
+
+def test_a_good_trial_passes(seen):
+    assert told(*seen) == []
+
+
+def test_scale_errors_are_left_to_the_search(seen):
+    study, trial, positions = seen
+    assert told(study, trial, replace(positions, xy_m=1.2 * positions.xy_m)) == []
+
+
+def test_another_head_s_length_is_named(seen):
+    study, trial, positions = seen
+    (text,) = told(study, trial.model_copy(update={"head_length_m": 0.175}), positions)
+    assert "head_tip to hinge of 120 mm; expected 175 mm" in text.replace(" in the pool", "")
+
+
+def test_the_wrong_side_is_named(seen):
+    study, trial, positions = seen
+    (text,) = told(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
+    assert "a head angle of 30 degrees" in text
+    assert "expected head_angle_deg -30" in text
+
+
+def test_exchanged_keypoints_are_named(seen):
+    study, trial, positions = seen
+    names = ("tail_base", "core_center", "hinge", "head_tip", "tail_tip")
+    texts = told(study, trial, replace(positions, names=names))
+    assert "core_center to tail_base of 120 mm" in " ".join(texts)
+    assert "each keypoint bear its own name" in texts[0]
+
+
+def test_a_cut_in_the_recording_is_named(seen):
+    study, trial, positions = seen
+    xy = positions.xy_m.copy()
+    xy[60:] += (0.3, 0.1)
+    (text,) = told(study, trial, replace(positions, xy_m=xy))
+    assert "jumps 0.3" in text
+    assert "keypoints/T10.csv" in text
+
+
+def test_an_outlier_that_comes_back_or_a_gap_is_no_jump():
+    t = np.arange(100) / 30
+    way = np.column_stack([0.5 * t, 0 * t])
+    assert first_jump(t, way, 0.15) is None
+    spike = way.copy()
+    spike[40] += 1.0
+    assert first_jump(t, spike, 0.15) is None
+    kept = (t < 1) | (t > 2)
+    assert first_jump(t[kept], way[kept], 0.15) is None
+    cut = way + np.where(t > 1.5, 0.4, 0)[:, None]
+    assert first_jump(t, cut, 0.15) == 45
+
+
+def test_a_frame_rate_that_is_double_is_remarked(seen):
+    study, trial, positions = seen
+    assert flapping_of(study, trial, positions).agrees
+    fast = replace(positions, time_s=positions.time_s / 2)
+    found = flapping_of(study, trial, fast)
+    assert not found.agrees
+    assert "2.00 times that: check fps" in found.remarks[-1]
+
+
+def test_no_beat_anywhere_says_nothing(seen):
+    _, _, positions = seen
+    motor = Flapping(5.0, 0.01, "motor_log")
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(0, 5e-4, positions.xy_m.shape)
+        still = replace(positions, xy_m=positions.xy_m[:1] + noise)
+        assert _beat_elsewhere(motor, still).remarks == ()
+
+
+def test_a_robot_that_never_moved_is_kept_from_the_fits():
+    base = campaign(powers=(100,))
+    poses = {name: _pose(track) for name, track in base.tracks.items()}
+    still = base.analysed[0].trial_id
+    flap = {"flap_hz": 5.8, "flap_hz_std": 0.01, "source": "motor_log", "video_hz": None,
+            "video_hz_std": None, "agrees": True}  # fmt: skip
+    statuses = {name: {"ok": True, "flapping": flap} for name in base.tracks}
+    steady = {**base.steady, still: replace(base.steady[still], quality="no_data")}
+    given = replace(base, poses=poses, statuses=statuses, steady=steady)
+    used = [s.name for s in campaign_series(given)]
+    assert used == [trial.trial_id for trial in base.analysed[1:]]
+
+
+def _pose(track: Track) -> Pose:
+    values = np.column_stack([track.x_m, track.y_m, track.heading_rad, track.head_angle_rad])
+    cov = np.tile(np.diag([1e-6, 1e-6, 1e-5, 1e-5]), (len(values), 1, 1))
+    return Pose(track.time_s, values, cov)

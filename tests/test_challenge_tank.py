@@ -138,7 +138,7 @@ def test_what_a_refit_can_take_up_leaves_nothing_over():
     assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["linear_yaw_damping", "uniform_current", "battery_sag"])
+@pytest.mark.parametrize("name", ["linear_yaw_damping", "uniform_current", "head_angle_offset"])
 def test_strengths_leave_the_error_asked_for(name):
     recipe = draw_recipe((1, 2), "S", kind="single", trials=9, effects=(name,), level="clear")
     strength, error = scaled(recipe, recipe.laws, recipe.chosen[0], TRIALS, noise_m=0.001)

@@ -142,3 +142,13 @@ def observe(motion: Motion, rng: np.random.Generator, seen: Seen | None = None) 
     values[(t >= seen.gap_s[0]) & (t < seen.gap_s[1])] = np.nan
     cov = np.diag([seen.noise_m**2] * 2 + [seen.noise_rad**2, 1e-4])
     return Pose(t, values, np.tile(cov, (n, 1, 1)))
+
+
+def lasting_noise(pose: Pose, truth: Pose, rng: np.random.Generator, keep: float) -> Pose:
+    """The pose of `truth` with errors as large as those stated in `pose`, a share `keep` of each
+    still there in the next frame."""
+    std = np.sqrt(np.einsum("nii->ni", pose.cov))
+    fresh = rng.normal(0, 1, truth.values.shape) * np.sqrt(1 - keep**2)
+    fresh[0] /= np.sqrt(1 - keep**2)
+    errors = lfilter([1.0], [1.0, -keep], fresh, axis=0)
+    return Pose(pose.time_s, truth.values + std * errors, pose.cov)

@@ -12,6 +12,7 @@ from pipeline.smoothing.chain import Chain
 from pipeline.smoothing.course import rough_speed, steady_course
 from pipeline.smoothing.descent import descend
 from pipeline.smoothing.grid import filter_grid
+from pipeline.smoothing.lasting import with_lasting
 from pipeline.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from pipeline.smoothing.reference import filter_and_smooth, rauch_tung_striebel
 
@@ -147,6 +148,21 @@ def test_rough_speed_follows_a_start_and_no_tail_beat():
     grid = filter_grid(pose.time_s, 5.82)
     found = rough_speed(grid.on_nodes(pose.values[:, :2]), grid.on_nodes(pose.cov[:, :2, :2]), grid)
     assert np.abs(found[grid.frame] - truth.speed).max() < 0.08
+
+
+def test_errors_that_last_are_correlated_as_stated():
+    """cov(e_j, e_k) = variance exp(-|t_j - t_k| / T), through the chain's own matrices."""
+    chain, _ = chain_of(recoil=False)
+    dt = np.diff(times(60), prepend=0.0)
+    longer = with_lasting(chain, dt, 4e-6, 0.1)
+    assert longer.H.shape == (60, 2, 8)
+    assert longer.H[5, 0] @ np.array([1, 0, 0, 0, 0, 0, 3, 0]) == 4
+    P, at = longer.P0, slice(6, 8)
+    for k in range(1, 60):
+        P = longer.F[k] @ P @ longer.F[k].T + longer.Q[k]
+    assert P[at, at] == pytest.approx(4e-6 * np.eye(2))
+    across = longer.F[7, 6, 6] * longer.F[6, 6, 6]
+    assert across == pytest.approx(np.exp(-2 * dt[6] / 0.1))
 
 
 def test_recoil_keeps_its_variance():

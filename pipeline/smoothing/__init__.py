@@ -50,7 +50,7 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
         yaw_rate_rad_s=turn.x[at, 1],
         yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
         **_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
-        recoil=_recoil(move.x[at], turn.x[at], plane.chain.H[at]),
+        recoil=_recoil(move.x[at], turn.x[at], plane.chain.H[at]) * (hz > 0),
         remarks=_remarks(pose, grid, plane, heading),
     )
 
@@ -113,7 +113,7 @@ def _velocity(x: Float, P: Float, theta: Float) -> dict[str, Float]:
 
 def _recoil(move: Float, turn: Float, H: Float) -> Float:
     """Recoil (frames, 3): x, y in the pool frame [m] and heading [rad]."""
-    xy = np.einsum("npd,nd->np", H[:, :, 6:], move[:, 6:])
+    xy = np.einsum("npd,nd->np", H[:, :, 6:10], move[:, 6:10])
     return np.column_stack([xy, turn[:, 3] if turn.shape[1] > 3 else np.zeros(len(turn))])
 
 

@@ -11,6 +11,7 @@ from ..data import Float
 from .chain import Chain
 from .course import course
 from .grid import Grid
+from .lasting import with_lasting
 from .measured import Measured, measured
 from .motion import heading_matrices, planar_matrices, planar_measurement
 from .search import Found, gate_of, most_likely
@@ -29,6 +30,13 @@ from below, it may run off to a huge measurement noise that explains everything.
 LIVELIEST = 0.3, 7.0
 """Densities above which nothing moves: of the rate, speed^2 per unit of time T, and of the
 acceleration, (speed / T)^2 per T."""
+TOO_WHITE = -0.4
+"""Logarithm of the white noise over what is stated, below which some of it may be of a kind that
+lasts, and looks like motion."""
+SURELY_LASTS = 10.0
+"""Twice the log likelihood that errors which last must be better by."""
+FRAMES_LASTING, SPREAD_LASTING = 3.0, (2.0, 1.0)
+"""Unit of the frames that they last; spread of the prior of their variance and of that time."""
 AT_REST = 0.01
 """A body at rest at the first frame moves at less than this share of its usual speed."""
 MOVING = 3.0
@@ -150,7 +158,7 @@ def _found(
     spread = np.array([*SPREADS, *shares, *[SPREAD_RECOIL] * recoils, SPREAD_R])
     T = grid.scale_s
     top = np.log(np.array(LIVELIEST) * data.speed**2 / np.array([T, T**3]) / units[1:3])
-    return most_likely(
+    found = most_likely(
         build,
         data.seen,
         first=data.plausible,
@@ -158,6 +166,32 @@ def _found(
         starts=_starts(m, recoils, np.full(2, LIVELY)),
         livelier=_starts(m, recoils, np.maximum(top, LIVELY)),
     )
+    return (
+        found if found.logs[-1] > TOO_WHITE else _lasting(found, build, data, grid, spread=spread)
+    )
+
+
+def _lasting(
+    found: Found, build: Callable[[Float], Chain], data: Measured, grid: Grid, *, spread: Float
+) -> Found:
+    """The chain with errors that last, where it is surely better than the one found."""
+    frame = float(np.median(grid.dt_s[1:]))
+
+    def lasting(logs: Float) -> Chain:
+        white = build(np.concatenate([logs[:-3], logs[-1:]]))
+        size, time = np.exp(logs[-3:-1])
+        return with_lasting(white, grid.dt_s, data.variance * size, FRAMES_LASTING * frame * time)
+
+    quiet = found.logs.copy()
+    quiet[1:3] = 0.0
+    other = most_likely(
+        lasting,
+        data.seen,
+        first=data.plausible,
+        spread=np.concatenate([spread[:-1], SPREAD_LASTING, spread[-1:]]),
+        starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
+    )
+    return other if other.cost < found.cost - SURELY_LASTS else found
 
 
 def _starts(m: int, recoils: int, lively: Float) -> list[Float]:

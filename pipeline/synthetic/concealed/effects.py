@@ -169,7 +169,7 @@ PHYSICS: Mapping[str, Effect] = {
         (_form("smooth", "coulomb_n", "F_c"), _form("tanh", "coulomb_n", coulomb_law=_at(1))),
     ),
     "wake_reentry": Effect(
-        "drag changes in its own wake", ("surge", "sway"), TIME, 0.3, 1.2,
+        "drag changes in its own wake", ("surge", "sway"), TIME, 0.2, 0.45,
         (_form("logistic", "wake"), _form("linear", "wake", wake_law=_at(1))),
     ),
     "sinking": Effect(

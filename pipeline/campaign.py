@@ -18,6 +18,8 @@ T = TypeVar("T")
 Tree = Mapping[str, Any]
 LEAST_SHARE = 0.8
 """Share of a track that a simulated path must cover to be judged."""
+MOST_PCT = 1000.0
+"""A larger error is told as a model that ran away."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Campaign:
         """Root mean square distance of a simulated path to the track, at the track's times, m.
 
         prefix: `joint`, `paper` or `extended`. NaN where there is no such path, or where it ends
-        early (a simulation that ran away).
+        early or is off by more than the pool is wide (a simulation that ran away).
         """
         track, columns = self.tracks[trial_id], self.simulations.get(trial_id, {})
         if f"{prefix}_x_m" not in columns:
@@ -73,7 +75,19 @@ class Campaign:
         square = (x - track.x_m) ** 2 + (y - track.y_m) ** 2
         known = np.isfinite(square)
         enough = known.mean() > LEAST_SHARE
-        return float(np.sqrt(square[known].mean())) if enough else float("nan")
+        found = float(np.sqrt(square[known].mean())) if enough else float("nan")
+        return found if found < self.study.setup.pool.width_m else float("nan")
+
+    def held_out_error(self, model: str, key: str) -> float:
+        """Error on held-out trials, from mismatch.json; NaN where none is told.
+
+        model: `baseline` or `extended`; key as in mismatch.json. Infinite where the model ran
+        away: a path off by more than the pool is wide, a radius or speed by more than tenfold.
+        """
+        told = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
+        value = float("nan") if told.get(key) is None else float(told[key])
+        most = self.study.setup.pool.width_m if key.endswith("_m") else MOST_PCT
+        return float("inf") if value > most else value
 
     def why_left_out(self, trial_id: str) -> str:
         """Message of a trial's status, or that it was never run."""

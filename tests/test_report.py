@@ -136,6 +136,39 @@ def test_names_and_variables_are_told_in_words(tmp_path, found):
     assert "linear yaw damping: N_r (N m s)" in text
 
 
+def test_a_model_that_ran_away_is_told_in_words(tmp_path, found):
+    errors = {"path_rmse_m": 3.9e10, "radius_error_pct": 27342.0, "speed_error_pct": None}
+    told_of = {**found.mismatch, "verdict": "none", "held_out": {
+        "trials": ["T02"], "baseline": errors, "extended": errors,
+        "noise_floor_path_rmse_m": 2.9e28}}  # fmt: skip
+    base = Campaign(**{**found.__dict__, "mismatch": told_of})
+    draw = tmp_path / "figures/mismatch_held_out"
+    figures.draw_file("mismatch_held_out", base, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
+    text = write(base, tmp_path)
+    assert text.count("<td>runs away</td>") == 4
+    assert "× 10" not in text[text.index("Errors on held-out") : text.index("Held out:")]
+
+
+def test_a_verdict_over_a_fit_that_determines_nothing_says_so(found):
+    assert "determine none" not in verdict(found)["sentence"]
+    cells = found.coefficients["joint"]["coefficients"]
+    open_ = {name: {**cell, "determined": False} for name, cell in cells.items()}
+    coefficients = {**found.coefficients, "joint": {"coefficients": open_}}
+    unsure = Campaign(**{**found.__dict__, "coefficients": coefficients})
+    assert "determine none of the model's coefficients" in verdict(unsure)["sentence"]
+
+
+def test_left_out_files_are_named_from_the_study_folder(tmp_path):
+    base = campaign(powers=(75,))
+    gone = base.study.trials[0].trial_id
+    tracks = {k: v for k, v in base.tracks.items() if k != gone}
+    message = f"{base.study.root}/videos/T01.mp4: found an empty file"
+    statuses = {gone: {"ok": False, "message": message}}
+    text = write(Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path)
+    assert f">{gone}</a>: videos/T01.mp4: found an empty file" in text
+    assert str(base.study.root) + "/videos" not in text
+
+
 def test_every_number_has_its_place(tmp_path, found):
     text = write(found, tmp_path)
     assert "linear yaw damping" in text

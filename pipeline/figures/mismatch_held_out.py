@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -37,7 +36,7 @@ def draw(campaign: Campaign) -> Figure:
     bars = sides[0].subgridspec(1, 3)
     for i, (key, label, factor) in enumerate(ERRORS):
         axes = figure.add_subplot(bars[i])
-        _error(axes, held_out, key, factor)
+        _error(axes, campaign, key, factor)
         axes.set_title(label)
         if i == 0:
             letter(axes, "A")
@@ -55,19 +54,21 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _error(axes: Axes, held_out: dict[str, Any], key: str, factor: float) -> None:
-    values = [(held_out.get(name) or {}).get(key) for name in ("baseline", "extended")]
-    if all(value is None for value in values):
+def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
+    numbers = [factor * campaign.held_out_error(name, key) for name in ("baseline", "extended")]
+    if all(math.isnan(number) for number in numbers):
         absent(axes, "none to compare")
         return
-    numbers = [math.nan if value is None else factor * float(value) for value in values]
     for place, (number, colour) in enumerate(zip(numbers, (BEFORE, AFTER), strict=True)):
-        axes.bar(place, number, color=colour, width=0.65)
-        if math.isfinite(number):
+        axes.bar(place, number if math.isfinite(number) else 0.0, color=colour, width=0.65)
+        if math.isinf(number):
+            axes.annotate("runs away", (place, 0), xytext=(0, 6), ha="center", rotation=90,
+                          textcoords="offset points", fontsize=8, color=colour)  # fmt: skip
+        elif math.isfinite(number):
             axes.annotate(f"{number:.3g}", (place, number), xytext=(0, 2), ha="center",
                           textcoords="offset points", fontsize=8)  # fmt: skip
-    floor = held_out.get("noise_floor_path_rmse_m")
-    if key == "path_rmse_m" and floor is not None:
+    floor = ((campaign.mismatch or {}).get("held_out") or {}).get("noise_floor_path_rmse_m")
+    if key == "path_rmse_m" and floor is not None and floor < campaign.study.setup.pool.width_m:
         axes.axhline(factor * float(floor), color=MEASURED, ls=":", lw=1.4)
     axes.set_xticks([0, 1], ["before", "after"])
     axes.set_xlim(-0.6, 1.6)

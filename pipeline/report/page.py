@@ -17,7 +17,7 @@ from . import story, tables
 from .hidden import hidden
 from .media import Clip, Picture, clips, pictures
 from .settings import settings, versions
-from .trials import cards
+from .trials import cards, left_out
 
 
 def write_report(
@@ -59,7 +59,7 @@ def page(
             columns=tables.COLUMNS,
             story_figures=[one for one in shown if one.name.startswith("mismatch")],
             figures=[one for one in shown if not one.name.startswith("mismatch")],
-            left_out=[(trial.trial_id, why) for trial, why in campaign.left_out],
+            left_out=left_out(campaign),
             cards=cards(campaign, films),
             settings=settings(campaign),
             versions=versions(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,7 +67,18 @@ def verdict(campaign: Campaign) -> dict[str, str]:
     if kind in ("physics", "measurement") and names:
         heading += ": " + " and ".join(names)
     sentence = in_words(str(found.get("sentence") or heading), _causes_known())
-    return {"kind": kind, "heading": heading, "sentence": sentence}
+    return {"kind": kind, "heading": heading, "sentence": f"{sentence}{_caution(campaign)}"}
+
+
+def _caution(campaign: Campaign) -> str:
+    """What to say where the fit under the verdict tells next to nothing."""
+    cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
+    if not cells or any(cell.get("determined", True) for cell in cells.values()):
+        return ""
+    return (
+        " But these recordings determine none of the model's coefficients: the verdict says little "
+        "before they do. Look for a trial that does not belong, and see the coefficients."
+    )
 
 
 def _causes_known() -> set[str]:
@@ -87,9 +99,8 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
     if tightest:
         lengths = tightest.radius_m / body
         out.append((f"{tightest.radius_m:.3f} m", f"tightest steady turn, {lengths:.2f} BL"))
-    errors = (campaign.mismatch or {}).get("held_out") or {}
-    pair = [(errors.get(k) or {}).get("path_rmse_m") for k in ("baseline", "extended")]
-    known = [float(value) for value in pair if value is not None]
+    known = [campaign.held_out_error(k, "path_rmse_m") for k in ("baseline", "extended")]
+    known = [value for value in known if math.isfinite(value)]
     if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and len(known) == 2:
         text = f"{1000 * known[0]:.1f} → {1000 * known[1]:.1f} mm"
         out.append((text, "path error on held-out trials, before and after"))
@@ -166,18 +177,26 @@ def held_out(campaign: Campaign) -> list[Row]:
         ("turn radius (%)", "radius_error_pct", 1.0),
         ("steady speed (%)", "speed_error_pct", 1.0),
     ]
-    floor = found.get("noise_floor_path_rmse_m")
     return [
         Row(
             label,
             (
-                *(_scaled((found.get(k) or {}).get(key), factor) for k in ("baseline", "extended")),
-                _scaled(floor, 1000.0) if key == "path_rmse_m" else "",
+                *(
+                    _scaled(campaign.held_out_error(k, key), factor)
+                    for k in ("baseline", "extended")
+                ),
+                _floor(campaign) if key == "path_rmse_m" else "",
             ),
         )
         for label, key, factor in rows
         if found
     ]
+
+
+def _floor(campaign: Campaign) -> str:
+    floor = ((campaign.mismatch or {}).get("held_out") or {}).get("noise_floor_path_rmse_m")
+    known = floor is not None and float(floor) < campaign.study.setup.pool.width_m
+    return number(1000 * float(floor)) if floor is not None and known else "–"
 
 
 def held_out_trials(campaign: Campaign) -> list[str]:
@@ -209,8 +228,8 @@ def _share(weight: Any) -> str:
     return "–" if weight is None else f"{100 * float(weight):.0f} %"
 
 
-def _scaled(value: Any, factor: float) -> str:
-    return "–" if value is None else number(factor * float(value))
+def _scaled(value: float, factor: float) -> str:
+    return "runs away" if math.isinf(value) else number(factor * value)
 
 
 def _listed(values: list[float]) -> str:

@@ -60,6 +60,12 @@ def cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
     ]
 
 
+def left_out(campaign: Campaign) -> list[tuple[str, str]]:
+    """Trials that were left out, each with the reason, files named from the study folder."""
+    folder = f"{campaign.study.root}/"
+    return [(trial.trial_id, why.replace(folder, "")) for trial, why in campaign.left_out]
+
+
 def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> Card:
     done = trial.trial_id in {t.trial_id for t in campaign.analysed}
     steady = campaign.steady.get(trial.trial_id) if done else None
@@ -75,7 +81,7 @@ def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -
         f"{trial.head_length_m:g} m",
         cells=_cells(campaign, trial, done),
         quality=quality,
-        reason=steady.reason if steady else campaign.why_left_out(trial.trial_id),
+        reason=steady.reason if steady else dict(left_out(campaign))[trial.trial_id],
         remarks=tuple(remarks),
         lines=_lines(campaign, trial.trial_id),
         box=f"-0.05 -0.05 {size.length_m + 0.1:.3f} {size.width_m + 0.1:.3f}",

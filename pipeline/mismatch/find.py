@@ -19,9 +19,13 @@ from .search import Trialled, trialled
 from .select import Bench, Choice, Round, choose, one_round
 from .setting import held_out_trials, steady_errors, variables
 
-TELLING_SHARE = 0.5
-"""Nameless terms tell of something unexplained where they foretell at least this share of the
-variance of what looked random in a channel; a named law in another form than nature's leaves less.
+TELLING_SHARE = 0.3
+LEAST_PART = 0.15
+LEAST_NAMELESS = 5.0
+"""Nameless terms tell of something unexplained where they turn this share of the variance that
+looked random in a channel into law, and gain this part of what the least of the named causes gains
+(over the inflation, and not less than the last number): a named law in another form than nature's
+leaves less.
 """
 MOST_TERMS = 4
 KINDS = ("physics", "measurement")
@@ -123,11 +127,20 @@ def nameless(bench: Bench, model: Trialled) -> Trialled:
 def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
-    if residual.effects != chosen.effects and (
-        not chosen.effects or foretold_randomness(chosen, residual) > TELLING_SHARE
-    ):
+    if residual.effects != chosen.effects and _tells(choice, residual):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
+
+
+def _tells(choice: Choice, residual: Trialled) -> bool:
+    """Whether nameless terms beside the chosen effects tell of something more than their form."""
+    chosen = choice.chosen
+    gain = (residual.total - chosen.total) / residual.inflation
+    least = min(
+        ((chosen.total - m.total) / chosen.inflation for m in choice.without.values()), default=0.0
+    )
+    enough = gain > max(LEAST_NAMELESS, LEAST_PART * least)
+    return enough and foretold_randomness(chosen, residual) > TELLING_SHARE
 
 
 def foretold_randomness(before: Trialled, after: Trialled) -> float:

@@ -174,7 +174,7 @@ def try_effects(
 
 @dataclass(frozen=True)
 class Foretold:
-    """What a refit with a candidate would bring: held-out gain, and where it would begin."""
+    """What a refit with a candidate would bring: log likelihood, and where it would begin."""
 
     gain: float
     start: Mapping[str, float]
@@ -193,7 +193,8 @@ def screened(
 
     At the current fit each candidate's strengths are differenced at zero beside the numbers
     already free; a step of Newton's in these alone foretells the refit. Numbers that stand at a
-    bound stay there, and a strength that would leave its bounds foretells nothing.
+    bound stay there, and a strength that would leave its bounds foretells nothing. The gain is that
+    on the fitted trials: far from the end of a refit, a fold left out is foretold badly.
     """
     shifted = list(current.fit.free)
     both = {c: candidate_frees(kernel.system, c) for c in candidates}
@@ -202,40 +203,39 @@ def screened(
     values = np.concatenate([current.fit.values, np.zeros(len(frees) - len(shifted))])
     normal = normal_equations(kernel, series, base, frees, values, noise=current.noise,
                               predictor=predictor)  # fmt: skip
-    parts = folds(series)
     own = np.flatnonzero(moving(kernel, current.fit)).tolist()
     if not _part(normal, own).usable:
         return {c: Foretold(-np.inf, {}) for c in candidates}
-    reference = float(held_out_worth(_part(normal, own), parts).sum())
+    reference = _step_gain(_part(normal, own))[1]
     told, at = {}, len(shifted)
     for c in candidates:
         columns = [*own, *range(at, at + len(strengths[c]))]
         at += len(strengths[c])
         told[c] = _foretold(kernel, _part(normal, columns), [frees[k] for k in columns],
-                            values[columns], parts, reference=reference)  # fmt: skip
+                            values[columns], reference)  # fmt: skip
     return told
 
 
+def _step_gain(normal: Normal) -> tuple[Float, float]:
+    """Newton's step and the gain in log likelihood that it foretells, g' H^-1 g / 2."""
+    g = normal.gradient.sum(axis=0)
+    step = pseudo_inverse(normal.hessian.sum(axis=0)) @ g
+    return step, 0.5 * float(g @ step)
+
+
 def _foretold(
-    kernel: Kernel,
-    normal: Normal,
-    frees: Sequence[Free],
-    values: Float,
-    parts: Sequence[np.ndarray],
-    *,
-    reference: float,
+    kernel: Kernel, normal: Normal, frees: Sequence[Free], values: Float, reference: float
 ) -> Foretold:
     if not normal.usable:
         return Foretold(-np.inf, {})
-    step = pseudo_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
+    step, gain = _step_gain(normal)
     parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in frees]
     lower, upper = np.array([(p.lower, p.upper) for p in parameters]).T
     end = values + step
     new = np.array(["." in f.name for f in frees]) & (values == 0.0)
     wrong_way = new & ((end < lower) | ((lower >= 0.0) & (step <= 0.0)))
-    gain = float(held_out_worth(normal, parts).sum()) - reference
     start = {f.label: float(v) for f, v in zip(frees, np.clip(end, lower, upper), strict=True)}
-    return Foretold(-np.inf if wrong_way.any() else gain, start)
+    return Foretold(-np.inf if wrong_way.any() else gain - reference, start)
 
 
 def _part(normal: Normal, columns: Sequence[int]) -> Normal:

@@ -17,10 +17,10 @@ from ..fitting import Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .search import Foretold, Trialled, candidate_frees, screened, try_effects
 
-LEAST_GAIN = 2.0
-"""Held-out log likelihood over the inflation, summed over trials."""
-MOST_CHANCE = 2e-4
-"""About 30 candidates are tried: one study in 150 may show one of them by chance."""
+CLAIMS = ((2.0, 2e-4), (10.0, 1e-3))
+"""Least held-out log likelihood over the inflation, with the most chance that goes with it: about
+30 candidates are tried, so that one study in 150 may show one of them by chance alone. Few trials
+leave more to chance, which a large gain on each of them makes up for."""
 TRIED = 6
 CONTENDERS = 3
 MOST_CAUSES = 4
@@ -119,8 +119,27 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         seen.add(frozenset(current.effects))
     if current.effects and not without:
         current, without = pruned(bench, current)
+    for _ in range(MOST_CAUSES):
+        places = {e: _place(bench, current, without[e], e, rounds) for e in current.effects}
+        outdone = [e for e in current.effects if _outdone(places[e], current)]
+        if not outdone:
+            break
+        rounds.append(places[outdone[0]])
+        current, without = pruned(bench, _instead(places[outdone[0]], current))
     places = {e: _place(bench, current, without[e], e, rounds) for e in current.effects}
     return Choice(bare, current, tuple(rounds), without, places)
+
+
+def _outdone(place: Round, chosen: Trialled) -> bool:
+    """Whether a rival does clearly better than the chosen effect in its place."""
+    rivals = [t.total for t in place.tried if t.effects[-1] not in chosen.effects]
+    return max(rivals, default=-np.inf) > chosen.total + chosen.inflation
+
+
+def _instead(place: Round, chosen: Trialled) -> Trialled:
+    """The rival, where it pays by itself; else nothing: a name that another outdoes is none."""
+    best = place.best
+    return place.before if set(best.effects) == set(chosen.effects) else best
 
 
 def one_round(bench: Bench, before: Trialled, *, tried: int = TRIED) -> Round:
@@ -197,7 +216,8 @@ def pays(before: Trialled, after: Trialled) -> bool:
     """Whether the held-out gain is clear and the new effects' strengths are sure."""
     gain = (after.total - before.total) / after.inflation
     new = [e for e in after.effects if e not in before.effects]
-    return bool(gain > LEAST_GAIN and all(after.chance[e] < MOST_CHANCE for e in new))
+    chance = max((after.chance[e] for e in new), default=0.0)
+    return any(gain > least and chance < most for least, most in CLAIMS)
 
 
 def weights(models: Mapping[str, Trialled]) -> dict[str, float]:

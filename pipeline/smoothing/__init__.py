@@ -31,6 +31,11 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
     whole recording is no recoil.
     Raises: Fault where fewer than 8 frames show the robot.
     """
+    return with_shown(pose, flap_hz)[0]
+
+
+def with_shown(pose: Pose, flap_hz: float) -> tuple[Track, tuple[float, float]]:
+    """As `smooth`, and what share of the stated variance shows, of positions and heading."""
     _check(pose)
     beats = float(flap_hz) * float(np.ptp(pose.time_s))
     hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
@@ -41,7 +46,7 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
     theta = turn.x[:, 0]
     move = filter_and_smooth(plane.chain, plane.used)
     at = grid.frame
-    return Track(
+    track = Track(
         time_s=pose.time_s,
         **_position(move.x[at], move.P[at]),
         **_velocity(move.x[at], move.P[at], theta[at]),
@@ -53,6 +58,7 @@ def smooth(pose: Pose, flap_hz: float) -> Track:
         recoil=_recoil(move.x[at], turn.x[at], plane.chain.H[at]) * (hz > 0),
         remarks=_remarks(pose, grid, plane, heading),
     )
+    return track, (plane.shown, heading.shown)
 
 
 def _check(pose: Pose) -> None:

@@ -191,7 +191,9 @@ def _lasting(
         spread=np.concatenate([spread[:-1], SPREAD_LASTING, spread[-1:]]),
         starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
     )
-    return other if other.cost < found.cost - SURELY_LASTS else found
+    if other.cost > found.cost - SURELY_LASTS:
+        return found
+    return replace(other, shown=other.shown + float(np.exp(other.logs[-3])))
 
 
 def _starts(m: int, recoils: int, lively: Float) -> list[Float]:

@@ -21,7 +21,8 @@ GATE_TAIL = 1e-5
 class Found:
     """Chain with its noise, the measurements of the first round and those that count in the end.
 
-    logs: logarithms of the noise over its units; cost: what they and the outliers cost.
+    logs: logarithms of the noise over its units; cost: what they and the outliers cost. shown:
+    variance of the measuring errors that show, white or lasting, over what is stated.
     """
 
     chain: Chain
@@ -29,6 +30,7 @@ class Found:
     used: Mask
     logs: Float
     cost: float
+    shown: float
 
 
 def most_likely(
@@ -70,7 +72,8 @@ def most_likely(
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
     chain = build(logs)
-    return Found(chain, first, used, logs, _cost(chain, seen, used, gate) + _prior(logs, spread))
+    cost = _cost(chain, seen, used, gate) + _prior(logs, spread)
+    return Found(chain, first, used, logs, cost, float(np.exp(logs[-1])))
 
 
 def gate_of(size: int) -> float:

@@ -17,7 +17,8 @@ from ..files import read_json
 from ..keypoints.deeplabcut import read
 from ..motor import compare, flapping_from_log, flapping_given, tail_beat
 from ..pose import rigid_pose
-from ..smoothing import smooth
+from ..smoothing import with_shown
+from ..smoothing.unshown import with_unshown
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
 from .depth import keypoint_depth
@@ -25,8 +26,8 @@ from .layout import Layout
 from .plausible import implausible
 from .status import attempt
 
-FRAME_RATES = (24, 25, 30, 50, 60, 120, 240)
-"""Frame rates that cameras have and people mistake for one another, 1/s."""
+CLEAR_BEAT = 1e-3
+"""Relative deviation of a tail beat that is there: noise alone gives ten times that."""
 
 
 def tracks(study: Path, results: Path, trial_id: str) -> None:
@@ -55,10 +56,11 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     if wrong := implausible(study, trial, positions, pose):
         raise Fault(wrong)
-    track = smooth(pose, flapping.flap_hz)
+    track, shown = with_shown(pose, flapping.flap_hz)
     steady = steady_state(track, flapping, trial.head_angle_rad)
     write_pose(layout.pose(trial.trial_id), pose)
-    write_track(layout.track(trial.trial_id), _with_calibration(track, camera, depth))
+    whole = _with_calibration(with_unshown(track, pose, shown), camera, depth)
+    write_track(layout.track(trial.trial_id), whole)
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     remarks = [*detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
     return {**detection, "remarks": list(dict.fromkeys(remarks)), "flapping": _told(flapping)}
@@ -100,11 +102,9 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
 
 
 def _beat_elsewhere(flapping: Flapping, positions: Positions) -> Flapping:
-    """`flapping` with a remark where the tail beats as if another frame rate had been stated."""
+    """`flapping` with a remark where the tail beats clearly, but not near the motor's frequency."""
     hz, std = tail_beat(positions)
-    ratios = [a / b for a in FRAME_RATES for b in FRAME_RATES if a != b]
-    apart = np.abs(hz / flapping.flap_hz / np.array(ratios) - 1)
-    if not (np.isfinite(hz) and std < 0.002 * hz and apart.min() < 0.005):
+    if not (np.isfinite(hz) and std < CLEAR_BEAT * hz):
         return flapping
     remark = (
         f"no tail beat at the motor's {flapping.flap_hz:.2f} Hz, one at {hz:.2f} Hz, "

@@ -18,6 +18,7 @@ from pipeline.mismatch.search import chance_of
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import details, mismatch_json
 from pipeline.model import plates
+from pipeline.stages.mismatch import with_scale
 from pipeline.synthetic.design import bare_design, demo_design
 
 
@@ -119,3 +120,24 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
     write_study_files(bare_design(), tmp_path, source="keypoints/{}.csv", fps=30.0)
     with pytest.raises(Fault, match="no trial with a track"):
         campaign_series(Campaign(load_study(tmp_path)))
+
+
+def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) -> None:
+    m, _ = demo
+    told = with_scale(m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"})
+    values = np.array([s.evidence["scale"] for s in told])
+    assert values[:, 0] == pytest.approx(0.02)
+    assert np.sum(1 / values[:, 1] ** 2) == pytest.approx(1 / (0.004**2 + 0.003**2))
+    assert all("clock_ratio" in s.evidence for s in told if "clock_ratio" in m.series[0].evidence)
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [{}, {"scale": None, "scale_std": None, "likely": "unknown"},
+     {"scale": 1.02, "scale_std": 0.004, "likely": "keypoint_bias"}],
+)  # fmt: skip
+def test_scale_is_not_evidence_where_another_error_bends_it(
+    demo: tuple[Measured, Found], geometry: dict[str, object]
+) -> None:
+    m, _ = demo
+    assert all("scale" not in s.evidence for s in with_scale(m.series, geometry))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +22,9 @@ from ..study import load_study
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
+"""Outcomes of the geometry check in which its scale is that of the whole picture."""
 
 log = logging.getLogger(__name__)
 
@@ -30,6 +35,7 @@ def mismatch(study: Path, results: Path) -> None:
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
     series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
+    series = with_scale(series, campaign.geometry or {})
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -50,3 +56,12 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
         return series
     std = np.hypot(CLOCK_STD, (std_hz if np.isfinite(std_hz) else 0.0) / flap_hz)
     return replace(series, evidence={"clock_ratio": (video_hz / flap_hz - 1, float(std))})
+
+
+def with_scale(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
+    """Series with the scale seen in rigid distances as evidence, one measurement shared by all."""
+    scale, std = geometry.get("scale"), geometry.get("scale_std")
+    if scale is None or not std or geometry.get("likely") not in SPEAKS_OF_SCALE:
+        return list(series)
+    each = float(np.hypot(std, LENGTH_STD) * np.sqrt(len(series)))
+    return [replace(s, evidence={**s.evidence, "scale": (scale - 1.0, each)}) for s in series]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -33,7 +34,8 @@ def find(folder: Path, *, workers: int, again: bool, progress: Progress) -> int:
     """How many studies ended without a verdict; the others have results in `results/NAME`."""
     names = studies_of(folder)
     todo = [n for n in names if again or not (results_of(folder, n) / "times.json").is_file()]
-    running = [_start(folder, todo[i::workers]) for i in range(workers) if todo[i::workers]]
+    parts = [todo[i::workers] for i in range(workers)]
+    running = [_start(folder, part, workers) for part in parts if part]
     done = 0
     for process in running:
         for line in process.stdout or ():
@@ -44,9 +46,15 @@ def find(folder: Path, *, workers: int, again: bool, progress: Progress) -> int:
     return sum(not (results_of(folder, n) / "mismatch.json").is_file() for n in names)
 
 
-def _start(folder: Path, names: Sequence[str]) -> subprocess.Popen[str]:
-    """A process that gives up the right to read the seals, then analyses the named studies."""
+def _start(folder: Path, names: Sequence[str], workers: int) -> subprocess.Popen[str]:
+    """A process that gives up the right to read the seals, then analyses the named studies.
+
+    The cores are shared out among the workers.
+    """
     sealed = sealed_folder(folder.resolve())
     command = [sys.executable, "-m", "pipeline", "challenge", "find-alone", str(folder.resolve())]
     command += [str(sealed), *names]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603
+    own = {"BLUEKOI_THREADS": str(max(1, (os.cpu_count() or 1) // workers))}
+    return subprocess.Popen(  # noqa: S603
+        command, stdout=subprocess.PIPE, text=True, env={**os.environ, **own}
+    )

@@ -35,9 +35,9 @@ def _say(name: str, done: int, count: int) -> None:
 @WORKERS
 def make(*, folder: Path, seed: int, count: int, footage: int, workers: int) -> None:
     """Draw COUNT studies into FOLDER; their truth goes under seal to FOLDER-sealed."""
-    from ..challenge.make import make as run  # noqa: PLC0415
+    from ..challenge.make import make as write  # noqa: PLC0415
 
-    run(folder, seed=seed, count=count, footage=footage, workers=workers, progress=_say)
+    write(folder, seed=seed, count=count, footage=footage, workers=workers, progress=_say)
     click.echo(f"{count} studies in {folder}; hashes of their sealed truth in challenge.json")
 
 
@@ -48,12 +48,17 @@ def make(*, folder: Path, seed: int, count: int, footage: int, workers: int) -> 
 @click.pass_context
 def find(ctx: click.Context, *, folder: Path, workers: int, again: bool) -> None:
     """Analyse every study of FOLDER in processes that cannot read the seals."""
-    from ..challenge.find import find as run  # noqa: PLC0415
+    ctx.exit(_found(folder, workers=workers, again=again))
+
+
+def _found(folder: Path, *, workers: int, again: bool = False) -> int:
+    """Exit code of an analysis of all studies: 3 where some ended without a verdict."""
+    from ..challenge.find import find as search  # noqa: PLC0415
 
     started = time.perf_counter()
-    failed = run(folder, workers=workers, again=again, progress=_say)
+    failed = search(folder, workers=workers, again=again, progress=_say)
     click.echo(f"done in {time.perf_counter() - started:.0f} s; {failed} without a verdict")
-    ctx.exit(3 if failed else 0)
+    return 3 if failed else 0
 
 
 @challenge.command()
@@ -79,15 +84,34 @@ def score(*, folder: Path, quiet: bool) -> None:
 @FOLDER
 def compare(*, folder: Path) -> None:
     """Set what others would use beside the search, on the analysed studies of FOLDER."""
-    from ..challenge.compare import compare as run  # noqa: PLC0415
+    from ..challenge.compare import compare as rate  # noqa: PLC0415
     from ..challenge.compare import compared  # noqa: PLC0415
     from ..challenge.score import judge_all  # noqa: PLC0415
     from ..files import write_json  # noqa: PLC0415
 
-    figures = run(folder, judge_all(folder), _say)
+    figures = rate(folder, judge_all(folder), _say)
     for line in compared(figures):
         click.echo(line)
     write_json(folder / "compare.json", figures)
+
+
+@challenge.command()
+@FOLDER
+@click.option("--seed", required=True, type=click.IntRange(min=0), help="Start of the draw.")
+@click.option("--count", default=120, show_default=True, type=click.IntRange(min=1))
+@click.option("--footage", default=8, show_default=True, type=click.IntRange(min=0),
+              help="So many of the studies are filmed.")  # fmt: skip
+@WORKERS
+@click.pass_context
+def run(ctx: click.Context, **given: object) -> None:
+    """A large challenge in one go: make, find, score, compare. Goes on where it was broken off."""
+    folder = Path(str(given["folder"]))
+    if not (folder / "challenge.json").is_file():
+        ctx.invoke(make, **given)
+    code = _found(folder, workers=int(str(given["workers"])))
+    ctx.invoke(score, folder=folder, quiet=False)
+    ctx.invoke(compare, folder=folder)
+    ctx.exit(code)
 
 
 @challenge.command("find-alone", hidden=True)

@@ -73,6 +73,12 @@ def test_a_cut_in_the_recording_is_named(seen):
     assert "keypoints/T10.csv" in text
 
 
+def test_a_robot_that_swims_backwards_is_named(seen):
+    study, trial, positions = seen
+    back = replace(positions, xy_m=positions.xy_m[::-1].copy())
+    assert "a robot that swims backwards for 1." in told(study, trial, back)[0]
+
+
 def test_an_outlier_that_comes_back_or_a_gap_is_no_jump():
     t = np.arange(100) / 30
     way = np.column_stack([0.5 * t, 0 * t])
@@ -104,17 +110,19 @@ def test_no_beat_anywhere_says_nothing(seen):
         assert _beat_elsewhere(motor, still).remarks == ()
 
 
-def test_a_robot_that_never_moved_is_kept_from_the_fits():
+def test_a_robot_that_never_moved_and_another_s_log_are_kept_from_the_fits():
     base = campaign(powers=(100,))
     poses = {name: _pose(track) for name, track in base.tracks.items()}
     still = base.analysed[0].trial_id
     flap = {"flap_hz": 5.8, "flap_hz_std": 0.01, "source": "motor_log", "video_hz": None,
             "video_hz_std": None, "agrees": True}  # fmt: skip
     statuses = {name: {"ok": True, "flapping": flap} for name in base.tracks}
+    odd = base.analysed[-1].trial_id
+    statuses[odd] = {"ok": True, "flapping": {**flap, "agrees": False}}
     steady = {**base.steady, still: replace(base.steady[still], quality="no_data")}
     given = replace(base, poses=poses, statuses=statuses, steady=steady)
     used = [s.name for s in campaign_series(given)]
-    assert used == [trial.trial_id for trial in base.analysed[1:]]
+    assert used == [trial.trial_id for trial in base.analysed[1:-1]]
 
 
 def _pose(track: Track) -> Pose:

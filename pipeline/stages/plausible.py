@@ -20,6 +20,7 @@ HEAD_ANGLE_DEG = 25.0
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 AROUND = 3
+APART_S = 0.3
 
 
 def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) -> list[Finding]:
@@ -28,6 +29,7 @@ def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) ->
     return [
         *_lengths(table, place, study, trial, positions),
         *_head_angle(table, place, trial, pose),
+        *_backwards(str(study.paths(trial)[0]), place, study, pose),
         *_jump(str(study.paths(trial)[0]), place, study, pose),
     ]
 
@@ -65,6 +67,22 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
     cure = "It is core minus head direction, counter-clockwise positive. Is it another trial's row?"
     return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", cure)]
+
+
+def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+    seen = np.isfinite(pose.values[:, :3]).all(axis=1)
+    xy, heading = pose.values[seen, :2], pose.values[seen, 2]
+    every = max(1, int(np.sum(pose.time_s[seen] < pose.time_s[0] + APART_S)))
+    way, heading = np.diff(xy[::every], axis=0), heading[::every][:-1]
+    gone = np.linalg.norm(way, axis=1)
+    if gone.sum() < study.setup.robot.body_length_m:
+        return []
+    ahead = float(np.sum(way * np.column_stack([np.cos(heading), np.sin(heading)])))
+    if ahead > 0:
+        return []
+    found = f"a robot that swims backwards for {gone.sum():.1f} m"
+    cure = "Head and tail seem exchanged: are head_length_m and head_angle_deg this trial's?"
+    return [Finding(source, place, found, "a robot that swims ahead", cure)]
 
 
 def _jump(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:

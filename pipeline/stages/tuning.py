@@ -32,13 +32,19 @@ def tuning(study: Path, results: Path) -> None:
 
 
 def campaign_series(campaign: Campaign) -> list[Series]:
-    """Trials of a campaign as the fit takes them; a robot that never moved tells it nothing.
+    """Trials of a campaign as the fit takes them.
+
+    Not a robot that never moved; nor a trial whose tail beats at another rate than its motor's,
+    where most others agree: its log or its frame rate is another trial's.
 
     Raises: Fault where no trial can be used.
     """
     moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
-    tracks = {i: track for i, track in campaign.tracks.items() if i in moved}
-    series = study_series(campaign.study, campaign.poses, tracks, campaign_flapping(campaign))
+    flapping = campaign_flapping(campaign)
+    odd = {i for i, f in flapping.items() if not (f.agrees or np.isfinite(f.video_hz))}
+    kept = moved - odd if 2 * len(odd) < len(flapping) else moved
+    tracks = {i: track for i, track in campaign.tracks.items() if i in kept}
+    series = study_series(campaign.study, campaign.poses, tracks, flapping)
     if not series:
         raise fault(campaign.study.root, "", "no trial with a track", "one or more",
                     "See status/ in the results folder for what each trial lacks.")  # fmt: skip

@@ -201,7 +201,7 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
         head_angle_rad=np.radians(30),
         flap_hz=FLAP_HZ[100],
     )[1]
-    assert over_angle(whole, tuned(whole)[100.0], 0.12, [30.0])[0] == pytest.approx(expected)
+    assert over_angle(whole, tuned(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(expected)
     panel = figures.draw("fig6", whole).axes[1]
     curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
     assert np.all(np.diff(curve.get_ydata()) < 0)

@@ -7,11 +7,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign
+from ..data import Float
 from .drawing import groups
 from .drawing.circles import compared_angle_deg
 from .drawing.groups import Mean
 from .drawing.look import Style, absent, letter, power_styles
-from .drawing.sweeps import Tuned, extended, from_rest, over_angle, over_length, radius
+from .drawing.sweeps import (
+    Swept,
+    Tuned,
+    extended,
+    over_angle,
+    over_length,
+    radius,
+    speed_from_rest,
+)
 
 TITLE = "The model beyond what was tested"
 CAPTION = (
@@ -19,12 +28,14 @@ CAPTION = (
     "1x head; points: measured averages with deviations, set apart a little by power. (C) The same "
     "over head length; inset: measured minus simulated radius with the longer head. Full lines: "
     "tested powers; dashed: powers not tested, with f, C_Md and C_Da drawn along straight lines "
-    "over power and the other coefficients held. Shaded: head angles and lengths outside those "
+    "over power and the other coefficients held. Bands: 95 % of what the fits leave open; they "
+    "follow the lines where these are extended. Shaded: head angles and lengths outside those "
     "tested."
 )
 NEEDS = ("tracks", "steady", "coefficients")
 ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
+TIMES_S = np.arange(151) / 30.0
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -53,22 +64,28 @@ def _styles(campaign: Campaign, rows: dict[float, Tuned]) -> dict[float, Style]:
     return power_styles([*tested, *(power for power in rows if power not in tested)])
 
 
-def _dash(row: Tuned) -> str:
-    return "-" if row.tested else "--"
+def _line(
+    axes: Axes,
+    at: Float,
+    values: Swept,
+    row: Tuned,
+    *,
+    styles: dict[float, Style],
+    label: str | None = None,
+) -> None:
+    """One power's line, dashed where the power was not tested, with its 95 % band."""
+    colour = styles[row.power_pct].colour
+    axes.plot(at, values.best, color=colour, ls="-" if row.tested else "--", label=label)
+    axes.fill_between(at, values.low, values.high, color=colour, alpha=0.15, lw=0)
 
 
 def _speeds(
     axes: Axes, campaign: Campaign, rows: dict[float, Tuned], styles: dict[float, Style]
 ) -> None:
     for power, row in rows.items():
-        run = from_rest(campaign, row, campaign.study.setup.robot.head_length_m, 5.0)
-        axes.plot(
-            run.time_s,
-            run.speed_m_s,
-            color=styles[power].colour,
-            ls=_dash(row),
-            label=f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated"),
-        )
+        name = f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated")
+        _line(axes, TIMES_S, speed_from_rest(campaign, row, TIMES_S), row,
+              styles=styles, label=name)  # fmt: skip
     axes.set(xlabel="time (s)", ylabel="straight speed (m/s)", xlim=(0, 5), ylim=(0, None))
     axes.set_title("straight, 1x head")
 
@@ -77,9 +94,8 @@ def _angles(
     axes: Axes, campaign: Campaign, rows: dict[float, Tuned], styles: dict[float, Style]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
-    for power, row in rows.items():
-        radii = over_angle(campaign, row, head, ANGLES_DEG)
-        axes.plot(ANGLES_DEG, radii, color=styles[power].colour, ls=_dash(row))
+    for row in rows.values():
+        _line(axes, ANGLES_DEG, over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles)
     seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
     _points(axes, seen, [m.angle_deg for m in seen], styles)
     _untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
@@ -94,9 +110,8 @@ def _lengths(
     if not np.isfinite(angle):
         absent(axes, "no turn in this study")
         return
-    for power, row in rows.items():
-        radii = over_length(campaign, row, LENGTHS_M, angle)
-        axes.plot(LENGTHS_M, radii, color=styles[power].colour, ls=_dash(row))
+    for row in rows.values():
+        _line(axes, LENGTHS_M, over_length(campaign, row, LENGTHS_M, angle), row, styles=styles)
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _points(axes, seen, [m.head_length_m for m in seen], styles)
     _untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))

@@ -4,7 +4,9 @@ from .filtering import Filtered, disturbance_slots, filter_all, filter_series, s
 from .joint import Fit, fit, pseudo_inverse
 from .noise import fit_noise
 from .normal import Normal, normal_equations, slots_by_name, trial_values
-from .resampling import ensemble, jackknife_cov, moving, open_combinations
+from .paths import PathFit, fit_paths
+from .resampling import ensemble, jackknife_cov, moving
+from .sandwich import Spread, spread_over_trials
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
 from .thinning import thinned
@@ -15,22 +17,25 @@ __all__ = [
     "Free",
     "Noise",
     "Normal",
+    "PathFit",
     "Series",
     "Shot",
+    "Spread",
     "disturbance_slots",
     "ensemble",
     "filter_all",
     "filter_series",
     "fit",
     "fit_noise",
+    "fit_paths",
     "jackknife_cov",
     "moving",
     "normal_equations",
-    "open_combinations",
     "pseudo_inverse",
     "shoot",
     "slots_by_name",
     "smooth",
+    "spread_over_trials",
     "thinned",
     "trial_values",
 ]

@@ -1,8 +1,9 @@
-"""Uncertainty by leaving out trials, and what the data leave open.
+"""Uncertainty by leaving out trials, and draws from a fit.
 
 Errors within a trial are correlated, so that the inverse Fisher matrix is many times too small.
 Trials are independent: leaving each out in turn, by one Newton step from the joint fit, gives the
-jackknife covariance (Efron and Stein, Ann. Statist. 9 (1981), 586), which errs to the wide side.
+jackknife covariance (Efron and Stein, Ann. Statist. 9 (1981), 586), which errs to the wide side;
+`sandwich` is free of that.
 """
 
 from __future__ import annotations
@@ -62,14 +63,3 @@ def ensemble(fit: Fit, cov: Float, count: int, rng: np.random.Generator) -> Floa
     vectors = np.linalg.eigh(0.5 * (cov + cov.T))
     root = vectors[1] * np.sqrt(np.maximum(vectors[0], 0.0))
     return fit.values + rng.standard_normal((count, len(fit.values))) @ root.T
-
-
-def open_combinations(cov: Float, values: Float, scale: Float, limit: float = 0.5) -> list[Float]:
-    """Directions (unit vectors in relative change) that the data leave open.
-
-    cov (p, p) of the fitted numbers, values (p,), scale (p,): size to which a change is compared
-    where a value is near 0. A direction is open where its relative deviation exceeds `limit`.
-    """
-    size = np.maximum(np.abs(values), scale)
-    spectrum, vectors = np.linalg.eigh(cov / np.outer(size, size))
-    return [vectors[:, i] for i in np.argsort(-spectrum) if spectrum[i] > limit**2]

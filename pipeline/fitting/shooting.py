@@ -43,7 +43,7 @@ def shoot(
     """
     starts = np.array([s.mean for s in series])
     for share in SHARES:
-        part = [_first(s, share) for s in series]
+        part = [first_part(s, share) for s in series]
         starts = _fitted_starts(kernel, part, values, starts, count=open_states,
                                 iterations=iterations)  # fmt: skip
     observed, states = _run(kernel, series, values, starts, open_states)
@@ -56,7 +56,8 @@ def shoot(
 SHARES = (0.25, 0.5, 1.0)
 
 
-def _first(series: Series, share: float) -> Series:
+def first_part(series: Series, share: float) -> Series:
+    """The first share of a trial's frames, two at least."""
     n = max(2, int(np.ceil(share * len(series.times))))
     return replace(series, times=series.times[:n], inputs=series.inputs[:n],
                    seen=series.seen[:n], noise=series.noise[:n])  # fmt: skip

@@ -24,6 +24,7 @@ from ..files import write_text
 from . import trigonometry
 from .rows import LANES
 from .system import Function, System
+from .vectors import prefer_widest
 from .writing import source
 
 __all__ = ["LANES", "Kernel", "compiled"]
@@ -41,6 +42,7 @@ class Kernel:
 @lru_cache(maxsize=32)
 def compiled(system: System) -> Kernel:
     """Kernel of a system, compiled once per change of its sources."""
+    prefer_widest()
     text = source(system)
     digest = hashlib.sha256(text.encode())
     for name in sorted(_files(system)):

@@ -14,10 +14,11 @@ from ..fitting import (
     Free,
     Noise,
     Series,
+    Spread,
     fit,
     fit_noise,
-    jackknife_cov,
     moving,
+    spread_over_trials,
     thinned,
     trial_values,
 )
@@ -41,17 +42,28 @@ def thin(series: Sequence[Series]) -> list[Series]:
 
 @dataclass(frozen=True)
 class Tuned:
-    """A joint fit with its noise and its covariance by leaving out trials, (p, p)."""
+    """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
+
+    freedom (p,): degrees of freedom of each variance, None where the normal law is to do.
+    """
 
     fit: Fit
     noise: Noise
     cov: Float
     base: Float
+    freedom: Float | None = None
 
     @property
     def std(self) -> Float:
         """Standard deviations (p,)."""
         return np.sqrt(np.diag(self.cov))
+
+    @property
+    def interval_95(self) -> Float:
+        """Bounds (p, 2) that hold the truth in 95 of 100 studies."""
+        many = np.full(len(self.std), 1e9) if self.freedom is None else self.freedom
+        half = Spread(self.cov, many).half_widths(0.95)
+        return self.fit.values[:, None] + np.outer(half, [-1.0, 1.0])
 
     def trial_values(self, kernel: Kernel, series: Sequence[Series]) -> list[Float]:
         """Full parameter vector for each trial."""
@@ -77,17 +89,19 @@ def tune(
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
-    return Tuned(found, noise, jackknife_cov(found.normal, moving(kernel, found)), base)
+    spread = spread_over_trials(found.normal, moving(kernel, found))
+    return Tuned(found, noise, spread.cov, base, spread.freedom)
 
 
 def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
-    """Coefficient -> value, std, naive_std, unit, whether the data determine it, and why not."""
+    """Coefficient -> value, std, interval_95, naive_std, unit, whether determined, and why not."""
     parameters = {p.name: p for p in plates().parameters}
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     return {
         f.label: {
             "value": float(tuned.fit.values[i]),
             "std": float(tuned.std[i]),
+            "interval_95": tuned.interval_95[i],
             "naive_std": float(naive[i]),
             "unit": parameters[f.name].unit,
             **determined(f.name, float(tuned.fit.values[i]), float(max(tuned.std[i], naive[i]))),

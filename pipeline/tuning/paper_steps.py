@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from ..data import Steady
-from ..fitting import Free, Series
+from ..fitting import Free, Series, ensemble
 from ..model import plates, steady_turn
 from ..study import Study, Trial
 from .joint import Tuned, determined, tune
 
 STRAIGHT_BELOW_DEG = 3.0
+DRAWS, DRAW_SEED = 60, 0
 COMMON = ("C_T", "C_D0", "C_La", "C_Ma")
 PER_POWER = ("C_Da", "C_Md")
 
@@ -39,8 +40,32 @@ def three_steps(
     first = tune(straight, [Free("C_T"), Free("C_D0")]) if straight else None
     second = _second(turns, first) if turns else None
     powers = sorted({s.group for s in series}, key=float)
-    result = {p: _power(study, p, series, steady, (first, second)) for p in powers}
+    drawn = draws((first, second), np.random.default_rng(DRAW_SEED))
+    result = {
+        p: _power(study, p, series, steady, (first, second)) | {"ensemble": _ensemble(drawn, p)}
+        for p in powers
+    }
     return result, first, second
+
+
+def draws(
+    fits: tuple[Tuned | None, Tuned | None], rng: np.random.Generator
+) -> dict[str, list[float]]:
+    """`DRAWS` values of every number that was fitted, by label, step by step."""
+    out: dict[str, list[float]] = {}
+    for fitted in fits:
+        if fitted:
+            rows = ensemble(fitted.fit, fitted.cov, DRAWS, rng)
+            out |= dict(zip([f.label for f in fitted.fit.free], rows.T.tolist(), strict=True))
+    return out
+
+
+def _ensemble(drawn: Mapping[str, list[float]], power: str) -> dict[str, Any]:
+    """Draws for one power: the common numbers and those of this power, (draws, numbers)."""
+    own = {name.split("@")[0]: v for name, v in drawn.items() if name.endswith(f"@{power}")}
+    common = {name: v for name, v in drawn.items() if "@" not in name}
+    both = common | own
+    return {"names": list(both), "values": np.array(list(both.values())).T}
 
 
 def is_straight(trial: Trial) -> bool:

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..data import Float, Steady
-from ..fitting import Series, ensemble, open_combinations, shoot
+from ..fitting import Series, ensemble, shoot
 from ..integrate import compiled
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
 from ..study import Study
-from .joint import Tuned, table, tune
+from .identify import profile, spectrum
+from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, verdict
+from .words import told, undetermined
 
 DRAWS = 200
 
@@ -23,8 +25,9 @@ def coefficients(
     study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
 ) -> tuple[dict[str, Any], Tuned]:
     """Content of coefficients.json, and the joint fit."""
-    steps, _, _ = three_steps(study, series, steady)
-    joint = tune(series)
+    few = thin(series)
+    steps, _, _ = three_steps(study, few, steady)
+    joint = tune(few)
     values = joint.fit.by_label()
     draws = ensemble(joint.fit, joint.cov, DRAWS, np.random.default_rng(seed))
     growth = {
@@ -43,36 +46,24 @@ def coefficients(
                 "correlation_time_s": joint.noise.tau,
             },
             "ensemble": {"names": list(values), "values": draws},
-            "undetermined": undetermined(joint),
+            "undetermined": undetermined(few, joint, study.setup),
+            "identifiability": identifiability(few, joint),
             "straight_swimming": verdict(max(growth.values())) | {"by_power": growth},
         },
     }, joint
 
 
-def undetermined(tuned: Tuned) -> list[dict[str, str]]:
-    """Combinations of coefficients that the data leave open, in words, with a trial that helps."""
-    starts = {p.name: abs(p.start) for p in plates().parameters}
-    scale = np.array([starts[f.name] for f in tuned.fit.free])
-    cov = np.maximum(tuned.cov, 0) if tuned.cov.ndim == 1 else tuned.cov
-    names = [f.label for f in tuned.fit.free]
-    return [_in_words(v, names) for v in open_combinations(cov, tuned.fit.values, scale)]
-
-
-def _in_words(vector: Float, names: Sequence[str]) -> dict[str, str]:
-    parts = [(w, n) for w, n in zip(vector, names, strict=True) if abs(w) > 0.3]
-    combination = " ".join(f"{w:+.1f} d{n}/{n}" for w, n in parts)
-    involved = {n.split("@")[0] for _, n in parts}
-    if involved <= {"C_T", "C_D0"}:
-        sentence = "Speeds fix only C_T/C_D0; the start from rest separates them."
-        trial = "straight runs filmed from rest, at 60 frames/s"
-    elif involved & {"C_Da", "C_La", "C_Ma", "C_Md"}:
-        sentence = "Straight runs hold alpha at 0: they fix C_T/C_D0 but none of " + ", ".join(
-            sorted(involved & {"C_Da", "C_La", "C_Ma", "C_Md"})
-        )
-        trial = "turns at two head angles, both sides, at the same power"
-    else:
-        sentence, trial = "These trials hardly depend on this combination.", "turns at other angles"
-    return {"combination": combination, "sentence": sentence, "trial": trial}
+def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
+    """Spectrum of combinations, the least determined first, and profiles by coefficient."""
+    names = [f.label for f in joint.fit.free]
+    profiles = {name: profile(series, joint, i) for i, name in enumerate(names)}
+    return {
+        "spectrum": [told(names, one) | {"determined": one.determined} for one in spectrum(joint)],
+        "profiles": {
+            name: {"values": p.values, "lost": p.lost, "lower": p.lower, "upper": p.upper}
+            for name, p in profiles.items()
+        },
+    }
 
 
 def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...campaign import Campaign
 from ...data import Float
-from ...model import Simulation, simulate, steady_turn
+from ...design_space import Condition, steady_states
+from ...integrate import LANES, compiled
+from ...integrate.batch import propagate
+from ...model import Simulation, constants, plates, simulate
 
+DRAWS, LEAST_DRAWS = LANES - 1, 5
 EXTENDED_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
 EXTRAPOLATED = ("C_Md", "C_Da")
 """What the paper extends along a line over power, beside f; the rest is held."""
@@ -19,12 +23,25 @@ EXTRAPOLATED = ("C_Md", "C_Da")
 
 @dataclass(frozen=True)
 class Tuned:
-    """Coefficients (SI) and flapping frequency at one power; tested or extended along a line."""
+    """Coefficients (SI) and flapping frequency at one power; tested or extended along a line.
+
+    draws: name -> (draws,), the same draw in the same place for all names and powers; may be empty.
+    """
 
     power_pct: float
     flap_hz: float
     coefficients: Mapping[str, float]
     tested: bool
+    draws: Mapping[str, Float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Swept:
+    """Something along a sweep, (n,), with its 95 % band; band NaN where there are no draws."""
+
+    best: Float
+    low: Float
+    high: Float
 
 
 def tuned(campaign: Campaign) -> dict[float, Tuned]:
@@ -61,30 +78,72 @@ def from_rest(
     )
 
 
+def speed_from_rest(campaign: Campaign, row: Tuned, times: Float) -> Swept:
+    """Speed of a straight run from rest of the 1x head at times (n,), m/s."""
+    head = campaign.study.setup.robot.head_length_m
+    lanes = _values(row)[:LANES]
+    short = LANES - len(lanes)
+    values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
+    fixed = np.repeat(constants(campaign.study.setup, head)[None, :, None], LANES, axis=2)
+    system = plates()
+    _, states = propagate(
+        compiled(system), np.zeros((1, len(system.all_states), LANES)), values, fixed,
+        times=times[None], inputs=np.tile([0.0, row.flap_hz], (1, len(times), 1)),
+        keep_states=True,
+    )  # fmt: skip
+    return _with_band(np.hypot(states[0, :, 3], states[0, :, 4])[:, : len(lanes)])
+
+
+def swept(
+    campaign: Campaign, row: Tuned, head_lengths_m: Iterable[float], angles_deg: Iterable[float]
+) -> Swept:
+    """Steady turn radii (m) at pairs of head length and angle; NaN where nothing settles."""
+    conditions = [
+        Condition(row.flap_hz, math.radians(angle), length, campaign.study.setup)
+        for length, angle in zip(head_lengths_m, angles_deg, strict=True)
+    ]
+    found = steady_states(conditions, _values(row)).radius_m
+    return _with_band(np.where(np.isfinite(found), found, np.nan))
+
+
 def radius(campaign: Campaign, row: Tuned, head_length_m: float, angle_deg: float) -> float:
     """Steady turn radius, m; NaN where the model does not settle into a turn."""
-    _, found = steady_turn(
-        row.coefficients,
-        setup=campaign.study.setup,
-        head_length_m=head_length_m,
-        head_angle_rad=math.radians(angle_deg),
-        flap_hz=row.flap_hz,
-    )
-    return found if math.isfinite(found) else math.nan
+    return float(swept(campaign, row, [head_length_m], [angle_deg]).best[0])
 
 
 def over_angle(
     campaign: Campaign, row: Tuned, head_length_m: float, angles_deg: Iterable[float]
-) -> Float:
-    """Radii at head angles, (n,), m."""
-    return np.array([radius(campaign, row, head_length_m, angle) for angle in angles_deg])
+) -> Swept:
+    """Radii at head angles, m."""
+    angles = list(angles_deg)
+    return swept(campaign, row, [head_length_m] * len(angles), angles)
 
 
 def over_length(
     campaign: Campaign, row: Tuned, lengths_m: Iterable[float], angle_deg: float
-) -> Float:
-    """Radii at head lengths, (n,), m."""
-    return np.array([radius(campaign, row, length, angle_deg) for length in lengths_m])
+) -> Swept:
+    """Radii at head lengths, m."""
+    lengths = list(lengths_m)
+    return swept(campaign, row, lengths, [angle_deg] * len(lengths))
+
+
+def _values(row: Tuned) -> Float:
+    """Parameter vectors (1 + draws, parameters), the best one first."""
+    count = len(next(iter(row.draws.values()), ()))
+    drawn = [{name: float(v[k]) for name, v in row.draws.items()} for k in range(count)]
+    return np.array([plates().values(one) for one in (dict(row.coefficients), *drawn)])
+
+
+def _with_band(values: Float) -> Swept:
+    """Best value and band from columns of best and draws: 1.96 deviations of the logarithms."""
+    best, rest = values[:, 0], values[:, 1:]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        logs = np.where(rest > 0, np.log(rest), np.nan)
+        known = np.isfinite(logs).sum(axis=1) >= LEAST_DRAWS
+    spread = np.full(len(best), np.nan)
+    if known.any():
+        spread[known] = 1.96 * np.nanstd(logs[known], axis=1, ddof=1)
+    return Swept(best, best * np.exp(-spread), best * np.exp(spread))
 
 
 def _power(row: Tuned) -> float:
@@ -99,7 +158,17 @@ def _tuned(power: float, entry: Mapping[str, object]) -> Tuned | None:
     values = {name: cell.get("value") for name, cell in cells.items()}
     if any(value is None for value in values.values()):
         return None
-    return Tuned(power, float(flap_hz), {k: float(v) for k, v in values.items()}, True)
+    best = {k: float(v) for k, v in values.items()}
+    return Tuned(power, float(flap_hz), best, True, _draws(entry.get("ensemble"), best))
+
+
+def _draws(ensemble: object, best: Mapping[str, float]) -> dict[str, Float]:
+    """Draws by name, at most `DRAWS`; coefficients that were not fitted keep their value."""
+    if not isinstance(ensemble, Mapping):
+        return {}
+    rows = np.array(ensemble["values"], dtype=np.float64)[:DRAWS]
+    given = dict(zip(ensemble["names"], rows.T, strict=True))
+    return {name: given.get(name, np.full(len(rows), value)) for name, value in best.items()}
 
 
 def _on_the_line(known: Mapping[float, Tuned], power: float) -> Tuned:
@@ -113,4 +182,9 @@ def _on_the_line(known: Mapping[float, Tuned], power: float) -> Tuned:
 
     drawn = {name: line([row.coefficients[name] for row in rows]) for name in EXTRAPOLATED}
     flap_hz = line([row.flap_hz for row in rows])
-    return Tuned(power, flap_hz, {**nearest.coefficients, **drawn}, False)
+    draws = dict(nearest.draws)
+    if all(row.draws for row in rows):
+        for name in EXTRAPOLATED:
+            every = np.array([row.draws[name] for row in rows])
+            draws[name] = np.array([line(list(column)) for column in every.T])
+    return Tuned(power, flap_hz, {**nearest.coefficients, **drawn}, False, draws)

@@ -1,0 +1,228 @@
+"""The design space: steady states in batches, fronts, ranges, manoeuvres, and their commands."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from pipeline import design_space
+from pipeline.cli import main
+from pipeline.design_space import (
+    MANOEUVRES,
+    Condition,
+    Design,
+    Fitted,
+    designs,
+    fitted,
+    on_front,
+    read_schedule,
+    smallest_radius,
+    steady_states,
+)
+from pipeline.faults import Fault
+from pipeline.model import FLAP_HZ, TABLE_1, constants, plates, simulate_at, steady_turn
+from pipeline.study import load_study
+from robots import SETUP
+from studies import small_study
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return small_study(tmp_path_factory.mktemp("design") / "study")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A results folder with Table I at 75 % as the joint fit, known to 2 %."""
+    folder = tmp_path_factory.mktemp("results")
+    rng = np.random.default_rng(0)
+    names, best = list(TABLE_1[75]), np.array(list(TABLE_1[75].values()))
+    draws = best * (1 + 0.02 * rng.standard_normal((200, 6)))
+    content = {
+        "paper_steps": {str(p): {"flap_hz": hz} for p, hz in FLAP_HZ.items()},
+        "joint": {
+            "coefficients": {n: {"value": v} for n, v in TABLE_1[75].items()},
+            "ensemble": {"names": names, "values": draws.tolist()},
+        },
+    }
+    (folder / "coefficients.json").write_text(json.dumps(content))
+    return folder
+
+
+def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
+    values = np.stack([plates().values(TABLE_1[p]) for p in (50, 75, 100)])
+    heavy = SETUP.model_copy(update={"robot": SETUP.robot.model_copy(update={"mass_kg": 0.9})})
+    conditions = [
+        Condition(4.02, math.radians(45), 0.12, SETUP),
+        Condition(2.37, math.radians(-30), 0.175, SETUP),
+        Condition(5.82, 0.0, 0.12, heavy),
+    ]
+    found = steady_states(conditions, values)
+    for i, c in enumerate(conditions):
+        for k, power in enumerate((50, 75, 100)):
+            speed, radius = steady_turn(
+                TABLE_1[power], setup=c.setup, head_length_m=c.head_length_m,
+                head_angle_rad=c.head_angle_rad, flap_hz=c.flap_hz,
+            )  # fmt: skip
+            assert found.speed_m_s[i, k] == pytest.approx(speed, rel=1e-3)
+            assert found.radius_m[i, k] == pytest.approx(radius, rel=2e-3)
+
+
+def test_what_does_not_settle_is_not_given_a_radius() -> None:
+    values = plates().values(TABLE_1[75], {"battery_sag": {"k": 0.05}})
+    slots = plates().slots("battery_sag")
+    assert values[slots[0]] == 0.05
+    found = steady_states([Condition(4.02, 0.7, 0.12, SETUP)], values[None])
+    assert np.isnan(found.radius_m[0, 0])
+
+
+def made(speed: float, radius: float, beyond: tuple[str, ...] = ()) -> Design:
+    return Design(100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), beyond)
+
+
+def test_the_front_holds_those_that_no_other_beats() -> None:
+    some = [made(0.5, 0.8), made(0.4, 0.5), made(0.3, 0.6), made(0.2, 0.4), made(np.nan, 0.1),
+            made(0.6, np.nan), made(0.45, 0.9)]  # fmt: skip
+    assert on_front(some).tolist() == [True, True, False, True, False, False, False]
+
+
+def test_the_smallest_radius_at_a_speed_and_within_what_was_tested() -> None:
+    some = [made(0.5, 0.8), made(0.4, 0.5, ("power",)), made(0.2, 0.3)]
+    assert smallest_radius(some) is some[2]
+    assert smallest_radius(some, least_speed_m_s=0.3) is some[1]
+    assert smallest_radius(some, least_speed_m_s=0.3, tested_only=True) is some[0]
+    assert smallest_radius(some, least_speed_m_s=0.9) is None
+
+
+def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
+    study: Path, results: Path
+) -> None:
+    loaded = load_study(study)
+    tested = design_space.tested_range(loaded)
+    found = designs(
+        fitted(results),
+        loaded.setup,
+        tested,
+        powers=(100, 150),
+        angles_deg=(45, 60),
+        lengths_m=(0.12,),
+        other={"mass_kg": (0.68, 0.8)},
+    )
+    assert len(found) == 8
+    assert found[0].beyond == ()
+    assert found[-1].beyond == ("power", "head angle", "mass_kg")
+    assert found[0].flap_hz == pytest.approx(5.82)
+    assert found[-1].flap_hz > 7
+    best, low, high = found[0].radius_m
+    assert low < best < high
+    assert 0.005 < math.log(high / best) / 1.96 < 0.05
+    with pytest.raises(Fault, match="mass_kg"):
+        designs(fitted(results), loaded.setup, tested, powers=(100,), angles_deg=(45,),
+                lengths_m=(0.12,), other={"mass": (1.0,)})  # fmt: skip
+
+
+def test_an_extended_model_is_asked_for_only_where_there_is_one(results: Path) -> None:
+    assert fitted(results).model == "joint"
+    with pytest.raises(Fault, match="mismatch_detail"):
+        fitted(results, model="extended")
+
+
+def test_frequency_between_tested_powers_and_beyond() -> None:
+    fit = Fitted(np.zeros((1, 1)), {50.0: 2.0, 100.0: 6.0}, "joint")
+    assert fit.at_power(75) == pytest.approx(4.0)
+    assert fit.at_power(150) == pytest.approx(10.0)
+    assert Fitted(np.zeros((1, 1)), {50.0: 2.0}, "joint").at_power(25) == pytest.approx(1.0)
+
+
+def path(schedule, seconds: float = 8.0):
+    times = np.arange(round(seconds * 60) + 1) / 60
+    hz, angle = schedule.at(times)
+    return simulate_at(plates().values(TABLE_1[75]), times, np.column_stack([angle, hz]),
+                       constants(SETUP, 0.12), np.zeros(6))  # fmt: skip
+
+
+def test_an_s_turn_turns_one_way_then_the_other() -> None:
+    run = path(MANOEUVRES["s-turn"](4.0, math.radians(40), 8.0))
+    rate = run.state[:, 5]
+    assert rate[200] < -0.1
+    assert rate[-1] > 0.1
+
+
+def test_an_underpowered_turn_slows_down_and_turns_on_what_speed_is_left() -> None:
+    run = path(MANOEUVRES["underpowered-turn"](4.0, math.radians(45), 8.0))
+    before = round(0.6 * 8 * 60)
+    assert run.state[before, 5] == pytest.approx(0.0, abs=1e-9)
+    assert run.speed_m_s[-1] < 0.6 * run.speed_m_s[before]
+    assert abs(run.heading_rad[-1] - run.heading_rad[before]) > math.radians(20)
+
+
+def test_start_stop_slows_down_and_speeds_up_again() -> None:
+    run = path(MANOEUVRES["start-stop"](5.0, 0.0, 10.0), 10.0)
+    v = run.speed_m_s
+    assert v[420] < 0.7 * v[240]
+    assert v[-1] > 1.2 * v[420]
+
+
+def test_schedules_are_read_and_their_faults_told(tmp_path: Path) -> None:
+    file = tmp_path / "s.csv"
+    file.write_text("time_s,power_pct,head_angle_deg\n0,100,0\n2,100,0\n2,0,30\n5,0,-30\n")
+    told = read_schedule(file, lambda power: 0.05 * power)
+    hz, angle = told.at(np.array([1.0, 3.5, 9.0]))
+    assert hz == pytest.approx([5.0, 0.0, 0.0])
+    assert np.degrees(angle) == pytest.approx([0.0, 0.0, -30.0])
+    for text, message in (
+        ("time_s,power,head_angle_deg\n0,1,2\n", "Did you mean 'power_pct'"),
+        ("time_s,head_angle_deg\n0,1\n", "both or neither"),
+        ("time_s,power_pct,head_angle_deg\n0,1,2\n3,1,2\n1,1,2\n", "row 4.*run backwards"),
+        ("time_s,power_pct,head_angle_deg\n0,,2\n", "row 2.*power_pct nan"),
+        ("time_s,flap_hz,head_angle_deg\n0,-2,2\n", "row 2.*flap_hz -2"),
+        ("time_s,flap_hz,head_angle_deg\n", "no row"),
+    ):
+        file.write_text(text)
+        with pytest.raises(Fault, match=message):
+            read_schedule(file, float)
+
+
+def test_bluekoi_design_answers_and_writes(study: Path, results: Path, tmp_path: Path) -> None:
+    done = CliRunner().invoke(main, [
+        "design", str(study), "--results", str(results), "--out", str(tmp_path / "d"),
+        "--powers", "50,100", "--angles-deg", "15:45:15", "--lengths-m", "0.12", "--speed-m-s",
+        "0.3"])  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert "tightest turn at 0.3 m/s or more: radius 0." in done.output
+    rows = list(csv.DictReader((tmp_path / "d/designs.csv").open()))
+    assert len(rows) == 6
+    assert {r["extrapolated"] for r in rows} > {""}
+    assert (tmp_path / "d/designs.png").stat().st_size > 10_000
+    wrong = CliRunner().invoke(main, ["design", str(study), "--powers", "50:40:5"])
+    assert wrong.exit_code == 2
+    assert "from, to, step" in wrong.output
+
+
+def test_bluekoi_simulate_runs_manoeuvres_and_schedules(
+    study: Path, results: Path, tmp_path: Path
+) -> None:
+    out, picture, file = tmp_path / "run.csv", tmp_path / "run.png", tmp_path / "s.csv"
+    done = CliRunner().invoke(main, [
+        "simulate", str(study), "--power-pct", "100", "--head-angle-deg", "45", "--manoeuvre",
+        "s-turn", "--seconds", "4", "--results", str(results), "--out", str(out), "--picture",
+        str(picture)])  # fmt: skip
+    assert done.exit_code == 0, done.output
+    assert "after 4 s" in done.output
+    rows = list(csv.DictReader(out.open()))
+    assert float(rows[0]["head_angle_deg"]) == 45
+    assert float(rows[-1]["head_angle_deg"]) == -45
+    assert float(rows[1]["flap_hz"]) == pytest.approx(5.82)
+    assert picture.stat().st_size > 10_000
+    file.write_text("time_s,flap_hz,head_angle_deg\n0,5,0\n2,5,30\n")
+    again = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file),
+                                      "--seconds", "3"])  # fmt: skip
+    assert again.exit_code == 0, again.output
+    neither = CliRunner().invoke(main, ["simulate", str(study)])
+    assert neither.exit_code == 2

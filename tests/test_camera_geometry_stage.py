@@ -123,6 +123,8 @@ def test_the_figure_shows_the_map_and_the_suspects():
     assert left.collections[0].get_array().compressed() == pytest.approx([-1.4, -1.6])
     assert middle.get_title() == "likeliest: scale error"
     assert [t.get_text() for t in right.get_yticklabels()] == ["scale error: scale"]
+    assert "-1.50 +- 0.20 %" in figure.get_suptitle()
+    assert "40 mm deep, as given" in figure.get_suptitle()
 
 
 def test_the_figure_says_when_there_is_no_map():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -44,7 +46,15 @@ def draw(campaign: Campaign) -> Figure:
     left.set_title("measured over stated length")
     middle.set_title(f"likeliest: {_plain(found['likely'])}")
     _suspects(right, found["estimates"])
+    figure.suptitle(_words(found), fontsize=8.5, color="#5b6570")
     return figure
+
+
+def _words(found: Mapping[str, Any]) -> str:
+    """What the check says, and where the depth comes from."""
+    source = "as given" if found.get("depth_given", True) else "estimated here"
+    sentence = textwrap.fill(str(found["sentence"]), 150)
+    return f"{sentence}; keypoints {1000 * found['depth_m']:.0f} mm deep, {source}"
 
 
 def _span(grid: dict[str, Float]) -> float:

@@ -21,7 +21,7 @@ from ..smoothing import with_shown
 from ..smoothing.unshown import with_unshown
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
-from .depth import keypoint_depth
+from .depth import depth_given, keypoint_depth
 from .layout import Layout
 from .plausible import implausible
 from .status import attempt
@@ -63,6 +63,10 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     write_track(layout.track(trial.trial_id), whole)
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     remarks = [*detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
+    if not depth_given(study.setup):
+        remarks.append(
+            f"keypoints taken to lie {1000 * depth:.0f} mm deep; study.yaml says nothing"
+        )
     return {**detection, "remarks": list(dict.fromkeys(remarks)), "flapping": _told(flapping)}
 
 

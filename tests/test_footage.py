@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pipeline.faults import Fault
-from pipeline.footage import encode, frames, open_recording
+from pipeline.footage import frames, open_recording
 from pipeline.footage.chapters import in_order
 from pipeline.footage.reading import spread
 
@@ -189,15 +189,29 @@ def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
     )
 
 
-def test_overlay_video_can_be_played(tmp_path):
-    path = tmp_path / "o.mp4"
-    assert encode(path, (picture(i) for i in range(8)), fps=29.97, size=SIZE) == 8
-    data = path.read_bytes()
-    assert data.index(b"moov") < data.index(b"mdat")
+@pytest.mark.parametrize("codec", ["libx264", "libx265", "mpeg4"])
+def test_reordered_pictures_come_in_their_order(tmp_path, codec):
+    """Files are opened without decoding, which must not cost the decoder its sense of order."""
+    path = tmp_path / "b.mp4"
+    with av.open(str(path), "w", format="mp4") as out:
+        stream = out.add_stream(codec, rate=Fraction(30000, 1001))
+        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        stream.bit_rate = 8_000_000
+        stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "2"}
+        for number in range(24):
+            out.mux(stream.encode(av.VideoFrame.from_ndarray(picture(number), format="gray")))
+        out.mux(stream.encode(None))
+    assert numbers(open_recording([path])) == list(range(24))
+
+
+def test_the_first_of_a_few_frames_is_the_first_picture(tmp_path):
+    path = write_video(tmp_path / "a.mp4", STEADY)
     recording = open_recording([path])
-    assert recording.codec == "h264"
-    assert recording.size_px == SIZE
-    assert len(list(frames(recording))) == 8
+    decoded = next(iter(frames(recording))).luma
+    assert recording.first_luma is not None
+    np.testing.assert_array_equal(next(spread(recording, 3)).luma, decoded)
+    late = open_recording([path], start_s=0.3)
+    assert next(spread(late, 2)).time_s > 0.3
 
 
 @pytest.mark.recordings

@@ -48,3 +48,14 @@ def test_a_time_that_goes_back_is_refused_and_nothing_is_left(tmp_path):
     with pytest.raises(ValueError, match="not after"):
         turned_back()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_overlay_video_can_be_played(tmp_path):
+    path = tmp_path / "o.mp4"
+    assert encode(path, (picture(i) for i in range(8)), fps=29.97, size=SIZE) == 8
+    data = path.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")
+    recording = open_recording([path])
+    assert recording.codec == "h264"
+    assert recording.size_px == SIZE
+    assert len(list(frames(recording))) == 8

@@ -12,7 +12,9 @@ import av.error
 
 from ..faults import Fault, fault
 from .boxes import Boxes
+from .pictures import Luma, luma
 
+UNDECODED = {"skip_frame": "all"}
 LARGEST_SIDE_PX = 16384
 REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
@@ -32,6 +34,7 @@ class Probe:
     remarks: tuple[str, ...]
     key_stamps: tuple[int, ...] = ()
     time_base_s: float = 1.0
+    first_luma: Luma | None = None
 
 
 def probe(path: Path, boxes: Boxes | None) -> Probe:
@@ -42,7 +45,9 @@ def probe(path: Path, boxes: Boxes | None) -> Probe:
     with opened(path) as container:
         stream = video_stream(container, path)
         declared, present = _counts(stream, path.stat().st_size)
-        rotation = _first_rotation(container, stream, path)
+        first = _first_picture(container, stream, path)
+        rotation = round(first.rotation / 90.0) * 90 % 360
+        keys = _key_stamps(stream, path.stat().st_size)
         fps = _rate(stream)
         duration = _duration(container, stream, fps)
         return Probe(
@@ -55,14 +60,23 @@ def probe(path: Path, boxes: Boxes | None) -> Probe:
             rotation_deg=rotation,
             capture_fps=_capture_rate(container, stream),
             remarks=_remarks(container, stream, boxes, (declared, present, rotation, fps)),
-            key_stamps=_key_stamps(stream, path.stat().st_size),
+            key_stamps=keys,
             time_base_s=float(stream.time_base or 1),
+            first_luma=luma(first).copy() if (first.pts,) == keys[:1] else None,
         )
 
 
 def opened(path: Path) -> Any:
-    """Open container of a file; Fault in a person's words where that fails."""
+    """Open container of a file; Fault in a person's words where that fails.
+
+    It opens without decoding a picture, which costs as much as several frames; only where the
+    size is not known without that, it is opened again in the usual way.
+    """
     try:
+        container = av.open(str(path), options=UNDECODED, metadata_errors="replace")
+        if all(stream.width for stream in container.streams.video):
+            return container
+        container.close()
         return av.open(str(path), metadata_errors="replace")
     except (av.error.FFmpegError, OSError, ValueError) as error:
         raise _not_a_video(path, error) from error
@@ -114,11 +128,11 @@ def _key_stamps(stream: Any, size: int) -> tuple[int, ...]:
     return tuple(int(e.timestamp) for e in entries if e.is_keyframe and e.pos + e.size <= size)
 
 
-def _first_rotation(container: Any, stream: Any, path: Path) -> int:
-    """Turn that the file asks for, counter-clockwise degrees, a multiple of 90."""
+def _first_picture(container: Any, stream: Any, path: Path) -> Any:
+    """The first picture decoded, whose rotation tells the turn that the file asks for."""
     try:
         for frame in container.decode(stream):
-            return round(frame.rotation / 90.0) * 90 % 360
+            return frame
     except av.error.FFmpegError as error:
         name = stream.codec_context.name
         found = f"{name} that cannot be decoded ({_reason(error)})"

@@ -9,14 +9,13 @@ from typing import Any
 import av
 import av.error
 import numpy as np
-import numpy.typing as npt
 
 from ..data import Frame
 from .ahead import Ahead
+from .pictures import Luma, luma
 from .probe import opened, video_stream
 from .recording import Recording
 
-Luma = npt.NDArray[np.uint8]
 EPS_S = 1e-6
 
 
@@ -92,25 +91,6 @@ def _thinned(recording: Recording, count: int) -> Iterator[Frame]:
     return (frame for i, frame in enumerate(_all(recording, False, {})) if i % step == step // 2)
 
 
-def luma(picture: Any) -> Luma:
-    """Brightness (height, width) of a decoded picture; a view where it is planar and 8 bit."""
-    plane, name = picture.planes[0], picture.format.name
-    if name.startswith(("yuv", "gray", "nv")) and not name.startswith("yuyv"):
-        depth = picture.format.components[0].bits
-        if depth == 8:
-            return _rows(plane, np.uint8)[: picture.height, : picture.width]
-        if name.endswith("le"):
-            wide = _rows(plane, np.dtype("<u2"))[: picture.height, : picture.width]
-            narrow = np.empty(wide.shape, np.uint8)
-            return np.right_shift(wide, depth - 8, out=narrow, casting="unsafe")
-    return picture.to_ndarray(format="gray")
-
-
-def _rows(plane: Any, dtype: Any) -> npt.NDArray[Any]:
-    width = plane.line_size // np.dtype(dtype).itemsize
-    return np.frombuffer(plane, dtype)[: plane.height * width].reshape(plane.height, width)
-
-
 def _bgr(picture: Any, recording: Recording, colour: bool) -> Luma | None:
     return _turned(picture.to_ndarray(format="bgr24"), recording) if colour else None
 
@@ -172,6 +152,11 @@ def _decoded_keys(
     path = recording.paths[i]
     container = opened(path)
     stream = video_stream(container, path)
+    offset_s = recording.offset_s[i]
+    known = recording.first_luma if i == 0 else None
+    if known is not None and stamps[0] == recording.key_stamps[0][0]:
+        yield Frame(-1, stamps[0] * recording.time_base_s + offset_s, _turned(known, recording))
+        stamps = stamps[1:]
     decoder = av.CodecContext.create(stream.codec_context.name, "r")
     decoder.extradata = stream.codec_context.extradata
     decoder.thread_type = "AUTO"
@@ -180,7 +165,7 @@ def _decoded_keys(
             for picture in decoder.decode(packet):
                 time_s = float((picture.pts or 0) * stream.time_base)
                 image = _turned(luma(picture), recording)
-                yield Frame(-1, time_s + recording.offset_s[i], image)
+                yield Frame(-1, time_s + offset_s, image)
     container.seek(recording.key_stamps[i][0], stream=stream, backward=True)
     ready[i] = container
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..faults import Fault, fault
 from .boxes import Boxes, read_boxes
 from .chapters import chapter_of, in_order, unnamed_chapters
+from .pictures import Luma
 from .probe import Probe, probe
 from .telemetry import camera_seconds
 
@@ -25,7 +26,8 @@ class Recording:
     overrides the timestamps, None to keep them. offset_s: where each file begins on the
     recording's clock. start_s, end_s: the part to use. rotation_deg: counter-clockwise turn
     applied to the stored picture. key_stamps: timestamps of the key frames of each file, in units
-    of time_base_s.
+    of time_base_s. first_luma: brightness of the first key frame as stored,
+    where it is known.
     """
 
     paths: tuple[Path, ...]
@@ -42,6 +44,7 @@ class Recording:
     remarks: tuple[str, ...] = ()
     key_stamps: tuple[tuple[int, ...], ...] = ()
     time_base_s: float = 1.0
+    first_luma: Luma | None = field(default=None, repr=False, compare=False)
 
 
 def open_recording(
@@ -77,6 +80,7 @@ def open_recording(
         remarks=_remarks(ordered, probes, fps),
         key_stamps=tuple(p.key_stamps for p in probes),
         time_base_s=first.time_base_s,
+        first_luma=first.first_luma,
     )
     _check_part(recording, probes)
     return recording

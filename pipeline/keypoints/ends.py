@@ -21,7 +21,9 @@ from .outline.background import Image, noise_level, ranked, sample
 NAMES = ("head_tip", "core_center", "tail_base")
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
-SOLID, FAINT = 0.72, 0.35
+SOLID = 0.72
+FAINT = (0.35, 0.25, 0.18)
+LEAST_TAIL, LONG_TAIL = 0.6, 1.5
 SPREAD = (0.115, 0.08, 0.08)
 ROI_GROWTH = 2.2
 SELDOM = 0.1
@@ -161,7 +163,7 @@ def _ends(
     line = outline.astype(float)
     moments = cv2.moments(outline[:, None])
     centre = np.array([moments["m10"], moments["m01"]]) / max(moments["m00"], 1.0)
-    exit_px = _tail_exit(cover > FAINT, mask, radius)
+    exit_px = _tail_exit(cover, mask, radius)
     tailed = exit_px is not None
     if exit_px is None:
         exit_px = _far_end(line, centre, before, corner)
@@ -186,14 +188,32 @@ def _far_end(line: Float, centre: Float, before: Body | None, corner: tuple[int,
     return ends[int(np.argmax(widths))]
 
 
-def _tail_exit(faint: npt.NDArray[np.bool_], body: Image, radius: float) -> Float | None:
-    """Where a long thin thing leaves the surroundings of the body (2,) px; None without one."""
+def _tail_exit(cover: Float, body: Image, radius: float) -> Float | None:
+    """Where the tail leaves the surroundings of the body (2,) px; None without a tail.
+
+    The longest thin thing. Fainter and fainter ones are looked for until one is long: an ear is
+    faint too, but short.
+    """
+    best, longest = None, LEAST_TAIL * radius
+    for faint in FAINT:
+        place, length = _longest_leaving(cover > faint, body, radius)
+        if place is not None and length > longest:
+            best, longest = place, length
+        if longest > LONG_TAIL * radius:
+            break
+    return best
+
+
+def _longest_leaving(
+    faint: npt.NDArray[np.bool_], body: Image, radius: float
+) -> tuple[Float | None, float]:
+    """Where the longest thin thing leaves the surroundings of the body, and its length [px]."""
     reach = max(2, round(0.45 * radius))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
     rest = faint.astype(np.uint8) & (1 - cv2.dilate(body, disc))
     away = cv2.distanceTransform(1 - body, cv2.DIST_L2, 5)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(rest)
-    best, longest = None, 0.6 * radius
+    best, longest = None, 0.0
     for i in range(1, count):
         v, u = np.nonzero(labels == i)
         distance = away[v, u]
@@ -202,7 +222,7 @@ def _tail_exit(faint: npt.NDArray[np.bool_], body: Image, radius: float) -> Floa
         if distance.min() <= reach + 4 and thin and length > longest:
             near = np.argsort(distance)[:5]
             best, longest = np.array([u[near].mean(), v[near].mean()]), length
-    return best
+    return best, longest
 
 
 def _keypoints(times: Float, bodies: list[Body | None]) -> Keypoints:

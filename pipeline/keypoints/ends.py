@@ -17,17 +17,18 @@ from ..data import Frame, Keypoints
 from ..faults import fault
 from ..study import Setup, Trial
 from .outline.background import Image, noise_level, ranked, sample
+from .outline.leaving import tail_exit
+from .outline.turns import turned_round
 
 NAMES = ("head_tip", "core_center", "tail_base")
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
 SOLID = 0.72
-FAINT = (0.35, 0.25, 0.18)
-LEAST_TAIL, LONG_TAIL = 0.6, 1.5
 SPREAD = (0.115, 0.08, 0.08)
 ROI_GROWTH = 2.2
 SELDOM = 0.1
 LEAST_CHANGE = 20.0
+UNTOLD = 0.5
 
 
 @dataclass(frozen=True)
@@ -59,8 +60,9 @@ class Body:
 def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
     """Keypoints head_tip, core_center (centre of the body's area) and tail_base of every frame.
 
-    Likelihood falls where no tail tells the ends apart and where the body's area is unusual;
-    covariances are a tenth of the body's half-width, as measured on labelled footage.
+    Likelihood falls where no tail tells the ends apart, where they were the wrong way round or the
+    frames before and after do not agree on it, and where the body's area is unusual; covariances
+    are a tenth of the body's half-width, as measured on labelled footage.
 
     Raises: Fault where the footage holds no frame.
     """
@@ -163,7 +165,7 @@ def _ends(
     line = outline.astype(float)
     moments = cv2.moments(outline[:, None])
     centre = np.array([moments["m10"], moments["m01"]]) / max(moments["m00"], 1.0)
-    exit_px = _tail_exit(cover, mask, radius)
+    exit_px = tail_exit(cover, mask, radius)
     tailed = exit_px is not None
     if exit_px is None:
         exit_px = _far_end(line, centre, before, corner)
@@ -188,56 +190,32 @@ def _far_end(line: Float, centre: Float, before: Body | None, corner: tuple[int,
     return ends[int(np.argmax(widths))]
 
 
-def _tail_exit(cover: Float, body: Image, radius: float) -> Float | None:
-    """Where the tail leaves the surroundings of the body (2,) px; None without a tail.
-
-    The longest thin thing. Fainter and fainter ones are looked for until one is long: an ear is
-    faint too, but short.
-    """
-    best, longest = None, LEAST_TAIL * radius
-    for faint in FAINT:
-        place, length = _longest_leaving(cover > faint, body, radius)
-        if place is not None and length > longest:
-            best, longest = place, length
-        if longest > LONG_TAIL * radius:
-            break
-    return best
-
-
-def _longest_leaving(
-    faint: npt.NDArray[np.bool_], body: Image, radius: float
-) -> tuple[Float | None, float]:
-    """Where the longest thin thing leaves the surroundings of the body, and its length [px]."""
-    reach = max(2, round(0.45 * radius))
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
-    rest = faint.astype(np.uint8) & (1 - cv2.dilate(body, disc))
-    away = cv2.distanceTransform(1 - body, cv2.DIST_L2, 5)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(rest)
-    best, longest = None, 0.0
-    for i in range(1, count):
-        v, u = np.nonzero(labels == i)
-        distance = away[v, u]
-        length = float(np.ptp(distance))
-        thin = stats[i, cv2.CC_STAT_AREA] < 0.8 * radius * max(length, 1.0)
-        if distance.min() <= reach + 4 and thin and length > longest:
-            near = np.argsort(distance)[:5]
-            best, longest = np.array([u[near].mean(), v[near].mean()]), length
-    return best, longest
-
-
 def _keypoints(times: Float, bodies: list[Body | None]) -> Keypoints:
     n, p = len(times), len(NAMES)
     xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
     cov = np.full((n, p, 2, 2), np.nan)
     usual = float(np.median([b.area for b in bodies if b is not None] or [1.0]))
+    wrong, doubt = _ways_round(bodies)
     for i, body in enumerate(bodies):
         if body is None:
             continue
-        xy[i] = body.points
+        xy[i] = body.points[::-1] if wrong[i] else body.points
         share = min(body.area, usual) / max(body.area, usual)
         certain = min(1.0, max(0.0, 2.0 * share - 0.4))
-        likelihood[i] = certain * np.array([1.0, 1.0, 1.0] if body.tailed else [0.5, 1.0, 0.5])
+        untold = doubt[i] or wrong[i] or not body.tailed
+        likelihood[i] = certain * np.array([UNTOLD, 1.0, UNTOLD] if untold else [1.0] * 3)
         cov[i] = np.array([(s * body.radius) ** 2 * np.eye(2) for s in SPREAD])
     lost = sum(body is None for body in bodies)
     remarks = (f"{lost} of {n} frames without a body",) if lost else ()
     return Keypoints(times, NAMES, xy, likelihood, cov, remarks)
+
+
+def _ways_round(bodies: list[Body | None]) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+    """Frames whose ends are the wrong way round, and those where that is in doubt."""
+    points = np.full((len(bodies), 3, 2), np.nan)
+    reach, weight = np.zeros((2, len(bodies)))
+    for i, body in enumerate(bodies):
+        if body is not None:
+            points[i], reach[i] = body.points, 2.0 * body.radius
+            weight[i] = 1.0 if body.tailed else 0.1
+    return turned_round(points[:, 0], points[:, 2], reach, weight)

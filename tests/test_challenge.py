@@ -192,7 +192,7 @@ def test_sparse_regression_finds_the_terms_of_a_sparse_law():
     w = np.zeros(12)
     w[[1, 4, 9]] = 3.0, -2.0, 0.5
     y = X @ w + 0.05 * rng.standard_normal(600)
-    found = sparse(Problem(y, X, tuple("abcdefghijkl"), np.arange(600) % 7), stlsq)
+    found = sparse(Problem(y, X, tuple("abcdefghijkl"), np.arange(600) % 7, np.ones(12)), stlsq)
     assert set(np.flatnonzero(found)) == {1, 4, 9}
     assert found[[1, 4, 9]] == pytest.approx([3.0, -2.0, 0.5], rel=0.05)
 

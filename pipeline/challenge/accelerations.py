@@ -26,13 +26,15 @@ NAMES = tuple(p.name for p in COEFFICIENTS)
 class Problem:
     """Accelerations `(rows,)` of u, v, r over their spread, and columns `(rows, terms)`.
 
-    condition `(rows,)`: index of the condition a row comes from. names: of the columns.
+    condition `(rows,)`: index of the condition a row comes from. names: of the columns. sizes:
+    the strength at which each column was differenced.
     """
 
     y: Float
     columns: Float
     names: tuple[str, ...]
     condition: np.ndarray
+    sizes: Float
 
 
 @dataclass(frozen=True)
@@ -92,33 +94,41 @@ def problem(kernel: Kernel, data: Samples, effects: Sequence[str], at: Float | N
     """Columns of the six coefficients and of each strength of the effects, differenced at `at`.
 
     The coefficients' columns are exact (the model is linear in them); those of the effects are
-    slopes at strength 0 beside the coefficients `at` (default: those of the effects' absence).
+    slopes at strength 0 beside the coefficients `at` (default: all zero).
     """
-    system = kernel.system
-    zero = system.values(dict.fromkeys(NAMES, 0.0))
+    zero = kernel.system.values(dict.fromkeys(NAMES, 0.0))
     base = zero if at is None else _with(zero, range(len(NAMES)), at)
-    points, names = [zero, base], []
-    for k, name in enumerate(NAMES):
-        points.append(_with(zero, [k], [1.0]))
-        names.append(name)
-    sizes = [1.0] * len(NAMES)
+    ones = [_with(zero, [k], [1.0]) for k in range(len(NAMES))]
+    columns = [_changes(kernel, data, zero, ones)]
+    names, sizes = list(NAMES), [1.0] * len(NAMES)
     for effect in effects:
-        own = system.effect(effect)
-        for slot, p in list(zip(system.slots(effect), own.parameters, strict=True))[
-            : own.strengths
-        ]:
-            size = 0.1 * abs(p.start) or 1e-3
-            points.append(_with(base, [slot], [size]))
-            names.append(f"{effect}.{p.name}")
-            sizes.append(size)
-    found = modelled(kernel, data, points)
-    from_zero = [found[:, :, 2 + k] - found[:, :, 0] for k in range(len(NAMES))]
-    from_base = [found[:, :, k] - found[:, :, 1] for k in range(2 + len(NAMES), len(points))]
+        rows = _strengths(kernel, effect)
+        columns.append(_changes(kernel, data, base, [_with(base, [s], [h]) for _, s, h in rows]))
+        names += [name for name, _, _ in rows]
+        sizes += [size for _, _, size in rows]
     scale = np.std(data.accelerations, axis=0)
-    stack = np.stack([*from_zero, *from_base], axis=-1) / scale[:, None]
-    left = (data.accelerations - found[:, :, 0]) / scale
-    return Problem(left.ravel(), stack.reshape(left.size, -1) / np.array(sizes), tuple(names),
-                   np.repeat(data.condition, 3))  # fmt: skip
+    left = (data.accelerations - modelled(kernel, data, [zero])[:, :, 0]) / scale
+    stack = np.concatenate(columns, axis=-1) / scale[:, None] / np.array(sizes)
+    return Problem(left.ravel(), stack.reshape(left.size, -1), tuple(names),
+                   np.repeat(data.condition, 3), np.array(sizes))  # fmt: skip
+
+
+def _strengths(kernel: Kernel, effect: str) -> list[tuple[str, int, float]]:
+    """Name, slot and a small size of each strength of an effect."""
+    own, slots = kernel.system.effect(effect), kernel.system.slots(effect)
+    return [
+        (f"{effect}.{p.name}", slot, 0.1 * abs(p.start) or 1e-3)
+        for slot, p in zip(slots, own.parameters[: own.strengths], strict=False)
+    ]
+
+
+def _changes(kernel: Kernel, data: Samples, base: Float, points: Sequence[Float]) -> Float:
+    """Accelerations `(n, 3, points)` less those at `base`, which is run beside them.
+
+    Effects by themselves: one that others run beside may be present at strength 0 and yet felt.
+    """
+    found = modelled(kernel, data, [base, *points])
+    return np.asarray(found[:, :, 1:] - found[:, :, :1])
 
 
 def _with(values: Float, slots: Sequence[int] | range, new: Sequence[float] | Float) -> Float:

@@ -89,12 +89,15 @@ def _rated(
     pieces: Sequence[Series],
     true: Sequence[str],
 ) -> dict[str, Any]:
+    """Figures of an answer; numbers beyond the candidates' plausible bounds are set to these."""
+    bounds = np.array([(p.lower, p.upper) for p in kernel.system.parameters])
     of = answer if isinstance(answer, dict) else {}
     values = []
     for piece in pieces:
         own = of.get(piece.group, next(iter(of.values()), answer))
         assert isinstance(own, Answer)
-        values.append(kernel.system.values(own.coefficients, own.effects))
+        whole = kernel.system.values(own.coefficients, own.effects)
+        values.append(np.clip(whole, bounds[:, 0], bounds[:, 1]))
     names = answer.names if isinstance(answer, Answer) else ()
     return {
         "right": set(names) == set(true),

@@ -9,7 +9,7 @@ retuning            the paper's three steps at each power; names nothing
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from .accelerations import NAMES, Problem, Samples, problem
 THRESHOLDS = tuple(np.geomspace(0.003, 0.5, 12))
 RIDGE = 1e-6
 FOLDS = 4
-NEARLY = 1.01
-"""The sparsest solution is taken whose held-out error is within 1 % of the least."""
+LEAST_EFFECT = 1e-6
+"""Columns below this share of the accelerations' spread at their starting strength are noise."""
 
 
 @dataclass(frozen=True)
@@ -65,20 +65,23 @@ def pysindy_stlsq(X: Float, y: Float, threshold: float) -> Float:
 
 
 def sparse(told: Problem, solve: Callable[[Float, Float, float], Float]) -> Float:
-    """Coefficients of the columns, the threshold chosen by conditions left out."""
+    """Coefficients of the columns, the threshold chosen by conditions left out.
+
+    The sparsest solution whose held-out error is within one standard error of the least.
+    """
     size = np.sqrt(np.mean(told.columns**2, axis=0))
     X = told.columns / np.maximum(size, 1e-12)
     X[:, size < 1e-12] = 0.0
     fold = told.condition % FOLDS
-    errors = []
+    errors: list[tuple[float, float]] = []
     for threshold in THRESHOLDS:
-        total = 0.0
-        for k in range(FOLDS):
-            out = fold == k
+        each = []
+        for out in (fold == k for k in range(FOLDS) if np.any(fold == k)):
             w = solve(X[~out], told.y[~out], threshold)
-            total += float(np.sum((told.y[out] - X[out] @ w) ** 2))
-        errors.append(total)
-    good = [t for t, e in zip(THRESHOLDS, errors, strict=True) if e <= NEARLY * min(errors)]
+            each.append(float(np.mean((told.y[out] - X[out] @ w) ** 2)))
+        errors.append((float(np.mean(each)), float(np.std(each) / np.sqrt(len(each)))))
+    least, spread = min(errors)
+    good = [t for t, (e, _) in zip(THRESHOLDS, errors, strict=True) if e <= least + spread]
     w = solve(X, told.y, max(good))
     return np.where(size < 1e-12, 0.0, w / np.maximum(size, 1e-12))
 
@@ -93,8 +96,17 @@ def sparse_regression(kernel: Kernel, data: Samples, candidates: Sequence[str]) 
         solve = stlsq
     plain = problem(kernel, data, (), None)
     at = least_squares(plain.columns, plain.y, 0.0)
-    told = problem(kernel, data, candidates, at)
+    known = [n for n in candidates if not kernel.system.effect(n).states]
+    told = _felt(problem(kernel, data, known, at))
     return _answer(told, sparse(told, solve))
+
+
+def _felt(told: Problem) -> Problem:
+    """The problem without columns that accelerations do not feel (faults of what is seen)."""
+    size = np.sqrt(np.mean(told.columns**2, axis=0)) * told.sizes
+    kept = np.flatnonzero(size > LEAST_EFFECT)
+    return replace(told, columns=told.columns[:, kept], sizes=told.sizes[kept],
+                   names=tuple(told.names[k] for k in kept))  # fmt: skip
 
 
 def linear_residual(kernel: Kernel, data: Samples) -> Answer:

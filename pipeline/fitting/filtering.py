@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ..data import Float
-from ..integrate import Effect, Kernel
+from ..integrate import Effect, Kernel, System
 from ..integrate.batch import each, switches
 from .series import Noise, Series
 
@@ -39,48 +40,56 @@ class Filtered:
 
 def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -> Filtered:
     """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
-    n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
-    shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
-    gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
-        np.zeros, shapes
-    )
-    values, variance, memory, cov = _with_disturbance(kernel, series, values, noise)
-    on = switches(kernel.system, values)
-    log_likelihood = kernel.kalman(
-        series.mean,
-        cov,
-        values,
-        series.constants,
-        series.times,
-        series.inputs,
-        series.seen,
-        series.noise * np.outer(noise.scale, noise.scale),
-        variance,
-        memory,
-        np.full(s, DIFFERENCE),
-        _active(kernel, on),
-        on,
-        _substeps(series),
-        gains,
-        roots,
-        transitions,
-        predicted,
-        filtered,
-        cov_p,
-        cov_f,
-        innovations,
-    )
-    return Filtered(
-        log_likelihood, innovations, gains, roots, transitions, predicted, filtered, cov_p, cov_f
-    )
+    return _filtered(kernel, series, values, _shared(kernel, noise))
 
 
 def filter_all(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[Filtered]:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
-    jobs = list(zip(series, values, strict=True))
-    return each(lambda job: filter_series(kernel, job[0], job[1], noise), jobs)
+    jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
+    return each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """What one noise means for all trials: variance and memory of states, places, scales."""
+
+    noise: Noise
+    variance: Float
+    memory: Float
+    random: np.ndarray
+    difference: Float
+    scales: Float
+
+
+def _shared(kernel: Kernel, noise: Noise) -> _Shared:
+    count = len(kernel.system.all_states)
+    variance, memory = np.zeros(count), np.ones(count)
+    slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
+    variance[slots], memory[slots] = noise.disturbance**2, noise.tau
+    scales = np.outer(noise.scale, noise.scale)
+    return _Shared(noise, variance, memory, slots, np.full(count, DIFFERENCE), scales)
+
+
+def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) -> Filtered:
+    n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
+    shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
+    gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
+        np.zeros, shapes
+    )
+    values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
+    cov[shared.random, shared.random] = shared.variance[shared.random]
+    on = switches(kernel.system, values)
+    log_likelihood = kernel.kalman(
+        series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
+        series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
+        _active(kernel.system, on.tobytes()), on, _substeps(series), gains, roots, transitions,
+        predicted, filtered, cov_p, cov_f, innovations,
+    )  # fmt: skip
+    return Filtered(
+        log_likelihood, innovations, gains, roots, transitions, predicted, filtered, cov_p, cov_f
+    )
 
 
 def smooth(result: Filtered) -> tuple[Float, Float]:
@@ -116,36 +125,31 @@ def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
 
     A random effect's parameters are `present` and then a memory for all its states, or one each.
     """
-    out, at = values.copy(), 0
-    for effect in random_effects(kernel):
-        present, *memories = kernel.system.slots(effect.name)
-        own = noise.disturbance[at : at + len(effect.states)]
-        out[present] = float(np.any(own > 0))
-        if np.any(own > 0):
-            for i, slot in enumerate(memories):
-                out[slot] = noise.tau[at + i]
-        at += len(effect.states)
+    out = values.copy()
+    for present, memories, first, last in _random_places(kernel.system):
+        acts = bool(np.any(noise.disturbance[first:last] > 0))
+        out[present] = float(acts)
+        for i, slot in enumerate(memories if acts else ()):
+            out[slot] = noise.tau[first + i]
     return out
 
 
-def _with_disturbance(
-    kernel: Kernel, series: Series, values: Float, noise: Noise
-) -> tuple[Float, Float, Float, Float]:
-    """Parameters with the random parts on, variance and memory of states, the start's cov."""
-    count = len(kernel.system.all_states)
-    variance, memory, cov = np.zeros(count), np.ones(count), series.cov.copy()
-    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
-    variance[slots], memory[slots] = noise.disturbance**2, noise.tau
-    cov[slots, slots] = noise.disturbance**2
-    return with_noise(kernel, values, noise), variance, memory, cov
+@lru_cache(maxsize=64)
+def _random_places(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
+    """Of each random effect: places of `present` and of its memories, its states from and to."""
+    out, at = [], 0
+    for effect in (e for e in system.effects if e.kind == "disturbance"):
+        present, *memories = system.slots(effect.name)
+        out.append((present, tuple(memories), at, at + len(effect.states)))
+        at += len(effect.states)
+    return tuple(out)
 
 
-def _active(kernel: Kernel, on: np.ndarray) -> np.ndarray:
+@lru_cache(maxsize=512)
+def _active(system: System, on: bytes) -> np.ndarray:
     """Places of the model's states and of those of the effects that are on."""
-    system = kernel.system
-    names = [*system.states, *(s for e, o in zip(system.effects, on, strict=True) if o
-                               for s in e.states)]  # fmt: skip
-    return np.array([system.all_states.index(n) for n in names])
+    used = [s for e, acts in zip(system.effects, on, strict=True) if acts for s in e.states]
+    return np.array([system.all_states.index(n) for n in (*system.states, *used)])
 
 
 def _substeps(series: Series) -> int:

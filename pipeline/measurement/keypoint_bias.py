@@ -1,6 +1,7 @@
 """A keypoint that is always placed beside its true point.
 
-The core centre is seen displaced by (bx, by) along and across the core.
+The pose is fitted to all keypoints, so that one of them beside its place moves the whole: the core
+centre by (bx, by) along and across the core, the core's heading by bpsi, the head angle by bphi.
 Source: own statement.
 """
 
@@ -12,14 +13,18 @@ KIND = "measurement"
 CHANNELS = ("sway", "yaw")
 STATEMENT = "A keypoint is always placed beside its true point on the robot."
 REGIME = "all frames, fixed to the robot"
-CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "camera_shift")
-STRENGTHS = 2
+CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
+STRENGTHS = 4
 PARAMETERS = (
     Parameter("by", "m", 0.003, -0.05, 0.05, "displacement to the left of the core"),
     Parameter("bx", "m", 0.003, -0.05, 0.05, "displacement along the core"),
+    Parameter("bpsi", "rad", 0.01, -0.3, 0.3, "turn of the seen heading"),
+    Parameter("bphi", "rad", 0.01, -0.3, 0.3, "turn of the seen head angle"),
 )
 
 
-def observe(cpsi: float, spsi: float, bx: float, by: float) -> tuple[float, float, float, float]:
+def observe(
+    cpsi: float, spsi: float, bx: float, by: float, bpsi: float, bphi: float
+) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    return bx * cpsi - by * spsi, bx * spsi + by * cpsi, 0.0, 0.0
+    return bx * cpsi - by * spsi, bx * spsi + by * cpsi, bpsi, bphi

@@ -73,7 +73,7 @@ def find_mismatch(
     bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
     choice = choose(bench, trialled(kernel, (), baseline.fit, baseline.noise, train))
     progress("terms without a name")
-    residual = nameless(bench, choice.chosen)
+    residual = nameless(bench, choice.chosen, choice.bare)
     verdict = _verdict(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
@@ -112,12 +112,12 @@ def _located(
     return forces, dependences(series, forces, variables(series, forces, trials), units)
 
 
-def nameless(bench: Bench, model: Trialled) -> Trialled:
+def nameless(bench: Bench, model: Trialled, bare: Trialled) -> Trialled:
     """A model with the fewest nameless terms that pay beside its effects, one after the other."""
     effect = bench.kernel.system.effect("residual")
     terms = replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
     for _ in range(MOST_TERMS):
-        done: Round = one_round(terms, model, tried=4)
+        done: Round = one_round(terms, model, bare, tried=4)
         if done.best.effects == model.effects:
             break
         model = done.best

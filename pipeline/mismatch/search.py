@@ -156,12 +156,13 @@ def try_effects(
     predictor: Sequence[Filtered] | None = None,
     start: Mapping[str, float] | None = None,
     iterations: int = 12,
+    passes: int = PASSES,
 ) -> Trialled:
     """The model with these effects, all its numbers fitted, and its held-out worth."""
     frees = [*coefficients, *(f for e in effects for f in candidate_frees(kernel.system, e)[0])]
     point = with_starts(kernel, base, effects, 0.3)
     known = dict(start or {})
-    for _ in range(PASSES):
+    for _ in range(passes):
         found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
                     tolerance=0.05, predictor=predictor)  # fmt: skip
         known = found.by_label()

@@ -84,10 +84,15 @@ def test_every_form_bends_a_path_and_vanishes_with_its_strength(name, number):
     assert np.hypot(*(bent - path(fin, long))[:, :2].T).max() > 1e-3
 
 
+@pytest.fixture(scope="module")
+def setup(tmp_path_factory):
+    """Pool, water and robot of the published dimensions."""
+    return load_study(small_study(tmp_path_factory.mktemp("same") / "s")).setup
+
+
 @pytest.mark.parametrize(("name", "number"), SAME)
-def test_forms_said_to_be_the_candidates_law_are(name, number, tmp_path_factory):
+def test_forms_said_to_be_the_candidates_law_are(name, number, setup):
     """The truth told for parameters means what the candidate means by them: same path."""
-    setup = load_study(small_study(tmp_path_factory.mktemp("same") / "s")).setup
     one = chosen(name, number)
     laws = with_effect(Laws(), one, effect_of(name).usual)
     values = laws._asdict()

@@ -28,7 +28,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from test_model import plain_law
 
-from pipeline.fitting import Free, Series, fit, fit_paths
+from pipeline.fitting import Fit, Free, Series, fit, fit_paths
 from pipeline.integrate import compiled
 from pipeline.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
 from pipeline.tuning import thin
@@ -148,19 +148,22 @@ def many(seconds: float) -> None:
     rng = np.random.default_rng(2)
     kernel, base = compiled(plates()), plates().values({})
     free = [Free(n) for n in NAMES]
-    print("\njoint fit with starting states, prediction errors, 150 frames a trial, two cores")
+    print(
+        "\njoint fits with starting states, 150 frames a trial, two cores"
+    )
     for count in (66, 132, 264, 528, 1000):
         series = [trial(i, rng, 151) for i in range(count)]
         few = thin(series)
-        taken, found = clock(lambda f=few: fit(kernel, f, base, free, FIRST_NOISE, start=START),
-                             seconds if count < 200 else 0)  # fmt: skip
-        paths, other = clock(lambda s=series: fit_paths(kernel, s, base, free, start=START),
-                             seconds if count < 200 else 0)  # fmt: skip
-        print(
-            f"  {count:5d} trials: {taken:7.3f} s, {1e3 * taken / count / found.iterations:.3f} ms "
-            f"a trial and round, {off(found.values)}; trajectories {paths:7.3f} s, "
-            f"{1e3 * paths / count / other.fit.iterations:.3f} ms"
-        )
+        ways: dict[str, Callable[[], Fit]] = {
+            "prediction errors": lambda f=few: fit(kernel, f, base, free, FIRST_NOISE, start=START),
+            "trajectories": lambda s=series: fit_paths(kernel, s, base, free, start=START).fit,
+        }
+        for name, way in ways.items():
+            taken, _ = clock(way, seconds if count < 200 else 0)
+            work, found = clock(way, timer=time.process_time)
+            each = 1e3 * work / count / (found.iterations + 1)
+            print(f"  {count:5d} trials, {name:18s}{taken:8.3f} s, {found.iterations:3d} rounds, "
+                  f"{each:.3f} ms a trial and round; {found.outcome}")  # fmt: skip
 
 
 def main() -> None:

@@ -46,10 +46,13 @@ class Seen:
 
 @dataclass(frozen=True)
 class Fitted:
-    """values by name; misfit of the nine radii, % rms; radii (3, 3); speeds (3,)."""
+    """values by name; misfit of the nine radii and of the speeds, % rms; radii (3, 3);
+    speeds (3,).
+    """
 
     values: dict[str, float]
     misfit_pct: float
+    speed_misfit_pct: float
     radii_m: np.ndarray
     speeds_m_s: np.ndarray
 
@@ -132,7 +135,8 @@ def fitted(seen: Seen, setup: Setup, effect: str = "") -> Fitted:
     radii, speeds = states(best.x[None])
     radii = radii[0].reshape(3, 3)
     misfit = 100 * float(np.sqrt(np.mean((radii / seen.radii_m - 1) ** 2)))
-    return Fitted(dict(zip(names, best.x.tolist(), strict=True)), misfit, radii, speeds[0])
+    slip = 100 * float(np.sqrt(np.mean((speeds[0] / seen.speeds_m_s - 1) ** 2)))
+    return Fitted(dict(zip(names, best.x.tolist(), strict=True)), misfit, slip, radii, speeds[0])
 
 
 def _starts(rows: list, scale: np.ndarray, added: bool) -> list[np.ndarray]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..data import Float
 
+CLEARLY = 0.001
 COLUMNS = (
     "power_pct", "flap_hz", "head_angle_deg", "head_length_m", "speed_m_s", "speed_low_m_s",
     "speed_high_m_s", "radius_m", "radius_low_m", "radius_high_m", "on_front", "extrapolated",
@@ -34,13 +35,17 @@ class Design:
 
 
 def on_front(designs: Sequence[Design]) -> Float:
-    """Which designs no other beats in both speed and radius, bool (designs,)."""
+    """Which designs no other beats in both speed and radius, bool (designs,).
+
+    Where the radius does not depend on power, ties in it would make a wall of slower designs:
+    slower ones must be tighter by `CLEARLY`.
+    """
     pairs = np.array([[-d.speed_m_s[0], d.radius_m[0]] for d in designs])
     valid = np.isfinite(pairs).all(axis=1)
     out = np.zeros(len(designs), dtype=bool)
     tightest = np.inf
     for i in np.lexsort((pairs[:, 1], pairs[:, 0])):
-        if valid[i] and pairs[i, 1] < tightest:
+        if valid[i] and pairs[i, 1] < (1 - CLEARLY) * tightest:
             out[i], tightest = True, pairs[i, 1]
     return out
 

@@ -28,11 +28,11 @@ from .series import Free, Series
 from .shooting import first_part
 
 START_STEP = 1e-4
-AWAY = 1e6  # m or rad: a simulation that runs away
 SHARES, ROUGH = (0.25, 0.5, 1.0), 5
 """First a quarter of each trial is fitted, then half, at most so many rounds, then all of it: a
 model that would run away from a rough start is led to a fine one."""
-PAD = 1e30  # deviation of observations that are missing
+TRIALS = 64
+"""Trials simulated in one call: more would not stay in the processor's cache."""
 
 
 @dataclass(frozen=True)
@@ -154,65 +154,78 @@ def _problem(
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
     longest = max(len(s.times) for s in series)
-    known = [np.isfinite(s.seen) for s in series]
+    weights = [np.isfinite(s.seen) / np.sqrt(np.einsum("nii->ni", s.noise)) for s in series]
 
-    def padded(rows: Sequence[Float], mode: str = "edge") -> Float:
-        return np.array([
-            np.pad(r, ((0, longest - len(r)),) + ((0, 0),) * (r.ndim - 1), mode=mode)  # type: ignore[call-overload]
-            for r in rows
-        ])  # fmt: skip
+    def padded(rows: Sequence[Float], *, last: bool) -> Float:
+        out = np.zeros((len(rows), longest, *rows[0].shape[1:]))
+        for target, row in zip(out, rows, strict=True):
+            target[: len(row)] = row
+            target[len(row) :] = row[-1] if last else 0.0
+        return out
 
-    sigma = [np.where(k, np.sqrt(np.einsum("nii->ni", s.noise)), PAD)
-             for s, k in zip(series, known, strict=True)]  # fmt: skip
-    weight = padded([1.0 / s for s in sigma], "constant")
     return _Problem(
         kernel, base, tuple(free), tuple(s.group for s in series), open_states,
-        times=padded([s.times for s in series]), inputs=padded([s.inputs for s in series]),
+        times=padded([s.times for s in series], last=True),
+        inputs=padded([s.inputs for s in series], last=True),
         frames=np.array([len(s.times) for s in series]),
         constants=np.array([s.constants for s in series]),
-        seen=padded([np.nan_to_num(s.seen) for s in series], "constant"), weight=weight,
+        seen=padded([np.nan_to_num(s.seen) for s in series], last=False),
+        weight=padded(weights, last=False),
         prior=np.array([s.mean for s in series]),
         prior_std=np.array([np.sqrt(np.diag(s.cov)) for s in series]),
     )  # fmt: skip
 
 
 def _arrow(problem: _Problem, x: Float, starts: Float) -> _Arrow:
-    """Blocks at a point, by one batch of simulations."""
-    slots, count = slots_by_name(problem.kernel), problem.open_states
-    p, system = len(x), problem.kernel.system
+    """Blocks at a point, by batches of simulations."""
+    slot, parameters = slots_by_name(problem.kernel), problem.kernel.system.parameters
     steps = np.array([
-        1e-4 * max(abs(v), 0.05 * abs(system.parameters[slots[f.name]].start), 1e-6)
+        1e-4 * max(abs(v), 0.05 * abs(parameters[slot[f.name]].start), 1e-6)
         for f, v in zip(problem.free, x, strict=True)
     ])  # fmt: skip
-    values = np.repeat(np.array([
-        trial_values(problem.kernel, problem.base, problem.free, x, g) for g in problem.groups
-    ])[:, :, None], LANES, axis=2)  # fmt: skip
+    with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
+        parts = [
+            _part(problem, slice(first, first + TRIALS), x, steps, starts=starts)
+            for first in range(0, len(starts), TRIALS)
+        ]
+    H, g, cost = (np.concatenate(column) for column in zip(*parts, strict=True))
+    n = problem.open_states
+    pull = (starts - problem.prior) / problem.prior_std
+    H[:, range(n), range(n)] += 1.0 / problem.prior_std[:, :n] ** 2
+    g[:, :n] -= (pull / problem.prior_std)[:, :n]
+    return _Arrow(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
+                  cost + np.sum(pull**2, axis=1))  # fmt: skip
+
+
+def _part(
+    problem: _Problem, trials: slice, x: Float, steps: Float, *, starts: Float
+) -> tuple[Float, Float, Float]:
+    """J'J (t, s + p, s + p), J'e (t, s + p) and e'e (t,) of some trials: one call."""
+    count, slots = problem.open_states, slots_by_name(problem.kernel)
+    groups = problem.groups[trials]
+    points = [trial_values(problem.kernel, problem.base, problem.free, x, g) for g in groups]
+    values = np.repeat(np.array(points)[:, :, None], LANES, axis=2)
     for k, f in enumerate(problem.free):
-        own = [f.group in (None, g) for g in problem.groups]
+        own = [f.group in (None, g) for g in groups]
         values[own, slots[f.name], count + 1 + k] += steps[k]
-    state = np.repeat(starts[:, :, None], LANES, axis=2)
+    state = np.repeat(starts[trials, :, None], LANES, axis=2)
     state[:, range(count), range(1, count + 1)] += START_STEP
     observed, _ = propagate(
-        problem.kernel, state, values, np.repeat(problem.constants[:, :, None], LANES, axis=2),
-        times=problem.times, inputs=problem.inputs, frames=problem.frames,
+        problem.kernel, state, values,
+        np.repeat(problem.constants[trials, :, None], LANES, axis=2), times=problem.times[trials],
+        inputs=problem.inputs[trials], frames=problem.frames[trials],
     )  # fmt: skip
+    t = len(groups)
+    error = ((problem.seen[trials] - observed[..., 0]) * problem.weight[trials]).reshape(t, -1)
+    # differences to the first lane in place: lanes that differ in nothing become 0
+    observed -= observed[..., :1].copy()
+    observed *= problem.weight[trials][..., None]
+    J = observed.reshape(t, -1, LANES)
+    used = slice(1, 1 + count + len(x))
     size = np.concatenate([np.full(count, START_STEP), steps])
-    observed = np.where(np.abs(observed) < AWAY, observed, np.nan)
-    J = (observed[:, :, :, 1 : 1 + count + p] - observed[:, :, :, :1]) / size
-    J *= problem.weight[:, :, :, None]
-    error = (problem.seen - observed[:, :, :, 0]) * problem.weight
-    t = len(starts)
-    J, error = J.reshape(t, -1, count + p), error.reshape(t, -1)
-    H = J.transpose(0, 2, 1) @ J
-    g = (J.transpose(0, 2, 1) @ error[:, :, None])[:, :, 0]
-    pull = (starts - problem.prior) / problem.prior_std
-    weight = 1.0 / problem.prior_std[:, :count] ** 2
-    H[:, range(count), range(count)] += weight
-    g[:, :count] -= weight * (starts - problem.prior)[:, :count]
-    return _Arrow(
-        H[:, count:, count:], H[:, count:, :count], H[:, :count, :count], g[:, count:],
-        g[:, :count], np.sum(error**2, axis=1) + np.sum(pull**2, axis=1),
-    )  # fmt: skip
+    H = (J.transpose(0, 2, 1) @ J)[:, used, used] / np.outer(size, size)
+    g = (error[:, None, :] @ J)[:, 0, used] / size
+    return H, g, np.sum(error**2, axis=1)
 
 
 def _reduced(arrow: _Arrow, damping: float) -> tuple[Normal, tuple[Float, Float]]:

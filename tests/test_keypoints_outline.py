@@ -11,6 +11,7 @@ from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
 from pipeline.data import Frame
 from pipeline.keypoints.outline.background import median, sample, without_resident
+from pipeline.keypoints.outline.clearing import _bare
 from pipeline.keypoints.outline.edges import edge_offset
 from pipeline.keypoints.outline.plane import plane_of
 from pipeline.keypoints.outline.template import first_template, learned
@@ -92,3 +93,15 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     assert points[part == 0, 0].max() == pytest.approx(trial.head_length_m)
     assert np.all(skin[2:-2] == 70.0)
     assert len(points) == len(skin) == len(part) == wider.kept().sum()
+
+
+def test_what_hides_the_floor_is_left_out_of_its_median():
+    rng = np.random.default_rng(4)
+    stack = rng.integers(0, 256, (5, 20, 30)).astype(np.uint8)
+    hidden = (rng.random(stack.shape) < 0.4).astype(np.uint8)
+    floor = np.full((20, 30), 7, np.uint8)
+    _bare(stack, hidden, floor)
+    seen = np.where(hidden, np.nan, stack.astype(float))
+    some = (hidden.sum(axis=0) > 0) & (hidden.sum(axis=0) < 5)
+    assert np.abs(floor[some] - np.nanmedian(seen[:, some], axis=0)).max() <= 0.5
+    assert np.all(floor[~some] == 7)

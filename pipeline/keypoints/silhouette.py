@@ -114,7 +114,7 @@ def _lesson(
     scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
     lesson = learn(samples, scene, setup.robot, trial)
     for _ in range(CLEARINGS):
-        free = cleared(samples, lesson, scene) if lesson and lesson.support > HALF_TAUGHT else None
+        free = cleared(lesson, scene) if lesson and lesson.support > HALF_TAUGHT else None
         if free is None:
             break
         scene = replace(scene, floor=free)

@@ -9,22 +9,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import cv2
+import numba
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame
 from .background import Image, without_resident
 from .learning import Lesson
 from .template import Template
 from .tracking import Fit, Scene
 
-Float = npt.NDArray[np.float64]
 MARGIN_M = 0.012
 TAIL_REACH = 1.15
+Cut = tuple[slice, slice]
 
 
-def mask_of(one: Fit, scene: Scene, template: Template) -> Image:
-    """Picture-sized mask (0, 1) of the robot, its tail's reach and a margin."""
+def mask_of(one: Fit, scene: Scene, template: Template) -> tuple[Cut, Image]:
+    """Where in the picture the robot, its tail's reach and a margin lie, and their mask there."""
     x, y, heading, bend = one.pose
     turn = np.exp(1j * heading)
     outline = template.outline(bend)
@@ -32,46 +32,82 @@ def mask_of(one: Fit, scene: Scene, template: Template) -> Image:
     base = x + 1j * y - template.core_m * turn
     swing = np.exp(1j * np.linspace(-1.1, 1.1, 9))
     tail = np.concatenate([[base], base - TAIL_REACH * template.tail_m * turn * swing])
-    mask = np.zeros(scene.floor.shape, np.uint8)
-    for shape in (body, tail):
-        uv = scene.plane.pixels(np.column_stack([shape.real, shape.imag]))
-        cv2.fillPoly(mask, [uv.round().astype(np.int32)], 1)
-    return _widened(mask, round(MARGIN_M * scene.plane.px_per_m))
+    shapes = [
+        scene.plane.pixels(np.column_stack([shape.real, shape.imag])).round().astype(np.int32)
+        for shape in (body, tail)
+    ]
+    margin = round(MARGIN_M * scene.plane.px_per_m)
+    height, width = scene.floor.shape
+    low = np.concatenate(shapes).min(axis=0) - margin
+    high = np.concatenate(shapes).max(axis=0) + margin + 1
+    low, high = (np.clip(corner, 0, [width, height]) for corner in (low, high))
+    mask = np.zeros(tuple(np.maximum(high - low, 0)[::-1]), np.uint8)
+    if mask.size:
+        for uv in shapes:
+            cv2.fillPoly(mask, [uv - low], 1)
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
+        mask = cv2.dilate(mask, disc)
+    return (slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))), mask
 
 
-def _widened(mask: Image, margin: int) -> Image:
-    """Mask grown by a margin, worked on where it is alone."""
-    x, y, w, h = cv2.boundingRect(mask)
-    top, left = max(0, y - margin), max(0, x - margin)
-    cut = slice(top, y + h + margin), slice(left, x + w + margin)
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
-    mask[cut] = cv2.dilate(mask[cut], disc)
-    return mask
-
-
-def cleared(samples: Sequence[Frame], lesson: Lesson, scene: Scene) -> Image | None:
+def cleared(lesson: Lesson, scene: Scene) -> Image | None:
     """Background free of the robot; None where its places do not overlap and the median is right.
 
-    Frames in which the lesson found no robot are left out. Where the robot never left, the
+    Only the frames that the lesson was learned from count. Where the robot never left, the
     background is bridged from around it.
     """
-    known = {id(frame): one for frame, one in lesson.samples}
-    samples = [frame for frame in samples if id(frame) in known]
+    fits = lesson.samples
     template = lesson.template
-    masks = [mask_of(known[id(frame)], scene, template) for frame in samples]
-    often: Image = np.array(masks).sum(axis=0, dtype=np.uint8)
-    if int(often.max()) < 2:
+    masks = [mask_of(one, scene, template) for _, one in fits]
+    cut = _around([place for place, _ in masks])
+    hidden = np.zeros((len(fits), *scene.floor[cut].shape), np.uint8)
+    for layer, (place, mask) in zip(hidden, masks, strict=True):
+        rows, columns = (
+            slice(p.start - c.start, p.stop - c.start) for p, c in zip(place, cut, strict=True)
+        )
+        layer[rows, columns] = mask
+    often = hidden.sum(axis=0, dtype=np.uint8)
+    if often.size == 0 or int(often.max()) < 2:
         return None
-    x, y, w, h = cv2.boundingRect((often > 0).astype(np.uint8))
-    cut = slice(y, y + h), slice(x, x + w)
-    stack = np.array([frame.luma[cut] for frame in samples], dtype=np.float32)
-    for values, mask in zip(stack, masks, strict=True):
-        values[mask[cut] > 0] = np.nan
     floor = scene.floor.copy()
-    free = ~np.isnan(stack).all(axis=0)
-    where = free & (often[cut] > 0)
-    floor[cut][where] = np.nanmedian(stack[:, where], axis=0).round().astype(np.uint8)
-    if not free.all():
+    _bare(np.stack([frame.luma[cut] for frame, _ in fits]), hidden, floor[cut])
+    never = often == len(fits)
+    if never.any():
         bridged = without_resident(floor, 2 * float(template.half.max()) * scene.plane.px_per_m)
-        floor[cut][~free] = bridged[cut][~free]
+        floor[cut][never] = bridged[cut][never]
     return floor
+
+
+def _around(cuts: Sequence[Cut]) -> Cut:
+    """The smallest cut that holds all of some."""
+    rows, columns = zip(*cuts, strict=True)
+    return _hull(rows), _hull(columns)
+
+
+def _hull(ranges: Sequence[slice]) -> slice:
+    return slice(min(r.start for r in ranges), max(r.stop for r in ranges))
+
+
+def _within(inner: slice, outer: slice) -> slice:
+    return slice(inner.start - outer.start, inner.stop - outer.start)
+
+
+@numba.njit(cache=True)
+def _bare(stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image) -> None:
+    """Write to `floor` the median of the frames in which a pixel is not hidden, if it is in one."""
+    count, height, width = stack.shape
+    seen = np.empty(count, np.int64)
+    for y in range(height):
+        for x in range(width):
+            n = 0
+            for k in range(count):
+                if hidden[k, y, x]:
+                    continue
+                value, at = stack[k, y, x], n
+                while at > 0 and seen[at - 1] > value:
+                    seen[at] = seen[at - 1]
+                    at -= 1
+                seen[at] = value
+                n += 1
+            if 0 < n < count:
+                floor[y, x] = (seen[(n - 1) // 2] + seen[n // 2] + 1) // 2

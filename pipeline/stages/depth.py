@@ -8,8 +8,11 @@ from .layout import Layout
 
 
 def keypoint_depth(setup: Setup, layout: Layout) -> float:
-    """Depth of the keypoints, m: as study.yaml gives it, else as the distances tell it."""
-    if depth_given(setup):
+    """Depth of the keypoints, m: as study.yaml gives it, else as the distances tell it.
+
+    The usual one where they were not asked: the workflow asks them before the tracks.
+    """
+    if depth_given(setup) or not layout.geometry.is_file():
         return setup.robot.keypoint_depth_m
     return float(read_json(layout.geometry)["depth_m"])
 

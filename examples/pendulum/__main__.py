@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.fitting import Noise, Series, shoot
 from pipeline.mismatch import try_effects
 
-from ..engine import case, investigate, values_of
+from ..engine import Case, case, investigate, values_of
 from ..telling import coefficients, found, table
 from .model import SYSTEM
 from .reading import FIRST_NOISE, read_folder, stretches
@@ -37,12 +37,17 @@ def rms(whole: Series, effects: tuple[str, ...]) -> tuple[float, float]:
     return float(angle), float(rate)
 
 
+def searched(whole: Series) -> Case:
+    """The search over stretches of the recording, friction withheld."""
+    return case(SYSTEM, stretches(whole), FIRST_NOISE)
+
+
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 def main(folder: Path) -> None:
     """Which friction stops the pendulum in FOLDER."""
     whole = read_folder(folder)
-    given = case(SYSTEM, stretches(whole), FIRST_NOISE)
+    given = searched(whole)
     outcome = investigate(given)
     click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
     ladder = dict.fromkeys((*LADDER, outcome.chosen.effects))

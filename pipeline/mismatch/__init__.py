@@ -1,10 +1,11 @@
 """When simulation and recordings differ: is it real, where, what was left out, does it help."""
 
+from .bench import Bench
 from .find import Found, find_mismatch
 from .horizon import PathErrors, path_errors, stretches
 from .locate import Dependence, MissingForce, dependences, missing_force
 from .search import Trialled, folds, held_out_worth, screened, trialled, try_effects
-from .select import Bench, Choice, choose, pays, weights
+from .select import Choice, choose, pays, weights
 
 __all__ = [
     "Bench",

@@ -13,10 +13,11 @@ from ..integrate import Kernel, compiled
 from ..model import plates
 from ..study import Study
 from ..tuning import Tuned, thin, tune
+from .bench import Bench
 from .horizon import path_errors
 from .locate import Dependence, MissingForce, dependences, missing_force
 from .search import Trialled, trialled
-from .select import Bench, Choice, Round, choose, one_round
+from .select import Choice, Round, choose, one_round
 from .setting import held_out_trials, steady_errors, variables
 
 TELLING_SHARE = 0.3

@@ -1,0 +1,65 @@
+"""What all rounds of the search share, and the three ways in which a model is fitted in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..data import Float
+from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
+from ..integrate import Kernel
+from .search import PASSES, Trialled, try_effects
+
+Progress = Callable[[str], None]
+NOISE_ROUNDS = 4
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What all rounds share: kernel, trials to fit, the values of what is not fitted, candidates.
+
+    count: how many of the free numbers are the model's own coefficients.
+    """
+
+    kernel: Kernel
+    series: Sequence[Series]
+    base: Float
+    candidates: tuple[str, ...]
+    coefficients: tuple[Free, ...]
+    progress: Progress
+
+    def points(self, model: Trialled) -> list[Float]:
+        """Full parameter vectors of a model, one a trial."""
+        free, values = model.fit.free, model.fit.values
+        return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]
+
+    def refit(
+        self, effects: Sequence[str], under: Trialled, start: Mapping[str, float] | None = None,
+        predictor: Sequence[Filtered] | None = None,
+    ) -> Trialled:  # fmt: skip
+        """The model with these effects, fitted under the noise of another.
+
+        predictor: the other's filter, whose gains are held for one pass: many candidates are then
+        compared as predictors of one form.
+        """
+        known = under.fit.by_label() if start is None else start
+        return try_effects(self.kernel, self.series, self.base, self.coefficients, effects,
+                           noise=under.noise, predictor=predictor, start=known,
+                           passes=1 if predictor else PASSES)  # fmt: skip
+
+    def renoised(self, model: Trialled) -> Trialled:
+        """A model under all of its own noise: what was lacking before may have passed for errors
+        of measurement as well.
+        """
+        noise = fit_noise(self.kernel, self.series, self.points(model), model.noise,
+                          rounds=NOISE_ROUNDS)  # fmt: skip
+        return self.refit(model.effects, replace(model, noise=noise))
+
+    def settled(self, model: Trialled) -> Trialled:
+        """A model under its own noise: random forces and numbers fitted in turn."""
+        points = self.points(model)
+        noise = fit_noise(self.kernel, self.series, points, model.noise, forces_only=True)
+        predictor = filter_all(self.kernel, self.series, points, noise)
+        return try_effects(self.kernel, self.series, self.base, self.coefficients, model.effects,
+                           noise=noise, predictor=predictor,
+                           start=model.fit.by_label())  # fmt: skip

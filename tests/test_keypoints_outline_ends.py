@@ -101,3 +101,18 @@ def test_a_bright_body_that_rests_for_most_of_the_film_is_found():
     assert np.abs(found.part("head_tip")[:, 0] - (60 + np.array(places))).max() < 6
     assert np.abs(found.part("tail_base")[:, 0] - (np.array(places) - 60)).max() < 7
     assert found.remarks == ()
+
+
+def test_a_wide_pale_reflection_is_not_the_body():
+    def picture(x: int) -> np.ndarray:
+        image = np.full((480, 640), 200, np.uint8)
+        image[:170] = 120
+        cv2.ellipse(image, (x, 100), (75, 55), 0, 0, 360, 80, -1)
+        cv2.ellipse(image, (x, 240), (60, 24), 0, 0, 360, 20, -1)
+        cv2.line(image, (x - 58, 240), (x - 140, 250), 110, 5)
+        return cv2.GaussianBlur(image, (0, 0), 1.0)
+
+    film = [Frame(i, i / 30, picture(180 + 30 * i)) for i in range(10)]
+    found = ends.detect(lambda: film, *mouse_setup())
+    assert np.abs(found.part("core_center")[:, 1] - 240).max() < 5
+    assert np.abs(found.part("head_tip")[:, 0] - (240 + 30 * np.arange(10))).max() < 6

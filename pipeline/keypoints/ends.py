@@ -23,7 +23,7 @@ from .outline.turns import turned_round
 NAMES = ("head_tip", "core_center", "tail_base")
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
-SOLID = 0.72
+SOLID, STRONG = 0.72, 0.5
 SPREAD = (0.115, 0.08, 0.08)
 ROI_GROWTH = 2.2
 SELDOM = 0.1
@@ -117,10 +117,11 @@ def body_of(luma: Image, arena: Arena, before: Body | None) -> Body | None:
         return None
     change, luma = change[box], luma[box]
     ground = arena.sign * arena.floor[box].astype(np.float32)
-    skin = float(np.percentile(arena.sign * luma[change > arena.level].astype(float), 25))
+    most = float(np.percentile(change[change > arena.level], 95))
+    skin = float(np.median(arena.sign * luma[change > STRONG * most].astype(float)))
     cover = change / np.maximum(ground - skin, 25.0)
     cover[ground - skin < 30] = 0.0
-    outline = _outline(cover > SOLID)
+    outline = _outline(cover > SOLID, change)
     if outline is None:
         return None
     return _ends(outline, cover, (box[1].start, box[0].start), before)
@@ -134,26 +135,29 @@ def _strongest(change: Float, region: Image, level: float) -> tuple[slice, slice
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     if not contours:
         return None
-    strength = []
-    for contour in contours:
-        x, y, w, h = cv2.boundingRect(contour)
-        inside = mask[y : y + h, x : x + w] > 0
-        strength.append(float(change[y : y + h, x : x + w][inside].sum()))
-    x, y, w, h = cv2.boundingRect(contours[int(np.argmax(strength))])
+    strongest = max(contours, key=lambda contour: _amount(contour, mask, change))
+    x, y, w, h = cv2.boundingRect(strongest)
     reach = int(0.5 * ROI_GROWTH * max(w, h))
     top, left = max(0, y + h // 2 - reach), max(0, x + w // 2 - reach)
     return slice(top, y + h // 2 + reach), slice(left, x + w // 2 + reach)
 
 
-def _outline(solid: npt.NDArray[np.bool_]) -> npt.NDArray[np.int32] | None:
-    """Contour (n, 2) of the largest solid part."""
+def _outline(solid: npt.NDArray[np.bool_], change: Float) -> npt.NDArray[np.int32] | None:
+    """Contour (n, 2) of the solid part that changed most in all; a reflection changes less."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5))
     mask = cv2.morphologyEx(solid.astype(np.uint8), cv2.MORPH_OPEN, disc)
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if not contours:
         return None
-    largest = max(contours, key=cv2.contourArea)[:, 0]
-    return largest if len(largest) > 20 else None
+    strongest = max(contours, key=lambda contour: _amount(contour, mask, change))[:, 0]
+    return strongest if len(strongest) > 20 else None
+
+
+def _amount(contour: npt.NDArray[np.int32], mask: Image, change: Float) -> float:
+    """Change summed over the part of a mask in a contour's box."""
+    x, y, w, h = cv2.boundingRect(contour)
+    cut = slice(y, y + h), slice(x, x + w)
+    return float(change[cut][mask[cut] > 0].sum())
 
 
 def _ends(

@@ -14,9 +14,10 @@ from pipeline.files import plain
 from pipeline.fitting import Fit, Free, Normal
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch, folds, weights
+from pipeline.mismatch.details import details
 from pipeline.mismatch.search import chance_of
 from pipeline.mismatch.setting import held_out_trials
-from pipeline.mismatch.story import details, mismatch_json
+from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
 from pipeline.stages.mismatch import with_scale
 from pipeline.synthetic.design import bare_design, demo_design
@@ -141,3 +142,11 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
 ) -> None:
     m, _ = demo
     assert all("scale" not in s.evidence for s in with_scale(m.series, geometry))
+
+
+def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Found]) -> None:
+    _, found = demo
+    wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
+    blind = replace(found, verdict="none", baseline=wide)
+    assert "nothing can be said" in sentence(blind, [], [])
+    assert "Nothing beyond the noise" in sentence(replace(found, verdict="none"), [], [])

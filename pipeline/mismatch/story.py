@@ -11,6 +11,7 @@ from ..fitting import Series
 from ..integrate import compiled
 from ..model import plates, residual_channel
 from ..study import Study
+from ..tuning import table
 from .find import Found
 from .locate import LEAST_SHARE
 from .search import Trialled
@@ -179,6 +180,11 @@ def sentence(
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
     way = "falls" if after < before else "goes"
     proof = f"on trials not fitted the path error {way} from {before:.1f} to {after:.1f} mm"
+    if found.verdict == "none" and not _determined(found):
+        return (
+            "These trials determine hardly any coefficient, so that nothing can be said of what "
+            "the model lacks: film turns to both sides at two head angles and two powers."
+        )
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
     if found.verdict == "unexplained":
@@ -193,47 +199,7 @@ def sentence(
     return f"{blame}: {names}; {proof}."
 
 
-def details(found: Found) -> dict[str, Any]:
-    """Content of mismatch_detail.json: forces along the paths, dependences, candidates."""
-    return {
-        "forces": {
-            f.name: {
-                "time_s": f.times,
-                "x_m": f.states[:, 0],
-                "y_m": f.states[:, 1],
-                "heading_rad": f.states[:, 2],
-                "surge_N": f.force[:, 0],
-                "sway_N": f.force[:, 1],
-                "yaw_Nm": f.force[:, 2],
-                "surge_std": f.std[:, 0],
-                "sway_std": f.std[:, 1],
-                "yaw_std": f.std[:, 2],
-            }
-            for f in found.forces
-        },
-        "candidates": [
-            {
-                "round": i + 1,
-                "name": t.effects[-1],
-                "beside": list(t.effects[:-1]),
-                "held_out_gain": t.total - one.before.total,
-                "trials_better": int(np.sum(t.worth > one.before.worth)),
-                "trials": len(one.before.worth),
-                "chance": t.chance[t.effects[-1]],
-                "outcome": t.fit.outcome,
-                "parameters": {
-                    k.split(".", 1)[1]: v
-                    for k, v in t.fit.by_label().items()
-                    if k.startswith(t.effects[-1] + ".")
-                },
-            }
-            for i, one in enumerate(found.choice.rounds)
-            for t in one.tried
-        ],
-        "foretold": [dict(one.foretold) for one in found.choice.rounds],
-        "coefficients": {
-            name: {f.label: {"value": float(v), "std": float(s)} for f, v, s in zip(
-                tuned.fit.free, tuned.fit.values, tuned.std, strict=True)}
-            for name, tuned in (("before", found.baseline), ("after", found.extended))
-        },
-    }  # fmt: skip
+def _determined(found: Found) -> bool:
+    """Whether the baseline's fit determines at least half of its coefficients."""
+    rows = table(found.baseline).values()
+    return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

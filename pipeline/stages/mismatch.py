@@ -16,7 +16,8 @@ from ..files import write_json
 from ..fitting import Series, shoot
 from ..integrate import compiled
 from ..mismatch import find_mismatch
-from ..mismatch.story import details, mismatch_json
+from ..mismatch.details import details
+from ..mismatch.story import mismatch_json
 from ..model import plates
 from ..study import load_study
 from .tuning import campaign_flapping, campaign_series

@@ -116,7 +116,7 @@ def determined(name: str, value: float, std: float) -> dict[str, Any]:
     size = max(abs(value), abs(parameter.start))
     at_bound = value <= parameter.lower or value >= parameter.upper
     yes = bool(np.isfinite(std) and std < 0.3 * size and not at_bound)
-    reason = "" if yes else _reason(at_bound, std, size)
+    reason = "" if yes else _reason(at_bound and std < 0.3 * size, std, size)
     return {"determined": yes, "why": reason}
 
 

@@ -25,9 +25,9 @@ from .drawing.look import AFTER, Style, absent, letter, power_styles
 
 TITLE = "What the missing force depends on"
 CAPTION = (
-    "Missing force of the model with one coefficient set, against the variables that foretell most "
-    "of it. Small dots: frames, by power; black: averages with deviations over trials; blue: what "
-    "the extended model, its coefficients refitted, puts in its place in the same motion. The "
+    "Force that is missing from the model without its additions, against the variables that "
+    "foretell most of it. Small dots: frames, by power; black: averages with deviations over "
+    "trials; blue: the force of the additions in the same motion. The "
     "first second of a trial, which the smoother blurs, is left out. Where nothing was found, the "
     "usual suspects are drawn."
 )

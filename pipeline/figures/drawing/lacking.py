@@ -82,20 +82,30 @@ def variable(campaign: Campaign, one: Lacking, name: str) -> Float:
 
 
 def put_in_its_place(campaign: Campaign, one: Lacking) -> Float:
-    """Force of the extended model minus that of the baseline in the measured motion, (n, 3).
+    """Force of the extended model's additions in the measured motion, (n, 3).
 
-    m (u'_after - u'_before), m (v'_after - v'_before), I (r'_after - r'_before); mN and mN m; NaN
-    where the detail file has no coefficients.
+    m (u'_with - u'_without), m (v'_with - v'_without), I (r'_with - r'_without), with the same
+    coefficients in both; mN and mN m; NaN where the detail file has no coefficients.
     """
     told = (campaign.mismatch_detail or {}).get("coefficients", {})
-    if not {"before", "after"} <= told.keys():
+    if "after" not in told:
         return np.full_like(one.force, np.nan)
     trial = campaign.study.trial(one.trial_id)
-    models = [_values(told[name], f"{trial.power_pct:g}") for name in ("before", "after")]
+    power = f"{trial.power_pct:g}"
+    models = [_values(_without_additions(told["after"]), power), _values(told["after"], power)]
     before, after = _rates(campaign, one, models)
     robot = campaign.study.setup.robot
     inertia = np.array([robot.mass_kg, robot.mass_kg, robot.yaw_inertia_kg_m2])
     return np.asarray(1000 * inertia * (after - before))
+
+
+def _without_additions(told: Mapping[str, Any]) -> dict[str, Any]:
+    """A fit without its effects; where something has no name, without the nameless terms alone."""
+    nameless = any(label.startswith("residual.") for label in told)
+    return {
+        label: cell for label, cell in told.items()
+        if "." not in label or (nameless and not label.startswith("residual."))
+    }  # fmt: skip
 
 
 def _one(name: str, entry: Mapping[str, Any], track: Track) -> Lacking:

@@ -18,11 +18,11 @@ SHAPELESS = (0.25, 0.55)
 BEND_RAD = 0.07
 CLIPPED = 9.0
 FLOOR_PX = 0.03
-TAIL_PX = (0.14, 0.12)
+TAIL_SHARE = (0.0041, 0.0036)
 SLIM, PALE = 0.25, 0.14
 AWRY_ALONG, AWRY_ACROSS = (0.06, 0.4), (0.24, 0.7)
-"""Error of the tail tip along and across it, by paleness times the tail's length and by the width
-beyond the usual one. Measured against rendered footage."""
+"""Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
+times that length; by the width beyond the usual one. Measured against rendered footage."""
 UNSEEN = (2.8, 1.5, 0.0, 2.2)
 """Errors of the pose that its own edges cannot show, along and across the core, heading, nose
 sideways, as multiples of the usual offset of an arc of the outline: light that lies unevenly
@@ -151,8 +151,9 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     scatter, pale, width = np.array([one.tail[3] for one in fits]).T
     slim = np.nanquantile(width, SLIM) if np.isfinite(width).any() else 0.0
     signs = np.maximum([length_px * (pale - PALE), width - slim], 0.0)
-    along = TAIL_PX[0] ** 2 + np.array(AWRY_ALONG) ** 2 @ signs**2
-    across = np.maximum(scatter, TAIL_PX[1]) ** 2 + np.array(AWRY_ACROSS) ** 2 @ signs**2
+    least = length_px * np.array(TAIL_SHARE)
+    along = least[0] ** 2 + np.array(AWRY_ALONG) ** 2 @ signs**2
+    across = np.maximum(scatter, least[1]) ** 2 + np.array(AWRY_ACROSS) ** 2 @ signs**2
     axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     side = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
     outer = [v[:, :, None] * v[:, None] for v in (axis, side)]

@@ -21,12 +21,12 @@ from .select import Choice, Round, choose, one_round
 from .setting import held_out_trials, steady_errors, variables
 
 TELLING_SHARE = 0.3
-LEAST_PART = 0.15
+LEAST_PART = 0.1
 LEAST_NAMELESS = 5.0
 """Nameless terms tell of something unexplained where they turn this share of the variance that
-looked random in a channel into law, and gain this part of what the least of the named causes gains
-(over the inflation, and not less than the last number): a named law in another form than nature's
-leaves less.
+looked random in a channel into law, and gain this part of what the strongest of the named causes
+gains (over the inflation, and not less than the last number): a named law in another form than
+nature's leaves less.
 """
 MOST_TERMS = 4
 KINDS = ("physics", "measurement")
@@ -137,10 +137,10 @@ def _tells(choice: Choice, residual: Trialled) -> bool:
     """Whether nameless terms beside the chosen effects tell of something more than their form."""
     chosen = choice.chosen
     gain = (residual.total - chosen.total) / residual.inflation
-    least = min(
+    named = max(
         ((chosen.total - m.total) / chosen.inflation for m in choice.without.values()), default=0.0
     )
-    enough = gain > max(LEAST_NAMELESS, LEAST_PART * least)
+    enough = gain > max(LEAST_NAMELESS, LEAST_PART * named)
     return enough and foretold_randomness(chosen, residual) > TELLING_SHARE
 
 

@@ -26,6 +26,8 @@ CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at bes
 LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
+STRAIGHT = ("nothing", "scale_error")
+BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
 
 log = logging.getLogger(__name__)
 
@@ -60,9 +62,15 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
 
 
 def with_scale(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
-    """Series with the scale seen in rigid distances as evidence, one measurement shared by all."""
+    """Series with the scale seen in rigid distances as evidence, one measurement shared by all.
+
+    Where the distances' pattern over the pool shows no bending of light, that counts as well.
+    """
     scale, std = geometry.get("scale"), geometry.get("scale_std")
     if scale is None or not std or geometry.get("likely") not in SPEAKS_OF_SCALE:
         return list(series)
     each = float(np.hypot(std, LENGTH_STD) * np.sqrt(len(series)))
-    return [replace(s, evidence={**s.evidence, "scale": (scale - 1.0, each)}) for s in series]
+    told = {"scale": (scale - 1.0, each)}
+    if geometry["likely"] in STRAIGHT and not geometry.get("rivals"):
+        told["bend"] = (0.0, BEND_STD * float(np.sqrt(len(series))))
+    return [replace(s, evidence=s.evidence | told) for s in series]

@@ -5,7 +5,7 @@ Drag coefficients are those of a sphere of the ball's circumference: F = 1/2 rho
 
 from __future__ import annotations
 
-from pipeline.integrate import Stage, System
+from pipeline.integrate import Parameter, Stage, System
 from pipeline.integrate.trigonometry import smooth_step
 
 from ..effect import effect
@@ -152,5 +152,6 @@ STAGES = (
     Stage("rates", ("h", "w"), motion),
     Stage("observe", ("height",), seen, open=True),
 )
-CONSTANTS = ("m", "A", "rho", "g", "h0", "second")
-SYSTEM = System("ball_drops", ("h", "w"), CONSTANTS, (), (), STAGES, ("height",), EFFECTS)
+CONSTANTS = ("m", "A", "rho", "h0", "second")
+COEFFICIENTS = (Parameter("g", "m/s2", GRAVITY, 9.78, 9.84, "gravity, anywhere on the ground"),)
+SYSTEM = System("ball_drops", ("h", "w"), CONSTANTS, (), COEFFICIENTS, STAGES, ("height",), EFFECTS)

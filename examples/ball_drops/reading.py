@@ -80,7 +80,7 @@ def _drop(ball: str, number: int, rows: np.ndarray, size: tuple[float, float]) -
     return Series(
         name=f"{ball} {number}", group=ball, condition=f"{ball} {number}", times=times,
         inputs=np.zeros((len(times), 0)),
-        constants=np.array([*size, AIR_KG_M3, GRAVITY, rows[0, 2], float(number != 1)]),
+        constants=np.array([*size, AIR_KG_M3, rows[0, 2], float(number != 1)]),
         seen=height.reshape(-1, 1), noise=np.full((len(times), 1, 1), HEIGHT_STD_M**2),
         mean=np.array([height[0], -GRAVITY * times[0], 0.0, 0.0]),
         cov=np.diag([0.3, START_STD_M_S, 1e-6, 1e-6]) ** 2,

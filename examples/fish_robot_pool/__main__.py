@@ -17,10 +17,10 @@ from .reading import FIRST_NOISE, Run, read_folder, series
 
 
 def case_of(runs: Sequence[Run]) -> Case:
-    """The search with a speed of its own for each run."""
+    """The search with one speed for all runs of a command; a run is what is held out."""
     trials: list[Series] = [series(run) for run in runs]
     given = case(SYSTEM, trials, FIRST_NOISE)
-    free = (Free("a"), *(Free("V_0", t.group) for t in trials))
+    free = (Free("a"), *(Free("V_0", group) for group in sorted({t.group for t in trials})))
     return replace(given, coefficients=free)
 
 

@@ -1,4 +1,4 @@
-"""Straight swimming at constant thrust: u' = a (V_0^2 - u^2), each run with a speed of its own.
+"""Straight swimming at constant thrust: u' = a (V_0^2 - u^2), each command with a speed of its own.
 
 State: x, y [m] of the light (x along the tank, y from the edge y = 0), course psi [rad], speed u
 [m/s]. The course wanders at random; what is asked is what the speed depends on.
@@ -15,7 +15,7 @@ from ..effect import effect
 
 Two = tuple[float, float]
 COEFFICIENTS = (
-    Parameter("V_0", "m/s", 0.3, 0.02, 1.5, "speed far from the edges, of each run"),
+    Parameter("V_0", "m/s", 0.3, 0.02, 1.5, "speed far from the edges, of each command"),
     Parameter("a", "1/m", 2.0, 0.2, 20.0, "drag over mass: 1 / (a V_0) is the time to speed"),
 )
 

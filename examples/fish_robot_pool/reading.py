@@ -107,7 +107,7 @@ def series(run: Run) -> Series:
     std = np.concatenate([[0.05, 0.05, 0.3, 0.1], np.full(states - 4, 1e-6)])
     return averaged(
         Series(
-            name=run.name, group=run.name, condition=run.condition, times=run.times,
+            name=run.name, group=run.condition, condition=run.name, times=run.times,
             inputs=np.zeros((n, 0)), constants=np.array(TANK_M), seen=run.places,
             noise=np.tile(np.eye(2) * PLACE_STD_M**2, (n, 1, 1)),
             mean=np.concatenate([start, np.zeros(states - 4)]), cov=np.diag(std) ** 2,

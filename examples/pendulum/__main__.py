@@ -20,7 +20,10 @@ LADDER = (
     ("viscous_friction",),
     ("coulomb_friction",),
     ("quadratic_friction",),
-    ("viscous_friction", "quadratic_friction"),
+    ("rate_scale", "viscous_friction"),
+    ("rate_scale", "coulomb_friction"),
+    ("rate_scale", "quadratic_friction"),
+    ("rate_scale", "viscous_friction", "quadratic_friction"),
 )
 FREE_RUN = Noise(np.array([1e-4, 0.0, 0.0]), np.array([0.5, 0.3, 0.3]), np.full(2, 2.0))
 """Hardly any random force: the fit is to the whole run, as those before it were made."""
@@ -50,8 +53,7 @@ def main(folder: Path) -> None:
     given = searched(whole)
     outcome = investigate(given)
     click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
-    ladder = dict.fromkeys((*LADDER, outcome.chosen.effects))
-    rows = [(" + ".join(e) or "no friction", *(f"{v:.4f}" for v in rms(whole, e))) for e in ladder]
+    rows = [(" + ".join(e) or "no friction", *(f"{v:.4f}" for v in rms(whole, e))) for e in LADDER]
     click.echo(table(("friction", "rms angle, rad", "rms rate, rad/s"), rows))
 
 

@@ -73,7 +73,7 @@ def lasting_decay(e_a: float, e_b: float, tau_e: float) -> tuple[float, float]:
     return -e_a / tau_e, -e_b / tau_e
 
 
-COEFFICIENTS = (Parameter("w0", "rad/s", 1.1, 0.2, 20.0, "frequency of small swings"),)
+COEFFICIENTS = (Parameter("w0", "rad/s", 1.16, 0.2, 20.0, "frequency of small swings"),)
 EFFECTS = (
     effect("disturbance", "Air and bearing are never quite even.", {"moment": disturbance_moment},
            (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"),

@@ -18,7 +18,7 @@ yaw_reading = import_module("examples.yaw_coastdown.reading")
 pendulum = import_module("examples.pendulum.__main__")
 pendulum_reading = import_module("examples.pendulum.reading")
 
-pytestmark = [pytest.mark.recordings, pytest.mark.long]
+pytestmark = pytest.mark.recordings
 
 
 @pytest.fixture(scope="module")

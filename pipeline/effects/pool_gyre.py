@@ -28,4 +28,4 @@ def water(x: float, y: float, L_pool: float, W_pool: float, G: float) -> tuple[f
     """Velocity of the water in the pool frame (m/s)."""
     sx, cx = sin_cos(math.pi * x / L_pool)
     sy, cy = sin_cos(math.pi * y / W_pool)
-    return -G * sx * cy, G * (W_pool / L_pool) * cx * sy
+    return G * sx * cy, -G * (W_pool / L_pool) * cx * sy

@@ -22,5 +22,6 @@ PARAMETERS = (
 
 
 def thrust(t: float, rho: float, A: float, f: float, C_T: float, d: float) -> tuple[float]:
-    """Thrust that is not there yet (N)."""
-    return (-C_T * 0.5 * rho * A * f * f * (1.0 - smooth_step((t - d) * 10.0 + 0.5)),)
+    """Thrust that is not there yet (N); nothing where d is 0."""
+    late = smooth_step(t * 10.0 + 0.5) - smooth_step((t - d) * 10.0 + 0.5)
+    return (-C_T * 0.5 * rho * A * f * f * late,)

@@ -51,7 +51,7 @@ def gyre_flow(b: Body, g: Laws, x: float, y: float) -> tuple[float, float]:
     if g.gyre_law == CELL:
         ax, ay = math.pi * x / L, math.pi * y / W
         s = g.gyre * math.sqrt(2.0)
-        return -s * math.sin(ax) * math.cos(ay), s * W / L * math.cos(ax) * math.sin(ay)
+        return s * math.sin(ax) * math.cos(ay), -s * W / L * math.cos(ax) * math.sin(ay)
     dx, dy, half = x - 0.5 * L, y - 0.5 * W, 0.25 * W
     if g.gyre_law == GAUSSIAN:
         s = math.exp((half * half - dx * dx - dy * dy) / (c * c)) / half

@@ -148,9 +148,7 @@ def many(seconds: float) -> None:
     rng = np.random.default_rng(2)
     kernel, base = compiled(plates()), plates().values({})
     free = [Free(n) for n in NAMES]
-    print(
-        "\njoint fits with starting states, 150 frames a trial, two cores"
-    )
+    print("\njoint fits with starting states, 150 frames a trial, two cores")
     for count in (66, 132, 264, 528, 1000):
         series = [trial(i, rng, 151) for i in range(count)]
         few = thin(series)

@@ -53,9 +53,8 @@ def _diagonal_floor(naive: Float, move: np.ndarray) -> Float:
 def moving(kernel: Kernel, found: Fit) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
-    return np.array([
-        p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)
-    ])  # fmt: skip
+    inside = [p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)]
+    return np.array(inside, dtype=bool)
 
 
 def ensemble(fit: Fit, cov: Float, count: int, rng: np.random.Generator) -> Float:

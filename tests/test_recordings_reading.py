@@ -110,7 +110,9 @@ def test_a_fish_trial_brings_its_tail_beat_and_its_condition(tmp_path):
     assert one.times[0] == 0.0
     by_beats = fish.by_beats(one)
     assert np.diff(by_beats.times) == pytest.approx(1 / 2.1, abs=0.04)
-    np.testing.assert_allclose(by_beats.inputs[0], [*np.radians([-20.0, 25.0]), one.beat_hz])
+    told = [*np.radians([-20.0, 25.0]), one.beat_hz, one.recoil_rad]
+    np.testing.assert_allclose(by_beats.inputs[0], told)
+    assert one.recoil_rad == pytest.approx(0.05, rel=0.1)  # as `fish_folder` makes it
 
 
 def test_repeats_that_differ_by_place_heading_and_start_alone_are_the_same(tmp_path):

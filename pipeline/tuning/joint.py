@@ -104,10 +104,21 @@ def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
             "interval_95": tuned.interval_95[i],
             "naive_std": float(naive[i]),
             "unit": parameters[f.name].unit,
-            **determined(f.name, float(tuned.fit.values[i]), float(max(tuned.std[i], naive[i]))),
+            **determined(
+                f.name,
+                float(tuned.fit.values[i]),
+                float(max(_as_normal(tuned.interval_95[i]), naive[i])),
+            ),
         }
         for i, f in enumerate(tuned.fit.free)
     }
+
+
+def _as_normal(interval: Sequence[float]) -> float:
+    """Standard deviation of a normal distribution with this 95 % interval: wide where few trials
+    could disagree.
+    """
+    return 0.5 * (interval[1] - interval[0]) / 1.96
 
 
 def determined(name: str, value: float, std: float) -> dict[str, Any]:

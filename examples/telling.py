@@ -27,7 +27,7 @@ def found(given: Case, outcome: Outcome) -> str:
     gains = outcome.gains()
     rows = [
         (f"`{name}`", given.system.effect(name).kind, numbers(given, outcome, name),
-         f"{gains[name]:.1f}", f"{chosen.chance[name]:.1e}", rivals(outcome, name))
+         f"{gains[name]:.1f}", f"{chosen.p_value[name]:.1e}", rivals(outcome, name))
         for name in gains
     ]  # fmt: skip
     head = ("named", "kind", "size", "held-out gain", "chance", "weight, rivals")
@@ -59,7 +59,7 @@ def tried(outcome: Outcome, count: int = 4) -> str:
     last = outcome.choice.rounds[-1]
     rows = [
         (f"`{t.effects[-1]}`", f"{t.total - last.before.total:.1f}",
-         f"{t.chance[t.effects[-1]]:.1e}")
+         f"{t.p_value[t.effects[-1]]:.1e}")
         for t in last.tried[:count] if np.isfinite(t.total)
     ]  # fmt: skip
     return table(("candidate", "held-out gain", "chance"), rows)

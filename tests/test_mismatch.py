@@ -15,7 +15,7 @@ from pipeline.fitting import Fit, Free, Normal
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch, folds, weights
 from pipeline.mismatch.details import details
-from pipeline.mismatch.search import chance_of
+from pipeline.mismatch.search import p_value_of
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
@@ -107,9 +107,9 @@ def test_one_trial_alone_makes_nothing_sure() -> None:
     own = np.r_[0.03, np.zeros(17)]
     one = _one_number(own, 1e6 * np.r_[100.0, np.ones(17)])
     assert one.values[0] / np.sqrt(one.naive_cov[0, 0]) > 100
-    assert chance_of(kernel, one, "linear_yaw_damping") > 0.1
+    assert p_value_of(kernel, one, "linear_yaw_damping") > 0.1
     shared = 0.03 + 0.003 * np.cos(np.arange(18))
-    assert chance_of(kernel, _one_number(shared, np.full(18, 1e6)), "linear_yaw_damping") < 1e-9
+    assert p_value_of(kernel, _one_number(shared, np.full(18, 1e6)), "linear_yaw_damping") < 1e-9
 
 
 def test_missing_trials_are_a_fault(tmp_path: Path) -> None:

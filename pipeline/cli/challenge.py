@@ -6,6 +6,7 @@ import inspect
 import logging
 import shutil
 import time
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +16,7 @@ FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 WORKERS = click.option(
     "--workers", default=2, show_default=True, type=click.IntRange(min=1), help="Processes."
 )
+Command = Callable[..., None]
 
 
 @click.group()
@@ -26,12 +28,21 @@ def _say(name: str, done: int, count: int) -> None:
     click.echo(f"{done:4d}/{count}  {name}", err=True)
 
 
+def _drawn(*, count: int, footage: int) -> Callable[[Command], Command]:
+    """Options of what is drawn, and how many studies unless told otherwise."""
+    whole = click.IntRange(min=1)
+    seed = click.option("--seed", required=True, type=click.IntRange(min=0),
+                        help="Start of the draw.")  # fmt: skip
+    studies = click.option("--count", default=count, show_default=True, type=whole)
+    filmed = click.option("--footage", default=footage, show_default=True,
+                          type=click.IntRange(min=0),
+                          help="So many of the studies are filmed.")  # fmt: skip
+    return lambda command: seed(studies(filmed(command)))
+
+
 @challenge.command()
 @FOLDER
-@click.option("--seed", required=True, type=click.IntRange(min=0), help="Start of the draw.")
-@click.option("--count", default=12, show_default=True, type=click.IntRange(min=1))
-@click.option("--footage", default=0, show_default=True, type=click.IntRange(min=0),
-              help="So many of the studies are filmed.")  # fmt: skip
+@_drawn(count=12, footage=0)
 @WORKERS
 def make(*, folder: Path, seed: int, count: int, footage: int, workers: int) -> None:
     """Draw COUNT studies into FOLDER; their truth goes under seal to FOLDER-sealed."""
@@ -97,10 +108,7 @@ def compare(*, folder: Path) -> None:
 
 @challenge.command()
 @FOLDER
-@click.option("--seed", required=True, type=click.IntRange(min=0), help="Start of the draw.")
-@click.option("--count", default=120, show_default=True, type=click.IntRange(min=1))
-@click.option("--footage", default=8, show_default=True, type=click.IntRange(min=0),
-              help="So many of the studies are filmed.")  # fmt: skip
+@_drawn(count=120, footage=8)
 @WORKERS
 @click.pass_context
 def run(ctx: click.Context, **given: object) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -30,6 +30,12 @@ class Series:
     mean: Float
     cov: Float
     evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def frames(self, first: int, last: int) -> Series:
+        """Frames `first` to `last` (excluded) of the trial, with the same start."""
+        part = slice(first, last)
+        return replace(self, times=self.times[part], inputs=self.inputs[part],
+                       seen=self.seen[part], noise=self.noise[part])  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -59,8 +59,7 @@ SHARES = (0.25, 0.5, 1.0)
 def first_part(series: Series, share: float) -> Series:
     """The first share of a trial's frames, two at least."""
     n = max(2, int(np.ceil(share * len(series.times))))
-    return replace(series, times=series.times[:n], inputs=series.inputs[:n],
-                   seen=series.seen[:n], noise=series.noise[:n])  # fmt: skip
+    return series.frames(0, n)
 
 
 def _fitted_starts(

@@ -16,9 +16,8 @@ NOISE_ROUNDS = 4
 
 @dataclass(frozen=True)
 class Bench:
-    """What all rounds share: kernel, trials to fit, the values of what is not fitted, candidates.
-
-    count: how many of the free numbers are the model's own coefficients.
+    """What all rounds share: kernel, trials to fit, base (values of what is not fitted), names of
+    the candidates, the model's own coefficients, whom to tell of progress.
     """
 
     kernel: Kernel
@@ -47,12 +46,12 @@ class Bench:
                            noise=under.noise, predictor=predictor, start=known,
                            passes=1 if predictor else PASSES)  # fmt: skip
 
-    def renoised(self, model: Trialled) -> Trialled:
+    def renoised(self, model: Trialled, rounds: int = NOISE_ROUNDS) -> Trialled:
         """A model under all of its own noise: what was lacking before may have passed for errors
         of measurement as well.
         """
         noise = fit_noise(self.kernel, self.series, self.points(model), model.noise,
-                          rounds=NOISE_ROUNDS)  # fmt: skip
+                          rounds=rounds)  # fmt: skip
         return self.refit(model.effects, replace(model, noise=noise))
 
     def settled(self, model: Trialled) -> Trialled:

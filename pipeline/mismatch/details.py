@@ -35,7 +35,7 @@ def details(found: Found) -> dict[str, Any]:
                 "held_out_gain": t.total - one.before.total,
                 "trials_better": int(np.sum(t.worth > one.before.worth)),
                 "trials": len(one.before.worth),
-                "chance": t.chance[t.effects[-1]],
+                "p_value": t.p_value[t.effects[-1]],
                 "outcome": t.fit.outcome,
                 "parameters": {
                     k.split(".", 1)[1]: v

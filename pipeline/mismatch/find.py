@@ -1,4 +1,4 @@
-"""The seven steps from a fitted model to a verdict (docs/mismatch.md)."""
+"""The steps from a fitted model to a verdict (docs/mismatch.md)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Steady
-from ..fitting import Series, fit_noise, jackknife_cov, moving
+from ..fitting import Series, jackknife_cov, moving
 from ..integrate import Kernel, compiled
 from ..model import plates
 from ..study import Study
@@ -29,6 +29,7 @@ gains (over the inflation, and not less than the last number): a named law in an
 nature's leaves less.
 """
 MOST_TERMS = 4
+LAST_NOISE_ROUNDS = 10
 KINDS = ("physics", "measurement")
 
 
@@ -154,7 +155,6 @@ def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     """A tried model with all of the noise fitted anew around it, and its covariance."""
     if not model.effects:
         return baseline
-    noise = fit_noise(bench.kernel, bench.series, bench.points(model), model.noise, rounds=10)
-    again = bench.refit(model.effects, replace(model, noise=noise))
+    again = bench.renoised(model, rounds=LAST_NOISE_ROUNDS)
     cov = jackknife_cov(again.fit.normal, moving(bench.kernel, again.fit))
-    return Tuned(again.fit, noise, cov, baseline.base)
+    return Tuned(again.fit, again.noise, cov, baseline.base)

@@ -30,6 +30,8 @@ SHORTEST_S = 1.0
 FLOOR_SEED = 20240517
 FLOOR_DRAWS = 3
 OWN_SHARES = (0.06, 0.12, 0.25, 0.5, 2.0)
+STATE_STD = np.array([0.02, 0.02, 0.1, 0.2, 0.2, 1.0])
+"""Deviations of a state told from nearby frames: m, m, rad, m/s, m/s, rad/s."""
 
 
 @dataclass(frozen=True)
@@ -83,15 +85,11 @@ def stretches(series: Series, horizon_s: float) -> list[Series]:
 
 def _stretch(series: Series, first: int, last: int) -> Series:
     if first == 0:
-        mean, cov = series.mean, series.cov
-    else:
-        mean, cov = series.mean.copy(), series.cov.copy()
-        mean[:6], free = _state_at(series, first), np.array([0.02, 0.02, 0.1, 0.2, 0.2, 1.0]) ** 2
-        cov[np.arange(6), np.arange(6)] = free
-    part = slice(first, last)
-    return replace(series, times=series.times[part], inputs=series.inputs[part],
-                   seen=series.seen[part], noise=series.noise[part], mean=mean,
-                   cov=cov)  # fmt: skip
+        return series.frames(first, last)
+    mean, cov = series.mean.copy(), series.cov.copy()
+    mean[:6] = _state_at(series, first)
+    cov[np.arange(6), np.arange(6)] = STATE_STD**2
+    return replace(series.frames(first, last), mean=mean, cov=cov)
 
 
 def _state_at(series: Series, frame: int) -> Float:

@@ -44,7 +44,7 @@ class Trialled:
 
     noise: the random part it was judged under. inflation: how many times wider its numbers spread
     over trials than one Fisher matrix says (1 where errors are as independent as modelled).
-    chance: effect -> probability that strengths as sure as these come of nothing.
+    p_value: effect -> probability that strengths as sure as these come of nothing.
     """
 
     effects: tuple[str, ...]
@@ -52,7 +52,7 @@ class Trialled:
     worth: Float
     noise: Noise
     inflation: float
-    chance: Mapping[str, float]
+    p_value: Mapping[str, float]
 
     @property
     def total(self) -> float:
@@ -69,11 +69,11 @@ def trialled(
         return Trialled(tuple(effects), found, nothing, noise, np.inf, dict.fromkeys(effects, 1.0))
     free = np.flatnonzero(moving(kernel, found)).tolist()
     worth = held_out_worth(_part(found.normal, free), folds(series))
-    chance = {name: chance_of(kernel, found, name) for name in effects}
-    return Trialled(tuple(effects), found, worth, noise, inflation(kernel, found), chance)
+    p_value = {name: p_value_of(kernel, found, name) for name in effects}
+    return Trialled(tuple(effects), found, worth, noise, inflation(kernel, found), p_value)
 
 
-def chance_of(kernel: Kernel, found: Fit, effect: str) -> float:
+def p_value_of(kernel: Kernel, found: Fit, effect: str) -> float:
     """Probability of an effect at least as sure as this where there is none.
 
     W = s' C^-1 s of its k strengths s with their covariance C over n trials; W / k is compared to

@@ -18,7 +18,7 @@ from .bench import Bench
 from .search import Foretold, Trialled, candidate_frees, screened
 
 CLAIMS = ((2.0, 1e-5, 0.0), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05))
-"""Least held-out log likelihood over the inflation, the most chance that goes with it, and the
+"""Least held-out log likelihood over the inflation, the largest p value that goes with it, and the
 least part of what all effects together gain. About 30 candidates are tried: one study in 150 may
 show one of them by chance alone. Few trials leave more to chance, which a large gain on each of
 them makes up for. What a strong effect of another form than nature's leaves over is small beside
@@ -71,10 +71,9 @@ class Choice:
 
 def choose(bench: Bench, bare: Trialled) -> Choice:
     """Forward and back until nothing changes, then every chosen effect against its rivals."""
-    current = bench.settled(bare)
+    bare = current = bench.settled(bare)
     rounds: list[Round] = []
     seen: set[frozenset[str]] = set()
-    bare = current
     without: dict[str, Trialled] = {}
     while len(rounds) < MOST_ROUNDS:
         done = one_round(bench, current, bare)
@@ -85,16 +84,14 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         if frozenset(current.effects) in seen:
             break
         seen.add(frozenset(current.effects))
-    if current.effects and not without:
-        current, without = pruned(bench, current, bare)
+    places = _places(bench, current, without, bare, rounds)
     for _ in range(MOST_CAUSES):
-        places = {e: _place(bench, current, without[e], bare, rounds) for e in current.effects}
         outdone = [e for e in current.effects if _outdone(places[e], current)]
         if not outdone:
             break
         rounds.append(places[outdone[0]])
         current, without = pruned(bench, _instead(places[outdone[0]], current), bare)
-    places = {e: _place(bench, current, without[e], bare, rounds) for e in current.effects}
+        places = _places(bench, current, without, bare, rounds)
     return Choice(bare, current, tuple(rounds), without, places)
 
 
@@ -169,14 +166,16 @@ def _without(bench: Bench, model: Trialled, name: str) -> Trialled:
     return bench.settled(bench.refit(rest, model, start))
 
 
-def _place(
-    bench: Bench, chosen: Trialled, without: Trialled, bare: Trialled, rounds: Sequence[Round]
-) -> Round:
-    """The round in which the effect that `without` lacks competes beside the other chosen ones."""
-    for done in rounds:
-        if set(done.before.effects) == set(without.effects) < set(chosen.effects):
-            return done
-    return one_round(bench, without, bare)
+def _places(
+    bench: Bench, chosen: Trialled, without: Mapping[str, Trialled], bare: Trialled,
+    rounds: Sequence[Round],
+) -> dict[str, Round]:  # fmt: skip
+    """Chosen effect -> the round in which it competes beside the others: an old one or a new."""
+    before = {frozenset(r.before.effects): r for r in reversed(rounds)}
+    return {
+        e: before.get(frozenset(without[e].effects)) or one_round(bench, without[e], bare)
+        for e in chosen.effects
+    }
 
 
 def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> bool:
@@ -186,11 +185,11 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
     """
     gain = after.total - before.total
     part = gain / max(after.total - (bare or before).total, 1e-9)
-    chance = max((after.chance[e] for e in after.effects if e not in before.effects), default=0.0)
+    p_value = max((after.p_value[e] for e in after.effects if e not in before.effects), default=0.0)
     if after.inflation > MOST_INFLATED * before.inflation:
         return False
     return any(
-        gain / after.inflation > least and chance < most and part > share
+        gain / after.inflation > least and p_value < most and part > share
         for least, most, share in CLAIMS
     )
 

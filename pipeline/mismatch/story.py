@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..fitting import Series
+from ..fitting import Series, trial_values
 from ..integrate import compiled
 from ..model import plates, residual_channel
 from ..study import Study
@@ -146,8 +146,8 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
     first, second, names = _two_models(found)
     flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
             for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
-    base = found.baseline.base.copy()
-    values = [_values(kernel, base, model) for model in (first, second)]
+    base = found.baseline.base
+    values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, second)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
     why = f"here {names[0]} and {names[1]} part most: {best['apart_mm']:.0f} mm rms of path in 4 s"
     return best | {"why": why}
@@ -163,14 +163,6 @@ def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
     options = [t for t in found.choice.places[first].tried if t.effects[-1] not in chosen.effects]
     other = options[0] if options else found.choice.bare
     return chosen, other, (" and ".join(chosen.effects), (other.effects or ("the baseline",))[-1])
-
-
-def _values(kernel: Any, base: Any, model: Trialled) -> Any:
-    slots = {p.name: i for i, p in enumerate(kernel.system.parameters)}
-    out = base.copy()
-    for f, v in zip(model.fit.free, model.fit.values, strict=True):
-        out[slots[f.name]] = v
-    return out
 
 
 def sentence(

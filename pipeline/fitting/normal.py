@@ -93,7 +93,7 @@ def _evidence(
     hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
     for i, (one, point) in enumerate(zip(series, points, strict=True)):
         for name, (value, std) in one.evidence.items():
-            predicted, slope = _predicted_evidence(kernel, name, free, point)
+            predicted, slope = _predicted_evidence(kernel, name, free, point, one.group)
             error, row = (value - predicted) / std, slope / std
             hessian[i] += np.outer(row, row)
             gradient[i] += row * error
@@ -102,7 +102,7 @@ def _evidence(
 
 
 def _predicted_evidence(
-    kernel: Kernel, name: str, free: Sequence[Free], point: Float
+    kernel: Kernel, name: str, free: Sequence[Free], point: Float, group: str
 ) -> tuple[float, Float]:
     total, slope = 0.0, np.zeros(len(free))
     slots = slots_by_name(kernel)
@@ -111,7 +111,7 @@ def _predicted_evidence(
             if own == name:
                 parameter = f"{effect.name}.{effect.parameters[0].name}"
                 total += weight * point[slots[parameter]]
-                slope += [weight * (f.name == parameter) for f in free]
+                slope += [weight * (f.name == parameter and f.group in (None, group)) for f in free]
     return total, slope
 
 

@@ -40,6 +40,8 @@ def fit_noise(
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
     sought = _sought(kernel, noise, forces_only)
+    if not sought:
+        return noise
 
     def noise_of(logs: Float) -> Noise:
         return _with(kernel, noise, sought, np.exp(logs))

@@ -10,6 +10,7 @@ from one_mass import SYSTEM
 from scipy.stats import multivariate_normal
 
 from pipeline.fitting import Noise, Series, filter_series, fit_noise, thinned
+from pipeline.fitting.linear import linearised, log_likelihood
 from pipeline.integrate import compiled
 
 STEP_S = 0.05
@@ -75,6 +76,27 @@ def test_fit_noise_finds_force_error_and_white_noise() -> None:
     kept = fit_noise(kernel, trials, [values] * 12, first, forces_only=True)
     assert kept.disturbance[1] == first.disturbance[1]
     assert kept.scale == pytest.approx(first.scale)
+
+
+def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
+    """The one-mass model is linear, so both agree but for steps of integration."""
+    rng = np.random.default_rng(4)
+    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
+    trials = [a_series(_pushed(rng, 100, path)) for _ in range(3)]
+    trials[1].seen[20:30] = np.nan
+    linear = linearised(kernel, trials, [values] * 3, path)
+
+    def passed(noise: Noise) -> float:
+        return sum(filter_series(kernel, t, values, noise).log_likelihood for t in trials)
+
+    assert log_likelihood(linear, path) == pytest.approx(passed(path), abs=1e-4)
+    for strengths, memories, scale in (([0.1, 0.012], [0.5, 0.15], 1.0),
+                                       ([0.05, 0.006], [0.25, 0.15], 1.2),
+                                       ([0.02, 0.02], [1.0, 0.3], 0.8)):  # fmt: skip
+        other = Noise(np.array(strengths), np.array(memories), np.full(1, scale))
+        assert log_likelihood(linear, other) == pytest.approx(passed(other), abs=0.3)
+        assert abs(passed(other) - passed(path)) > 3
 
 
 def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:

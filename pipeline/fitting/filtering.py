@@ -84,7 +84,7 @@ def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) ->
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
-        _active(kernel.system, on.tobytes()), on, _substeps(series), gains, roots, transitions,
+        active_states(kernel.system, on), on, _substeps(series), gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
     return Filtered(
@@ -145,9 +145,13 @@ def _random_places(system: System) -> tuple[tuple[int, tuple[int, ...], int, int
     return tuple(out)
 
 
+def active_states(system: System, on: np.ndarray) -> np.ndarray:
+    """Places of the model's states and of those of the effects that are on, uint8 (effects,)."""
+    return _active(system, on.tobytes())
+
+
 @lru_cache(maxsize=512)
 def _active(system: System, on: bytes) -> np.ndarray:
-    """Places of the model's states and of those of the effects that are on."""
     used = [s for e, acts in zip(system.effects, on, strict=True) if acts for s in e.states]
     return np.array([system.all_states.index(n) for n in (*system.states, *used)])
 

@@ -60,8 +60,9 @@ def fit(
 ) -> Fit:
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
-    start: values by label; without it the parameters' own starts. Ends when a step changes no
-    number by more than `tolerance` of its standard deviation. predictor: as in `normal_equations`.
+    start: values by label; without it the parameters' own starts. Ends where the next step would
+    change no number by more than `tolerance` of its standard deviation. predictor: as in
+    `normal_equations`.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -75,18 +76,17 @@ def fit(
         count += 1
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
+        if _is_small(normal, trial - x, tolerance):
+            outcome = CONVERGED
+            break
         candidate = normal_equations(
             kernel, series, base, free, trial, noise=noise, predictor=predictor
         )
         gain = candidate.log_likelihood.sum() - normal.log_likelihood.sum()
-        small = _is_small(normal, trial - x, tolerance)
         if candidate.usable and gain >= -1e-9:
             x, normal, damping = trial, candidate, max(damping * 0.2, 1e-9)
         else:
             damping *= 8.0
-        if small:
-            outcome = CONVERGED
-            break
     bound = (x <= lower) | (x >= upper)
     outcome = AT_BOUND if outcome == CONVERGED and bound.any() else outcome
     return Fit(tuple(free), x, normal, outcome, count)

@@ -9,7 +9,8 @@ from scipy.optimize import minimize
 
 from ..data import Float
 from ..integrate import Kernel, Parameter
-from .filtering import disturbance_slots, filter_all, random_effects
+from .filtering import disturbance_slots, random_effects
+from .linear import linearised, log_likelihood
 from .series import Noise, Series
 
 LEAST = 1e-9
@@ -46,15 +47,16 @@ def fit_noise(
     def noise_of(logs: Float) -> Noise:
         return _with(kernel, noise, sought, np.exp(logs))
 
-    def likelihood(logs: Float) -> float:
-        found = filter_all(kernel, some, points, noise_of(logs))
-        return float(sum(f.log_likelihood for f in found))
+    def likelihood_around(logs: Float) -> Callable[[Float], float]:
+        linear = linearised(kernel, some, points, noise_of(logs))
+        return lambda x: log_likelihood(linear, noise_of(x))
 
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
+    likelihood = likelihood_around(logs)
     best = likelihood(logs)
     for i in range(len(logs)):
         logs, best = _along(likelihood, logs, best, i, width)
-    return noise_of(_askew(likelihood, logs, rounds))
+    return noise_of(_askew(likelihood_around(logs), logs, rounds))
 
 
 def _askew(likelihood: Callable[[Float], float], logs: Float, rounds: int) -> Float:

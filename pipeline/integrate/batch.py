@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -73,20 +76,32 @@ def propagate(
 def in_parts(run: Callable[[int, int], Any], count: int, least: int = 4) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
     workers = min(threads(), max(1, count // least))
-    if workers < 2:
-        run(0, count)
-        return
-    edges = np.linspace(0, count, workers + 1).astype(int)
-    with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(run, edges[:-1].tolist(), edges[1:].tolist()))
+    edges = np.linspace(0, count, workers + 1).astype(int).tolist()
+    each(lambda ends: run(*ends), list(itertools.pairwise(edges)))
 
 
 def each(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
-    """`[function(item) for item in items]` with threads, for compiled functions without the GIL."""
-    if threads() < 2 or len(items) < 2:
+    """`[function(item) for item in items]` with threads, for compiled functions without the GIL.
+
+    Within a call of `function` further calls run one after the other: the cores are taken.
+    """
+    if threads() < 2 or len(items) < 2 or getattr(_within, "one", False):
         return [function(item) for item in items]
-    with ThreadPoolExecutor(threads()) as pool:
-        return list(pool.map(function, items))
+
+    def alone(item: Any) -> Any:
+        _within.one = True
+        return function(item)
+
+    return list(_pool(os.getpid(), threads()).map(alone, items))
+
+
+_within = threading.local()
+
+
+@lru_cache(maxsize=4)
+def _pool(process: int, workers: int) -> ThreadPoolExecutor:
+    """Threads that live as long as the process: a forked one cannot use those of its parent."""
+    return ThreadPoolExecutor(workers, thread_name_prefix=f"bluekoi-{process}")
 
 
 def threads() -> int:

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..fitting import Filtered, filter_all
 from ..integrate import Kernel
+from ..integrate.batch import each
 from .bench import Bench
 from .search import Foretold, Trialled, candidate_frees, screened
 
@@ -114,12 +116,10 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     left = [c for c in bench.candidates if c not in before.effects]
     told = screened(kernel, series, before, bench.base, left, predictor=predictor)
     names = _promising(kernel, told, tried)
-    found = []
-    for name in names:
-        bench.progress(f"refit with {', '.join((*before.effects, name))}")
-        found.append(_refit(bench, before, name, told[name], predictor))
+    bench.progress(f"refits with {', '.join(names)}")
+    found = each(lambda name: _refit(bench, before, name, told[name], predictor), names)
     found.sort(key=lambda t: -t.total)
-    best = [bench.settled(t) for t in found[:CONTENDERS] if t.total > before.total]
+    best = each(bench.settled, [t for t in found[:CONTENDERS] if t.total > before.total])
     ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
     return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
 
@@ -151,7 +151,8 @@ def _has_shape(kernel: Kernel, name: str) -> bool:
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:
     """A model without the effects that no longer pay, and what it is without each of the rest."""
     while True:
-        without = {e: _without(bench, model, e) for e in model.effects}
+        fewer = each(partial(_without, bench, model), model.effects)
+        without = dict(zip(model.effects, fewer, strict=True))
         idle = [e for e in model.effects[:-1]
                 if np.isfinite(without[e].total) and not pays(without[e], model, bare)]  # fmt: skip
         if not idle:

@@ -1,0 +1,137 @@
+"""Likelihood of the random part around a filter's own path, many times cheaper than a new pass.
+
+Along the path of one filter pass the model is replaced by its derivatives there,
+
+    x_k - x*_k = F (x_k-1 - x*_k-1) + w,    y_k - h(x*_k) = H (x_k - x*_k) + v,
+
+so that another noise needs no integration: what remains is Kalman's recursion with known matrices.
+At the noise of that pass both agree exactly. A random state that forgets within tau acts over a
+frame dt by the mean of what is left of it, tau (1 - exp(-dt / tau)) / dt; its column of F goes
+with that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import LANES, Kernel
+from ..integrate.batch import in_parts, propagate, switches
+from .filtering import (
+    DIFFERENCE,
+    Filtered,
+    active_states,
+    disturbance_slots,
+    filter_all,
+    with_noise,
+)
+from .recursion import log_likelihoods
+from .series import Noise, Series
+
+
+@dataclass(frozen=True)
+class Linear:
+    """Trials t (each `counts` of n frames), active states a, observations o, along one filter pass.
+
+    times (t, n); F (t, n, a, a), to a frame from the one before; H (t, n, o, a), 0 where missing;
+    correction (t, n, a): filtered less predicted state; level (t, n, a): filtered random states, 0
+    for others; residual (t, n, o): seen less predicted,
+    NaN where missing; noise (t, n, o, o): stated; cov (t, a, a): before the first frame. random:
+    places of the random states among the active ones; places: theirs in a `Noise`; tau (a,): what F
+    was made with, 0 for other states.
+    """
+
+    counts: np.ndarray
+    times: Float
+    F: Float
+    H: Float
+    correction: Float
+    level: Float
+    residual: Float
+    noise: Float
+    cov: Float
+    random: np.ndarray
+    places: np.ndarray
+    tau: Float
+
+
+def linearised(
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+) -> Linear:
+    """`Linear` along the filter's pass with this noise."""
+    passed = filter_all(kernel, series, values, noise)
+    on = switches(kernel.system, np.array([with_noise(kernel, v, noise) for v in values]))
+    active = active_states(kernel.system, on)
+    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
+    places = np.array([k for k, slot in enumerate(slots) if slot in active], dtype=np.int64)
+    random = np.array([active.tolist().index(slots[k]) for k in places], dtype=np.int64)
+    tau = np.zeros(len(active))
+    tau[random] = noise.tau[places]
+    observed, slopes = _observed(kernel, series, values, noise, passed=passed, active=active)
+    block = np.ix_(active, active)
+    return Linear(
+        np.array([len(s.times) for s in series]),
+        _padded([s.times for s in series]),
+        _padded([p.transitions[:, block[0], block[1]] for p in passed]),
+        slopes,
+        _padded([(p.filtered - p.predicted)[:, active] for p in passed]),
+        np.where(tau > 0, _padded([p.filtered[:, active] for p in passed]), 0.0),
+        _padded([s.seen for s in series]) - observed,
+        _padded([s.noise for s in series]),
+        np.array([s.cov[block] for s in series]),
+        random,
+        places,
+        tau,
+    )
+
+
+def log_likelihood(linear: Linear, noise: Noise) -> float:
+    """Of all trials under another noise, to first order around the path of `linear`."""
+    variance, memory = np.zeros(len(linear.tau)), np.zeros(len(linear.tau))
+    variance[linear.random] = noise.disturbance[linear.places] ** 2
+    memory[linear.random] = noise.tau[linear.places]
+    scales = np.outer(noise.scale, noise.scale)
+    out = np.zeros(len(linear.counts))
+
+    def run(first: int, last: int) -> None:
+        log_likelihoods(
+            linear.counts, linear.times, linear.F, linear.H, linear.correction, linear.level,
+            linear.residual, linear.noise, linear.cov, linear.tau, variance, memory, scales,
+            first, last, out,
+        )  # fmt: skip
+
+    in_parts(run, len(out))
+    return float(out.sum())
+
+
+def _padded(parts: Sequence[Float]) -> Float:
+    """Trials as one array (t, n, ...), the last frame repeated."""
+    longest = max(len(p) for p in parts)
+    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
+                     for p in parts])  # fmt: skip
+
+
+def _observed(
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
+    passed: Sequence[Filtered], active: np.ndarray,
+) -> tuple[Float, Float]:  # fmt: skip
+    """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""
+    predicted = _padded([p.predicted for p in passed])
+    trials, frames, states = predicted.shape
+    state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
+    state[:, active, np.arange(1, len(active) + 1)] += DIFFERENCE
+    each = np.repeat(np.arange(trials), frames)
+    full = np.array([with_noise(kernel, v, noise) for v in values])[each]
+    constants = np.array([s.constants for s in series])[each]
+    times, inputs = (_padded([getattr(s, k) for s in series]) for k in ("times", "inputs"))
+    lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
+    seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
+                        inputs=inputs.reshape(-1, 1, inputs.shape[2]))  # fmt: skip
+    flat = seen[:, 0]
+    slopes = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
+    known = np.isfinite(_padded([s.seen for s in series]))
+    H = np.where(known[..., None], slopes.reshape(*known.shape, len(active)), 0.0)
+    return flat[:, :, 0].reshape(known.shape), H

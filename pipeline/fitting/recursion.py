@@ -1,0 +1,158 @@
+"""Kalman's recursion along a path whose matrices are known, compiled; shapes as in `linear`.
+
+Of the deviation from the path: d = A d, P = A P A' + Q, then each observation's correction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+HALF_LOG_2PI = 0.9189385332046727
+FAST = {"reassoc", "contract", "nsz", "arcp"}
+compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath=FAST)
+
+
+@compiled
+def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+    counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
+    first, last, out,
+):  # fmt: skip
+    """Log likelihoods into `out` of trials `first` to `last`; shapes as in `linear.Linear`.
+
+    variance, memory (a,): of the random states, 0 for others; scales (o, o): factors on `noise`.
+    """
+    a, q = F.shape[2], H.shape[2]
+    d, e = np.zeros((2, a)), np.zeros(q)  # deviations from the path; the second row is workspace
+    P, A, AP = np.zeros((a, a)), np.zeros((a, a)), np.zeros((a, a))
+    PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
+    for t in range(first, last):
+        logl = 0.0
+        d[0] = 0.0
+        P[:] = cov[t]
+        for i in range(a):
+            P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
+        for k in range(counts[t]):
+            if k > 0:
+                dt = times[t, k] - times[t, k - 1]
+                _transition(A, F[t, k], tau, memory, dt)
+                _carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
+                _spread(P, A, AP, variance, memory, dt)
+            _compare(e, PH, S, H[t, k], residual[t, k], d[0], P)
+            _with_noise(S, noise[t, k], scales, residual[t, k])
+            _inverse_root(S, W)
+            logl += _correct(d[0], P, PH, W, e, residual[t, k])
+        out[t] = logl
+
+
+@compiled
+def _transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
+    """A = F with other memories: a column goes with tau (1 - exp(-dt / tau))."""
+    for k in range(len(tau)):
+        lead = 1.0
+        if tau[k] > 0.0:
+            was, now = tau[k] * (1.0 - np.exp(-dt / tau[k])), np.exp(-dt / memory[k])
+            lead = memory[k] * (1.0 - now) / was
+        for i in range(len(tau)):
+            A[i, k] = F[i, k] * lead
+        if tau[k] > 0.0:
+            A[k, k] = now
+
+
+@compiled
+def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
+    """Deviation from the predicted path, from that of the frame before."""
+    for i in range(len(A)):
+        total = 0.0
+        for k in range(len(A)):
+            total += A[i, k] * (d[0, k] - correction[k]) + (A[i, k] - F[i, k]) * level[k]
+        d[1, i] = total
+    d[0] = d[1]
+
+
+@compiled
+def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
+    a = len(A)
+    for i in range(a):
+        AP[i] = 0.0
+        for j in range(a):
+            for k in range(a):
+                AP[i, k] += A[i, j] * P[j, k]
+    for i in range(a):
+        for k in range(i + 1):
+            total = 0.0
+            for j in range(a):
+                total += AP[i, j] * A[k, j]
+            P[i, k] = P[k, i] = total
+        if variance[i] > 0.0:
+            P[i, i] += variance[i] * (1.0 - np.exp(-2.0 * dt / memory[i]))
+
+
+@compiled
+def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Innovation e = y - h - H d, and S = H P H' with P H'."""
+    for o in range(len(e)):
+        e[o] = residual[o] if np.isfinite(residual[o]) else 0.0
+        for i in range(len(d)):
+            e[o] -= H[o, i] * d[i]
+            total = 0.0
+            for k in range(len(d)):
+                total += P[i, k] * H[o, k]
+            PH[i, o] = total
+    for o in range(len(e)):
+        for p in range(o + 1):
+            total = 0.0
+            for i in range(len(d)):
+                total += H[o, i] * PH[i, p]
+            S[o, p] = S[p, o] = total
+
+
+@compiled
+def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
+    """S + R where both are seen; unit rows where one is missing."""
+    for o in range(len(S)):
+        for p in range(len(S)):
+            if np.isfinite(residual[o]) and np.isfinite(residual[p]):
+                S[o, p] += noise[o, p] * scales[o, p]
+            else:
+                S[o, p] = 1.0 if o == p else 0.0
+
+
+@compiled
+def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
+    """Cholesky's factor L of S over S, its inverse into W."""
+    for o in range(len(S)):
+        for p in range(o + 1):
+            total = S[o, p]
+            for j in range(p):
+                total -= S[o, j] * S[p, j]
+            S[o, p] = np.sqrt(total) if o == p else total / S[p, p]
+        for p in range(o + 1):
+            total = 1.0 if o == p else 0.0
+            for j in range(p, o):
+                total -= S[o, j] * W[j, p]
+            W[o, p] = total / S[o, o]
+
+
+@compiled
+def _correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Deviation and covariance after the frame, one whitened observation after the other."""
+    logl = 0.0
+    b = np.zeros(len(d))
+    for o in range(len(e)):
+        white = 0.0
+        for p in range(o + 1):
+            white += W[o, p] * e[p]
+        logl += np.log(W[o, o])
+        if np.isfinite(residual[o]):
+            logl -= 0.5 * white * white + HALF_LOG_2PI
+        for i in range(len(d)):
+            b[i] = 0.0
+            for p in range(o + 1):
+                b[i] += W[o, p] * PH[i, p]
+            d[i] += b[i] * white
+        for i in range(len(d)):
+            for k in range(len(d)):
+                P[i, k] -= b[i] * b[k]
+    return logl

@@ -107,7 +107,9 @@ def test_dissipative_forces_never_add_power(effect: Effect) -> None:
         assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-12
 
 
-def call(effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False) -> list[float]:
+def call(
+    effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False, **given: float
+) -> list[float]:
     """The effect's own function at one motion (surge, sway, yaw rate), other values plausible."""
     u, v, r = (0.0, 0.0, 0.0) if rest else draw
     cphi, sphi = np.cos(0.5), np.sin(0.5)
@@ -117,7 +119,7 @@ def call(effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False) ->
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "V": float(np.hypot(u, v)),
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "T": 0.0, "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
-    } | {p.name: p.start for p in effect.parameters}  # fmt: skip
+    } | {p.name: p.start for p in effect.parameters} | given  # fmt: skip
     function = effect.hooks[stage]
     names = inspect.signature(function).parameters
     return list(function(**{name: known[name] for name in names}))
@@ -125,7 +127,7 @@ def call(effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False) ->
 
 def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
     """Reference value: -1/2 rho C d (length) v |v| for a body drifting sideways without turning."""
-    X, Y, N = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]))
+    X, Y, N = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]), q=0.0)
     length, middle = 0.211, (0.04 - 0.171) / 2
     expected = -0.5 * 1000 * 0.5 * 0.069 * length * 0.04
     assert pytest.approx((0.0, expected, expected * middle)) == (X, Y, N)
@@ -133,6 +135,26 @@ def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
 
 def test_fin_reference_value() -> None:
     """-1/2 rho S u (v - a r) at u = 0.4, v = 0.1, r = -1: sideways speed 0.25 m/s at the fin."""
-    X, Y, N = call(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]))
+    motion = np.array([0.4, 0.1, -1.0])
+    X, Y, N = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=0.0)
     expected = -0.5 * 1000 * 0.03 * 0.4 * 0.25
     assert pytest.approx((0.0, expected, -0.15 * expected)) == (X, Y, N)
+
+
+def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
+    """Five strips about a = 0.12 m: force and moment of -1/2 rho S u (v - x r) summed."""
+    x = 0.12 + 0.03 * np.arange(-2, 3)
+    dY = -0.5 * 1000 * 0.03 / 5 * 0.4 * (0.1 + x)
+    found = call(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]),
+                 a=0.12, b=float(np.std(x)), p=0.0)  # fmt: skip
+    assert found == pytest.approx([0.0, dY.sum(), -(x * dY).sum()])
+
+
+def test_crossflow_drag_of_a_tapering_body() -> None:
+    """Depth from (1 + q) d at the hinge to (1 - q) d at the tail base, by fine strips."""
+    found = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.5]), q=0.6)
+    x = np.linspace(0.04, -0.171, 4001)
+    depth = 0.069 * (1 + 0.6 * (2 * (x + 0.171) / 0.211 - 1))
+    dY = -0.5 * 1000 * 0.5 * depth * (0.2 + 0.5 * x) * np.abs(0.2 + 0.5 * x)
+    Y, N = np.trapezoid(dY, -x), np.trapezoid(x * dY, -x)
+    assert found == pytest.approx([0.0, Y, N], rel=1e-5)

@@ -15,7 +15,7 @@ from pipeline.fitting import Fit, Free, Normal
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch, folds, weights
 from pipeline.mismatch.details import details
-from pipeline.mismatch.search import p_value_of
+from pipeline.mismatch.judge import p_value_of
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates

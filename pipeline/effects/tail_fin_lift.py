@@ -1,15 +1,21 @@
 """Core and tail as a fin.
 
 A low-aspect-ratio fin at distance a behind the centre of mass meets the water at the sideways
-speed v_a = v - a r and gives the side force of a thin wing at small angle:
+speed v_a = v - a r and gives the side force of a thin wing at small angle. A long one meets it at
+another speed at each station; two stations at a - b and a + b have the same mean and spread:
 
-    Y = -1/2 rho S u v_a |u|/u,    N = -a Y,    S = C_La,fin x area
+    dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
 
-It vanishes without forward speed and is zero in straight swimming, which it makes stable.
-Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio).
+with S = C_La,fin x area. p = 0 is the wing's law at small angles; sideways flow that adds to the
+dynamic pressure, and the drag across the flow that comes with it, make it larger. It vanishes
+without forward speed (p = 0) and is zero in straight swimming, which it makes stable.
+Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
+Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio).
 """
 
 from __future__ import annotations
+
+import numpy as np
 
 from ..integrate.system import Parameter
 
@@ -24,12 +30,18 @@ CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
 PARAMETERS = (
     Parameter("S", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin"),
     Parameter("a", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass"),
+    Parameter("b", "m", 0.03, 0.0, 0.09, "how far the fin spreads along the body", 0.02),
+    Parameter("p", "1", 0.2, 0.0, 4.0, "share of the sideways flow in the dynamic pressure", 0.4),
 )
 
 
 def force(
-    rho: float, uc: float, vc: float, r: float, S: float, a: float
+    rho: float, uc: float, vc: float, r: float, S: float, a: float, b: float, p: float
 ) -> tuple[float, float, float]:
     """Surge, sway (N) and yaw (N m) of the fin."""
-    Y = -0.5 * rho * S * abs(uc) * (vc - a * r)
-    return 0.0, Y, -a * Y
+    front, rear = a - b, a + b
+    wf, wr = vc - front * r, vc - rear * r
+    k = -0.25 * rho * S
+    Yf = k * np.sqrt(uc * uc + p * wf * wf + 1e-12) * wf
+    Yr = k * np.sqrt(uc * uc + p * wr * wr + 1e-12) * wr
+    return 0.0, Yf + Yr, -front * Yf - rear * Yr

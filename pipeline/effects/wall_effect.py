@@ -20,6 +20,7 @@ PARAMETERS = (
     Parameter(
         "k", "1", 0.5, 0.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
     ),
+    Parameter("s", "m", 0.15, 0.03, 0.5, "distance within which it fades by e", 0.06),
 )
 
 
@@ -34,13 +35,14 @@ def force(
     vc: float,
     V: float,
     k: float,
+    s: float,
 ) -> tuple[float, float, float]:
     """Surge and sway (N)."""
     near = (
-        math.exp(-max(x, 0.0) / 0.15)
-        + math.exp(-max(L_pool - x, 0.0) / 0.15)
-        + math.exp(-max(y, 0.0) / 0.15)
-        + math.exp(-max(W_pool - y, 0.0) / 0.15)
+        math.exp(-max(x, 0.0) / s)
+        + math.exp(-max(L_pool - x, 0.0) / s)
+        + math.exp(-max(y, 0.0) / s)
+        + math.exp(-max(W_pool - y, 0.0) / s)
     )
-    s = -0.5 * rho * A * k * near * V
-    return s * uc, s * vc, 0.0
+    drag = -0.5 * rho * A * k * near * V
+    return drag * uc, drag * vc, 0.0

@@ -3,7 +3,14 @@
 from .filtering import Filtered, disturbance_slots, filter_all, filter_series, smooth
 from .joint import Fit, fit, pseudo_inverse
 from .noise import fit_noise
-from .normal import Normal, normal_equations, slots_by_name, trial_values
+from .normal import (
+    Normal,
+    log_likelihoods,
+    normal_equations,
+    side_log_likelihoods,
+    slots_by_name,
+    trial_values,
+)
 from .paths import PathFit, fit_paths
 from .resampling import ensemble, jackknife_cov, moving
 from .sandwich import Spread, spread_over_trials
@@ -29,10 +36,12 @@ __all__ = [
     "fit_noise",
     "fit_paths",
     "jackknife_cov",
+    "log_likelihoods",
     "moving",
     "normal_equations",
     "pseudo_inverse",
     "shoot",
+    "side_log_likelihoods",
     "slots_by_name",
     "smooth",
     "spread_over_trials",

@@ -81,8 +81,34 @@ def normal_equations(
         f.log_likelihood + 0.5 * float(np.sum(f.innovations**2) - np.sum(e**2))
         for f, e in zip(filtered, errors, strict=True)
     ])  # fmt: skip
-    side = _evidence(kernel, series, free, points)
-    return Normal(hessian + side.hessian, gradient + side.gradient, logl + side.log_likelihood)
+    side, known = (
+        _evidence(kernel, series, free, points),
+        _plausible(kernel, free, values, len(series)),
+    )
+    return Normal(
+        hessian + side.hessian + known.hessian,
+        gradient + side.gradient + known.gradient,
+        logl + side.log_likelihood + known.log_likelihood,
+    )
+
+
+def _plausible(kernel: Kernel, free: Sequence[Free], values: Float, trials: int) -> Normal:
+    """What is plausible before any data (`Parameter.spread`), shared evenly among the trials."""
+    parameters = [kernel.system.parameters[slots_by_name(kernel)[f.name]] for f in free]
+    precision = np.array([p.spread for p in parameters]) ** -2.0 / trials
+    off = np.array([p.start for p in parameters]) - values
+    return Normal(
+        np.tile(np.diag(precision), (trials, 1, 1)),
+        np.tile(precision * off, (trials, 1)),
+        np.full(trials, -0.5 * float(precision @ off**2)),
+    )
+
+
+def side_log_likelihoods(
+    kernel: Kernel, series: Sequence[Series], points: Sequence[Float]
+) -> Float:
+    """Log likelihood (trials,) of the side measurements at a full parameter vector for each."""
+    return _evidence(kernel, series, (), points).log_likelihood
 
 
 def _evidence(
@@ -113,6 +139,27 @@ def _predicted_evidence(
                 total += weight * point[slots[parameter]]
                 slope += [weight * (f.name == parameter and f.group in (None, group)) for f in free]
     return total, slope
+
+
+def log_likelihoods(
+    kernel: Kernel,
+    series: Sequence[Series],
+    points: Sequence[Float],
+    *,
+    noise: Noise,
+    predictor: Sequence[Filtered],
+) -> Float:
+    """Log likelihood (trials,) of each trial at a full parameter vector of its own.
+
+    The filter's gains are held. Side measurements and what is plausible beforehand stay out.
+    """
+    seen = _perturbed(kernel, series, points, [(t, []) for t in range(len(series))],
+                      noise=noise, filtered=predictor)  # fmt: skip
+    out = np.array([f.log_likelihood + 0.5 * float(np.sum(f.innovations**2)) for f in predictor])
+    for t, one in enumerate(series):
+        error = np.nan_to_num(one.seen - seen[t, : len(one.times), :, 0])
+        out[t] -= 0.5 * float(np.sum((predictor[t].roots @ error[:, :, None]) ** 2))
+    return out
 
 
 def _jacobians(

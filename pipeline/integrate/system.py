@@ -9,8 +9,9 @@ functions of the same form, each added to the outputs of one stage that is open 
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import ModuleType
 from typing import Any
@@ -22,7 +23,11 @@ Function = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number to be fitted: unit, start value, bounds and meaning."""
+    """One number to be fitted: unit, start value, bounds and meaning.
+
+    spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
+    it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
+    """
 
     name: str
     unit: str
@@ -30,6 +35,7 @@ class Parameter:
     lower: float
     upper: float
     meaning: str
+    spread: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -95,9 +101,7 @@ class System:
     def parameters(self) -> tuple[Parameter, ...]:
         """The model's coefficients, then the parameters of the effects as `effect.parameter`."""
         own = tuple(
-            Parameter(f"{e.name}.{p.name}", p.unit, p.start, p.lower, p.upper, p.meaning)
-            for e in self.effects
-            for p in e.parameters
+            replace(p, name=f"{e.name}.{p.name}") for e in self.effects for p in e.parameters
         )
         return self.coefficients + own
 

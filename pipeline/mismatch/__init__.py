@@ -3,8 +3,9 @@
 from .bench import Bench
 from .find import Found, find_mismatch
 from .horizon import PathErrors, path_errors, stretches
+from .judge import Trialled, folds, held_out_worth, trialled
 from .locate import Dependence, MissingForce, dependences, missing_force
-from .search import Trialled, folds, held_out_worth, screened, trialled, try_effects
+from .search import screened, try_effects
 from .select import Choice, choose, pays, weights
 
 __all__ = [

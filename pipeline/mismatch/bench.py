@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from ..data import Float
 from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
-from .search import PASSES, Trialled, try_effects
+from .judge import Trialled
+from .search import PASSES, try_effects
 
 Progress = Callable[[str], None]
 NOISE_ROUNDS = 4

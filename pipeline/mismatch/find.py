@@ -15,10 +15,11 @@ from ..study import Study
 from ..tuning import Tuned, thin, tune
 from .bench import Bench
 from .horizon import path_errors
+from .judge import Trialled, trialled
+from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, dependences, missing_force
-from .search import Trialled, trialled
-from .select import Choice, Round, choose, one_round
-from .setting import held_out_trials, steady_errors, variables
+from .select import Choice, Round, choose, one_round, pays
+from .setting import has_roles, held_out_trials, steady_errors, variables
 
 TELLING_SHARE = 0.3
 LEAST_PART = 0.1
@@ -29,6 +30,13 @@ gains (over the inflation, and not less than the last number): a named law in an
 nature's leaves less.
 """
 MOST_TERMS = 4
+CONTESTED = 4
+WEAK = 60.0
+CLEARLY = 5.0
+CLEARLY_PART = 0.15
+"""A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
+term: by `CLEARLY` over the inflation and by this part of its own gain.
+"""
 LAST_NOISE_ROUNDS = 10
 KINDS = ("physics", "measurement")
 
@@ -66,16 +74,26 @@ def find_mismatch(
     """`Found` for the measured trials of a study."""
     kernel = compiled(plates())
     held_out = held_out_trials(study, [s.name for s in series])
-    few = thin(series)
-    train = [s for s in few if s.name not in held_out]
-    test = [s for s in series if s.name in held_out] or series
     progress("baseline")
-    baseline = tune(train)
+    few = thin(series)
+    baseline = tune([s for s in few if s.name not in held_out])
+    knocks = jumps(kernel, few, baseline.trial_values(kernel, few), baseline.noise)
+    series, few = with_jumps(kernel, series, knocks), with_jumps(kernel, few, knocks)
+    if not has_roles(study):
+        # the moment of a jump is known, its size is not: from that trial alone it can be fitted
+        held_out = [name for name in held_out if name not in {k.trial for k in knocks}]
+    train = [s for s in few if s.name not in held_out]
+    test = [s for s in series if s.name in held_out] or list(series)
+    if knocks:
+        baseline = tune(train)
     names = tuple(e.name for e in plates().effects if e.kind in KINDS)
     bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
     choice = choose(bench, trialled(kernel, (), baseline.fit, baseline.noise, train))
     progress("terms without a name")
+    choice = not_outdone(bench, choice)
     residual = nameless(bench, choice.chosen, choice.bare)
+    if _tells(choice, residual):
+        choice, residual = without_proxies(bench, choice, residual)
     verdict = _verdict(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
@@ -114,22 +132,73 @@ def _located(
     return forces, dependences(series, forces, variables(series, forces, trials), units)
 
 
-def nameless(bench: Bench, model: Trialled, bare: Trialled) -> Trialled:
+def nameless(bench: Bench, model: Trialled, bare: Trialled, *, most: int = MOST_TERMS) -> Trialled:
     """A model with the fewest nameless terms that pay beside its effects, one after the other."""
-    effect = bench.kernel.system.effect("residual")
-    terms = replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
-    for _ in range(MOST_TERMS):
-        done: Round = one_round(terms, model, bare, tried=4)
+    terms = _terms(bench)
+    for _ in range(most):
+        done: Round = one_round(terms, model, bare, tried=CONTESTED)
         if done.best.effects == model.effects:
             break
         model = done.best
     return model
 
 
+def _terms(bench: Bench) -> Bench:
+    effect = bench.kernel.system.effect("residual")
+    return replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
+
+
+def not_outdone(bench: Bench, choice: Choice) -> Choice:
+    """Choice without the weaker causes in whose place one nameless term does clearly better."""
+    for name in choice.chosen.effects:
+        chosen, before = choice.chosen, choice.without[name]
+        gain = chosen.total - before.total
+        if gain > WEAK * chosen.inflation:
+            continue
+        bench.progress(f"terms without a name in place of {name}")
+        best = one_round(_terms(bench), before, choice.bare, tried=CONTESTED).best
+        if best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
+            choice = _dropped(bench, choice, [name])
+    return choice
+
+
+def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[Choice, Trialled]:
+    """Choice and nameless model without the named causes that one more nameless term replaces.
+
+    Where something has no name, a candidate may have been picked up in its place: it stays only if
+    it pays beside the nameless terms as well. The weakest is tried first.
+    """
+    dropped: list[str] = []
+    for name in sorted(
+        choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
+    ):
+        bench.progress(f"{name} beside terms without a name")
+        start = {k: v for k, v in residual.fit.by_label().items() if not k.startswith(name + ".")}
+        rest = [e for e in residual.effects if e != name]
+        bare = bench.settled(bench.refit(rest, residual, start))
+        bare = nameless(bench, bare, choice.bare, most=1)
+        if not pays(bare, residual, choice.bare):
+            residual = bare
+            dropped.append(name)
+    return _dropped(bench, choice, dropped), residual
+
+
+def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
+    """Choice without some of its effects, the rest refitted."""
+    kept = [e for e in choice.chosen.effects if e not in names]
+    if not names:
+        return choice
+    labels = choice.chosen.fit.by_label().items()
+    start = {k: v for k, v in labels if k.split(".")[0] not in names}
+    chosen = bench.settled(bench.refit(kept, choice.chosen, start)) if kept else choice.bare
+    return replace(choice, chosen=chosen, without={e: choice.without[e] for e in kept},
+                   places={e: choice.places[e] for e in kept})  # fmt: skip
+
+
 def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
-    if residual.effects != chosen.effects and _tells(choice, residual):
+    if _tells(choice, residual):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
 
@@ -137,6 +206,8 @@ def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
 def _tells(choice: Choice, residual: Trialled) -> bool:
     """Whether nameless terms beside the chosen effects tell of something more than their form."""
     chosen = choice.chosen
+    if residual.effects == chosen.effects:
+        return False
     gain = (residual.total - chosen.total) / residual.inflation
     named = max(
         ((chosen.total - m.total) / chosen.inflation for m in choice.without.values()), default=0.0

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Noise, Series, filter_series, shoot
+from ..fitting import Noise, Series, filter_all, filter_series, shoot
 from ..fitting.filtering import disturbance_slots, with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
@@ -54,10 +54,10 @@ def path_errors(
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
     horizon = min(longest, bearable_s(study, kernel, last, series))
-    pieces = [piece for s in series for piece in stretches(s, horizon)]
-    rmse = {name: _rmse(kernel, tuned, pieces) for name, tuned in models.items()}
-    rng = np.random.default_rng(FLOOR_SEED)
-    floors = [_rmse(kernel, last, imitated(kernel, last, pieces, rng)) for _ in range(FLOOR_DRAWS)]
+    pieces = {n: begun(kernel, tuned, series, horizon) for n, tuned in models.items()}
+    rmse = {name: _rmse(kernel, tuned, pieces[name]) for name, tuned in models.items()}
+    rng, own = np.random.default_rng(FLOOR_SEED), list(pieces.values())[-1]
+    floors = [_rmse(kernel, last, imitated(kernel, last, own, rng)) for _ in range(FLOOR_DRAWS)]
     return PathErrors(rmse, float(np.sqrt(np.mean(np.square(floors)))), horizon)
 
 
@@ -73,6 +73,29 @@ def bearable_s(study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Seri
         if growth > 0:
             times.append(GROWTH / growth)
     return max(SHORTEST_S, min(times))
+
+
+def begun(kernel: Kernel, tuned: Tuned, series: Sequence[Series], horizon_s: float) -> list[Series]:
+    """Stretches of all trials; states of the effects' own (a lag, a servo) begin where the model's
+    filter had them at that moment.
+    """
+    slots = _own_states(kernel)
+    passed = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+    out = []
+    for one, result in zip(series, passed, strict=True):
+        for piece in stretches(one, horizon_s):
+            frame = int(np.searchsorted(one.times, piece.times[0]))
+            mean = piece.mean.copy()
+            mean[slots] = result.filtered[frame, slots] if frame else mean[slots]
+            out.append(replace(piece, mean=mean))
+    return out
+
+
+def _own_states(kernel: Kernel) -> list[int]:
+    """Places of the states that effects have beside the model's, but for the random ones."""
+    random = set(disturbance_slots(kernel))
+    first, count = len(kernel.system.states), len(kernel.system.all_states)
+    return [k for k in range(first, count) if k not in random]
 
 
 def stretches(series: Series, horizon_s: float) -> list[Series]:

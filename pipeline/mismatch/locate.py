@@ -16,7 +16,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import Noise, Series, disturbance_slots, filter_all, smooth
 from ..integrate import Kernel
-from .search import folds
+from .judge import folds
 
 DEGREE = 3
 LEAST_SHARE = 0.05

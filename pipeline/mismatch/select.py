@@ -17,15 +17,19 @@ from ..fitting import Filtered, filter_all
 from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
-from .search import Foretold, Trialled, candidate_frees, screened
+from .judge import Trialled, candidate_frees
+from .search import Foretold, held_shapes, screened
 
-CLAIMS = ((2.0, 1e-5, 0.0), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05))
+CLAIMS = (
+    (1.0, 1e-9, 0.0), (1.0, 1e-5, 0.05), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05), (30.0, 5e-3, 0.3)
+)  # fmt: skip
 """Least held-out log likelihood over the inflation, the largest p value that goes with it, and the
 least part of what all effects together gain. About 30 candidates are tried: one study in 150 may
 show one of them by chance alone. Few trials leave more to chance, which a large gain on each of
 them makes up for. What a strong effect of another form than nature's leaves over is small beside
 it, and any candidate may pick it up: it must be surer.
 """
+LEAST_FOR_SHAPE = 2.0
 MOST_INFLATED = 4.0
 """An addition that spreads the numbers over trials this many times more than before explains
 nothing: it bends the model to single trials.
@@ -82,7 +86,7 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         rounds.append(done)
         if done.best.effects == current.effects or len(current.effects) >= MOST_CAUSES:
             break
-        current, without = pruned(bench, bench.renoised(done.best), bare)
+        current, without = pruned(bench, shaped(bench, bench.renoised(done.best)), bare)
         if frozenset(current.effects) in seen:
             break
         seen.add(frozenset(current.effects))
@@ -146,6 +150,19 @@ def _promising(kernel: Kernel, told: Mapping[str, Foretold], count: int) -> list
 def _has_shape(kernel: Kernel, name: str) -> bool:
     frees, strengths = candidate_frees(kernel.system, name)
     return len(frees) > strengths
+
+
+def shaped(bench: Bench, model: Trialled) -> Trialled:
+    """A model with the shapes of its effects free, where that pays: a law may have another form
+    than the candidate's, and what that leaves over must not pass for a further cause.
+    """
+    held = held_shapes(bench.kernel, model)
+    if not held:
+        return model
+    bench.progress(f"form of {', '.join(model.effects)}")
+    free = bench.settled(bench.refit(model.effects, model, {**model.fit.by_label(), **held}))
+    gain = (free.total - model.total) / free.inflation
+    return free if gain > LEAST_FOR_SHAPE and free.inflation <= 2 * model.inflation else model
 
 
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:

@@ -18,6 +18,11 @@ HELD_OUT_SHARE = 0.25
 CHANNELS = ("surge", "sway", "yaw")
 
 
+def has_roles(study: Study) -> bool:
+    """Whether trials.csv says which trials to hold out."""
+    return any(t.role in {"held_out", "fit"} for t in study.trials)
+
+
 def held_out_trials(study: Study, names: Sequence[str]) -> list[str]:
     """Trials that no fit sees: by `role` where a study gives it, else whole conditions.
 
@@ -26,9 +31,8 @@ def held_out_trials(study: Study, names: Sequence[str]) -> list[str]:
     of the trials.
     """
     trials = [study.trial(name) for name in names]
-    given = [t.trial_id for t in trials if t.role == "held_out"]
-    if given or any(t.role == "fit" for t in trials):
-        return given
+    if has_roles(study):
+        return [t.trial_id for t in trials if t.role == "held_out"]
     groups: dict[tuple[float, float, float], list[str]] = {}
     for t in trials:
         groups.setdefault((t.power_pct, abs(t.head_angle_deg), t.head_length_m), []).append(

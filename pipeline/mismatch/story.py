@@ -9,12 +9,12 @@ import numpy as np
 
 from ..fitting import Series, trial_values
 from ..integrate import compiled
-from ..model import plates, residual_channel
+from ..model import plates, residual_channels
 from ..study import Study
 from ..tuning import table
 from .find import Found
+from .judge import Trialled
 from .locate import LEAST_SHARE
-from .search import Trialled
 from .select import weights
 from .setting import CHANNELS, best_next_trial
 
@@ -88,7 +88,7 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
 
 def _unexplained(found: Found) -> dict[str, Any]:
     terms = [e.split(".", 1)[1] for e in found.residual.effects if e.startswith("residual.")]
-    channels = sorted({residual_channel(t) for t in terms}, key=CHANNELS.index)
+    channels = sorted({c for t in terms for c in residual_channels(t)}, key=CHANNELS.index)
     told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
     first = told[0]
     return {

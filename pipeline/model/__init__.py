@@ -2,7 +2,7 @@
 
 from .plates import COEFFICIENTS, OBSERVATIONS, effect_names, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
-from .residual import channel as residual_channel
+from .residual import channels as residual_channels
 from .simulation import Simulation, constants, simulate, simulate_at, steady_turn
 
 __all__ = [
@@ -16,7 +16,7 @@ __all__ = [
     "constants",
     "effect_names",
     "plates",
-    "residual_channel",
+    "residual_channels",
     "simulate",
     "simulate_at",
     "steady_turn",

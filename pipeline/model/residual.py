@@ -1,10 +1,15 @@
-"""A force without a name: a sum of simple terms in what the robot does.
+"""A force without a name: a sum of simple terms in what the robot does and where it is.
 
-    surge: a1 u + a2 u^3 + a3 f u + a4 r^2 + a5 v^2 + a6 t u^2
-    sway:  b1 v + b2 v |v| + b3 u v + b4 u r + b5 r + b6 r |r|
-    yaw:   c1 r + c2 v + c3 u v + c4 u r + c5 v |v| + c6 u^2 sin phi
+    surge: a1 u + a2 u^3 + a3 f u + a4 r^2 + a5 v^2 + a6 t u^2 + a7 f^2 sin^2 phi
+           + (a8 B(0.2) + a9 B(0.3) + a10 B(0.4) + a11 B(0.5)) u / V
+    sway:  b1 v + b2 v |v| + b3 u v + b4 u r + b5 r + b6 r |r| + b7 f^2 sin phi
+    yaw:   c1 r + c2 v + c3 u v + c4 u r + c5 v |v| + c6 u^2 sin phi + c7 f^2 sin phi
+           + c8 V^2 sin 4 alpha
+    pool:  d1 (-x, -y) + d2 (1, 0) + d3 (0, 1) + d4 (x, -y) + d5 (-y, x)
 
-Fitted where a mismatch fits none of the named causes; models it and says where it sits.
+with x and y from the middle of the pool, alpha the angle of attack of the head, and the hump
+B(c) = 1 / (1 + ((V - c) / 0.06 m/s)^2)^2. Fitted where a mismatch fits none of the named causes;
+models it and says where it sits.
 """
 
 from __future__ import annotations
@@ -15,32 +20,47 @@ KIND = "residual"
 CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "A force that none of the named causes explains."
 _TERMS = {
-    "a": ("N s/m", "N s3/m3", "N s2/m", "N s2", "N s2/m2", "N s/m2"),
-    "b": ("N s/m", "N s2/m2", "N s2/m2", "N s2/m", "N s", "N s2"),
-    "c": ("N m s", "N s", "N s2/m", "N s2", "N s2/m", "N s2/m"),
+    "a": ("N s/m", "N s3/m3", "N s2/m", "N s2", "N s2/m2", "N s/m2", "N s2", "N", "N", "N", "N"),
+    "b": ("N s/m", "N s2/m2", "N s2/m2", "N s2/m", "N s", "N s2", "N s2"),
+    "c": ("N m s", "N s", "N s2/m", "N s2", "N s2/m", "N s2/m", "N m s2", "N s2/m"),
+    "d": ("N/m", "N", "N", "N/m", "N/m"),
 }
+_WHERE = {"a": ("surge",), "b": ("sway",), "c": ("yaw",), "d": ("surge", "sway")}
 PARAMETERS = tuple(
-    Parameter(f"{letter}{i}", unit, 0.01, -50.0, 50.0, f"term {i} of {channel}")
-    for (letter, units), channel in zip(_TERMS.items(), CHANNELS, strict=True)
+    Parameter(f"{letter}{i}", unit, 0.01, -50.0, 50.0, f"term {i} in {' and '.join(where)}")
+    for (letter, units), where in zip(_TERMS.items(), _WHERE.values(), strict=True)
     for i, unit in enumerate(units, start=1)
 )
 STRENGTHS = len(PARAMETERS)
 
 
-def channel(term: str) -> str:
-    """Channel in which a term acts, by its letter."""
-    return CHANNELS["abc".index(term[0])]
+def channels(term: str) -> tuple[str, ...]:
+    """Channels in which a term acts, by its letter."""
+    return _WHERE[term[0]]
 
 
 def force(
-    t: float, f: float, uc: float, vc: float, r: float, sphi: float,
-    a1: float, a2: float, a3: float, a4: float, a5: float, a6: float,
-    b1: float, b2: float, b3: float, b4: float, b5: float, b6: float,
-    c1: float, c2: float, c3: float, c4: float, c5: float, c6: float,
+    t: float, f: float, x: float, y: float, uc: float, vc: float, r: float,
+    uh: float, vh: float, V: float, sphi: float, cpsi: float, spsi: float,
+    L_pool: float, W_pool: float,
+    a1: float, a2: float, a3: float, a4: float, a5: float, a6: float, a7: float,
+    a8: float, a9: float, a10: float, a11: float,
+    b1: float, b2: float, b3: float, b4: float, b5: float, b6: float, b7: float,
+    c1: float, c2: float, c3: float, c4: float, c5: float, c6: float, c7: float, c8: float,
+    d1: float, d2: float, d3: float, d4: float, d5: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
-    X = a1 * uc + a2 * uc * uc * uc + a3 * f * uc + a4 * r * r + a5 * vc * vc + a6 * t * uc * uc
-    Y = b1 * vc + b2 * vc * abs(vc) + b3 * uc * vc + b4 * uc * r + b5 * r + b6 * r * abs(r)
-    N = (c1 * r + c2 * vc + c3 * uc * vc + c4 * uc * r + c5 * vc * abs(vc)
-         + c6 * uc * uc * sphi)  # fmt: skip
-    return X, Y, N
+    jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
+    q8, q9, q10, q11 = (V - 0.2) / 0.06, (V - 0.3) / 0.06, (V - 0.4) / 0.06, (V - 0.5) / 0.06
+    e8, e9, e10, e11 = 1.0 + q8 * q8, 1.0 + q9 * q9, 1.0 + q10 * q10, 1.0 + q11 * q11
+    hump = a8 / (e8 * e8) + a9 / (e9 * e9) + a10 / (e10 * e10) + a11 / (e11 * e11)
+    mx, my = x - 0.5 * L_pool, y - 0.5 * W_pool
+    px = (d4 - d1) * mx - d5 * my + d2
+    py = -(d1 + d4) * my + d5 * mx + d3
+    X = (a1 * uc + a2 * uc * uc * uc + a3 * f * uc + a4 * r * r + a5 * vc * vc + a6 * t * uc * uc
+         + a7 * jet * sphi + hump * uc / V)  # fmt: skip
+    Y = (b1 * vc + b2 * vc * abs(vc) + b3 * uc * vc + b4 * uc * r + b5 * r + b6 * r * abs(r)
+         + b7 * jet)  # fmt: skip
+    N = (c1 * r + c2 * vc + c3 * uc * vc + c4 * uc * r + c5 * vc * abs(vc) + c6 * uc * uc * sphi
+         + c7 * jet + c8 * wave)  # fmt: skip
+    return X + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N

@@ -1,0 +1,180 @@
+"""How much a fitted model is worth: on trials left out, and how sure its effects are.
+
+The worth is the log likelihood on held-out conditions, each fold predicted from the others. How
+sure a strength is follows from leaving out trials, which correlated errors within one cannot feign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+from scipy.stats import f as f_distribution
+
+from ..data import Float
+from ..fitting import (
+    Filtered,
+    Fit,
+    Free,
+    Noise,
+    Normal,
+    Series,
+    jackknife_cov,
+    log_likelihoods,
+    moving,
+    pseudo_inverse,
+    side_log_likelihoods,
+    trial_values,
+)
+from ..integrate import Kernel, Parameter, System
+
+FOLDS = 6
+MOST_LOST = 50.0
+MOMENTS = 2000
+PRIOR_FREEDOM = 6
+
+
+@dataclass(frozen=True)
+class Trialled:
+    """A model with some effects, fitted: worth (trials,) is its held-out log likelihood.
+
+    noise: the random part it was judged under. inflation: how many times wider its numbers spread
+    over trials than one Fisher matrix says (1 where errors are as independent as modelled).
+    p_value: effect -> probability that strengths as sure as these come of nothing.
+    """
+
+    effects: tuple[str, ...]
+    fit: Fit
+    worth: Float
+    noise: Noise
+    inflation: float
+    p_value: Mapping[str, float]
+
+    @property
+    def total(self) -> float:
+        """Held-out log likelihood of all trials."""
+        return float(self.worth.sum())
+
+
+def trialled(
+    kernel: Kernel,
+    effects: Sequence[str],
+    found: Fit,
+    noise: Noise,
+    series: Sequence[Series],
+    *,
+    worth: Float | None = None,
+) -> Trialled:
+    """`Trialled` of a finished fit; worth nothing where the fit's model runs away.
+
+    Without `worth` it has that on the fitted trials: a model to begin from, not yet judged.
+    """
+    if not found.normal.usable:
+        nothing = np.full(len(series), -np.inf)
+        return Trialled(tuple(effects), found, nothing, noise, np.inf, dict.fromkeys(effects, 1.0))
+    p_value = {name: p_value_of(kernel, found, name) for name in effects}
+    own = found.normal.log_likelihood if worth is None else worth
+    return Trialled(tuple(effects), found, own, noise, inflation(kernel, found), p_value)
+
+
+def p_value_of(kernel: Kernel, found: Fit, effect: str) -> float:
+    """Probability of an effect at least as sure as this where there is none.
+
+    W = s' C^-1 s of its k strengths s with covariance C; W / k is compared to Fisher's F. C is that
+    between the n trials, moderated by what all numbers together say, the inverse Fisher matrix
+    times the inflation: the mean of both with weights n - 1 and `PRIOR_FREEDOM`, whose sum are the
+    degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats). Where one
+    trial alone informs on them there is no other; the chance is then that of chi-squared at any of
+    `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
+    """
+    frees, strengths = candidate_frees(kernel.system, effect)
+    names = [free.name for free in frees[:strengths]]
+    own = [i for i, free in enumerate(found.free) if free.name in names]
+    move = moving(kernel, found)
+    move[own] = True
+    s = found.values[own]
+    trials = int(np.sum(np.any(np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0, axis=1)))
+    if trials == 1 and len(found.normal.hessian) > 1:
+        fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / inflation(kernel, found)
+        return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
+    pooled = inflation(kernel, found) * found.naive_cov[np.ix_(own, own)]
+    between = jackknife_cov(found.normal, move)[np.ix_(own, own)]
+    cov = (PRIOR_FREEDOM * pooled + (trials - 1) * between) / (PRIOR_FREEDOM + trials - 1)
+    wald = max(float(s @ pseudo_inverse(cov) @ s), 0.0)
+    return float(f_distribution.sf(wald / len(own), len(own), PRIOR_FREEDOM + trials - 1))
+
+
+def inflation(kernel: Kernel, found: Fit) -> float:
+    """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix."""
+    move = moving(kernel, found)
+    H = found.normal.hessian.sum(axis=0)[np.ix_(move, move)]
+    C = jackknife_cov(found.normal, move)[np.ix_(move, move)]
+    return float(max(1.0, np.trace(H @ C) / max(int(move.sum()), 1)))
+
+
+def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:
+    """Trials by fold; trials of one condition are never parted, folds are about equally long."""
+    conditions = sorted({s.condition for s in series})
+    order = {c: i % min(count, max(len(conditions), 1)) for i, c in enumerate(conditions)}
+    chosen = np.array([order[s.condition] for s in series])
+    return [np.flatnonzero(chosen == k) for k in sorted(set(order.values()))]
+
+
+def held_out_worth(
+    kernel: Kernel,
+    series: Sequence[Series],
+    base: Float,
+    found: Fit,
+    *,
+    noise: Noise,
+    predictor: Sequence[Filtered],
+) -> Float:
+    """Log likelihood (trials,) of each trial at the numbers that the other folds alone give.
+
+    With the rest's Fisher matrix H and gradient g at the joint fit, the rest alone would move the
+    numbers by H^-1 g, within their bounds; the trials left out are run anew with these. Where a
+    fold holds most of what is known of a number, a prediction to second order is worth nothing; and
+    since it may lie anywhere then, no trial loses more than `MOST_LOST`.
+    """
+    move = moving(kernel, found)
+    normal = part_of(found.normal, np.flatnonzero(move).tolist())
+    bounds = np.array([(p.lower, p.upper) for p in parameters_of(kernel, found.free)])
+    total_h, total_g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
+    points: list[Float] = [base] * len(series)
+    for part in folds(series):
+        rest = total_h - normal.hessian[part].sum(axis=0) + 1e-6 * np.diag(np.diag(total_h))
+        values = found.values.copy()
+        values[move] += pseudo_inverse(rest) @ (total_g - normal.gradient[part].sum(axis=0))
+        values = np.clip(values, bounds[:, 0], bounds[:, 1])
+        for t in part:
+            points[t] = trial_values(kernel, base, found.free, values, series[t].group)
+    seen = log_likelihoods(kernel, series, points, noise=noise, predictor=predictor)
+    worth = np.nan_to_num(seen, nan=-np.inf) + side_log_likelihoods(kernel, series, points)
+    return np.maximum(worth, found.normal.log_likelihood - MOST_LOST)
+
+
+def parameters_of(kernel: Kernel, free: Sequence[Free]) -> list[Parameter]:
+    """The parameters that these numbers are values of."""
+    return [kernel.system.parameters[kernel.system.slot[f.name]] for f in free]
+
+
+def candidate_frees(system: System, name: str) -> tuple[list[Free], int]:
+    """The numbers of a candidate that a fit may change, and how many of them are strengths.
+
+    A candidate is an effect, or one term of an effect of many terms as `effect.term`.
+    """
+    if "." in name:
+        return [Free(name)], 1
+    effect = system.effect(name)
+    return [Free(f"{name}.{p.name}") for p in effect.parameters], effect.strengths
+
+
+def part_of(normal: Normal, columns: Sequence[int]) -> Normal:
+    """Normal equations of some of the numbers, the others held."""
+    return Normal(
+        normal.hessian[:, columns][:, :, columns],
+        normal.gradient[:, columns],
+        normal.log_likelihood,
+    )

@@ -134,6 +134,16 @@ def refitted(
     )  # fmt: skip
 
 
+def with_own_noise(given: Case, model: Trialled, rounds: int = 2) -> Trialled:
+    """A model and its noise, fitted in turn to all trials."""
+    for _ in range(rounds):
+        points = values_of(given, model, given.series)
+        noise = fit_noise(given.kernel, given.series, points, model.noise, rounds=4,
+                          most=len(given.series))  # fmt: skip
+        model = refitted(given, model.effects, replace(model, noise=noise))
+    return model
+
+
 def foretold(
     given: Case, model: Trialled, seen: Sequence[Series] | None = None, *, open_states: int = 6
 ) -> list[Shot]:

@@ -10,9 +10,12 @@ import click
 
 from pipeline.fitting import Free, Series
 
-from ..engine import Case, case, investigate
+from ..drawing import write
+from ..engine import Case, Outcome, case, investigate
 from ..telling import coefficients, found, table
+from .edge import near_over_far, rivals
 from .model import SYSTEM
+from .picture import draw
 from .reading import FIRST_NOISE, Run, read_folder, series
 
 
@@ -26,7 +29,8 @@ def case_of(runs: Sequence[Run]) -> Case:
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-def main(folder: Path) -> None:
+@click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+def main(folder: Path, figure: Path | None) -> None:
     """What slows the robot of FOLDER."""
     runs = read_folder(folder)
     rows = [(r.name, r.faults, f"{r.gap_s:.1f}", f"{r.places[:, 1].min():.2f}",
@@ -34,7 +38,25 @@ def main(folder: Path) -> None:
     click.echo(table(("run", "places set aside", "longest gap, s", "y from, m", "to, m"), rows))
     given = case_of(runs)
     outcome = investigate(given)
-    click.echo(f"\n{coefficients(outcome)}\n\n{found(given, outcome)}")
+    click.echo(f"\n{coefficients(outcome)}\n\n{found(given, outcome)}\n")
+    click.echo(table(("at the edge, beside what is named", "size", "held-out gain", "chance",
+                      "weight"), _at_the_edge(given, outcome)) + "\n")  # fmt: skip
+    ratios = [(k, f"{r:.2f}", f"{near}, {far}")
+              for k, (r, near, far) in near_over_far(runs).items()]  # fmt: skip
+    click.echo(table(("command", "speed within 0.12 m of the edge over speed beyond",
+                      "beats in both"), ratios))  # fmt: skip
+    if figure:
+        write(figure, lambda: draw(runs))
+
+
+def _at_the_edge(given: Case, outcome: Outcome) -> list[tuple[object, ...]]:
+    rows: list[tuple[object, ...]] = []
+    for name, (model, gain, weight) in rivals(given, outcome).items():
+        own = {k: v for k, v in model.fit.by_label().items() if k.startswith(name + ".")}
+        size = ", ".join(f"{k.split('.')[1]} {v:.2g}" for k, v in own.items())
+        rows.append((f"`{name}`", size, f"{gain:.1f}", f"{model.p_value[name]:.1e}",
+                     f"{weight:.2f}"))  # fmt: skip
+    return rows
 
 
 if __name__ == "__main__":

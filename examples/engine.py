@@ -7,8 +7,8 @@ recording to recording is the system, its series and what an error means there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,13 +29,16 @@ from pipeline.integrate import Kernel, System, compiled
 from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
 from pipeline.mismatch.search import candidate_frees, with_starts
 
+MOST_AT_ONCE = 4
+
 
 @dataclass(frozen=True)
 class Case:
     """A system, its trials, the noise to begin with, and what is open in the search.
 
     coefficients: numbers of the bare model that are fitted, those of the effects in `within`
-    among them; candidates: names of the effects that may have been left out.
+    among them; candidates: names of the effects that may have been left out; start: where the bare
+    model's fit begins, by label.
     """
 
     system: System
@@ -44,6 +47,7 @@ class Case:
     coefficients: tuple[Free, ...]
     candidates: tuple[str, ...]
     within: tuple[str, ...] = ()
+    start: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def kernel(self) -> Kernel:
@@ -81,8 +85,15 @@ class Outcome:
         return dict(sorted(lost.items(), key=lambda item: -item[1]))
 
     def weights(self, name: str) -> dict[str, float]:
-        """Weights of the candidates that competed for a chosen effect's place."""
-        tried = {t.effects[-1]: t for t in self.choice.places[name].tried}
+        """Weights of the candidates that competed for a chosen effect's place.
+
+        By the inflation of the chosen model: that of a rival which bends the numbers to single
+        trials would make all of them look alike.
+        """
+        tried = {
+            t.effects[-1]: replace(t, inflation=self.chosen.inflation)
+            for t in self.choice.places[name].tried
+        }
         return weights({k: t for k, t in tried.items() if np.isfinite(t.total)})
 
 
@@ -108,7 +119,7 @@ def case(
 def bare_model(given: Case) -> Trialled:
     """The model without effects: numbers, then noise, then numbers again."""
     kernel, series, base, free = given.kernel, given.series, given.base, given.coefficients
-    first = fit(kernel, series, base, free, given.noise)
+    first = fit(kernel, series, base, free, given.noise, start=given.start)
     points = [trial_values(kernel, base, free, first.values, s.group) for s in series]
     noise = fit_noise(kernel, series, points, given.noise, rounds=4)
     again = fit(kernel, series, base, free, noise, start=first.by_label())
@@ -122,6 +133,48 @@ def investigate(given: Case, progress: Callable[[str], None] = lambda _: None) -
     cov = jackknife_cov(found.normal, moving(given.kernel, found))
     labels = [f.label for f in found.free]
     return Outcome(choice, dict(zip(labels, np.sqrt(np.diag(cov)).tolist(), strict=True)))
+
+
+def searched_on(given: Case, outcome: Outcome) -> tuple[Case, Outcome]:
+    """The search begun again, with what was named within the bare model, while it ends full.
+
+    The engine looks for no more than four effects at once.
+    """
+    while len(outcome.chosen.effects) >= MOST_AT_ONCE:
+        found = outcome.chosen
+        open_ = tuple(c for c in given.candidates if c not in found.effects)
+        given = replace(
+            given, noise=found.noise, coefficients=found.fit.free, candidates=open_,
+            within=(*given.within, *found.effects), start=found.fit.by_label(),
+        )  # fmt: skip
+        outcome = investigate(given)
+    return given, outcome
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A candidate beside a model: the refit, its gain in held-out log likelihood, its weight among
+    those asked with it and `nothing`.
+    """
+
+    model: Trialled
+    gain: float
+    weight: float
+
+
+def beside(given: Case, chosen: Trialled, names: Sequence[str]) -> dict[str, Beside]:
+    """Rivals that answer one question, each alone beside what is named apart from them.
+
+    The best comes first; `nothing` stands for none of them.
+    """
+    named = tuple(e for e in chosen.effects if e not in names)
+    before = chosen if named == chosen.effects else refitted(given, named, chosen)
+    found = {"nothing": before, **{n: refitted(given, (*named, n), before) for n in names}}
+    usable = {n: replace(t, inflation=before.inflation) for n, t in found.items()
+              if np.isfinite(t.total)}  # fmt: skip
+    share = weights(usable)
+    rows = {n: Beside(t, t.total - before.total, share.get(n, 0.0)) for n, t in found.items()}
+    return dict(sorted(rows.items(), key=lambda row: -row[1].gain))
 
 
 def refitted(

@@ -11,9 +11,9 @@ import click
 from pipeline.fitting import Free, Series
 
 from ..drawing import write
-from ..engine import Case, Outcome, case, investigate
-from ..telling import coefficients, found, table
-from .edge import near_over_far, rivals
+from ..engine import Case, beside, case, investigate
+from ..telling import asked, coefficients, found, table
+from .edge import AT_THE_EDGE, near_over_far
 from .model import SYSTEM
 from .picture import draw
 from .reading import FIRST_NOISE, Run, read_folder, series
@@ -39,24 +39,14 @@ def main(folder: Path, figure: Path | None) -> None:
     given = case_of(runs)
     outcome = investigate(given)
     click.echo(f"\n{coefficients(outcome)}\n\n{found(given, outcome)}\n")
-    click.echo(table(("at the edge, beside what is named", "size", "held-out gain", "chance",
-                      "weight"), _at_the_edge(given, outcome)) + "\n")  # fmt: skip
+    answers = beside(given, outcome.chosen, AT_THE_EDGE)
+    click.echo(asked("at the edge, beside what is named", answers) + "\n")
     ratios = [(k, f"{r:.2f}", f"{near}, {far}")
               for k, (r, near, far) in near_over_far(runs).items()]  # fmt: skip
     click.echo(table(("command", "speed within 0.12 m of the edge over speed beyond",
                       "beats in both"), ratios))  # fmt: skip
     if figure:
         write(figure, lambda: draw(runs))
-
-
-def _at_the_edge(given: Case, outcome: Outcome) -> list[tuple[object, ...]]:
-    rows: list[tuple[object, ...]] = []
-    for name, (model, gain, weight) in rivals(given, outcome).items():
-        own = {k: v for k, v in model.fit.by_label().items() if k.startswith(name + ".")}
-        size = ", ".join(f"{k.split('.')[1]} {v:.2g}" for k, v in own.items())
-        rows.append((f"`{name}`", size, f"{gain:.1f}", f"{model.p_value[name]:.1e}",
-                     f"{weight:.2f}"))  # fmt: skip
-    return rows
 
 
 if __name__ == "__main__":

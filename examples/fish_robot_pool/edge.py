@@ -1,4 +1,4 @@
-"""The tank's edge against its picture: what the speed is said to depend on, and by what weight."""
+"""The tank's edge against its picture: speeds beat by beat, near it and far from it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from pipeline.data import Float
-from pipeline.mismatch import Trialled, weights
 
 from ..averaging import block_means
-from ..engine import Case, Outcome, refitted, with_own_noise
 from .reading import Run
 
 AT_THE_EDGE = ("wall_effect", "edge_scale")
@@ -62,14 +60,3 @@ def near_over_far(runs: Sequence[Run]) -> dict[str, tuple[float, int, int]]:
             ratio = float(speed[near].mean() / speed[far].mean())
             out[command] = (ratio, int(near.sum()), int(far.sum()))
     return out
-
-
-def rivals(given: Case, outcome: Outcome) -> dict[str, tuple[Trialled, float, float]]:
-    """Statement about the edge -> the model with it beside what was named, its gain, its weight."""
-    before = outcome.chosen
-    rest = [name for name in before.effects if name not in AT_THE_EDGE]
-    model = before if len(rest) == len(before.effects) else refitted(given, rest, before)
-    tried = {name: with_own_noise(given, refitted(given, (*rest, name), model), rounds=1)
-             for name in AT_THE_EDGE}  # fmt: skip
-    share = weights(tried)
-    return {name: (t, t.total - model.total, share[name]) for name, t in tried.items()}

@@ -19,7 +19,8 @@ def draw(runs: Sequence[Run]) -> Figure:
     across, along = figure.subplots(1, 2, sharey=True)
     for i, command in enumerate(dict.fromkeys(r.condition for r in runs)):
         own = [beats(r) for r in runs if r.condition == command]
-        _command(across, along, own, command, COLOURS[i % len(COLOURS)])
+        style = (COLOURS[i % len(COLOURS)], "os^"[i // len(COLOURS)])
+        _command(across, along, own, command, style)
     across.axvspan(0, NEAR_M, color="#e4e7ea")
     across.set(xlabel="distance from the edge y = 0, m (grey: within 0.12 m)",
                ylabel="speed over the command's mean", title="Across, in the tank's middle",
@@ -30,13 +31,16 @@ def draw(runs: Sequence[Run]) -> Figure:
     return figure
 
 
-def _command(across: Axes, along: Axes, own: Sequence[Beats], command: str, colour: str) -> None:
+def _command(
+    across: Axes, along: Axes, own: Sequence[Beats], command: str, style: tuple[str, str]
+) -> None:
+    colour, marker = style
     speed, x, y = (np.concatenate([getattr(b, k) for b in own]) for k in ("speed", "x", "y"))
     good = ~np.concatenate([b.gaps for b in own])
     middle = good & (x > MIDDLE_M[0]) & (x < MIDDLE_M[1])
     share = speed / speed[middle].mean()
-    across.plot(y[middle], share[middle], "o", ms=3, color=colour,
+    across.plot(y[middle], share[middle], marker, ms=3, color=colour,
                 label=command.replace("_", ", "))  # fmt: skip
-    along.plot(x[good], share[good], "o", ms=3, color=colour)
+    along.plot(x[good], share[good], marker, ms=3, color=colour)
     for axes in (across, along):
         axes.axhline(1.0, color=MEASURED, lw=0.6)

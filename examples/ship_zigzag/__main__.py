@@ -11,10 +11,15 @@ import numpy as np
 from pipeline.fitting import Series, Shot, shoot
 from pipeline.mismatch import Trialled
 
-from ..engine import Case, case, foretold, investigate, values_of
-from ..telling import coefficients, found, table
+from ..drawing import write
+from ..engine import Case, beside, case, foretold, investigate, searched_on, values_of
+from ..telling import asked, coefficients, found, table
 from .model import SYSTEM
+from .picture import draw
 from .reading import FIRST_NOISE, read_folder
+
+TO_ONE_SIDE = ("single_screw", "rudder_zero", "heading_zero", "drift_asymmetry", "current")
+"""What a ship that is the same on both sides, in still water and well measured, does not show."""
 
 
 def path_m(shots: Sequence[Shot]) -> float:
@@ -37,20 +42,37 @@ def free_runs(given: Case, model: Trialled, trials: Sequence[Series]) -> list[Sh
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of other manoeuvres.")
-def main(folder: Path, predict: Path | None) -> None:
+@click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+def main(folder: Path, predict: Path | None, figure: Path | None) -> None:
     """What the manoeuvres in FOLDER say the linear model lacks, and how it foretells others."""
     trials = read_folder(folder)
-    given = case(SYSTEM, trials, FIRST_NOISE)
-    outcome = investigate(given)
-    click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
+    first = case(SYSTEM, trials, FIRST_NOISE)
+    outcome = investigate(first)
+    click.echo(f"{coefficients(outcome)}\n\n{found(first, outcome)}\n")
+    given, more = searched_on(first, outcome)
+    if more is not outcome:
+        click.echo(f"With these in the model:\n\n{found(given, more)}\n")
+    answers = beside(given, more.chosen, TO_ONE_SIDE)
+    click.echo(asked("what differs from side to side, beside what is named", answers) + "\n")
     others = read_folder(predict) if predict else trials
-    rows = []
-    for name, model in (("bare", outcome.choice.bare), ("with what was named", outcome.chosen)):
-        shots = free_runs(given, model, others) if predict else foretold(given, model)
-        rows.append((name, f"{path_m(shots):.3f}", f"{heading_deg(others, shots):.2f}"))
-        rows += [(f"{name}: {t.name}", f"{s.rmse:.3f}", f"{heading_deg([t], [s]):.2f}")
-                 for t, s in zip(others, shots, strict=True)]  # fmt: skip
-    click.echo(table(("manoeuvres foretold", "path, m", "heading, deg"), rows))
+    runs = {
+        name: free_runs(given_, model, others) if predict else foretold(given_, model)
+        for name, given_, model in (
+            ("bare", first, outcome.choice.bare), ("with what was named", given, more.chosen))
+    }  # fmt: skip
+    click.echo(_errors(others, runs))
+    if figure:
+        write(figure, lambda: draw(others, runs))
+
+
+def _errors(trials: Sequence[Series], runs: dict[str, list[Shot]]) -> str:
+    """Errors of all manoeuvres together and of each."""
+    rows: list[tuple[str, ...]] = []
+    for i, trial in enumerate(trials):
+        each = [(s.rmse, heading_deg([trial], [s])) for s in (r[i] for r in runs.values())]
+        rows.append((trial.name, *(f"{p:.2f}, {h:.2f}" for p, h in each)))
+    both = [f"{path_m(r):.2f}, {heading_deg(trials, r):.2f}" for r in runs.values()]
+    return table(("foretold: path error m, heading error deg", *runs), [("all", *both), *rows])
 
 
 if __name__ == "__main__":

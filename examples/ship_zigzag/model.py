@@ -129,7 +129,7 @@ def heading_zero(d: float) -> Three:
 
 
 EFFECTS = (
-    pushes("The tank is never quite still.", "force", ("surge", "sway", "yaw"), (5.0, 0.2, 60.0)),
+    pushes("The tank is never quite still.", "force", ("surge", "sway", "yaw"), (2.0, 0.2, 5.0)),
     lasting_errors("Errors of tracking last for a while.", 3, (1.0, 0.1, 5.0)),
     effect("speed_loss", "Drifting and turning cost speed.", {"force": speed_loss},
            (("X_vv", "1", -0.1, -10.0, 10.0, "from drift"),

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Frame
-from .edges import pick
+from .edges import picked
 from .posefit import Shape, measure
 from .template import CORE_STATIONS, HEAD_STATIONS, Template, stands_out
 from .tracking import Fit, Scene
@@ -17,6 +17,7 @@ from .tracking import Fit, Scene
 Float = npt.NDArray[np.float64]
 INSIDE_PX = (2.5, 4.5)
 SMEARED = 0.04
+THIN = 16
 MISLED_PX, MISLED, MOST_MISLED = 0.15, 6.0, 0.15
 
 
@@ -35,7 +36,7 @@ def shown(
         scale = np.hypot(slope[:, 0], slope[:, 1])
         offsets[row, kept] = found / scale
         greys[:, row, kept] = _inside(frame, scene, shape, (one.pose, found / scale))
-    return offsets, _solid(greys, float(np.median(scene.floor)))
+    return offsets, _solid(greys, float(np.median(scene.floor[::THIN, ::THIN])))
 
 
 def _solid(greys: Float, floor: float) -> Float:
@@ -65,8 +66,7 @@ def _inside(frame: Frame, scene: Scene, shape: Shape, at: tuple[Float, Float]) -
     height, width = frame.luma.shape
     ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
     ok &= np.isfinite(np.tile(offset_m, len(INSIDE_PX)))
-    grey = [pick(frame.luma, *p) if fine else np.nan for p, fine in zip(uv, ok, strict=True)]
-    return np.array(grey).reshape(len(INSIDE_PX), -1)
+    return picked(frame.luma, uv, ok).reshape(len(INSIDE_PX), -1)
 
 
 def without_misled(template: Template, offsets_px: Float) -> Template:

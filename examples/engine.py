@@ -7,8 +7,8 @@ recording to recording is the system, its series and what an error means there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from pipeline.fitting import (
 from pipeline.integrate import Kernel, System, compiled
 from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
 from pipeline.mismatch.search import candidate_frees, with_starts
+from pipeline.mismatch.select import one_round, pruned
 
 MOST_AT_ONCE = 4
 
@@ -37,8 +38,7 @@ class Case:
     """A system, its trials, the noise to begin with, and what is open in the search.
 
     coefficients: numbers of the bare model that are fitted, those of the effects in `within`
-    among them; candidates: names of the effects that may have been left out; start: where the bare
-    model's fit begins, by label.
+    among them; candidates: names of the effects that may have been left out.
     """
 
     system: System
@@ -47,7 +47,6 @@ class Case:
     coefficients: tuple[Free, ...]
     candidates: tuple[str, ...]
     within: tuple[str, ...] = ()
-    start: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def kernel(self) -> Kernel:
@@ -119,7 +118,7 @@ def case(
 def bare_model(given: Case) -> Trialled:
     """The model without effects: numbers, then noise, then numbers again."""
     kernel, series, base, free = given.kernel, given.series, given.base, given.coefficients
-    first = fit(kernel, series, base, free, given.noise, start=given.start)
+    first = fit(kernel, series, base, free, given.noise)
     points = [trial_values(kernel, base, free, first.values, s.group) for s in series]
     noise = fit_noise(kernel, series, points, given.noise, rounds=4)
     again = fit(kernel, series, base, free, noise, start=first.by_label())
@@ -129,26 +128,36 @@ def bare_model(given: Case) -> Trialled:
 def investigate(given: Case, progress: Callable[[str], None] = lambda _: None) -> Outcome:
     """The whole search."""
     choice = choose(given.bench(progress), bare_model(given))
-    found = choice.chosen.fit
-    cov = jackknife_cov(found.normal, moving(given.kernel, found))
-    labels = [f.label for f in found.free]
-    return Outcome(choice, dict(zip(labels, np.sqrt(np.diag(cov)).tolist(), strict=True)))
+    return Outcome(choice, deviations(given, choice.chosen))
 
 
-def searched_on(given: Case, outcome: Outcome) -> tuple[Case, Outcome]:
-    """The search begun again, with what was named within the bare model, while it ends full.
+def deviations(given: Case, model: Trialled) -> dict[str, float]:
+    """Deviation of each of a model's numbers, over trials."""
+    cov = jackknife_cov(model.fit.normal, moving(given.kernel, model.fit))
+    labels = [f.label for f in model.fit.free]
+    return dict(zip(labels, np.sqrt(np.diag(cov)).tolist(), strict=True))
 
-    The engine looks for no more than four effects at once.
+
+def searched_on(given: Case, outcome: Outcome, most: int = 2) -> Outcome:
+    """The search gone on for up to `most` effects more, where it ended full.
+
+    The engine names no more than four effects at once; what a ship's linear model lacks is more.
     """
-    while len(outcome.chosen.effects) >= MOST_AT_ONCE:
-        found = outcome.chosen
-        open_ = tuple(c for c in given.candidates if c not in found.effects)
-        given = replace(
-            given, noise=found.noise, coefficients=found.fit.free, candidates=open_,
-            within=(*given.within, *found.effects), start=found.fit.by_label(),
-        )  # fmt: skip
-        outcome = investigate(given)
-    return given, outcome
+    if len(outcome.chosen.effects) < MOST_AT_ONCE:
+        return outcome
+    bench, choice = given.bench(lambda _: None), outcome.choice
+    current, without = choice.chosen, choice.without
+    rounds, places = list(choice.rounds), dict(choice.places)
+    for _ in range(most):
+        done = one_round(bench, current, choice.bare)
+        new = set(done.best.effects) - set(current.effects)
+        if not new:
+            break
+        current, without = pruned(bench, bench.renoised(done.best), choice.bare)
+        rounds.append(done)
+        places |= dict.fromkeys(new, done)
+    more = Choice(choice.bare, current, tuple(rounds), without, places)
+    return Outcome(more, deviations(given, current))
 
 
 @dataclass(frozen=True)

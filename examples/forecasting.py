@@ -33,6 +33,12 @@ class Forecast:
         return float(np.mean((self.foretold[:, 0] - self.seen[:, 0]) ** 2))
 
     @property
+    def path_rms(self) -> float:
+        """Root mean square distance between the first two observations seen and foretold."""
+        apart = (self.foretold - self.seen)[:, :2]
+        return float(np.sqrt(np.mean(np.sum(apart**2, axis=1))))
+
+    @property
     def expected(self) -> float:
         """What `mean_square` should be by the stated deviations."""
         return float(np.mean(self.std[:, 0] ** 2))

@@ -13,7 +13,7 @@ from ..drawing import AFTER, BEFORE, MEASURED
 from ..forecasting import Forecast
 from .errors import PUBLISHED_M2, Drop
 
-SPHERE = ((0.4, 0.5, "sphere before"), (0.1, 0.3, "and after the drag crisis"))
+SPHERE = ((0.4, 0.5, "sphere"), (0.1, 0.3, "beyond drag crisis"))
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -12,7 +13,7 @@ from pipeline.fitting import Noise
 from pipeline.mismatch import Trialled
 
 from ..drawing import write
-from ..engine import Case, beside, case, investigate
+from ..engine import Beside, Case, beside, case, investigate
 from ..telling import asked, coefficients, found, table
 from .asymmetry import CAUSES
 from .errors import left_out, path_errors, paths_left_out, repeatability, total
@@ -51,9 +52,19 @@ def main(folder: Path, predict: Path | None, asymmetry: bool, figure: Path | Non
     if asymmetry:
         answers = beside(given, outcome.chosen, CAUSES)
         click.echo("\n" + asked("cause of the asymmetry, beside what is named", answers))
+        click.echo("\n" + _paths_with(given, answers, recordings))
     if figure:
         paths = _paths(given, models, recordings)
         write(figure, lambda: draw(recordings, paths))
+
+
+def _paths_with(given: Case, answers: Mapping[str, Beside], recordings: list[Recording]) -> str:
+    """Path error of conditions left out with each cause beside what is named."""
+    trials = [series(r) for r in recordings]
+    errors = {n: left_out(given, one.model, trials, KNOWN_S) for n, one in answers.items()}
+    rows = sorted((total(e[np.inf]), total(e[1.0]), n) for n, e in errors.items())
+    return table(("path error, mm, with", "start fitted", "first second"),
+                 [(n, f"{1000 * a:.1f}", f"{1000 * b:.1f}") for a, b, n in rows])  # fmt: skip
 
 
 def _paths(

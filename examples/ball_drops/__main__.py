@@ -12,6 +12,7 @@ import numpy as np
 from pipeline.fitting import Series
 from pipeline.mismatch import Trialled
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Case, bare_model, case, investigate, refitted, with_own_noise
 from ..telling import coefficients, found, table
@@ -57,6 +58,7 @@ def pair(value: tuple[float, float], digits: int = 2) -> str:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, figure: Path | None) -> None:
     """What gravity alone leaves out of the falls in FOLDER."""
     balls = read_folder(folder)

@@ -10,6 +10,7 @@ import click
 
 from pipeline.fitting import Free, Series
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Case, beside, case, investigate
 from ..telling import asked, coefficients, found, table
@@ -30,6 +31,7 @@ def case_of(runs: Sequence[Run]) -> Case:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, figure: Path | None) -> None:
     """What slows the robot of FOLDER."""
     runs = read_folder(folder)

@@ -8,6 +8,7 @@ import click
 
 from pipeline.fitting import Series
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Case, case, investigate
 from ..telling import coefficients, found, table
@@ -42,6 +43,7 @@ def frictions(whole: Series) -> dict[str, Law]:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, figure: Path | None) -> None:
     """Which friction stops the pendulum in FOLDER."""
     whole = read_folder(folder)

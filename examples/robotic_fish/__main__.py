@@ -12,6 +12,7 @@ from pipeline.data import Float
 from pipeline.fitting import Noise
 from pipeline.mismatch import Trialled
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Beside, Case, beside, case, investigate
 from ..telling import asked, coefficients, found, table
@@ -38,6 +39,7 @@ def case_of(recordings: list[Recording]) -> Case:
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
 @click.option("--asymmetry", is_flag=True, help="Try every cause of the asymmetry as well.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, predict: Path | None, asymmetry: bool, figure: Path | None) -> None:
     """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
     recordings = read_folder(folder)

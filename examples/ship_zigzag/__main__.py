@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.fitting import Series
 from pipeline.mismatch import Trialled
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Case, beside, case, investigate, refitted, searched_on, values_of
 from ..forecasting import Forecast, forecast
@@ -57,6 +58,7 @@ def left_out(given: Case, model: Trialled) -> list[Forecast]:
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of other manoeuvres.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, predict: Path | None, figure: Path | None) -> None:
     """What the manoeuvres in FOLDER say the linear model lacks, and how it foretells others."""
     trials = read_folder(folder)

@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.fitting import Noise, Series, Shot, thinned
 from pipeline.mismatch import try_effects
 
+from ..command import plainly
 from ..drawing import write
 from ..engine import Case, case, foretold, investigate
 from ..telling import coefficients, found, table
@@ -56,6 +57,7 @@ def error_rad_s(given: Case, trials: tuple[Series, ...], effects: tuple[str, ...
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
 def main(folder: Path, figure: Path | None) -> None:
     """What damps the vessel in FOLDER, and what shifts it."""
     trials = read_folder(folder)

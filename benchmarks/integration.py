@@ -44,19 +44,21 @@ FLAGS = {
     "C, 16 lanes": ("lanes", ["-Ofast"]),
     "C, 16 lanes, widest vectors": ("lanes", ["-Ofast", "-mprefer-vector-width=512"]),
 }
+NOTHING = {name: {key: 1e-300} for name, key in (("tail_fin_lift", "S"), ("viscous_drag", "k"))}
+"""Two effects of no size, which send every stage its general way."""
 ORDER = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 
 Run = Callable[[float], np.ndarray]
 """Longest step [s] -> end of the first path: x, y, core heading."""
 
 
-def ours(system: System) -> Run:
+def ours(system: System, blocks: int = BLOCKS, **effects: dict[str, float]) -> Run:
     """All blocks in one call, from this system's kernel."""
-    values = np.tile(system.values(TABLE_1[POWER])[None, :, None], (BLOCKS, 1, LANES))
-    fixed = np.tile(constants(SETUP, 0.12)[None, :, None], (BLOCKS, 1, LANES))
-    state = np.zeros((BLOCKS, len(system.all_states), LANES))
-    times = np.tile(np.arange(FRAMES) / RATE, (BLOCKS, 1))
-    inputs = np.tile([ANGLE, FLAP_HZ[POWER]], (BLOCKS, FRAMES, 1))
+    values = np.tile(system.values(TABLE_1[POWER], effects)[None, :, None], (blocks, 1, LANES))
+    fixed = np.tile(constants(SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
+    state = np.zeros((blocks, len(system.all_states), LANES))
+    times = np.tile(np.arange(FRAMES) / RATE, (blocks, 1))
+    inputs = np.tile([ANGLE, FLAP_HZ[POWER]], (blocks, FRAMES, 1))
     kernel = compiled(system)
 
     def run(step_s: float) -> np.ndarray:
@@ -65,6 +67,7 @@ def ours(system: System) -> Run:
         )
         return observed[0, -1, :3, 0]
 
+    run(1 / 60)  # compiled now
     return run
 
 
@@ -154,13 +157,19 @@ def compare(runs: dict[str, Run], seconds: float) -> None:
 
 
 def on_two_cores(run: Run, seconds: float) -> None:
-    """Print what a second thread brings."""
-    times = {}
-    for threads in ("1", "2"):
-        os.environ["BLUEKOI_THREADS"] = threads
-        times[threads] = best_times({"run": run}, 1 / 240, seconds)["run"]
+    """Print what a second thread brings, calls with one and with two in turn."""
+
+    def with_threads(count: str) -> Run:
+        def call(step_s: float) -> np.ndarray:
+            os.environ["BLUEKOI_THREADS"] = count
+            return run(step_s)
+
+        return call
+
+    for step_s in (1 / 60, 1 / 240):
+        times = best_times({n: with_threads(n) for n in ("1", "2")}, step_s, 2 * seconds)
+        print(f"step 1/{1 / step_s:.0f} s: two cores {times['1'] / times['2']:.2f} times one")
     os.environ["BLUEKOI_THREADS"] = "1"
-    print(f"two cores: {times['1'] / times['2']:.2f} times one")
 
 
 def first_calls() -> None:
@@ -188,8 +197,9 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         runs: dict[str, Run] = {name: by_hand(Path(folder), name) for name in FLAGS}
         runs |= {"ours, bare model": ours(bare()), "ours, every effect off": ours(plates())}
+        runs |= {"ours, effects that do nothing on": ours(plates(), **NOTHING)}
         compare(runs, given.seconds)
-        on_two_cores(runs["ours, every effect off"], given.seconds)
+        on_two_cores(ours(plates(), blocks=4 * BLOCKS), given.seconds)
     if given.fresh:
         first_calls()
 

@@ -28,6 +28,9 @@ from pipeline.fitting import (
 from pipeline.integrate import Kernel, System, compiled
 from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
 from pipeline.mismatch.search import candidate_frees, with_starts
+from pipeline.mismatch.select import one_round, pruned
+
+MOST_AT_ONCE = 4
 
 
 @dataclass(frozen=True)
@@ -81,8 +84,15 @@ class Outcome:
         return dict(sorted(lost.items(), key=lambda item: -item[1]))
 
     def weights(self, name: str) -> dict[str, float]:
-        """Weights of the candidates that competed for a chosen effect's place."""
-        tried = {t.effects[-1]: t for t in self.choice.places[name].tried}
+        """Weights of the candidates that competed for a chosen effect's place.
+
+        By the inflation of the chosen model: that of a rival which bends the numbers to single
+        trials would make all of them look alike.
+        """
+        tried = {
+            t.effects[-1]: replace(t, inflation=self.chosen.inflation)
+            for t in self.choice.places[name].tried
+        }
         return weights({k: t for k, t in tried.items() if np.isfinite(t.total)})
 
 
@@ -118,10 +128,62 @@ def bare_model(given: Case) -> Trialled:
 def investigate(given: Case, progress: Callable[[str], None] = lambda _: None) -> Outcome:
     """The whole search."""
     choice = choose(given.bench(progress), bare_model(given))
-    found = choice.chosen.fit
-    cov = jackknife_cov(found.normal, moving(given.kernel, found))
-    labels = [f.label for f in found.free]
-    return Outcome(choice, dict(zip(labels, np.sqrt(np.diag(cov)).tolist(), strict=True)))
+    return Outcome(choice, deviations(given, choice.chosen))
+
+
+def deviations(given: Case, model: Trialled) -> dict[str, float]:
+    """Deviation of each of a model's numbers, over trials."""
+    cov = jackknife_cov(model.fit.normal, moving(given.kernel, model.fit))
+    labels = [f.label for f in model.fit.free]
+    return dict(zip(labels, np.sqrt(np.diag(cov)).tolist(), strict=True))
+
+
+def searched_on(given: Case, outcome: Outcome, most: int = 2) -> Outcome:
+    """The search gone on for up to `most` effects more, where it ended full.
+
+    The engine names no more than four effects at once; what a ship's linear model lacks is more.
+    """
+    if len(outcome.chosen.effects) < MOST_AT_ONCE:
+        return outcome
+    bench, choice = given.bench(lambda _: None), outcome.choice
+    current, without = choice.chosen, choice.without
+    rounds, places = list(choice.rounds), dict(choice.places)
+    for _ in range(most):
+        done = one_round(bench, current, choice.bare)
+        new = set(done.best.effects) - set(current.effects)
+        if not new:
+            break
+        current, without = pruned(bench, bench.renoised(done.best), choice.bare)
+        rounds.append(done)
+        places |= dict.fromkeys(new, done)
+    more = Choice(choice.bare, current, tuple(rounds), without, places)
+    return Outcome(more, deviations(given, current))
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A candidate beside a model: the refit, its gain in held-out log likelihood, its weight among
+    those asked with it and `nothing`.
+    """
+
+    model: Trialled
+    gain: float
+    weight: float
+
+
+def beside(given: Case, chosen: Trialled, names: Sequence[str]) -> dict[str, Beside]:
+    """Rivals that answer one question, each alone beside what is named apart from them.
+
+    The best comes first; `nothing` stands for none of them.
+    """
+    named = tuple(e for e in chosen.effects if e not in names)
+    before = chosen if named == chosen.effects else refitted(given, named, chosen)
+    found = {"nothing": before, **{n: refitted(given, (*named, n), before) for n in names}}
+    usable = {n: replace(t, inflation=before.inflation) for n, t in found.items()
+              if np.isfinite(t.total)}  # fmt: skip
+    share = weights(usable)
+    rows = {n: Beside(t, t.total - before.total, share.get(n, 0.0)) for n, t in found.items()}
+    return dict(sorted(rows.items(), key=lambda row: -row[1].gain))
 
 
 def refitted(
@@ -132,6 +194,16 @@ def refitted(
         given.kernel, series or given.series, given.base, given.coefficients, effects,
         noise=like.noise, start=like.fit.by_label(), iterations=25,
     )  # fmt: skip
+
+
+def with_own_noise(given: Case, model: Trialled, rounds: int = 2) -> Trialled:
+    """A model and its noise, fitted in turn to all trials."""
+    for _ in range(rounds):
+        points = values_of(given, model, given.series)
+        noise = fit_noise(given.kernel, given.series, points, model.noise, rounds=4,
+                          most=len(given.series))  # fmt: skip
+        model = refitted(given, model.effects, replace(model, noise=noise))
+    return model
 
 
 def foretold(

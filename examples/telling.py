@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from .engine import Case, Outcome
+from .engine import Beside, Case, Outcome
 
 LEAST_WEIGHT = 0.02
 
@@ -63,6 +63,19 @@ def tried(outcome: Outcome, count: int = 4) -> str:
         for t in last.tried[:count] if np.isfinite(t.total)
     ]  # fmt: skip
     return table(("candidate", "held-out gain", "chance"), rows)
+
+
+def asked(question: str, answers: Mapping[str, Beside]) -> str:
+    """Rivals that answer one question, with size, gain, chance and weight."""
+    rows = []
+    for name, one in answers.items():
+        own = {k.split(".", 1)[1]: v for k, v in one.model.fit.by_label().items()
+               if k.startswith(name + ".")}  # fmt: skip
+        size = ", ".join(f"{k} {v:.3g}" for k, v in own.items())
+        chance = f"{one.model.p_value[name]:.1e}" if name in one.model.p_value else ""
+        rows.append((f"`{name}`" if own else name, size, f"{one.gain:.1f}", chance,
+                     f"{one.weight:.2f}"))  # fmt: skip
+    return table((question, "size", "held-out gain", "chance", "weight"), rows)
 
 
 def coefficients(outcome: Outcome) -> str:

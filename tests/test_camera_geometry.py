@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
 from pipeline.camera.corners_picture import pool_corners_picture
 from pipeline.camera.geometry import check_geometry, estimate_depth
-from pipeline.camera.resection import rectangle
+from pipeline.camera.resection import pose, pose_near, rectangle
 from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
 from pipeline.data import Positions
 from pipeline.faults import Fault
@@ -189,6 +189,19 @@ def test_calibration_modes_are_what_misclicked_corners_do():
     assert np.allclose(found, stated, rtol=0.25)
     wider = calibration_modes(camera, spot, DEPTH_M, lens_std=np.array([5.0, 5, 2, 2, 0.01]))
     assert wider.shape == (2, 2, 13)
+
+
+def test_pose_of_nearby_corners_is_the_whole_fits_to_two_hundredths_of_the_change():
+    moved = TRUTH.corners_px + np.random.default_rng(4).normal(0, 1.0, (4, 2))
+    marks = (TRUTH.corners_m, TRUTH.refractive_index)
+    whole = pose(LENS, moved, *marks)
+    near = pose_near(
+        LENS, moved, *marks, rotation=TRUTH.rotation, translation=TRUTH.translation
+    )  # fmt: skip
+    for own, right, before in zip(near[:2], whole[:2], (TRUTH.rotation, TRUTH.translation),
+                                  strict=True):  # fmt: skip
+        assert np.abs(own - right).max() < 0.02 * np.abs(right - before).max()
+    assert near[2] == pytest.approx(whole[2], abs=1e-2)
 
 
 def drawn_pool(camera: PoolCamera) -> np.ndarray:

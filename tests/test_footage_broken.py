@@ -6,6 +6,7 @@ import struct
 
 import av
 import pytest
+from gopro_files import with_lens_mode
 from test_footage import SIZE, STEADY, patched, picture, write_video
 
 from pipeline.faults import Fault
@@ -56,15 +57,7 @@ def test_missing_file(tmp_path):
 @pytest.mark.parametrize(("letter", "refused"), [(b"S", True), (b"H", True), (b"W", False)])
 def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
     path = write_video(tmp_path / "s.mp4", STEADY[:4], front=False)
-    data = path.read_bytes()
-    setting = b"VFOVc\x01\x00\x01" + letter + b"\0\0\0"
-    body = b"DEVC\0\x01" + struct.pack(">H", len(setting)) + setting
-    gpmf = struct.pack(">I", 8 + len(body)) + b"GPMF" + body
-    udta = struct.pack(">I", 8 + len(gpmf)) + b"udta" + gpmf
-    at = data.rindex(b"moov") - 4
-    moov = struct.unpack(">I", data[at : at + 4])[0]
-    longer = struct.pack(">I", moov + len(udta))
-    path.write_bytes(data[:at] + longer + data[at + 4 : at + moov] + udta)
+    with_lens_mode(path, letter)
     if refused:
         with pytest.raises(Fault, match=r"SuperView|HyperView"):
             open_recording([path])

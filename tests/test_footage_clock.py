@@ -2,35 +2,18 @@
 
 from __future__ import annotations
 
-import struct
 from fractions import Fraction
-from pathlib import Path
 
 import av
 import numpy as np
 import pytest
+from gopro_files import payload, with_lens_mode
 from test_footage import SIZE, numbers, picture, write_video
 
 from pipeline.faults import Fault
 from pipeline.footage import frames, open_recording
 from pipeline.footage import telemetry as told
 from pipeline.footage.telemetry import camera_seconds
-
-
-def item(key: bytes, kind: str, size: int, value: bytes) -> bytes:
-    """One GPMF item: header, value, filled up to fours of bytes."""
-    head = struct.pack(">4sBBH", key, ord(kind) if kind else 0, size, len(value) // size)
-    return head + value + b"\0" * (-len(value) % 4)
-
-
-def payload(sensors: dict[str, int]) -> bytes:
-    """GPMF payload with the camera's clock [microseconds] in each sensor's stream."""
-    streams = b""
-    for name, stamp in sensors.items():
-        inner = item(b"STMP", "J", 8, struct.pack(">Q", stamp))
-        inner += item(b"STNM", "c", 1, name.encode()) + item(b"ACCL", "s", 6, bytes(60))
-        streams += item(b"STRM", "", 1, inner)
-    return item(b"DEVC", "", 1, item(b"DVNM", "c", 1, b"Camera") + streams)
 
 
 class Entry:
@@ -49,22 +32,11 @@ def test_the_cameras_clock_is_read_from_each_sensors_stream(tmp_path):
     assert told._stamps(tmp_path / "p.bin", Entry(2, 9)) == {}
 
 
-def gopro(path: Path) -> Path:
-    """A video with a GoPro's settings in its header."""
-    data = write_video(path, [1001 * i for i in range(6)], front=False).read_bytes()
-    body = item(b"DEVC", "", 1, item(b"VFOV", "c", 1, b"L"))
-    gpmf = struct.pack(">I", 8 + len(body)) + b"GPMF" + body
-    udta = struct.pack(">I", 8 + len(gpmf)) + b"udta" + gpmf
-    at = data.rindex(b"moov") - 4
-    moov = struct.unpack(">I", data[at : at + 4])[0]
-    longer = struct.pack(">I", moov + len(udta))
-    path.write_bytes(data[:at] + longer + data[at + 4 : at + moov] + udta)
-    return path
-
-
 @pytest.mark.parametrize(("ran", "refused"), [(1.0003, False), (None, False), (10.0, True)])
 def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch, ran, refused):
-    path = gopro(tmp_path / "GX010001.MP4")
+    frames_at = [1001 * i for i in range(6)]
+    path = write_video(tmp_path / "GX010001.MP4", frames_at, front=False)
+    with_lens_mode(path, b"L")
     monkeypatch.setattr("pipeline.footage.recording.camera_seconds", lambda _: ran)
     if not refused:
         assert open_recording([path]).frames_present == 6

@@ -135,11 +135,14 @@ def test_accuracy_over_eight_seconds_of_a_schedule() -> None:
     assert np.abs(coarse - fine)[:, 2].max() < math.radians(0.05)
 
 
-def test_a_source_is_the_same_every_time_and_holds_what_does_not_move() -> None:
-    text = source(PENDULUM)
-    assert text == source(PENDULUM)
-    assert "base_damping" in text.split("def hold")[1].split("def ")[0]
-    assert "base_torque" not in text.split("def hold")[1].split("def ")[0]
+@pytest.mark.parametrize("general", [False, True])
+def test_a_source_is_the_same_every_time_and_holds_what_does_not_move(general: bool) -> None:
+    text = source(PENDULUM, general=general)
+    assert text == source(PENDULUM, general=general)
+    held = text.split("def hold")[1].split("def ")[0]
+    assert "2.0 * row" in held
+    assert "math.sin" not in held
+    assert "math.sin" in text.replace(held, "")
 
 
 def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
@@ -155,4 +158,4 @@ def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
         for s in PENDULUM.stages
     )
     with pytest.raises(TypeError, match="rates: no value 'missing'"):
-        source(replace(PENDULUM, stages=stages))
+        source(replace(PENDULUM, stages=stages), general=False)

@@ -15,7 +15,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 engine = import_module("examples.engine")
 yaw = import_module("examples.yaw_coastdown.__main__")
 yaw_reading = import_module("examples.yaw_coastdown.reading")
+balls = import_module("examples.ball_drops.__main__")
+balls_errors = import_module("examples.ball_drops.errors")
+balls_reading = import_module("examples.ball_drops.reading")
 pendulum = import_module("examples.pendulum.__main__")
+pendulum_laws = import_module("examples.pendulum.laws")
 pendulum_reading = import_module("examples.pendulum.reading")
 
 pytestmark = pytest.mark.recordings
@@ -43,13 +47,48 @@ def test_a_spindown_is_foretold_from_the_others_to_a_hundredth(spindowns):
     assert yaw.error_rad_s(given, spindowns, effects) <= 0.010
 
 
-def test_the_pendulums_rate_is_recorded_too_small_and_coulomb_fits_worst(swings):
+def test_the_pendulums_friction_and_its_recorded_rate_are_found_by_stretches(swings):
     outcome = engine.investigate(pendulum.searched(swings))
-    assert outcome.chosen.effects[0] == "rate_scale"
-    assert outcome.chosen.fit.by_label()["rate_scale.k"] == pytest.approx(-0.046, abs=0.005)
-    viscous, quadratic, coulomb, none = (
-        pendulum.rms(swings, effects)[0]
-        for effects in (("viscous_friction",), ("quadratic_friction",), ("coulomb_friction",), ())
-    )
-    assert viscous < 0.026
-    assert viscous < quadratic < coulomb < 0.1 * none
+    friction, rate = outcome.chosen.effects
+    assert friction in {"viscous_friction", "quadratic_friction"}  # not told apart by stretches
+    assert rate == "rate_scale"
+    assert outcome.chosen.fit.by_label()["rate_scale.k"] == pytest.approx(-0.044, abs=0.006)
+
+
+def test_over_the_whole_run_the_pendulums_friction_is_viscous(swings):
+    names = ("viscous", "Coulomb", "quadratic")
+    laws = [pendulum_laws.law(swings, (*pendulum.MEASURED, *pendulum.FRICTIONS[n])) for n in names]
+    assert laws[0].rms[0] < 0.0118  # published for viscous friction
+    assert pendulum_laws.weights(laws)[0] > 0.95
+    assert np.all(laws[0].worth > laws[1].worth)
+
+
+@pytest.fixture(scope="module")
+def falls(recordings):
+    return balls_reading.read_folder(recordings / "ball_drops")
+
+
+@pytest.fixture(scope="module")
+def fallen(falls):
+    given = balls.together(falls)
+    return given, engine.investigate(given)
+
+
+def test_balls_are_held_back_by_the_drag_of_spheres_and_seen_from_below(fallen):
+    _, outcome = fallen
+    assert outcome.chosen.effects == ("air_drag", "perspective")
+    assert all(outcome.weights(name)[name] > 0.95 for name in outcome.chosen.effects)
+    assert 0.25 < outcome.chosen.fit.by_label()["air_drag.C"] < 0.5
+
+
+def test_falls_after_two_seconds_err_by_what_is_expected(fallen, falls):
+    given, outcome = fallen
+    errors, expected, better = [], [], 0
+    for name, drops in falls.items():
+        model = balls_errors.others(given, outcome.chosen.effects, outcome.chosen, name)
+        rest = balls_errors.rest_of_fall(given, model, drops[0])
+        errors.append(rest.mean_square)
+        expected.append(rest.expected)
+        better += rest.mean_square < balls_errors.PUBLISHED_M2[name]
+    assert better >= 7  # the bar is 9: docs/recordings.md says why it is not reached
+    assert 0.3 < np.mean(np.array(errors) / expected) < 3.0

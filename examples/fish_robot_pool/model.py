@@ -12,6 +12,7 @@ from pipeline.integrate import Parameter, Stage, System
 from pipeline.integrate.trigonometry import sin_cos
 
 from ..effect import effect
+from ..randomness import lasting_errors, pushes
 
 Two = tuple[float, float]
 COEFFICIENTS = (
@@ -69,37 +70,10 @@ def barrel(x: float, L: float, k: float) -> Two:
     return -k * m * z * z * z, 0.0
 
 
-def disturbance_force(g_u: float, g_w: float) -> Two:
-    """Random push (m/s2) and turning (rad/s)."""
-    return g_u, g_w
-
-
-def disturbance_rates(g_u: float, g_w: float, tau: float) -> Two:
-    """They forget themselves within tau."""
-    return -g_u / tau, -g_w / tau
-
-
-def lasting_observe(e_x: float, e_y: float) -> Two:
-    """Errors of the tracked place (m), the swing of the body among them."""
-    return e_x, e_y
-
-
-def lasting_rates(e_x: float, e_y: float, tau: float) -> Two:
-    """They forget themselves within tau."""
-    return -e_x / tau, -e_y / tau
-
-
 EFFECTS = (
-    effect("disturbance", "The course wanders.", {"effort": disturbance_force},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"),
-            ("tau", "s", 1.0, 0.1, 20.0, "memory")),
-           kind="disturbance", channels=("surge", "yaw"), states=("g_u", "g_w"),
-           rates=disturbance_rates),
-    effect("lasting_error", "The light swings with the body and is not always found.",
-           {"observe": lasting_observe},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
-            ("tau", "s", 0.3, 0.05, 2.0, "memory")),
-           kind="disturbance", states=("e_x", "e_y"), rates=lasting_rates),
+    pushes("The course wanders.", "effort", ("surge", "yaw"), (1.0, 0.1, 20.0)),
+    lasting_errors(
+        "The light swings with the body and is not always found.", 2, (0.3, 0.05, 2.0)),
     effect("wall_effect", "Close to the tank's edge the robot is slowed.", {"effort": near_edge},
            (("k", "1", 0.5, 0.0, 20.0, "share of drag added at the edge"),
             ("d", "m", 0.1, 0.02, 0.5, "reach")), channels=("surge",)),

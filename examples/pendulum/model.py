@@ -9,6 +9,7 @@ from pipeline.integrate import Parameter, Stage, System
 from pipeline.integrate.trigonometry import sin_cos
 
 from ..effect import effect
+from ..randomness import lasting_errors, pushes
 
 
 def swing(a: float, w0: float) -> tuple[float]:
@@ -53,37 +54,10 @@ def rate_scaled(b: float, k: float) -> tuple[float, float]:
     return 0.0, k * b
 
 
-def disturbance_moment(g: float) -> tuple[float]:
-    """A random moment (rad/s2)."""
-    return (g,)
-
-
-def disturbance_rate(g: float, tau: float) -> tuple[float]:
-    """It forgets itself within tau."""
-    return (-g / tau,)
-
-
-def lasting_angle(e_a: float, e_b: float) -> tuple[float, float]:
-    """Errors of the recorded angle and rate."""
-    return e_a, e_b
-
-
-def lasting_decay(e_a: float, e_b: float, tau_e: float) -> tuple[float, float]:
-    """They forget themselves within tau_e."""
-    return -e_a / tau_e, -e_b / tau_e
-
-
 COEFFICIENTS = (Parameter("w0", "rad/s", 1.16, 0.2, 20.0, "frequency of small swings"),)
 EFFECTS = (
-    effect("disturbance", "Air and bearing are never quite even.", {"moment": disturbance_moment},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"),
-            ("tau", "s", 0.5, 0.05, 10.0, "memory")),
-           kind="disturbance", channels=("swing",), states=("g",), rates=disturbance_rate),
-    effect("lasting_error", "The recorded angle's errors last for a while.",
-           {"observe": lasting_angle},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
-            ("tau_e", "s", 0.3, 0.02, 5.0, "memory")),
-           kind="disturbance", states=("e_a", "e_b"), rates=lasting_decay),
+    pushes("Air and bearing are never quite even.", "moment", ("swing",), (0.5, 0.05, 10.0)),
+    lasting_errors("The recorded angle's errors last for a while.", 2, (0.3, 0.02, 5.0)),
     effect("viscous_friction", "Friction in proportion to the rate.", {"moment": viscous},
            (("k", "1/s", 0.05, 0.0, 5.0, "over the rate"),)),
     effect("coulomb_friction", "Dry friction, the same at every rate.", {"moment": coulomb},

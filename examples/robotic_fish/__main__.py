@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 import numpy as np
 
+from pipeline.data import Float
 from pipeline.fitting import Noise
 from pipeline.mismatch import Trialled
 
-from ..engine import Case, case, investigate
-from ..telling import coefficients, found, table
-from .errors import left_out, path_errors, repeatability, total
+from ..command import plainly
+from ..drawing import write
+from ..engine import Beside, Case, beside, case, investigate
+from ..telling import asked, coefficients, found, table
+from .asymmetry import CAUSES
+from .errors import left_out, path_errors, paths_left_out, repeatability, total
 from .model import SYSTEM
+from .picture import draw
 from .reading import Recording, by_beats, read_folder, series
 
 FIRST_NOISE = Noise(
@@ -31,7 +37,10 @@ def case_of(recordings: list[Recording]) -> Case:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
-def main(folder: Path, predict: Path | None) -> None:
+@click.option("--asymmetry", is_flag=True, help="Try every cause of the asymmetry as well.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
+def main(folder: Path, predict: Path | None, asymmetry: bool, figure: Path | None) -> None:
     """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
     recordings = read_folder(folder)
     given = case_of(recordings)
@@ -42,6 +51,30 @@ def main(folder: Path, predict: Path | None) -> None:
         click.echo(_told_apart(given, models, recordings))
     else:
         click.echo(_foretold(given, models, read_folder(predict)))
+    if asymmetry:
+        answers = beside(given, outcome.chosen, CAUSES)
+        click.echo("\n" + asked("cause of the asymmetry, beside what is named", answers))
+        click.echo("\n" + _paths_with(given, answers, recordings))
+    if figure:
+        paths = _paths(given, models, recordings)
+        write(figure, lambda: draw(recordings, paths))
+
+
+def _paths_with(given: Case, answers: Mapping[str, Beside], recordings: list[Recording]) -> str:
+    """Path error of conditions left out with each cause beside what is named."""
+    trials = [series(r) for r in recordings]
+    errors = {n: left_out(given, one.model, trials, KNOWN_S) for n, one in answers.items()}
+    rows = sorted((total(e[np.inf]), total(e[1.0]), n) for n, e in errors.items())
+    return table(("path error, mm, with", "start fitted", "first second"),
+                 [(n, f"{1000 * a:.1f}", f"{1000 * b:.1f}") for a, b, n in rows])  # fmt: skip
+
+
+def _paths(
+    given: Case, models: dict[str, Trialled], recordings: list[Recording]
+) -> dict[str, list[Float]]:
+    trials = [series(r) for r in recordings]
+    bare, named = (paths_left_out(given, m, trials) for m in models.values())
+    return {"measured": [t.seen[:, :2] for t in trials], "bare": bare, "named": named}
 
 
 def _told_apart(given: Case, models: dict[str, Trialled], recordings: list[Recording]) -> str:

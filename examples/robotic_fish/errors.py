@@ -50,6 +50,19 @@ def left_out(
     return out
 
 
+def paths_left_out(given: Case, model: Trialled, trials: Sequence[Series]) -> list[Float]:
+    """Free-run paths (n, 2) of trials, each by the model fitted to the other conditions."""
+    out: list[Float] = [np.zeros((0, 2))] * len(trials)
+    for condition in dict.fromkeys(t.condition for t in trials):
+        own = [i for i, t in enumerate(trials) if t.condition == condition]
+        rest = [s for s in given.series if s.condition != condition]
+        fitted, seen = refitted(given, model.effects, model, rest), [trials[i] for i in own]
+        for i, shot in zip(own, shoot(given.kernel, seen, values_of(given, fitted, seen)),
+                           strict=True):  # fmt: skip
+            out[i] = shot.observed[:, :2]
+    return out
+
+
 def total(errors: Float) -> float:
     """Root mean square over trials."""
     return float(np.sqrt(np.mean(np.asarray(errors) ** 2)))

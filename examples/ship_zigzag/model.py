@@ -17,6 +17,7 @@ from pipeline.integrate import Parameter, Stage, System
 from pipeline.integrate.trigonometry import sin_cos
 
 from ..effect import effect
+from ..randomness import lasting_errors, pushes
 
 LENGTH_M = 7.0
 Three = tuple[float, float, float]
@@ -127,36 +128,9 @@ def heading_zero(d: float) -> Three:
     return 0.0, 0.0, d
 
 
-def disturbance_force(g_x: float, g_y: float, g_n: float) -> Three:
-    """Random accelerations (m/s2, m/s2, rad/s2)."""
-    return g_x, g_y, g_n
-
-
-def disturbance_rates(g_x: float, g_y: float, g_n: float, tau: float) -> Three:
-    """They forget themselves within tau."""
-    return -g_x / tau, -g_y / tau, -g_n / tau
-
-
-def lasting_observe(e_x: float, e_y: float, e_psi: float) -> Three:
-    """Lasting errors of place (m) and heading (rad)."""
-    return e_x, e_y, e_psi
-
-
-def lasting_rates(e_x: float, e_y: float, e_psi: float, tau: float) -> Three:
-    """They forget themselves within tau."""
-    return -e_x / tau, -e_y / tau, -e_psi / tau
-
-
 EFFECTS = (
-    effect("disturbance", "The tank is never quite still.", {"force": disturbance_force},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"),
-            ("tau", "s", 5.0, 0.2, 60.0, "memory")),
-           kind="disturbance", channels=("surge", "sway", "yaw"), states=("g_x", "g_y", "g_n"),
-           rates=disturbance_rates),
-    effect("lasting_error", "Errors of tracking last for a while.", {"observe": lasting_observe},
-           (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
-            ("tau", "s", 1.0, 0.1, 5.0, "memory")),
-           kind="disturbance", states=("e_x", "e_y", "e_psi"), rates=lasting_rates),
+    pushes("The tank is never quite still.", "force", ("surge", "sway", "yaw"), (2.0, 0.2, 5.0)),
+    lasting_errors("Errors of tracking last for a while.", 3, (1.0, 0.1, 5.0)),
     effect("speed_loss", "Drifting and turning cost speed.", {"force": speed_loss},
            (("X_vv", "1", -0.1, -10.0, 10.0, "from drift"),
             ("X_vr", "1", 0.1, -10.0, 10.0, "from drift and turn"),

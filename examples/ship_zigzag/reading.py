@@ -20,8 +20,10 @@ HEADER_LINES = 4
 PLACE_STD_M = 0.003
 HEADING_STD_RAD = 0.001
 FIRST_NOISE = Noise(
-    np.array([1e-4, 1e-4, 1e-5, 3e-3, 3e-3, 1e-3]), np.array([5.0] * 3 + [1.0] * 3), np.ones(3)
+    np.array([1e-3, 1e-3, 1e-3, 3e-3, 3e-3, 1e-3]), np.array([2.0] * 3 + [1.0] * 3), np.ones(3)
 )
+"""Random forces are forgotten within 5 s at most: a towing tank is still, and forces that last for
+a minute would stand for all that the model lacks."""
 RATE_HZ = 1.0
 START_STD = np.array([0.05, 0.05, 0.02, 0.05, 0.05, 0.01])
 

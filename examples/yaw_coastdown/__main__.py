@@ -8,12 +8,15 @@ from pathlib import Path
 import click
 import numpy as np
 
-from pipeline.fitting import Noise, Series, thinned
+from pipeline.fitting import Noise, Series, Shot, thinned
 from pipeline.mismatch import try_effects
 
+from ..command import plainly
+from ..drawing import write
 from ..engine import Case, case, foretold, investigate
 from ..telling import coefficients, found, table
 from .model import SYSTEM
+from .picture import draw
 from .reading import FIRST_NOISE, read_folder
 
 FREE_RUN = Noise(np.array([1e-4, 0.0]), np.array([1.0, 0.2]), np.array([4.0]))
@@ -26,26 +29,36 @@ LADDER = (
 )
 
 
+SHOWN = {"linear": LADDER[0], "linear, quadratic, gyro bias": LADDER[3]}
+
+
 def withheld(trials: tuple[Series, ...], known: str) -> Case:
     """The search with one kind of damping known and all else left out."""
     return case(SYSTEM, [thinned(t) for t in trials], FIRST_NOISE, within=[known])
 
 
-def error_rad_s(given: Case, trials: tuple[Series, ...], effects: tuple[str, ...]) -> float:
-    """Leave-one-out error: free runs of each spin-down by the model fitted to the others' whole
-    runs, as the figures before it were.
+def left_out(given: Case, trials: tuple[Series, ...], effects: tuple[str, ...]) -> list[Shot]:
+    """Free run of each spin-down by the model fitted to the others' whole runs, as the figures
+    before it were.
     """
     whole = replace(given, series=trials, noise=FREE_RUN)
     model = try_effects(whole.kernel, trials, whole.base, whole.coefficients, effects,
                         noise=FREE_RUN, iterations=25)  # fmt: skip
-    shots = foretold(whole, model, open_states=1)
+    return foretold(whole, model, open_states=1)
+
+
+def error_rad_s(given: Case, trials: tuple[Series, ...], effects: tuple[str, ...]) -> float:
+    """Root mean square error of the runs left out."""
+    shots = left_out(given, trials, effects)
     squares = [np.mean((t.seen - s.observed) ** 2) for t, s in zip(trials, shots, strict=True)]
     return float(np.sqrt(np.mean(squares)))
 
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-def main(folder: Path) -> None:
+@click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
+@plainly
+def main(folder: Path, figure: Path | None) -> None:
     """What damps the vessel in FOLDER, and what shifts it."""
     trials = read_folder(folder)
     for known in ("linear_yaw_damping", "quadratic_yaw_damping"):
@@ -56,6 +69,10 @@ def main(folder: Path) -> None:
     given = withheld(trials, "linear_yaw_damping")
     rows = [(" + ".join(("linear", *e)), f"{error_rad_s(given, trials, e):.4f}") for e in LADDER]
     click.echo("\n" + table(("model", "leave-one-out error, rad/s"), rows))
+    if figure:
+        runs = {name: [s.observed[:, 0] for s in left_out(given, trials, effects)]
+                for name, effects in SHOWN.items()}  # fmt: skip
+        write(figure, lambda: draw(trials, runs))
 
 
 if __name__ == "__main__":

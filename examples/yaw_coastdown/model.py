@@ -9,6 +9,7 @@ from __future__ import annotations
 from pipeline.integrate import Stage, System
 
 from ..effect import effect
+from ..randomness import lasting_errors, pushes
 
 YAW_INERTIA = 5.45
 """kg m2, as the vessel's authors give it."""
@@ -34,26 +35,6 @@ def constant_moment(N_0: float) -> tuple[float]:
     return (N_0,)
 
 
-def disturbance_moment(g: float) -> tuple[float]:
-    """A random moment (N m)."""
-    return (g,)
-
-
-def disturbance_rate(g: float, tau: float) -> tuple[float]:
-    """It forgets itself within tau."""
-    return (-g / tau,)
-
-
-def lasting_rate(e: float) -> tuple[float]:
-    """An error of the gyro (rad/s)."""
-    return (e,)
-
-
-def lasting_decay(e: float, tau_e: float) -> tuple[float]:
-    """It forgets itself within tau_e."""
-    return (-e / tau_e,)
-
-
 def acceleration(inertia: float, N: float) -> tuple[float]:
     """R' = N / I."""
     return (N / inertia,)
@@ -74,16 +55,6 @@ def scaled(r: float, k: float) -> tuple[float]:
     return (k * r,)
 
 
-_DISTURBANCE = effect(
-    "disturbance", "The water is never quite still.", {"moment": disturbance_moment},
-    (("present", "1", 1.0, 0.0, 1.0, "1 where it acts"), ("tau", "s", 1.0, 0.05, 10.0, "memory")),
-    kind="disturbance", channels=("yaw",), states=("g",), rates=disturbance_rate,
-)  # fmt: skip
-_LASTING = effect(
-    "lasting_error", "The gyro's errors last for a while.", {"observe": lasting_rate},
-    (("present", "1", 1.0, 0.0, 1.0, "1 where they are"), ("tau_e", "s", 0.2, 0.02, 2.0, "memory")),
-    kind="disturbance", states=("e",), rates=lasting_decay,
-)  # fmt: skip
 _LINEAR = effect(
     "linear_yaw_damping", "The water resists turning in proportion to the yaw rate.",
     {"moment": linear_moment}, (("N_r", "N m s", 0.5, 0.0, 50.0, "moment at 1 rad/s"),),
@@ -110,5 +81,9 @@ STAGES = (
     Stage("rates", ("r",), acceleration),
     Stage("observe", ("rate",), gyro, open=True),
 )
-EFFECTS = (_DISTURBANCE, _LASTING, _LINEAR, _QUADRATIC, *_OTHERS)
+EFFECTS = (
+    pushes("The water is never quite still.", "moment", ("yaw",), (1.0, 0.05, 10.0)),
+    lasting_errors("The gyro's errors last for a while.", 1, (0.2, 0.02, 2.0)),
+    _LINEAR, _QUADRATIC, *_OTHERS,
+)  # fmt: skip
 SYSTEM = System("yaw_coastdown", ("r",), ("inertia",), (), (), STAGES, ("rate",), EFFECTS)

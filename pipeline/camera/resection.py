@@ -40,13 +40,7 @@ def pose(
     if len(lost):
         raise _outside_lens(corners_px, int(lost[0]))
 
-    def misses(parameters: Float) -> Float:
-        turn = Rotation.from_rotvec(parameters[:3]).as_matrix()
-        shift = parameters[3:]
-        seen = seen_from(-turn.T @ shift, corners_m, index)
-        image = pixels(lens, seen @ turn.T + shift)
-        return np.nan_to_num(corners_px - image, nan=1e4).ravel()
-
+    misses = _misses(lens, corners_px, corners_m, index)
     starts = _starts(rays[:, :2] / rays[:, 2:], corners_m)
     costs = [float(np.sum(misses(start) ** 2)) for start in starts]
     likely = [s for s, c in zip(starts, costs, strict=True) if c <= CLEARLY_WORSE * min(costs)]
@@ -55,14 +49,55 @@ def pose(
     return Rotation.from_rotvec(best[:3]).as_matrix(), best[3:], left.reshape(4, 2)
 
 
+def pose_near(
+    lens: Lens,
+    corners_px: Float,
+    corners_m: Float,
+    index: float,
+    *,
+    rotation: Float,
+    translation: Float,
+) -> tuple[Float, Float, Float]:
+    """Rotation (3, 3), translation (3,), residuals (4, 2) px of the nearest pose to a first order.
+
+    One Gauss-Newton step from the pose found for a lens and corners that hardly differ.
+    """
+    misses = _misses(lens, corners_px, corners_m, index)
+    state = np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), translation])
+    residuals = misses(state)
+    slope = _slope(misses, state, residuals)
+    state = state - np.linalg.lstsq(slope, residuals, rcond=None)[0]
+    turn = Rotation.from_rotvec(state[:3]).as_matrix()
+    return turn, state[3:], misses(state).reshape(4, 2)
+
+
+def _misses(
+    lens: Lens, corners_px: Float, corners_m: Float, index: float
+) -> Callable[[Float], Float]:
+    """Residuals (8,) px of the marks as a function of rotation vector and translation (6,)."""
+
+    def misses(parameters: Float) -> Float:
+        turn = Rotation.from_rotvec(parameters[:3]).as_matrix()
+        shift = parameters[3:]
+        seen = seen_from(-turn.T @ shift, corners_m, index)
+        image = pixels(lens, seen @ turn.T + shift)
+        return np.nan_to_num(corners_px - image, nan=1e4).ravel()
+
+    return misses
+
+
+def _slope(misses: Callable[[Float], Float], state: Float, residuals: Float) -> Float:
+    """Derivatives (m, p) of the misses by each parameter, by forward differences."""
+    steps = np.eye(len(state)) * STEP
+    return np.column_stack([(misses(state + step) - residuals) / STEP for step in steps])
+
+
 def least_squares(misses: Callable[[Float], Float], start: Float) -> tuple[Float, Float]:
     """Parameters and residuals of the least sum of squares, by Levenberg-Marquardt from `start`."""
     state, damping = start, 1e-4
     residuals = misses(state)
     for _ in range(ROUNDS):
-        slope = np.column_stack(
-            [(misses(state + step) - residuals) / STEP for step in np.eye(len(state)) * STEP]
-        )
+        slope = _slope(misses, state, residuals)
         normal, pull = slope.T @ slope, -slope.T @ residuals
         step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), pull)
         tried = misses(state + step)

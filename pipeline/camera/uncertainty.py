@@ -11,7 +11,7 @@ from ..data import Float
 from .bundle import lens_of, parameters
 from .plane import through_four
 from .pool import PoolCamera, project, to_pool
-from .resection import pose
+from .resection import pose_near
 
 
 def calibration_modes(
@@ -22,7 +22,8 @@ def calibration_modes(
     The covariance of places i and j from the calibration is modes[i] @ modes[j].T: it does not
     average out over frames, unlike the detections' own. Errors: the two coordinates of each pool
     corner (`camera.corner_std_px`), and, where `lens_std` gives standard deviations of fx, fy, cx,
-    cy and the distortion (`Calibration.lens_std`), each of those with the pose found anew.
+    cy and the distortion (`Calibration.lens_std`), each of those with the pose found anew, to a
+    first order.
     """
     uv = np.asarray(uv_px, dtype=float).reshape(-1, 2)
     place = to_pool(camera, uv, depth_m)
@@ -63,10 +64,15 @@ def _neighbours(camera: PoolCamera, lens_std: Float | None) -> Iterator[PoolCame
 
 
 def _refitted(camera: PoolCamera) -> PoolCamera:
-    if camera.lens is None:
+    if camera.lens is None or camera.rotation is None or camera.translation is None:
         plane = through_four(camera.corners_px, camera.corners_m[:, :2])
         return replace(camera, homography=plane)
-    rotation, translation, residuals = pose(
-        camera.lens, camera.corners_px, camera.corners_m, camera.refractive_index
+    rotation, translation, residuals = pose_near(
+        camera.lens,
+        camera.corners_px,
+        camera.corners_m,
+        camera.refractive_index,
+        rotation=camera.rotation,
+        translation=camera.translation,
     )
     return replace(camera, rotation=rotation, translation=translation, residuals_px=residuals)

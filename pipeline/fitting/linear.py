@@ -129,7 +129,7 @@ def _observed(
     times, inputs = (_padded([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
     seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
-                        inputs=inputs.reshape(-1, 1, inputs.shape[2]))  # fmt: skip
+                        inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
     flat = seen[:, 0]
     slopes = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
     known = np.isfinite(_padded([s.seen for s in series]))

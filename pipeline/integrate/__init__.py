@@ -2,6 +2,7 @@
 
 from .kernel import LANES, Kernel, compiled
 from .system import Effect, Parameter, Stage, System, effect_from_module
+from .vectors import prefer_widest
 
 __all__ = [
     "LANES",
@@ -13,3 +14,5 @@ __all__ = [
     "compiled",
     "effect_from_module",
 ]
+
+prefer_widest()

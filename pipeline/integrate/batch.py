@@ -52,22 +52,22 @@ def propagate(
     """
     blocks, n = times.shape
     n_states, n_obs = len(kernel.system.all_states), len(kernel.system.observations)
-    observed = np.zeros((blocks, n, n_obs, LANES))
+    observed = np.empty((blocks, n, n_obs, LANES))
     states = np.zeros((blocks, n if keep_states else 0, n_states, LANES))
     counts = np.full(blocks, n) if frames is None else np.asarray(frames)
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
     on = switches(kernel.system, np.moveaxis(values, 1, -1))
-    arguments = [
-        np.ascontiguousarray(a, dtype=np.float64) for a in (state, values, constants, times)
-    ]
+    flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
+    times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]
     substeps = max(1, int(np.ceil(np.max(np.diff(times, axis=1), initial=step_s) / step_s - 1e-6)))
 
     def run(first: int, last: int) -> None:
         kernel.propagate(
-            *arguments, counts.astype(np.int64), *rest, on, substeps, observed, states, first, last
-        )
+            *flat, times, counts.astype(np.int64), *rest, on, substeps,
+            observed.reshape(-1), states.reshape(-1), first, last,
+        )  # fmt: skip
 
     in_parts(run, blocks)
     return observed, states

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
+from .inlining import Lines, written_out
 from .system import Effect, Function, Stage, System
 
 RANDOM = "disturbance"
@@ -26,9 +27,11 @@ def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
     return asked
 
 
-def needed(system: System, last: Stage) -> list[Stage]:
-    """Stages whose outputs the last one needs, directly or through others, in order."""
-    asked = arguments(last, system.effects)
+def needed(system: System, last: Stage, effects: Sequence[Effect]) -> list[Stage]:
+    """Stages whose outputs the last one and these effects on it need, directly or through others,
+    in order.
+    """
+    asked = arguments(last, effects)
     found: list[Stage] = []
     for stage in reversed(_inner(system)):
         if asked & set(stage.outputs):
@@ -59,6 +62,27 @@ def moving(system: System) -> list[Stage]:
     return [s for s in system.stages if s.name != "observe" and s not in still]
 
 
-def zeros(system: System) -> set[str]:
-    """Outputs that are 0 while no effect is on: of held stages without a function."""
-    return {o for stage in held(system) if stage.function is None for o in stage.outputs}
+def passed_on(system: System) -> dict[str, str]:
+    """Outputs of held stages that are, while no effect is on, a number or another named value.
+
+    name -> that name or number: a head angle as commanded, water that is at rest.
+    """
+    found: dict[str, str] = {}
+    for stage in held(system):
+        given = names(stage.function) if stage.function else []
+        count = len(stage.outputs)
+        values = ["0.0"] * count
+        if stage.function:
+            values = written_out(stage.function, given, Lines(), count)
+        for output, value in zip(stage.outputs, values, strict=True):
+            if value in given or _is_number(value):
+                found[output] = found.get(value, value)
+    return found
+
+
+def _is_number(value: str) -> bool:
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True

@@ -1,10 +1,10 @@
 """Compiled right-hand side, integrator and filter of a system, sixteen simulations at a time.
 
-The functions of a system and its effects are put together into one source file (`writing`), named
-after the hash of all sources that go into it, and compiled by numba with its cache: a changed
-effect gives a new file, an unchanged one is loaded. Everything a simulation needs lies in one flat
-array of rows of 16 lanes (16 simulations), at offsets that are constants of the source, so that
-each loop over lanes becomes vector instructions.
+The functions of a system and its effects are put together into source files (`writing`), named
+after the hash of all sources that go into them, and compiled by numba with its cache when they are
+first asked for: a changed effect gives a new file, an unchanged one is loaded. Everything a
+simulation needs lies in one flat array of rows of 16 lanes (16 simulations), at offsets that are
+constants of the source, so that each loop over lanes becomes vector instructions.
 """
 
 from __future__ import annotations
@@ -16,43 +16,83 @@ import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
+from typing import Any
+
+import numpy as np
 
 from ..files import write_text
 from . import trigonometry
+from .dependence import RANDOM
 from .rows import LANES
 from .system import Function, System
-from .vectors import prefer_widest
 from .writing import source
 
 __all__ = ["LANES", "Kernel", "compiled"]
 
+_LOADING = RLock()
+"""Held while a kernel is loaded, so that two threads do not compile the same."""
+
+
+@dataclass(frozen=True)
+class _Compiled:
+    """Functions of one kernel; see `kernel_template.txt` for their arguments."""
+
+    propagate: Callable[..., None]
+    compiled_filter: Callable[[], Callable[..., float]]
+
+    @cached_property
+    def kalman(self) -> Callable[..., float]:
+        """The filter, compiled when it is first asked for."""
+        return self.compiled_filter()
+
 
 @dataclass(frozen=True)
 class Kernel:
-    """Compiled functions of one system; see `kernel_template.txt` for their arguments."""
+    """Compiled simulation and filter of one system, each compiled when first called.
+
+    Two kernels are behind it: a fast one, and one for where more than random parts is on.
+    """
 
     system: System
-    propagate: Callable[..., None]
-    kalman: Callable[..., float]
+
+    def propagate(self, *given: Any) -> None:
+        """Simulate; arguments as in `kernel_template.txt`, `on` the ninth."""
+        self._of(given[8]).propagate(*given)
+
+    def kalman(self, *given: Any) -> float:
+        """Log likelihood of one trial; arguments as in `kernel_template.txt`, `on` the 13th."""
+        return self._of(given[12]).kalman(*given)
+
+    def _of(self, on: np.ndarray) -> _Compiled:
+        """The kernel for the effects that are on."""
+        more = [e.kind != RANDOM for e in self.system.effects]
+        return _loaded(self.system, bool(np.any(on[more])))
 
 
 @lru_cache(maxsize=32)
 def compiled(system: System) -> Kernel:
     """Kernel of a system, compiled once per change of its sources."""
-    prefer_widest()
-    text = source(system)
+    return Kernel(system)
+
+
+@lru_cache(maxsize=64)
+def _loaded(system: System, general: bool) -> _Compiled:
+    text = source(system, general=general)
     digest = hashlib.sha256(text.encode())
     for name in sorted(_files(system)):
         digest.update(Path(name).read_bytes())
-    name = f"bluekoi_{system.name}_{digest.hexdigest()[:16]}"
+    kind = "general" if general else "fast"
+    name = f"bluekoi_{system.name}_{kind}_{digest.hexdigest()[:16]}"
     path = _folder() / f"{name}.py"
     if not path.exists():
         write_text(path, text)
-    module = _load(name, path)
-    return Kernel(system, module.propagate, module.kalman)
+    with _LOADING:
+        module = _load(name, path)
+    return _Compiled(module.propagate, module.compiled_filter)
 
 
 def _folder() -> Path:

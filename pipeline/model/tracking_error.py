@@ -10,9 +10,8 @@ Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
 
 from __future__ import annotations
 
-import math
-
 from ..integrate.system import Parameter
+from ..integrate.trigonometry import sin_cos
 
 KIND = "disturbance"
 STATEMENT = "Tracked points err for several frames on end."
@@ -29,7 +28,7 @@ def observe(
     psi: float, e_along: float, e_across: float, e_heading: float
 ) -> tuple[float, float, float, float]:
     """What the errors add to x and y (m), heading and head angle (rad)."""
-    c, s = math.cos(psi), math.sin(psi)
+    s, c = sin_cos(psi)
     return e_along * c - e_across * s, e_along * s + e_across * c, e_heading, 0.0
 
 

@@ -1,24 +1,14 @@
 """What the camera and its clock may have got wrong.
 
-Source: own statements; Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and
-Navigation (2001), sec. 8.2 (errors that last).
+Source: own statements.
 """
 
 from __future__ import annotations
 
 from ...effect import effect
+from ...randomness import lasting_errors
 
 Three = tuple[float, float, float]
-
-
-def lasting_observe(e_x: float, e_y: float, e_psi: float) -> Three:
-    """Errors of place (m, m) and heading (rad)."""
-    return e_x, e_y, e_psi
-
-
-def lasting_rates(e_x: float, e_y: float, e_psi: float, tau_e: float) -> Three:
-    """They forget themselves within tau_e."""
-    return -e_x / tau_e, -e_y / tau_e, -e_psi / tau_e
 
 
 def beat_clock(beat_hz: float, beat_hz0: float, k: float) -> tuple[float]:
@@ -37,12 +27,8 @@ def heading_observe(d: float) -> Three:
 
 
 EFFECTS = (
-    effect(
-        "lasting_error", "Errors of the tracked place and heading last for a while, what is left "
-        "of the recoil among them.", {"observe": lasting_observe},
-        (("present", "1", 1.0, 0.0, 1.0, "1 where they are"),
-         ("tau_e", "s", 0.2, 0.02, 2.0, "memory")),
-        kind="disturbance", states=("e_x", "e_y", "e_psi"), rates=lasting_rates),
+    lasting_errors("Errors of the tracked place and heading last for a while, what is left of the "
+                   "recoil among them.", 3, (0.2, 0.02, 2.0)),
     effect(
         "clock_error", "The recordings' clocks run at different rates; a tail that beats at one "
         "rate is seen at several.", {"clock": beat_clock},

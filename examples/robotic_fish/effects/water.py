@@ -11,18 +11,9 @@ from __future__ import annotations
 import math
 
 from ...effect import effect
+from ...randomness import pushes
 
 Three = tuple[float, float, float]
-
-
-def disturbance_force(g_surge: float, g_sway: float, g_yaw: float) -> Three:
-    """Random forces (N, N, N m)."""
-    return g_surge, g_sway, g_yaw
-
-
-def disturbance_rates(g_surge: float, g_sway: float, g_yaw: float, tau: float) -> Three:
-    """They forget themselves within tau."""
-    return -g_surge / tau, -g_sway / tau, -g_yaw / tau
 
 
 def trim_force(rho: float, A: float, V: float, c: float) -> Three:
@@ -97,12 +88,8 @@ def current_water(c_x: float, c_y: float) -> tuple[float, float]:
 
 
 EFFECTS = (
-    effect(
-        "disturbance", "The water is never quite still.", {"force": disturbance_force},
-        (("present", "1", 1.0, 0.0, 1.0, "1 where the forces act"),
-         ("tau", "s", 0.5, 0.05, 10.0, "time within which a force is forgotten")),
-        kind="disturbance", channels=("surge", "sway", "yaw"),
-        states=("g_surge", "g_sway", "g_yaw"), rates=disturbance_rates),
+    pushes("The water is never quite still.", "force", ("surge", "sway", "yaw"),
+           (0.5, 0.05, 10.0)),
     effect(
         "linear_yaw_damping", "The water resists turning in proportion to the yaw rate.",
         {"force": yaw_damping_force}, (("N_r", "N m s", 0.001, 0.0, 0.2, "moment at 1 rad/s"),),

@@ -32,6 +32,16 @@ def pick(image: Image, u: float, v: float) -> float:
 
 
 @numba.njit(cache=True, error_model="numpy")
+def picked(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
+    """Values (n,) of a picture at places (n, 2) px; NaN where not wanted."""
+    values = np.full(len(places), math.nan)
+    for i in range(len(places)):
+        if wanted[i]:
+            values[i] = pick(image, places[i, 0], places[i, 1])
+    return values
+
+
+@numba.njit(cache=True, error_model="numpy")
 def edge_offset(
     pictures: Pictures, place: tuple[float, float, float, float], skin: float, lines: Float
 ) -> float:

@@ -11,15 +11,17 @@ import numpy.typing as npt
 
 from ...data import Frame
 from ...study import Robot, Trial
-from .edges import pick
-from .posefit import Shape, measure
 from .search import Blob, blobs, poses_of
-from .template import CORE_STATIONS, HEAD_STATIONS, Template, first_template, learned
+from .stations import shown, without_misled
+from .template import (
+    Template,
+    first_template,
+    learned,
+)
 from .tracking import Fit, Scene, fitted, plausible, reaches
 
 Float = npt.NDArray[np.float64]
 ROUNDS = (0.016, 0.012, 0.010, 0.008, 0.008, 0.008)
-INSIDE_PX = 2.5
 AREA = 0.16
 WELL = 0.9
 BENT_RAD = 0.15
@@ -97,10 +99,12 @@ def _taught(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -
             for f, one in fits
         ]
         kept = _agreeing(fits)
-        template = learned(template, *_offsets(kept, scene, template, int(reach[-1])))
+        template = learned(template, *shown(kept, scene, template, int(reach[-1])))
     shape = template.shape()
     last = [fitted(f.luma, scene, shape, one.pose, reaches(scene, 0.008, 0.008)) for f, one in fits]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
+    offsets, _ = shown(_agreeing(pairs), scene, template, int(reaches(scene, 0.008)[0]))
+    template = without_misled(template, offsets * scene.plane.px_per_m)
     return Lesson(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
@@ -189,40 +193,3 @@ def bent(pose: Float, bend: float) -> Float:
 def slid(pose: Float, along_m: float) -> Float:
     """A pose moved along its core's heading."""
     return pose + along_m * np.array([math.cos(pose[2]), math.sin(pose[2]), 0.0, 0.0])
-
-
-def _offsets(
-    fits: Sequence[tuple[Frame, Fit]], scene: Scene, template: Template, reach: int
-) -> tuple[Float, Float]:
-    """Offsets [m] and grey levels inside, (frames, stations), NaN where not looked for or seen."""
-    kept = template.kept()
-    shape = template.shape()
-    count = 2 * (HEAD_STATIONS + CORE_STATIONS)
-    offsets, greys = np.full((2, len(fits), count), np.nan)
-    for row, (frame, one) in enumerate(fits):
-        pictures = (frame.luma, scene.floor)
-        found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
-        scale = np.hypot(slope[:, 0], slope[:, 1])
-        offsets[row, kept] = found / scale
-        greys[row, kept] = _inside(frame, scene, shape, (one.pose, found / scale))
-    return offsets, greys
-
-
-def _inside(frame: Frame, scene: Scene, shape: Shape, at: tuple[Float, Float]) -> Float:
-    """Grey level (n,) a little inside the edge found at each point, NaN where none was found.
-
-    at: pose (4,), offsets (n,) [m].
-    """
-    points, normals, part, _ = shape
-    pose, offset_m = at
-    angle = np.where(part == 0, pose[2] - pose[3], pose[2])
-    depth = np.nan_to_num(offset_m) - INSIDE_PX / scene.plane.px_per_m
-    place = points + normals * depth[:, None]
-    turned = (place[:, 0] + 1j * place[:, 1]) * np.exp(1j * angle)
-    uv = scene.plane.pixels(np.column_stack([turned.real, turned.imag]) + pose[:2])
-    height, width = frame.luma.shape
-    ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
-    ok &= np.isfinite(offset_m)
-    return np.array(
-        [pick(frame.luma, *p) if fine else np.nan for p, fine in zip(uv, ok, strict=True)]
-    )

@@ -10,24 +10,19 @@ import numpy.typing as npt
 
 from ...data import PARTS, Keypoints
 from .template import Template
-from .tracking import ARCS, Fit, Scene
+from .tracking import Fit, Scene
+from .variance import usual_covariance
 
 Float = npt.NDArray[np.float64]
 CERTAIN, WORTHLESS = 0.80, 0.35
 SHAPELESS = (0.25, 0.55)
 BEND_RAD = 0.07
-CLIPPED = 9.0
-FLOOR_PX = 0.03
+FLOOR_PX = 0.04
 TAIL_SHARE = (0.0041, 0.0036)
 SLIM, PALE = 0.25, 0.14
 AWRY_ALONG, AWRY_ACROSS = (0.06, 0.4), (0.24, 0.7)
 """Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
 times that length; by the width beyond the usual one. Measured against rendered footage."""
-UNSEEN = (2.8, 1.5, 0.0, 2.2)
-"""Errors of the pose that its own edges cannot show, along and across the core, heading, nose
-sideways, as multiples of the usual offset of an arc of the outline: light that lies unevenly
-about the robot moves whole flanks, and the fit follows them. Measured against rendered footage
-over all steps of the ladder."""
 
 
 def keypoints_of(
@@ -68,29 +63,6 @@ def _nose(fits: Sequence[Fit]) -> float:
     return float(np.median(seen)) if len(seen) > 4 else 0.0
 
 
-def _arc_offset_px(fits: Sequence[Fit]) -> float:
-    """Usual offset of an arc of the outline from the template, px: how unruly the edges are."""
-    scores = float(np.median([one.scores[4, 4] for one in fits]))
-    points = float(np.mean([one.information[4, 4] for one in fits]))
-    return math.sqrt(scores / max(points * ARCS, 1e-9))
-
-
-def usual_covariance(fits: Sequence[Fit]) -> tuple[Float, Float]:
-    """Mean covariance (5, 5) of pose and width in body axes over frames, and the mean information.
-
-    Each frame's is the sandwich of its information and the scores of its outline's arcs, which
-    holds where errors are alike along an arc; one frame alone would be too few arcs.
-    """
-    if not fits:
-        return np.eye(5), np.eye(5)
-    middle = np.median([one.information for one in fits], axis=0)
-    scores = np.array([one.scores for one in fits])
-    size = np.trace(scores, axis1=1, axis2=2)
-    kept = size <= CLIPPED * np.median(size)
-    inverse = np.linalg.inv(middle + 1e-6 * np.diag(np.diag(middle)))
-    return inverse @ scores[kept].mean(axis=0) @ inverse, middle
-
-
 def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     pose = np.array([one.pose for one in fits])
@@ -107,9 +79,7 @@ def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Floa
     moves[..., 0, 2], moves[..., 1, 2] = -arms.imag, arms.real
     moves[:, 0, :, 3] = -moves[:, 0, :, 2]
     carried = slope[:, None] @ moves
-    arc_m = _arc_offset_px(fits) / scene.plane.px_per_m
-    unseen = np.array(UNSEEN) * arc_m / [1.0, 1.0, 1.0, template.head_m]
-    inner = (_pose_covariances(fits) + np.diag(unseen**2))[:, None]
+    inner = _pose_covariances(fits)[:, None]
     cov = carried @ inner @ carried.swapaxes(2, 3) + FLOOR_PX**2 * np.eye(2)
     tips = np.array([one.tail[0] for one in fits])
     tails = _tail_covariances(fits, cov[:, 3], template.tail_m * scene.plane.px_per_m)
@@ -135,7 +105,9 @@ def _slopes(
 
 def _pose_covariances(fits: Sequence[Fit]) -> Float:
     """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
-    usual, middle = usual_covariance(fits)
+    middle = np.median([one.information for one in fits], axis=0)
+    told = [one.clues for one in fits if one.clues is not None]
+    usual = usual_covariance(told) if told else np.linalg.inv(middle)
     ridge = 1e-3 * np.diag(np.diag(middle))
     widened = np.linalg.solve(np.array([one.information for one in fits]) + ridge, middle + ridge)
     return (widened @ usual @ widened.swapaxes(1, 2))[:, :4, :4]

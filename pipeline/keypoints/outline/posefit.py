@@ -154,18 +154,15 @@ def summary(
     part: npt.NDArray[np.int64],
     heading: float,
     limits: tuple[float, float],
-    arc: int,
-) -> tuple[Float, Float, Float]:
-    """Information (5, 5), arcs' scores (5, 5) in body axes; support of head, core, all; nearness.
+) -> tuple[Float, Float]:
+    """Information (5, 5) in body axes; support of head, core, all; nearness.
 
     found: offsets, weights, slopes as `fit` gives them. limits: an offset supports the template
-    below the first [px]; nearness falls to 0 at the second. arc: points that are taken together.
+    below the first [px]; nearness falls to 0 at the second.
     """
     offset, weight, slope = found
     c, s = math.cos(heading), math.sin(heading)
     information = np.zeros((5, 5))
-    scores = np.zeros((5, 5))
-    pull = np.zeros(5)
     row = np.empty(5)
     for i in range(len(offset)):
         if weight[i] > 0 and math.isfinite(offset[i]):
@@ -173,15 +170,9 @@ def summary(
             row[1] = c * slope[i, 1] - s * slope[i, 0]
             row[2:] = slope[i, 2:]
             for a in range(5):
-                pull[a] += row[a] * weight[i] * offset[i]
                 for b in range(5):
                     information[a, b] += weight[i] * row[a] * row[b]
-        if (i + 1) % arc == 0 or i == len(offset) - 1:
-            for a in range(5):
-                for b in range(5):
-                    scores[a, b] += pull[a] * pull[b]
-            pull[:] = 0.0
-    return information, scores, _support(offset, part, limits)
+    return information, _support(offset, part, limits)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -30,6 +30,7 @@ class Template:
     angles, radii: (HEAD_STATIONS,) of the head about (MIDDLE head_m, 0), angle 0 at the nose.
     along, half: (CORE_STATIONS,) of the core, along <= 0. head_skin, core_skin: grey levels at
     the stations of both sides (2, stations). joint_m: nearer to the hinge nothing is looked for.
+    misled: stations (both parts and sides) whose edge is not the outline, as beside an eye.
     """
 
     head_m: float
@@ -43,6 +44,7 @@ class Template:
     head_skin: Float
     core_skin: Float
     joint_m: float
+    misled: npt.NDArray[np.bool_]
 
     @property
     def area_m2(self) -> float:
@@ -68,7 +70,14 @@ class Template:
         core[-1] = False
         nose_once = head.copy()
         nose_once[0] = False
-        return np.concatenate([head, nose_once, core, core])
+        return np.concatenate([head, nose_once, core, core]) & ~self.misled
+
+    def points(self, head_angle_rad: float) -> Float:
+        """Points (n, 2) of `shape`, head turned: hinge at 0, core along x."""
+        points, _, part, _ = self.shape()
+        c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
+        turned = points @ np.array([[c, -s], [s, c]]).T
+        return np.where((part == HEAD)[:, None], turned, points)
 
     def outline(self, head_angle_rad: float) -> Float:
         """Closed outline (n, 2) of head and core, hinge at 0, core along x: for comparing blobs."""
@@ -121,6 +130,7 @@ def first_template(
         head_skin=np.full((2, HEAD_STATIONS), skin),
         core_skin=np.full((2, CORE_STATIONS), skin),
         joint_m=1.22 * half_width_m,
+        misled=np.zeros(2 * (HEAD_STATIONS + CORE_STATIONS), bool),
     )
 
 
@@ -159,6 +169,19 @@ def learned(template: Template, offsets_m: Float, skins: Float, share: float = 1
         head_skin=_known(np.stack(sides[:2]), template.head_skin),
         core_skin=_known(np.stack(sides[2:]), template.core_skin),
     )
+
+
+def stands_out(greys: Float, floor: float) -> Float:
+    """How much each station's grey level, usual over frames and both sides, differs from a floor's.
+
+    greys: (frames, stations of both parts and sides). Neighbours are taken together, so that
+    noise in a few frames is no difference.
+    """
+    h, c = HEAD_STATIONS, CORE_STATIONS
+    head_left, head_right, core_left, core_right = np.split(greys, [h, 2 * h, 2 * h + c], axis=1)
+    head = np.abs(_smooth(_both(head_left - floor, head_right - floor)))
+    core = np.abs(_smooth(_both(core_left - floor, core_right - floor)))
+    return np.concatenate([head, head, core, core])
 
 
 def _known(found: Float, before: Float) -> Float:

@@ -17,12 +17,13 @@ from .posefit import Shape, fit, summary
 from .search import Blob, blobs, poses_of
 from .tail import trace
 from .template import Template
+from .variance import Clues, clues, kernels
 
 Float = npt.NDArray[np.float64]
 PRIOR = np.array([3e3, 3e3, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MOST_BEND = 0.7
-ARCS = 8
+CLUE_EVERY = 2
 UNTRACED = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_FRAMES = 8
 NEAR_M = 0.014
@@ -49,8 +50,7 @@ class Fit:
     """One frame's fit.
 
     pose: (4,) hinge x, y [m], core heading, head angle [rad]. information: (5, 5) of offsets of
-    1 px, the outline's width last; scores: (5, 5) sum of the squared pull of the outline's arcs
-    (both in body axes).
+    1 px in body axes, the outline's width last; clues: how wrong such fits are, of some frames.
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
     px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
@@ -59,7 +59,7 @@ class Fit:
 
     pose: Float
     information: Float
-    scores: Float
+    clues: Clues | None
     support: tuple[float, float, float]
     nearness: float
     tail: tuple[Float, float, float, tuple[float, float, float]]
@@ -85,20 +85,23 @@ def fitted(
     reach: npt.NDArray[np.int64],
     *,
     width_px: float = 0.1,
+    known: Float | None = None,
 ) -> Fit:
     """The template fitted to a frame from a starting pose, without its tail.
 
     width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
+    known: kernels (K, n, n) to gather clues of the fit's variance with.
     """
     pose, offset, weight, slope = fit(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR, width_px)
     )
     limits = (tolerance_px(scene), NEAR_M * scene.plane.px_per_m)
     found = (offset, weight, slope)
-    information, scores, share = summary(found, shape[2], pose[2], limits, ARCS)
+    information, share = summary(found, shape[2], pose[2], limits)
+    told = None if known is None else clues(found, float(pose[2]), PRIOR, known)
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     head, core, both, nearness = share.tolist()
-    return Fit(pose, information, scores, (head, core, both), nearness, UNTRACED, float(offset[0]))
+    return Fit(pose, information, told, (head, core, both), nearness, UNTRACED, float(offset[0]))
 
 
 def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
@@ -134,12 +137,16 @@ def follow(
 ) -> tuple[list[float], list[Fit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
     shape = template.shape()
+    known = kernels(template.points(scene.head_angle_rad), template.head_m + template.core_m)
     steps = reaches(scene, *STEPS_M)
     times: list[float] = []
     fits: list[Fit | None] = []
     for frame in film:
         start = _predicted(frame.time_s, times, fits)
-        one = None if start is None else fitted(frame.luma, scene, shape, start, steps)
+        asked = None if len(times) % CLUE_EVERY else known
+        one = (
+            start if start is None else fitted(frame.luma, scene, shape, start, steps, known=asked)
+        )
         if one is None or not good(one, scene):
             one = found_anew(frame.luma, scene, template, shape)
         times.append(frame.time_s)

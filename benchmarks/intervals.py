@@ -1,6 +1,6 @@
 """How often the 95 % intervals of the joint fit hold the truth, coefficient by coefficient.
 
-    python benchmarks/coverage.py [--campaigns 200] [--processes 2] [--out FILE.npz]
+    python benchmarks/intervals.py [--campaigns 200] [--processes 2] [--out FILE.npz]
 
 Each campaign is 18 trials (three powers, straight and turns to both sides, two heads) simulated
 from Table I at 75 % with disturbed water, a servo that is off by 0.3 degrees from trial to trial,

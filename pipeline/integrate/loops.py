@@ -1,0 +1,90 @@
+"""Loops over sixteen lanes, written from plain functions: rows in, arithmetic, rows out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from .dependence import names
+from .inlining import Lines, written_out
+from .rows import LANES, Rows
+from .system import Effect, Function, Stage
+
+
+class Loop:
+    """One loop over lanes: each row is loaded once, values pass by name, rows are set at the end.
+
+    passed_on: names that stand for other names or for numbers.
+    """
+
+    def __init__(self, rows: Rows, passed_on: Mapping[str, str] | None = None) -> None:
+        self._rows, self._lines = rows, Lines()
+        self._passed_on = dict(passed_on or {})
+        self._local: dict[str, str] = {}
+        self._loads: dict[int, str] = {}
+        self._stores: list[str] = []
+
+    @property
+    def called(self) -> dict[str, Function]:
+        """Functions by name that could not be written out."""
+        return self._lines.called
+
+    def text(self, indent: str = "    ") -> list[str]:
+        """Lines of the loop."""
+        loads = [f"{name} = m[{row * LANES} + j]" for row, name in self._loads.items()]
+        body = [*loads, *self._lines.written, *self._stores]
+        return [f"{indent}for j in range({LANES}):", *(f"{indent}    {line}" for line in body)]
+
+    def load(self, row: int) -> str:
+        """Name of a row's value."""
+        return self._loads.setdefault(row, f"row{row}")
+
+    def store(self, row: int, value: str, assign: str = "=") -> None:
+        """Set a row, or add to it, after everything has been loaded."""
+        self._stores.append(f"m[{row * LANES} + j] {assign} {value}")
+
+    def results(self, function: Function, count: int, effect: str = "") -> list[str]:
+        """Expressions of a function's outputs; an effect's own names come before others."""
+        given = [self.value(n, effect, function) for n in names(function)]
+        return written_out(function, given, self._lines, count)
+
+    def value(self, name: str, effect: str = "", where: Function | None = None) -> str:
+        """Expression for a named value.
+
+        Raises: TypeError naming the function that asks for what nobody gives.
+        """
+        own = self._rows.named.get(f"{effect}.{name}")
+        if own is None and name in self._local:
+            return self._local[name]
+        if own is None and name in self._passed_on:
+            name = self._passed_on[name]
+            if name not in self._rows.named:
+                return name
+        row = own if own is not None else self._rows.named.get(name)
+        if row is None:
+            place = f"{where.__module__}.{where.__name__}" if where else effect
+            raise TypeError(f"{place}: no value '{name}'")
+        return self.load(row)
+
+    def keep(self, name: str, value: str) -> None:
+        """Let a name stand for a value from here on."""
+        if not value.isidentifier() and value != "0.0":
+            self._lines.written.append(f"v_{name} = {value}")
+            value = f"v_{name}"
+        self._local[name] = value
+
+    def stage(self, stage: Stage, results: Sequence[str], effects: Sequence[Effect]) -> None:
+        """A stage's outputs under the names `results`, what effects add included."""
+        count = len(stage.outputs)
+        values = self.results(stage.function, count) if stage.function else ["0.0"] * count
+        for effect in effects:
+            if stage.name in effect.hooks:
+                added = self.results(effect.hooks[stage.name], count, effect.name)
+                values = [_sum(v, a) for v, a in zip(values, added, strict=True)]
+        for name, value in zip(results, values, strict=True):
+            self.keep(name, value)
+
+
+def _sum(a: str, b: str) -> str:
+    if "0.0" in (a, b):
+        return b if a == "0.0" else a
+    return f"{a} + ({b})"

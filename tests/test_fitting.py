@@ -9,7 +9,7 @@ import pytest
 from one_mass import SYSTEM
 from scipy.stats import multivariate_normal
 
-from pipeline.fitting import Noise, Series, filter_series, fit_noise, thinned
+from pipeline.fitting import Free, Noise, Series, filter_series, fit, fit_noise, thinned
 from pipeline.fitting.linear import linearised, log_likelihood
 from pipeline.integrate import compiled
 
@@ -97,6 +97,18 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
         other = Noise(np.array(strengths), np.array(memories), np.full(1, scale))
         assert log_likelihood(linear, other) == pytest.approx(passed(other), abs=0.3)
         assert abs(passed(other) - passed(path)) > 3
+
+
+def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
+    """Where no data bear on a number, a fit leaves it at its start with the stated spread."""
+    known = replace(SYSTEM.coefficients[0], spread=0.2)
+    system = replace(SYSTEM, coefficients=(known,))
+    kernel = compiled(system)
+    unseen = [replace(a_series(np.full(20, np.nan)), name=str(k)) for k in range(5)]
+    noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
+    found = fit(kernel, unseen, system.values({}), [Free("c")], noise, start={"c": 0.8})
+    assert found.values[0] == pytest.approx(known.start, abs=1e-6)
+    assert found.naive_cov[0, 0] == pytest.approx(0.2**2, rel=1e-6)
 
 
 def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:

@@ -11,16 +11,20 @@ import pytest
 from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
-from pipeline.fitting import Fit, Free, Normal
+from pipeline.fitting import Fit, Free, Normal, Series
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch, folds, weights
 from pipeline.mismatch.details import details
+from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import p_value_of
+from pipeline.mismatch.jumps import jumps, with_jumps
+from pipeline.mismatch.search import held_shapes
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
 from pipeline.stages.mismatch import with_scale
 from pipeline.synthetic.design import bare_design, demo_design
+from pipeline.tuning import thin, tune
 
 
 @pytest.fixture(scope="module")
@@ -60,12 +64,73 @@ def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:
     assert plain(mismatch_json(found, m.study, m.series))["where"][0]["share"] > 0.05
 
 
-def test_nothing_hidden_is_none(tmp_path: Path) -> None:
-    m = measured(bare_design(seed=31), tmp_path)
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    return measured(bare_design(seed=31), tmp_path_factory.mktemp("bare"))
+
+
+def test_nothing_hidden_is_none(bare: Measured) -> None:
+    m = bare
     found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
     told = plain(mismatch_json(found, m.study, m.series))
     assert told["verdict"] == "none"
     assert told["causes"] == []
+
+
+def test_a_knocked_camera_is_told_from_one_trial(bare: Measured) -> None:
+    """From the middle of one trial on all is seen 9 mm away, as by a camera that was pushed."""
+    knocked = [one if k != 3 else _displaced(one, np.array([0.008, -0.004]))
+               for k, one in enumerate(bare.series)]  # fmt: skip
+    found = find_mismatch(bare.study, knocked, bare.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, bare.study, knocked))
+    assert told["verdict"] == "measurement"
+    assert [c["name"] for c in told["causes"]] == ["camera_shift"]
+    size = told["causes"][0]["parameters"]
+    assert size["dx"]["value"] == pytest.approx(0.008, abs=0.0015)
+    assert size["dy"]["value"] == pytest.approx(-0.004, abs=0.0015)
+    assert knocked[3].name not in told["held_out"]["trials"]
+
+
+def test_jumps_are_found_where_and_when_they_are(bare: Measured) -> None:
+    kernel, few = compiled(plates()), thin(bare.series)
+    few[2] = _displaced(few[2], np.array([-0.005, 0.006]))
+    tuned = tune(few)
+    found = jumps(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    assert [j.trial for j in found] == [few[2].name]
+    assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
+    assert found[0].displacement == pytest.approx([-0.005, 0.006], abs=0.002)
+    slot = kernel.system.constants.index("t_shift")
+    told = [s.constants[slot] < 1e3 for s in with_jumps(kernel, few, found)]
+    assert told == [k == 2 for k in range(len(few))]
+
+
+def _displaced(one: Series, by: np.ndarray) -> Series:
+    seen = one.seen.copy()
+    seen[len(seen) // 2 :, :2] += by
+    return replace(one, seen=seen)
+
+
+def test_a_lag_begins_each_stretch_where_the_filter_had_it(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    kernel, base = compiled(plates()), found.baseline.base.copy()
+    base[kernel.system.slot["lift_lag.k"]] = 0.8
+    lagging = replace(found.baseline, base=base)
+    turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
+    first, second, *_ = begun(kernel, lagging, [turning], 2.0)
+    states = [kernel.system.all_states.index(n) for n in kernel.system.effect("lift_lag").states]
+    assert np.all(first.mean[states] == turning.mean[states])
+    assert np.any(np.abs(second.mean[states]) > 1e-4)
+
+
+def test_shapes_known_beforehand_are_held_until_freeing_them_pays(
+    demo: tuple[Measured, Found],
+) -> None:
+    _, found = demo
+    kernel = compiled(plates())
+    tried = next(t for t in found.choice.rounds[0].tried if t.effects == ("tail_fin_lift",))
+    assert set(held_shapes(kernel, tried)) == {"tail_fin_lift.b", "tail_fin_lift.p"}
+    free = {f.name for f in tried.fit.free}
+    assert {"tail_fin_lift.S", "tail_fin_lift.a"} <= free
 
 
 def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, Found]) -> None:

@@ -15,7 +15,7 @@ Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low 
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from ..integrate.system import Parameter
 
@@ -42,6 +42,6 @@ def force(
     front, rear = a - b, a + b
     wf, wr = vc - front * r, vc - rear * r
     k = -0.25 * rho * S
-    Yf = k * np.sqrt(uc * uc + p * wf * wf + 1e-12) * wf
-    Yr = k * np.sqrt(uc * uc + p * wr * wr + 1e-12) * wr
+    Yf = k * math.sqrt(uc * uc + p * wf * wf + 1e-12) * wf
+    Yr = k * math.sqrt(uc * uc + p * wr * wr + 1e-12) * wr
     return 0.0, Yf + Yr, -front * Yf - rear * Yr

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from one_mass import SYSTEM
 
 from pipeline.fitting import Free, Noise, Series, normal_equations
@@ -69,3 +70,27 @@ def test_a_side_measurement_moves_the_number_of_its_own_group_alone():
     normal = normal_equations(kernel, trials, yaw.SYSTEM.values({}), free, np.zeros(2), noise=noise)
     step = np.linalg.solve(normal.hessian.sum(axis=0), normal.gradient.sum(axis=0))
     assert step == pytest.approx([0.02, -0.05], rel=1e-3)
+
+
+def test_a_missing_folder_is_told_in_one_line():
+    command = import_module("examples.pendulum.__main__").main
+    result = CliRunner().invoke(command, ["nowhere"])
+    assert result.exit_code == 1
+    assert "expected the pendulum's recording" in result.output
+    assert "Traceback" not in result.output
+
+
+def test_near_and_far_from_the_edge_are_compared_without_lost_light():
+    edge = import_module("examples.fish_robot_pool.edge")
+    reading = import_module("examples.fish_robot_pool.reading")
+    times = np.arange(0.0, 20.0, 1 / 16)
+    x = np.where(times < 10.0, 1.0 + 0.1 * times, 2.0 + 0.2 * (times - 10.0))
+    y = np.interp(times, [9.0, 11.0], [0.05, 0.5])
+    places = np.column_stack([x, y])
+    run = reading.Run("r", "c", 1.0, times, places, 0, 0.0)
+    ratio, near, far = edge.near_over_far([run])["c"]
+    assert ratio == pytest.approx(0.5, abs=0.06)  # a beat crosses over
+    kept = (times < 4.0) | (times > 6.0)
+    lost = edge.beats(reading.Run("r", "c", 1.0, times[kept], places[kept], 0, 2.0))
+    assert 1 <= lost.gaps.sum() <= 4
+    assert near > 5 < far

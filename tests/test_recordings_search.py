@@ -19,6 +19,8 @@ balls = import_module("examples.ball_drops.__main__")
 balls_errors = import_module("examples.ball_drops.errors")
 balls_reading = import_module("examples.ball_drops.reading")
 pendulum = import_module("examples.pendulum.__main__")
+pool_edge = import_module("examples.fish_robot_pool.edge")
+pool_reading = import_module("examples.fish_robot_pool.reading")
 pendulum_laws = import_module("examples.pendulum.laws")
 pendulum_reading = import_module("examples.pendulum.reading")
 
@@ -92,3 +94,11 @@ def test_falls_after_two_seconds_err_by_what_is_expected(fallen, falls):
         better += rest.mean_square < balls_errors.PUBLISHED_M2[name]
     assert better >= 7  # the bar is 9: docs/recordings.md says why it is not reached
     assert 0.3 < np.mean(np.array(errors) / expected) < 3.0
+
+
+def test_every_command_of_the_fish_robot_is_slower_at_the_edge(recordings):
+    runs = pool_reading.read_folder(recordings / "fish_robot_pool")
+    ratios = [ratio for ratio, _, _ in pool_edge.near_over_far(runs).values()]
+    assert len(ratios) == 6
+    assert max(ratios) < 1.0
+    assert 0.75 < np.median(ratios) < 0.95

@@ -9,13 +9,16 @@ from pathlib import Path
 import click
 import numpy as np
 
-from pipeline.fitting import Series
-from pipeline.mismatch import Trialled
+from pipeline.data import Float
+from pipeline.fitting import Noise, Series
+from pipeline.mismatch import MissingForce, Trialled
 
 from ..command import plainly
 from ..drawing import write
 from ..engine import Case, bare_model, case, investigate, refitted, with_own_noise
 from ..telling import coefficients, found, table
+from ..where import shares
+from ..where import told as told_where
 from .errors import PUBLISHED_M2, Balls, drag_gain, others, rest_of_fall, told
 from .model import SYSTEM
 from .picture import Ball, draw
@@ -24,6 +27,8 @@ from .reading import FIRST_NOISE, read_folder
 OUTSIDE = "linear_drag"
 """Valid for creeping flow (Reynolds numbers below 1), and these balls have 5e4 to 4e5. It is no
 candidate; `laws` says what the paths alone would make of it."""
+PUSHED = Noise(np.array([3.0, 0.1]), np.array([1.0, 0.5]), np.ones(1))
+"""Random accelerations as large as what gravity leaves out (m/s2), to see where it is."""
 SURE = 3.0
 AIR_VISCOSITY = 1.5e-5
 """m2/s, at 15 degrees."""
@@ -49,6 +54,17 @@ def laws(given: Case) -> list[tuple[str, str, str]]:
     return rows
 
 
+def variables(drop: Series, force: MissingForce) -> dict[str, Float]:
+    """What a missing acceleration may depend on, frame by frame."""
+    height, speed = force.states[:, 0], -force.states[:, 1]
+    return {
+        "speed_m_s": speed,
+        "height_m": height,
+        "time_s": drop.times,
+        "area_over_mass_m2_kg": np.full(len(height), drop.constants[1] / drop.constants[0]),
+    }
+
+
 def pair(value: tuple[float, float], digits: int = 2) -> str:
     """Value and deviation; in bold where it is sure to differ from nothing."""
     text = f"{value[0]:+.{digits}f} ± {value[1]:.{digits}f}"
@@ -64,6 +80,8 @@ def main(folder: Path, figure: Path | None) -> None:
     balls = read_folder(folder)
     given = together(balls)
     outcome = investigate(given)
+    where = shares(given, outcome.choice.bare, PUSHED, variables, ("fall",))
+    click.echo(told_where(where) + "\n")
     click.echo(f"Gravity alone: {coefficients(outcome)}\n\n{found(given, outcome)}\n")
     click.echo(table(("laws of drag", "log likelihood", "held out"), laws(given)) + "\n")
     seen, rows = one_by_one(given, outcome.chosen, balls)

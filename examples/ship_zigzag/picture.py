@@ -18,19 +18,26 @@ SHOWN = "Z_20_05"
 """A manoeuvre of middling size, drawn where the folder has it."""
 
 
-def draw(trials: Sequence[Series], runs: Mapping[str, Sequence[Forecast]]) -> Figure:
-    """runs: name of a model -> forecasts of all manoeuvres; two models."""
+def draw(
+    trials: Sequence[Series],
+    runs: Mapping[str, Sequence[Forecast]],
+    minutes: Mapping[str, Sequence[Sequence[Forecast]]],
+) -> Figure:
+    """runs: name of a model -> every manoeuvre foretold to its end; minutes: by minutes; two
+    models.
+    """
     figure = Figure(figsize=(10.5, 6.2), layout="constrained")
     (a, b), (c, d) = figure.subplots(2, 2)
     shown = next((i for i, t in enumerate(trials) if t.name == SHOWN), 0)
     own = {name: shots[shown] for name, shots in runs.items()}
     _manoeuvre(a, b, c, trials[shown], own)
     y = np.arange(len(trials))[::-1]
-    for (name, shots), colour, shift in zip(runs.items(), (BEFORE, AFTER), (0.2, -0.2),
-                                            strict=True):  # fmt: skip
-        d.barh(y + shift, [s.path_rms for s in shots], 0.38, color=colour, label=name)
+    for (name, each), colour, shift in zip(minutes.items(), (BEFORE, AFTER), (0.2, -0.2),
+                                           strict=True):  # fmt: skip
+        error = [np.sqrt(np.mean([f.path_rms**2 for f in one])) if one else np.nan for one in each]
+        d.barh(y + shift, error, 0.38, color=colour, label=name)
     d.set_yticks(y, [t.name for t in trials])
-    d.set(xlabel="path error, m (root mean square)", title="Every manoeuvre, foretold")
+    d.set(xlabel="path error, m (root mean square)", title="Every manoeuvre, a minute ahead")
     d.legend()
     return figure
 

@@ -1,16 +1,20 @@
 """Frames per second of decoding plus detection against decoding alone, side by side in one run.
 
     python benchmarks/detection.py [--sizes 1080p 2.7K 4K] [--codecs h264 hevc] [--frames 240]
+    python benchmarks/detection.py --memory [--sizes 1080p] [--codecs h264]
 
 Clips are rendered (cached in --folder) at the bit rates of the camera: 60 Mbit/s, 100 at 4K, one
 reference frame, a key frame every 15. Every clip is decoded, then decoded with detection, in turn,
 `--rounds` times; the medians are compared. Exits with 1 where a ratio is under the bar.
+With `--memory` the greatest memory of detection in a clip is held against that in the same clip six
+times over.
 """
 
 from __future__ import annotations
 
 import argparse
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,6 +23,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import av
 import numpy as np
 
 from pipeline.footage import frames, open_recording
@@ -30,6 +35,7 @@ from pipeline.synthetic.design import ladder_design
 
 BAR = 0.93
 MEMORY_MB = 600
+GROWTH_MB = 20
 SIZES = {"1080p": ((1920, 1080), 60.0), "2.7K": ((2704, 1520), 60.0), "4K": ((3840, 2160), 100.0)}
 
 
@@ -96,6 +102,53 @@ def one(study: Path, rounds: int) -> bool:
     return row["wall_ratio"] >= BAR and megabytes < MEMORY_MB
 
 
+def lengthened(study: Path, times: int) -> Path:
+    """Study folder of a clip whose packets are repeated, made where it is not there yet."""
+    longer = study.with_name(f"{study.name}-times-{times}")
+    if (longer / "done").exists():
+        return longer
+    shutil.copytree(study, longer, dirs_exist_ok=True)
+    trial = load_study(study).trials[0]
+    source, target = study / trial.source, longer / trial.source
+    with av.open(str(target), "w") as out:
+        template = av.open(str(source)).streams.video[0]
+        stream = out.add_stream_from_template(template)
+        for turn in range(times):
+            with av.open(str(source)) as film:
+                own = film.streams.video[0]
+                for packet in (p for p in film.demux(own) if p.dts is not None):
+                    packet.stream = stream
+                    packet.pts, packet.dts = (
+                        at + turn * (own.duration or 0) for at in (packet.pts, packet.dts)
+                    )
+                    out.mux(packet)
+    (longer / "done").touch()
+    return longer
+
+
+def megabytes_of(study: Path) -> float:
+    """Greatest memory of a process that detects in a study's first trial, MB."""
+    command = [sys.executable, __file__, "--study", str(study), "--memory"]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return float(told.split()[0])
+
+
+def detect_alone(study: Path) -> str:
+    """Megabytes and frames of one detection in this process."""
+    loaded = load_study(study)
+    recording = open_recording(loaded.paths(loaded.trials[0]))
+    found = silhouette.detect(lambda: frames(recording), loaded.setup, loaded.trials[0])
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return f"{megabytes:.1f} MB, {len(found.time_s)} frames"
+
+
+def memory(study: Path, times: int = 6) -> bool:
+    """Print the memory of a clip and of a longer one; whether it hardly grows."""
+    short, long = (megabytes_of(one) for one in (study, lengthened(study, times)))
+    print(f"{study.name:>16} {short:5.0f} MB; {times} times as long: {long:5.0f} MB", flush=True)
+    return long < short + GROWTH_MB and long < MEMORY_MB
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--sizes", nargs="+", default=list(SIZES), choices=list(SIZES))
@@ -106,13 +159,20 @@ def main() -> int:
         "--folder", type=Path, default=Path(tempfile.gettempdir()) / "bluekoi-clips"
     )
     parser.add_argument("--study", type=Path, help="measure this study's first trial alone")
+    parser.add_argument("--memory", action="store_true", help="memory against length")
     options = parser.parse_args()
+    if options.study and options.memory:
+        print(detect_alone(options.study))
+        return 0
     if options.study:
         return 0 if one(options.study, options.rounds) else 1
     failed = 0
     for size in options.sizes:
         for codec in options.codecs:
             study = clip(options.folder, size, codec, options.frames)
+            if options.memory:
+                failed += not memory(study)
+                continue
             command = [sys.executable, __file__, "--study", str(study)]
             command += ["--rounds", str(options.rounds)]
             failed += subprocess.run(command, check=False).returncode

@@ -112,7 +112,7 @@ def nine(seconds: float, *, slow: bool) -> None:
     ways: dict[str, Callable[[], np.ndarray]] = {
         "ours, trajectories, starts known": lambda: fit_paths(
             kernel, known, base, free, start=START, open_states=0,
-            shares=(1.0,)).fit.values,
+            shares=(0.25, 1.0)).fit.values,
         "ours, trajectories, 54 start states free": lambda: fit_paths(
             kernel, series, base, free, start=START).fit.values,
         "ours, prediction errors, starts free": lambda: fit(

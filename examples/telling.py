@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from pipeline.integrate import Parameter
+
 from .engine import Beside, Case, Outcome
 
 LEAST_WEIGHT = 0.02
@@ -35,14 +37,20 @@ def found(given: Case, outcome: Outcome) -> str:
 
 
 def numbers(given: Case, outcome: Outcome, name: str) -> str:
-    """Parameters of an effect with their deviations and units."""
-    units = {p.name: p.unit for p in given.system.parameters}
+    """Parameters of an effect with their deviations and units, and whether one is at its bound."""
+    parameters = {p.name: p for p in given.system.parameters}
     values = outcome.chosen.fit.by_label()
     return ", ".join(
-        f"{label.split('.', 1)[1]} {values[label]:.3g} ± {outcome.std[label]:.2g} {units[label]}"
+        f"{label.split('.', 1)[1]} {_number(parameters[label], values[label], outcome.std[label])}"
         for label in values
         if label.startswith(name + ".")
     )
+
+
+def _number(parameter: Parameter, value: float, std: float) -> str:
+    if not parameter.lower < value < parameter.upper:
+        return f"{value:.3g} {parameter.unit} (at its bound: not to be believed)"
+    return f"{value:.3g} ± {std:.2g} {parameter.unit}"
 
 
 def rivals(outcome: Outcome, name: str) -> str:

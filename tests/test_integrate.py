@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from pendulum import PENDULUM
 from pipeline.integrate import LANES, System, compiled
 from pipeline.integrate.batch import propagate
+from pipeline.integrate.inlining import Lines, written_out
 from pipeline.integrate.writing import source
 from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
 from robots import SETUP
@@ -159,3 +160,23 @@ def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
     )
     with pytest.raises(TypeError, match="rates: no value 'missing'"):
         source(replace(PENDULUM, stages=stages), general=False)
+
+
+def bent(x: float) -> float:
+    return x if x > 0 else -x
+
+
+def helped(x: float, zero: float) -> tuple[float, float]:
+    twice = 2.0 * bent(x + 1.0)
+    return twice + zero * x, math.pi * zero
+
+
+def test_straight_lines_are_written_out_and_branches_called() -> None:
+    lines = Lines()
+    values = written_out(helped, ["a", "0.0"], lines)
+    assert list(lines.called.values()) == [bent]
+    (name,) = lines.called
+    assert lines.written == [
+        "given_1 = a + 1.0", f"out_2 = {name}(given_1)", "twice_3 = 2.0 * out_2",
+    ]  # fmt: skip
+    assert values == ["twice_3", "0.0"]

@@ -1,4 +1,4 @@
-"""The search on recordings of others: bars that were reached, figures from docs/evidence.md."""
+"""The search on recordings of others: bars that were reached, figures from docs/recordings.md."""
 
 from __future__ import annotations
 

@@ -9,6 +9,7 @@ import pytest
 
 from campaigns import COEFFICIENTS
 from pipeline.fitting import Free, Series, fit_paths
+from pipeline.fitting.gram import set_products
 from pipeline.integrate import compiled
 from pipeline.model import FLAP_HZ, constants, plates, simulate
 from robots import SETUP
@@ -91,3 +92,17 @@ def test_more_numbers_than_lanes_are_refused() -> None:
     free = [Free(p.name) for p in plates().parameters[:12]]
     with pytest.raises(ValueError, match="18 numbers a trial, at most 15"):
         fit_paths(compiled(plates()), series, plates().values({}), free)
+
+
+def test_products_are_those_of_matrices_and_leave_out_what_was_not_seen() -> None:
+    rng = np.random.default_rng(7)
+    observed, seen = rng.normal(size=(3, 90, 2, 16)), rng.normal(size=(3, 90, 2))
+    weight = rng.uniform(0.5, 2.0, size=seen.shape)
+    weight[1, 40:] = 0.0
+    observed[1, 40:] = np.nan
+    found = np.empty((3, 8, 8))
+    set_products(observed, seen, weight, (0, 3), found)
+    columns = np.nan_to_num(observed - observed[..., :1])[..., :8]
+    columns[..., 0] = np.nan_to_num(seen - observed[..., 0])
+    J = (columns * weight[..., None]).reshape(3, -1, 8)
+    assert found == pytest.approx(J.transpose(0, 2, 1) @ J, abs=1e-10)

@@ -15,22 +15,24 @@ look like physics here (prediction errors, `joint.fit`, do not fall for it).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
+from ..integrate.batch import in_parts, propagate
+from .gram import set_products
 from .joint import CONVERGED, STALLED, Fit, damped_step
-from .normal import Normal, slots_by_name, trial_values
+from .normal import Normal, slots_by_name
+from .padded import Padded, padded
 from .series import Free, Series
-from .shooting import first_part
 
 START_STEP = 1e-4
-SHARES, ROUGH = (0.25, 0.5, 1.0), 5
-"""First a quarter of each trial is fitted, then half, at most so many rounds, then all of it: a
-model that would run away from a rough start is led to a fine one."""
+SHARES, ROUGH = (0.25, 0.5, 1.0), 6
+"""First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
+the integrator, then all of it: a model that would run away from a rough start is led to a fine
+one."""
 TRIALS = 64
 """Trials simulated in one call: more would not stay in the processor's cache."""
 
@@ -44,25 +46,6 @@ class PathFit:
 
 
 @dataclass(frozen=True)
-class _Problem:
-    """Everything that stays, padded to the longest trial: t trials, n frames, o observations."""
-
-    kernel: Kernel
-    base: Float
-    free: tuple[Free, ...]
-    groups: tuple[str, ...]
-    open_states: int
-    times: Float
-    inputs: Float
-    frames: np.ndarray
-    constants: Float
-    seen: Float
-    weight: Float
-    prior: Float
-    prior_std: Float
-
-
-@dataclass(frozen=True)
 class _Arrow:
     """Blocks of the normal equations by trial: common (p, p), (p,), mixed (p, s), start (s, s)."""
 
@@ -72,6 +55,9 @@ class _Arrow:
     common_side: Float
     start_side: Float
     cost: Float
+
+
+NOTHING = _Arrow(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_paths(
@@ -97,139 +83,106 @@ def fit_paths(
     bounds = [kernel.system.parameters[slots[f.name]] for f in free]
     limits = np.array([[p.lower for p in bounds], [p.upper for p in bounds]])
     x = np.array([(start or {}).get(f.label, base[slots[f.name]]) for f in free])
-    starts = np.array([s.mean for s in series])
+    at = _Point(np.clip(x, *limits), np.array([s.mean for s in series]), 1e-3)
+    problem = padded(kernel, series, base, free, open_states)
     for share in shares:
-        part = [first_part(s, share) for s in series]
-        problem = _problem(kernel, part, base, free, open_states)
         whole = share == shares[-1]
-        at = _minimised(problem, x, starts, limits, iterations=iterations if whole else ROUGH,
+        at = _minimised(problem.first_part(share), at, limits,
+                        iterations=iterations if whole else ROUGH,
                         tolerance=tolerance if whole else 1.0)  # fmt: skip
-        x, starts = at.x, at.starts
-    return PathFit(Fit(tuple(free), x, _reduced(at.arrow, 0.0)[0], at.outcome, at.count), starts)
+    normal, _ = _reduced(at.arrow, 0.0)
+    return PathFit(Fit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
 
 
 @dataclass(frozen=True)
 class _Point:
-    """Where a minimisation ended."""
+    """Where a minimisation is, and what it found there."""
 
     x: Float
     starts: Float
-    arrow: _Arrow
-    outcome: str
-    count: int
+    damping: float
+    arrow: _Arrow = NOTHING
+    outcome: str = STALLED
+    count: int = 0
 
 
 def _minimised(
-    problem: _Problem,
-    x: Float,
-    starts: Float,
-    limits: Float,
-    *,
-    iterations: int,
-    tolerance: float,
+    problem: Padded, at: _Point, limits: Float, *, iterations: int, tolerance: float
 ) -> _Point:
-    lower, upper = limits
-    arrow, damping, outcome, count = _arrow(problem, x, starts), 1e-3, STALLED, 0
-    while np.isfinite(arrow.cost).all() and count < iterations and damping < 1e8:
-        count += 1
-        normal, to_start = _reduced(arrow, damping)
-        step = np.clip(x + damped_step(normal, damping, x, lower, upper), lower, upper) - x
-        moved = starts.copy()
-        moved[:, : problem.open_states] += np.einsum("tsp,p->ts", to_start[0], step) + to_start[1]
-        candidate = _arrow(problem, x + step, moved)
-        small = step @ normal.hessian.sum(axis=0) @ step < tolerance**2 * len(x)
-        if np.isfinite(candidate.cost).all() and candidate.cost.sum() <= arrow.cost.sum():
-            x, starts, arrow, damping = x + step, moved, candidate, max(damping * 0.1, 1e-9)
+    """Rounds from a point on, until the next step would move nothing beyond the tolerance."""
+    at = replace(at, arrow=_arrow(problem, at.x, at.starts), outcome=STALLED, count=0)
+    while np.isfinite(at.arrow.cost).all() and at.count < iterations and at.damping < 1e8:
+        normal, to_start = _reduced(at.arrow, at.damping)
+        step = damped_step(normal, at.damping, at.x, *limits)
+        x = np.clip(at.x + step, *limits)
+        starts = at.starts.copy()
+        shift = to_start[0] @ (x - at.x) + to_start[1]
+        starts[:, : problem.open_states] += shift
+        if _is_small(at.arrow, x - at.x, shift, tolerance):
+            return replace(at, outcome=CONVERGED)
+        arrow = _arrow(problem, x, starts)
+        if np.isfinite(arrow.cost).all() and arrow.cost.sum() <= at.arrow.cost.sum():
+            at = _Point(x, starts, max(at.damping * 0.1, 1e-9), arrow, count=at.count + 1)
         else:
-            damping *= 10.0
-        if small:
-            outcome = CONVERGED
-            break
-    return _Point(x, starts, arrow, outcome, count)
+            at = replace(at, damping=at.damping * 10.0, count=at.count + 1)
+    return at
 
 
-def _problem(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], open_states: int
-) -> _Problem:
-    if open_states + len(free) > LANES - 1:
-        raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
-    longest = max(len(s.times) for s in series)
-    weights = [np.isfinite(s.seen) / np.sqrt(np.einsum("nii->ni", s.noise)) for s in series]
-
-    def padded(rows: Sequence[Float], *, last: bool) -> Float:
-        out = np.zeros((len(rows), longest, *rows[0].shape[1:]))
-        for target, row in zip(out, rows, strict=True):
-            target[: len(row)] = row
-            target[len(row) :] = row[-1] if last else 0.0
-        return out
-
-    return _Problem(
-        kernel, base, tuple(free), tuple(s.group for s in series), open_states,
-        times=padded([s.times for s in series], last=True),
-        inputs=padded([s.inputs for s in series], last=True),
-        frames=np.array([len(s.times) for s in series]),
-        constants=np.array([s.constants for s in series]),
-        seen=padded([np.nan_to_num(s.seen) for s in series], last=False),
-        weight=padded(weights, last=False),
-        prior=np.array([s.mean for s in series]),
-        prior_std=np.array([np.sqrt(np.diag(s.cov)) for s in series]),
-    )  # fmt: skip
+def _is_small(arrow: _Arrow, change: Float, shift: Float, tolerance: float) -> bool:
+    """Whether a step moves nothing by more than `tolerance` of its deviation, starts included."""
+    moved = change @ arrow.common.sum(axis=0) @ change
+    moved += 2.0 * np.einsum("p,tps,ts->", change, arrow.mixed, shift)
+    moved += np.einsum("ts,tsr,tr->", shift, arrow.start, shift)
+    return bool(moved < tolerance**2 * max(change.size + shift.size, 1))
 
 
-def _arrow(problem: _Problem, x: Float, starts: Float) -> _Arrow:
+def _arrow(problem: Padded, x: Float, starts: Float) -> _Arrow:
     """Blocks at a point, by batches of simulations."""
-    slot, parameters = slots_by_name(problem.kernel), problem.kernel.system.parameters
-    steps = np.array([
-        1e-4 * max(abs(v), 0.05 * abs(parameters[slot[f.name]].start), 1e-6)
-        for f, v in zip(problem.free, x, strict=True)
-    ])  # fmt: skip
+    n = problem.open_states
+    size = np.concatenate([np.full(n, START_STEP),
+                           1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
     with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
         parts = [
-            _part(problem, slice(first, first + TRIALS), x, steps, starts=starts)
+            _products(problem, slice(first, first + TRIALS), x, size, starts=starts)
             for first in range(0, len(starts), TRIALS)
         ]
-    H, g, cost = (np.concatenate(column) for column in zip(*parts, strict=True))
-    n = problem.open_states
+    products = np.concatenate(parts)
+    H, g = products[:, 1:, 1:] / np.outer(size, size), products[:, 0, 1:] / size
     pull = (starts - problem.prior) / problem.prior_std
     H[:, range(n), range(n)] += 1.0 / problem.prior_std[:, :n] ** 2
     g[:, :n] -= (pull / problem.prior_std)[:, :n]
     return _Arrow(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
-                  cost + np.sum(pull**2, axis=1))  # fmt: skip
+                  products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
-def _part(
-    problem: _Problem, trials: slice, x: Float, steps: Float, *, starts: Float
-) -> tuple[Float, Float, Float]:
-    """J'J (t, s + p, s + p), J'e (t, s + p) and e'e (t,) of some trials: one call."""
-    count, slots = problem.open_states, slots_by_name(problem.kernel)
-    groups = problem.groups[trials]
-    points = [trial_values(problem.kernel, problem.base, problem.free, x, g) for g in groups]
-    values = np.repeat(np.array(points)[:, :, None], LANES, axis=2)
-    for k, f in enumerate(problem.free):
-        own = [f.group in (None, g) for g in groups]
-        values[own, slots[f.name], count + 1 + k] += steps[k]
+def _products(problem: Padded, trials: slice, x: Float, size: Float, *, starts: Float) -> Float:
+    """Products (t, 1 + s, 1 + s) of errors and of differences `size` of some trials: one call."""
+    count = problem.open_states
     state = np.repeat(starts[trials, :, None], LANES, axis=2)
     state[:, range(count), range(1, count + 1)] += START_STEP
+    values = np.empty((len(state), len(problem.base), LANES))
+    values[:] = problem.base[:, None]
+    for k, (slot, own) in enumerate(problem.own):
+        values[own[trials], slot] = x[k]
+        values[own[trials], slot, count + 1 + k] += size[count + k]
     observed, _ = propagate(
-        problem.kernel, state, values,
-        np.repeat(problem.constants[trials, :, None], LANES, axis=2), times=problem.times[trials],
-        inputs=problem.inputs[trials], frames=problem.frames[trials],
+        problem.kernel, state, values, problem.constants[trials], times=problem.times[trials],
+        inputs=problem.inputs[trials], frames=problem.frames[trials], step_s=problem.step_s,
     )  # fmt: skip
-    t = len(groups)
-    error = ((problem.seen[trials] - observed[..., 0]) * problem.weight[trials]).reshape(t, -1)
-    # differences to the first lane in place: lanes that differ in nothing become 0
-    observed -= observed[..., :1].copy()
-    observed *= problem.weight[trials][..., None]
-    J = observed.reshape(t, -1, LANES)
-    used = slice(1, 1 + count + len(x))
-    size = np.concatenate([np.full(count, START_STEP), steps])
-    H = (J.transpose(0, 2, 1) @ J)[:, used, used] / np.outer(size, size)
-    g = (error[:, None, :] @ J)[:, 0, used] / size
-    return H, g, np.sum(error**2, axis=1)
+    seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
+    out = np.empty((len(state), 1 + len(size), 1 + len(size)))
+    in_parts(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
+    return out
 
 
 def _reduced(arrow: _Arrow, damping: float) -> tuple[Normal, tuple[Float, Float]]:
     """Normal equations without the starts; the starts' steps: slope (t, s, p) and own (t, s)."""
+    if arrow.start.size == 0:
+        nothing = arrow.mixed.transpose(0, 2, 1)
+        return Normal(arrow.common, arrow.common_side, -0.5 * arrow.cost), (
+            nothing,
+            arrow.start_side,
+        )
     C = arrow.start * (1.0 + damping * np.eye(arrow.start.shape[1]))
     inverse_mixed = _solved(C, arrow.mixed.transpose(0, 2, 1))
     own = _solved(C, arrow.start_side[:, :, None])[:, :, 0]

@@ -25,7 +25,7 @@ def switches(system: System, values: Float) -> np.ndarray:
     slots, first = system.strength_slots
     if len(slots) == 0:
         return np.zeros(0, dtype=np.uint8)
-    used = np.any(values.reshape(-1, values.shape[-1]) != 0, axis=0)[slots]
+    used = values[..., slots].any(axis=tuple(range(values.ndim - 1)))
     return np.maximum.reduceat(used, first).astype(np.uint8)
 
 
@@ -76,7 +76,7 @@ def propagate(
 def in_parts(run: Callable[[int, int], Any], count: int, least: int = 4) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
     workers = min(threads(), max(1, count // least))
-    edges = np.linspace(0, count, workers + 1).astype(int).tolist()
+    edges = [count * part // workers for part in range(workers + 1)]
     each(lambda ends: run(*ends), list(itertools.pairwise(edges)))
 
 

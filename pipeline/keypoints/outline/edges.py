@@ -1,7 +1,8 @@
 """Where an edge really is: the coverage across it, to a small part of a pixel.
 
-Across an edge the picture is I = a skin + (1 - a) floor; the floor is known from the background
-and follows the moving light by a gain measured just outside. The edge lies where the covered
+Across an edge the picture is I = a skin + (1 - a) floor; the floor is known from the background,
+the skin from the template, and both follow the moving light: by a gain measured just outside, and
+another just inside. The edge lies where the covered
 length, the sum of a, ends; that is exact for any symmetric blur.
 """
 
@@ -65,6 +66,7 @@ def edge_offset(
         clear[k] = pick(floor, u, v)
     at = _step(seen, clear, skin)
     gain = _gain(seen, clear, at)
+    skin *= _shine(seen, at, skin)
     total = 0.0
     inner, outer, ends = 0.0, 0.0, 0
     for k in range(at - HALF_PX, at + HALF_PX + 1):
@@ -104,6 +106,18 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
         if run < best:
             best, at = run, k + 1
     return at
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _shine(seen: Float, at: int, skin: float) -> float:
+    """Brightness of the body just inside against what was learned: the light is on it too."""
+    total, count = 0.0, 0
+    for k in range(max(0, at - HALF_PX - 3), at - HALF_PX + 1):
+        total += seen[k]
+        count += 1
+    if count < 2 or skin <= 0.0:
+        return 1.0
+    return min(max(total / (count * skin), 0.75), 1.33)
 
 
 @numba.njit(cache=True, error_model="numpy")

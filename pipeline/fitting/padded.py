@@ -1,0 +1,90 @@
+"""Trials side by side, padded to the longest, with all that stays while a fit goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import LANES, Kernel
+from ..integrate.batch import STEP_S
+from .normal import slots_by_name
+from .series import Free, Series
+
+ROUGH_STEP_S = 2 * STEP_S
+"""Step of the integrator while a fit is led to where it may begin."""
+
+
+@dataclass(frozen=True)
+class Padded:
+    """Everything that stays, padded to the longest trial: t trials, n frames, o observations.
+
+    own: for each free number, its place among the parameters and the trials (t,) it stands for.
+    """
+
+    kernel: Kernel
+    base: Float
+    own: tuple[tuple[int, np.ndarray], ...]
+    least_step: Float
+    open_states: int
+    times: Float
+    inputs: Float
+    frames: np.ndarray
+    constants: Float
+    seen: Float
+    weight: Float
+    prior: Float
+    prior_std: Float
+    step_s: float = STEP_S
+
+    def first_part(self, share: float) -> Padded:
+        """The first share of each trial's frames, two at least; in longer steps unless all."""
+        frames = np.maximum(2, np.ceil(share * self.frames).astype(int))
+        longest = slice(0, int(frames.max()))
+        late = np.arange(longest.stop) >= frames[:, None]
+        return replace(
+            self, frames=frames, times=self.times[:, longest], inputs=self.inputs[:, longest],
+            seen=self.seen[:, longest],
+            weight=np.where(late[:, :, None], 0.0, self.weight[:, longest]),
+            step_s=STEP_S if share == 1.0 else ROUGH_STEP_S,
+        )  # fmt: skip
+
+
+def padded(
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], open_states: int
+) -> Padded:
+    """Trials of a fit side by side.
+
+    Raises: ValueError where a trial has more free numbers than lanes.
+    """
+    if open_states + len(free) > LANES - 1:
+        raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
+    longest = max(len(s.times) for s in series)
+    weights = [np.isfinite(s.seen) / np.sqrt(np.einsum("nii->ni", s.noise)) for s in series]
+
+    def filled(rows: Sequence[Float], *, last: bool) -> Float:
+        out = np.zeros((len(rows), longest, *rows[0].shape[1:]))
+        for target, row in zip(out, rows, strict=True):
+            target[: len(row)] = row
+            target[len(row) :] = row[-1] if last else 0.0
+        return out
+
+    slots, parameters = slots_by_name(kernel), kernel.system.parameters
+    groups = np.array([s.group for s in series])
+    own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
+    starts = [abs(parameters[slots[f.name]].start) for f in free]
+    return Padded(
+        kernel, base, tuple(zip([slots[f.name] for f in free], own, strict=True)),
+        least_step=np.maximum(0.05 * np.array(starts), 1e-6),
+        open_states=open_states,
+        times=filled([s.times for s in series], last=True),
+        inputs=filled([s.inputs for s in series], last=True),
+        frames=np.array([len(s.times) for s in series]),
+        constants=np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
+        seen=filled([np.nan_to_num(s.seen) for s in series], last=False),
+        weight=filled(weights, last=False),
+        prior=np.array([s.mean for s in series]),
+        prior_std=np.array([np.sqrt(np.diag(s.cov)) for s in series]),
+    )  # fmt: skip

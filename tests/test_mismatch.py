@@ -11,13 +11,14 @@ import pytest
 from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
-from pipeline.fitting import Fit, Free, Normal, Series
+from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch, folds, weights
 from pipeline.mismatch.details import details
 from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
+from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.search import held_shapes
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
@@ -53,6 +54,29 @@ def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found])
     fitted = {s.name for s in m.series} - set(held["trials"])
     assert 0 < len(held["trials"]) <= len(m.series) / 3
     assert len(fitted) + len(held["trials"]) == len(m.series)
+
+
+def test_demo_tells_where_the_fin_and_the_damping_push(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    where = plain(mismatch_json(found, m.study, m.series))["where"]
+    assert {w["channel"] for w in where} <= {"sway", "yaw"}
+    assert where[0]["variable"] in {"sway_speed_m_s", "yaw_rate_rad_s", "angle_of_attack_rad"}
+    assert where[0]["share"] > 0.4
+
+
+def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]) -> None:
+    """N = -N_r r of a damping switched on, in yaw alone."""
+    m, found = demo
+    kernel, few = compiled(plates()), thin(m.series)[:4]
+    off = found.baseline.trial_values(kernel, few)
+    on = [v.copy() for v in off]
+    for v in on:
+        v[kernel.system.slot["linear_yaw_damping.N_r"]] = 0.02
+    noise = found.baseline.noise
+    rates = [smooth(f)[0][:, 5] for f in filter_all(kernel, few, on, noise)]
+    for force, r in zip(added_force(kernel, few, on, off, noise), rates, strict=True):
+        assert force[:, 2] == pytest.approx(-0.02 * r, abs=2e-5)
+        assert np.abs(force[:, :2]).max() < 2e-4
 
 
 def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:

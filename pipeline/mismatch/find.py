@@ -17,7 +17,7 @@ from .bench import Bench
 from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
-from .locate import Dependence, MissingForce, dependences, missing_force
+from .locate import Dependence, MissingForce, added_force, dependences, missing_force
 from .select import Choice, Round, choose, one_round, pays
 from .setting import has_roles, held_out_trials, steady_errors, variables
 
@@ -38,6 +38,7 @@ CLEARLY_PART = 0.15
 term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
 LAST_NOISE_ROUNDS = 10
+LEAST_UNIT = 0.1
 KINDS = ("physics", "measurement")
 
 
@@ -117,19 +118,25 @@ def _located(
     """What the model lacks without its additions, and what that depends on.
 
     The coefficients are those found with the additions, since the baseline's own have absorbed
-    part of what is missing; where something has no name, the named additions stay.
+    part of what is missing; where something has no name, the named additions stay. Where the
+    additions push, it is their push that is told of; else (a fault of measuring) the forces that
+    the filter needs in their stead.
     """
     free = extended.fit.free
     nameless = any(f.name.startswith("residual.") for f in free)
-    values = [v.copy() for v in extended.trial_values(kernel, series)]
+    full = extended.trial_values(kernel, series)
+    values = [v.copy() for v in full]
     for f in free:
         if f.name.startswith("residual.") or ("." in f.name and not nameless):
             for v in values:
                 v[kernel.system.slot[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
     trials = {t.trial_id: t for t in study.trials}
-    units = extended.noise.disturbance[: forces[0].force.shape[1]]
-    return forces, dependences(series, forces, variables(series, forces, trials), units)
+    count = forces[0].force.shape[1]
+    units = np.maximum(extended.noise.disturbance, LEAST_UNIT * baseline.noise.disturbance)[:count]
+    pushes = added_force(kernel, series, full, values, extended.noise)
+    told = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
+    return forces, dependences(series, told, variables(series, forces, trials), units)
 
 
 def nameless(bench: Bench, model: Trialled, bare: Trialled, *, most: int = MOST_TERMS) -> Trialled:

@@ -15,10 +15,13 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Noise, Series, disturbance_slots, filter_all, smooth
-from ..integrate import Kernel
+from ..fitting.filtering import with_noise
+from ..integrate import LANES, Kernel
+from ..integrate.batch import propagate
 from .judge import folds
 
 DEGREE = 3
+MOMENT_S = 1e-3
 LEAST_SHARE = 0.05
 
 
@@ -58,19 +61,63 @@ def missing_force(
     return out
 
 
+def added_force(
+    kernel: Kernel,
+    series: Sequence[Series],
+    on: Sequence[Float],
+    off: Sequence[Float],
+    noise: Noise,
+) -> list[Float]:
+    """Force (n, channels) that a model's additions exert along the smoothed path of each trial.
+
+    on, off: full parameter vectors of every trial with and without the additions. The force is what
+    changes the velocities over a moment as the additions do, by the change that a unit of each
+    random force makes.
+    """
+    out = []
+    for one, result, with_, without in zip(
+        series, filter_all(kernel, series, on, noise), on, off, strict=True
+    ):
+        state, _ = smooth(result)
+        out.append(_difference(kernel, one, state, with_noise(kernel, with_, noise),
+                               without=with_noise(kernel, without, noise)))  # fmt: skip
+    return out
+
+
+def _difference(
+    kernel: Kernel, one: Series, state: Float, with_: Float, *, without: Float
+) -> Float:
+    slots, n = disturbance_slots(kernel, acting=True), len(one.times)
+    lanes = np.repeat(state[:, :, None], LANES, axis=2)
+    for k, slot in enumerate(slots):
+        lanes[:, slot, 2 + k] += 1.0
+    values = np.repeat(without[:, None], LANES, axis=1)
+    values[:, 0] = with_
+    constants = np.repeat(one.constants[:, None], LANES, axis=1)
+    _, after = propagate(
+        kernel, lanes, np.repeat(values[None], n, axis=0), np.repeat(constants[None], n, axis=0),
+        times=one.times[:, None] + np.array([0.0, MOMENT_S]), keep_states=True,
+        inputs=np.repeat(one.inputs[:, None], 2, axis=1),
+    )  # fmt: skip
+    own = after[:, 1, : len(kernel.system.states)]
+    moved = own - own[:, :, 1:2]
+    return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
+
+
 def dependences(
     series: Sequence[Series],
-    forces: Sequence[MissingForce],
+    forces: Sequence[Float],
     variables: Sequence[Mapping[str, Float]],
     units: Float,
 ) -> list[Dependence]:
     """Dependences of every channel on every variable, the largest share first.
 
-    variables: one mapping a trial, name -> (n,), as `forces` has frames. units (channels,): size
-    of a force in each channel that means as much as in the others.
+    forces: (n, channels) of each trial. variables: one mapping a trial, name -> (n,), as `forces`
+    has frames. units (channels,): size of a force in each channel that means as much as in the
+    others.
     """
     parts = folds(series)
-    scaled = [f.force / units for f in forces]
+    scaled = [f / units for f in forces]
     total = max(sum(float(np.sum(y**2)) for y in scaled), 1e-300)
     found = []
     for channel in range(len(units)):
@@ -79,7 +126,7 @@ def dependences(
             x = [v[name] for v in variables]
             gained = foretold(x, force, parts)
             order = [int(t) for t in np.argsort(-gained) if gained[t] > 0]
-            trials = tuple(forces[t].name for t in order[: max(3, len(order) // 4)])
+            trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
             found.append(Dependence(channel, name, max(0.0, float(gained.sum())) / total, trials))
     return sorted(found, key=lambda d: -d.share)
 

@@ -14,7 +14,7 @@ from pipeline.mismatch import Trialled
 
 from ..command import plainly
 from ..drawing import write
-from ..engine import Beside, Case, beside, case, investigate
+from ..engine import Beside, Case, beside, case, investigate, refitted
 from ..telling import asked, coefficients, found, table
 from .asymmetry import CAUSES
 from .errors import left_out, path_errors, paths_left_out, repeatability, total
@@ -37,15 +37,20 @@ def case_of(recordings: list[Recording]) -> Case:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
+@click.option("--cause", type=click.Choice(CAUSES), help="Foretell with this cause as well.")
 @click.option("--asymmetry", is_flag=True, help="Try every cause of the asymmetry as well.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
 @plainly
-def main(folder: Path, predict: Path | None, asymmetry: bool, figure: Path | None) -> None:
+def main(
+    folder: Path, predict: Path | None, cause: str | None, asymmetry: bool, figure: Path | None
+) -> None:
     """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
     recordings = read_folder(folder)
     given = case_of(recordings)
     outcome = investigate(given)
     models = {"bare": outcome.choice.bare, "with what was named": outcome.chosen}
+    if cause:
+        models[f"with {cause}"] = with_cause(given, outcome.chosen, cause)
     click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
     if predict is None:
         click.echo(_told_apart(given, models, recordings))
@@ -73,8 +78,14 @@ def _paths(
     given: Case, models: dict[str, Trialled], recordings: list[Recording]
 ) -> dict[str, list[Float]]:
     trials = [series(r) for r in recordings]
-    bare, named = (paths_left_out(given, m, trials) for m in models.values())
+    bare, named = (paths_left_out(given, m, trials) for m in list(models.values())[:2])
     return {"measured": [t.seen[:, :2] for t in trials], "bare": bare, "named": named}
+
+
+def with_cause(given: Case, chosen: Trialled, cause: str) -> Trialled:
+    """The model with one cause of the asymmetry in place of all that it names."""
+    named = [e for e in chosen.effects if e not in CAUSES]
+    return refitted(given, (*named, cause), chosen)
 
 
 def _told_apart(given: Case, models: dict[str, Trialled], recordings: list[Recording]) -> str:

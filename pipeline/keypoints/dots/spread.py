@@ -45,7 +45,7 @@ def usual_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Fl
     found = np.linalg.lstsq(sums[known], scatter[known], rcond=None)[0]
     variance = np.full(len(names), float(np.median(found)))
     variance[rigid] = found
-    return np.maximum(variance, LEAST_PX**2)
+    return np.maximum(variance, 0.0) + LEAST_PX**2
 
 
 def _scatter(apart: Float) -> float:

@@ -25,6 +25,7 @@ from .reading import Recording, by_beats, read_folder, series
 FIRST_NOISE = Noise(
     np.array([3e-3, 3e-3, 1e-4, 1e-3, 1e-3, 1e-2]), np.array([1.0] * 3 + [0.2] * 3), np.ones(3)
 )
+NAMES = tuple(e.name for e in SYSTEM.effects if e.kind != "disturbance")
 KNOWN_S = (np.inf, 1.0)
 """Starts that suit the whole trial, and starts told by its first second alone."""
 
@@ -37,20 +38,27 @@ def case_of(recordings: list[Recording]) -> Case:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
-@click.option("--cause", type=click.Choice(CAUSES), help="Foretell with this cause as well.")
+@click.option(
+    "--with",
+    "own",
+    multiple=True,
+    type=click.Choice(NAMES),
+    metavar="EFFECT",
+    help="Foretell with these effects as well (repeat).",
+)
 @click.option("--asymmetry", is_flag=True, help="Try every cause of the asymmetry as well.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
 @plainly
 def main(
-    folder: Path, predict: Path | None, cause: str | None, asymmetry: bool, figure: Path | None
+    folder: Path, predict: Path | None, own: tuple[str, ...], asymmetry: bool, figure: Path | None
 ) -> None:
     """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
     recordings = read_folder(folder)
     given = case_of(recordings)
     outcome = investigate(given)
     models = {"bare": outcome.choice.bare, "with what was named": outcome.chosen}
-    if cause:
-        models[f"with {cause}"] = with_cause(given, outcome.chosen, cause)
+    if own:
+        models["with " + ", ".join(own)] = refitted(given, own, outcome.choice.bare)
     click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
     if predict is None:
         click.echo(_told_apart(given, models, recordings))
@@ -80,12 +88,6 @@ def _paths(
     trials = [series(r) for r in recordings]
     bare, named = (paths_left_out(given, m, trials) for m in list(models.values())[:2])
     return {"measured": [t.seen[:, :2] for t in trials], "bare": bare, "named": named}
-
-
-def with_cause(given: Case, chosen: Trialled, cause: str) -> Trialled:
-    """The model with one cause of the asymmetry in place of all that it names."""
-    named = [e for e in chosen.effects if e not in CAUSES]
-    return refitted(given, (*named, cause), chosen)
 
 
 def _told_apart(given: Case, models: dict[str, Trialled], recordings: list[Recording]) -> str:

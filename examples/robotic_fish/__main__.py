@@ -14,7 +14,7 @@ from pipeline.mismatch import Trialled
 
 from ..command import plainly
 from ..drawing import write
-from ..engine import Beside, Case, beside, case, investigate
+from ..engine import Beside, Case, beside, case, investigate, refitted
 from ..telling import asked, coefficients, found, table
 from .asymmetry import CAUSES
 from .errors import left_out, path_errors, paths_left_out, repeatability, total
@@ -25,6 +25,7 @@ from .reading import Recording, by_beats, read_folder, series
 FIRST_NOISE = Noise(
     np.array([3e-3, 3e-3, 1e-4, 1e-3, 1e-3, 1e-2]), np.array([1.0] * 3 + [0.2] * 3), np.ones(3)
 )
+NAMES = tuple(e.name for e in SYSTEM.effects if e.kind != "disturbance")
 KNOWN_S = (np.inf, 1.0)
 """Starts that suit the whole trial, and starts told by its first second alone."""
 
@@ -37,15 +38,27 @@ def case_of(recordings: list[Recording]) -> Case:
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--predict", type=click.Path(path_type=Path), help="Folder of trials not fitted.")
+@click.option(
+    "--with",
+    "own",
+    multiple=True,
+    type=click.Choice(NAMES),
+    metavar="EFFECT",
+    help="Foretell with these effects as well (repeat).",
+)
 @click.option("--asymmetry", is_flag=True, help="Try every cause of the asymmetry as well.")
 @click.option("--figure", type=click.Path(path_type=Path), help="Picture to write (png).")
 @plainly
-def main(folder: Path, predict: Path | None, asymmetry: bool, figure: Path | None) -> None:
+def main(
+    folder: Path, predict: Path | None, own: tuple[str, ...], asymmetry: bool, figure: Path | None
+) -> None:
     """What the recordings in FOLDER say the model lacks, and how well it foretells others."""
     recordings = read_folder(folder)
     given = case_of(recordings)
     outcome = investigate(given)
     models = {"bare": outcome.choice.bare, "with what was named": outcome.chosen}
+    if own:
+        models["with " + ", ".join(own)] = refitted(given, own, outcome.choice.bare)
     click.echo(f"{coefficients(outcome)}\n\n{found(given, outcome)}\n")
     if predict is None:
         click.echo(_told_apart(given, models, recordings))
@@ -73,7 +86,7 @@ def _paths(
     given: Case, models: dict[str, Trialled], recordings: list[Recording]
 ) -> dict[str, list[Float]]:
     trials = [series(r) for r in recordings]
-    bare, named = (paths_left_out(given, m, trials) for m in models.values())
+    bare, named = (paths_left_out(given, m, trials) for m in list(models.values())[:2])
     return {"measured": [t.seen[:, :2] for t in trials], "bare": bare, "named": named}
 
 

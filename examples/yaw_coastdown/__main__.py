@@ -13,8 +13,8 @@ from pipeline.mismatch import try_effects
 
 from ..command import plainly
 from ..drawing import write
-from ..engine import Case, case, foretold, investigate
-from ..telling import coefficients, found, table
+from ..engine import Case, bare_model, beside, case, foretold, investigate
+from ..telling import asked, coefficients, found, table
 from .model import SYSTEM
 from .picture import draw
 from .reading import FIRST_NOISE, read_folder
@@ -29,6 +29,8 @@ LADDER = (
 )
 
 
+DAMPING = ("quadratic_yaw_damping", "dry_friction", "gyro_scale")
+SHIFTS = ("gyro_bias", "constant_moment")
 SHOWN = {"linear": LADDER[0], "linear, quadratic, gyro bias": LADDER[3]}
 
 
@@ -67,6 +69,10 @@ def main(folder: Path, figure: Path | None) -> None:
         click.echo(f"\n{known} known, the rest withheld: {coefficients(outcome)}\n")
         click.echo(found(given, outcome))
     given = withheld(trials, "linear_yaw_damping")
+    damping = beside(given, bare_model(given), DAMPING)
+    click.echo("\n" + asked("what damps beside linear damping", damping))
+    shifts = beside(given, damping["quadratic_yaw_damping"].model, SHIFTS)
+    click.echo("\n" + asked("what shifts, beside quadratic damping", shifts))
     rows = [(" + ".join(("linear", *e)), f"{error_rad_s(given, trials, e):.4f}") for e in LADDER]
     click.echo("\n" + table(("model", "leave-one-out error, rad/s"), rows))
     if figure:

@@ -17,7 +17,8 @@ import numpy.typing as npt
 from ..data import PARTS, Frame, Keypoints
 from ..faults import fault
 from ..study import Setup, Trial
-from .files.noise import white_noise_px
+from .dots.spread import hidden_variances, usual_variances
+from .dots.unmixing import unmixed
 from .outline.plane import Plane, plane_of
 
 COLOUR = True
@@ -29,12 +30,6 @@ RADIUS_M = (0.0015, 0.03)
 LENGTH_TOLERANCE = 0.10
 MOST_DOTS = 4
 MARGIN_M = 0.15
-INSIDE, OUTSIDE, AROUND = 0.5, 1.7, (1.8, 2.6)
-UNMIXINGS = 3
-GRAIN = 3.0
-LEAST_COVERED = 0.3
-TOO_FAST = 1.5
-"""A dot that whips to and fro between frames seems noisier than it is; dots are seen alike."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +48,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     """Keypoints of the marked parts, frame by frame; NaN and likelihood 0 where not seen.
 
     Likelihood: share of the other dots whose distance is what the rigid robot's is. Covariance:
-    the white noise of each dot's own positions.
+    how much the rigid robot's distances scatter, more where part of a dot is hidden.
 
     Raises: Fault where no hues are given, or the footage holds no frame.
     """
@@ -105,14 +100,14 @@ def _frame(
     plane: Plane,
     box: tuple[int, int, int, int] | None,
 ) -> tuple[Float, tuple[int, int, int, int] | None]:
-    """Row (parts, 3) of u, v, likelihood, and where to look next."""
+    """Row (parts, 5) of u, v, likelihood, area covered and radius; and where to look next."""
     hues, names, lengths = wanted
     if frame.bgr is None:
         raise fault("footage", "", "grey frames", "colour frames for the markers")
     image, corner = _cut(frame.bgr, box)
     hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV).astype(np.float32)
     dots = {part: _dots(hsv, hues[part], corner, plane) for part in names}
-    row = np.full((len(names), 3), np.nan)
+    row = np.full((len(names), 5), np.nan)
     row[:, 2] = 0.0
     for k, part in enumerate(names):
         best = max(
@@ -124,7 +119,8 @@ def _frame(
         )
         if best is not None:
             dot = dots[part][best[2]]
-            row[k] = [*(unmixed(image, dot.px - corner, dot.radius_px) + corner), best[0]]
+            place, covered = unmixed(image, dot.px - corner, dot.radius_px)
+            row[k] = [*(place + corner), best[0], covered, dot.radius_px]
     sure = row[row[:, 2] > 0.5]
     if len(sure) < 2:
         return row, None
@@ -170,43 +166,6 @@ def _dot(
     return Dot(centre, plane.metres(centre[None])[0], float(total), radius)
 
 
-def unmixed(image: npt.NDArray[np.uint8], centre: Float, radius: float) -> Float:
-    """Centre (2,) px of a dot's coverage near a first centre, colours being mixed linearly.
-
-    Coverage is the colour (3,) projected on S^-1 (dot - around), 0 around and 1 in the dot; S,
-    the covariance of the colours around, makes it blind to what those differ by, as water and
-    skin do (Fisher's discriminant). Unlike a hue it does not bend where colours mix.
-    image: (height, width, 3). The first centre is kept where too little of the dot is inside.
-    """
-    low = np.maximum(np.floor(centre - AROUND[1] * radius).astype(int), 0)
-    high = np.ceil(centre + AROUND[1] * radius).astype(int) + 1
-    patch = image[low[1] : high[1], low[0] : high[0]].astype(float)
-    v, u = np.indices(patch.shape[:2])
-    here = centre - low
-    for _ in range(UNMIXINGS):
-        away = np.hypot(u - here[0], v - here[1])
-        cover = _coverage(patch, away / radius)
-        if cover is None:
-            return centre
-        near = np.where(away < OUTSIDE * radius, cover, 0.0)
-        here = np.array([np.sum(near * u), np.sum(near * v)]) / near.sum()
-        if np.hypot(*(here + low - centre)) > radius:
-            return centre
-    return here + low
-
-
-def _coverage(patch: Float, away: Float) -> Float | None:
-    """How much of each pixel the dot covers; away: distance from its centre in radii."""
-    inside, around = patch[away < INSIDE], patch[(away > AROUND[0]) & (away < AROUND[1])]
-    if len(inside) < 3 or len(around) < 20:
-        return None
-    rest = around.mean(axis=0)
-    apart = inside.mean(axis=0) - rest
-    blind = np.linalg.solve(np.cov(around.T) + GRAIN**2 * np.eye(3), apart)
-    cover = (patch - rest) @ blind / (apart @ blind)
-    return cover if cover[away < OUTSIDE].sum() > LEAST_COVERED * np.sum(away < 1.0) else None
-
-
 def _believed(
     dot: Dot,
     part: str,
@@ -225,10 +184,8 @@ def _believed(
 
 def _keypoints(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
     xy, likelihood = rows[..., :2], rows[..., 2]
-    noise = np.array([white_noise_px(xy[:, k], likelihood[:, k]) for k in range(len(names))])
-    usual = float(np.median(noise))
-    variance = np.where(noise > TOO_FAST * usual, usual, noise) ** 2
-    cov = variance[None, :, None, None] * np.eye(2)
+    variance = usual_variances(names, xy, likelihood) + hidden_variances(rows[..., 3], rows[..., 4])
+    cov = variance[..., None, None] * np.eye(2)
     cov = np.where(np.isfinite(xy[..., :1, None]), cov, np.nan)
     lost = int(np.sum(likelihood.max(axis=1) < 0.5))
     remarks = (f"{lost} of {len(times)} frames without two markers that fit",) if lost else ()

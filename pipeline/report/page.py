@@ -13,7 +13,7 @@ from markupsafe import Markup
 from ..campaign import Campaign
 from ..files import write_text
 from ..study.seal import Seal
-from . import story, tables
+from . import identify, story, tables
 from .hidden import hidden
 from .media import Clip, Picture, clips, pictures
 from .settings import settings, versions
@@ -54,6 +54,8 @@ def page(
             **_story(campaign),
             joint=tables.joint(campaign),
             joint_words=tables.joint_words(campaign),
+            spectrum=identify.spectrum(campaign),
+            profiles=identify.profiles(campaign),
             table_1=tables.table_1(campaign),
             table_2=tables.table_2(campaign),
             columns=tables.COLUMNS,

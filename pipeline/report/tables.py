@@ -21,7 +21,8 @@ def joint(campaign: Campaign) -> list[Row]:
         Row(
             name,
             (
-                measured(cell.get("value"), cell.get("std")),
+                _interval(cell),
+                _naive(cell),
                 unit(str(cell.get("unit", ""))),
                 _determined(cell),
             ),
@@ -29,6 +30,20 @@ def joint(campaign: Campaign) -> list[Row]:
         )
         for name, cell in cells.items()
     ]
+
+
+def _interval(cell: Mapping[str, Any]) -> str:
+    """Value with half its 95 % interval, which is wider than 1.96 deviations for few trials."""
+    low, high = cell.get("interval_95") or (None, None)
+    if low is None or high is None:
+        return measured(cell.get("value"), cell.get("std"))
+    return measured(cell.get("value"), 0.5 * (high - low) / BAND)
+
+
+def _naive(cell: Mapping[str, Any]) -> str:
+    """Half of the 95 % interval by the fit's own covariance."""
+    std = cell.get("naive_std")
+    return "–" if std is None else number(BAND * std, 2)
 
 
 def joint_words(campaign: Campaign) -> list[str]:

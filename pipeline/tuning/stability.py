@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ def growth_per_s(
     """Largest real part of the eigenvalues of heading, surge, sway and yaw about straight running.
 
     The flow over a short span is differenced about the terminal speed; heading alone is neutral.
+    NaN where the coefficients give no steady run.
     """
     head = setup.robot.head_length_m
     run = simulate(coefficients, setup=setup, head_length_m=head, head_angle_rad=0.0,
@@ -47,17 +48,47 @@ def growth_per_s(
     )
     end = states[0, 1, STATES, :]
     F = (end[:, 1 : 1 + len(STATES)] - end[:, :1]) / 1e-6
+    if not np.isfinite(F).all():
+        return float("nan")
     # the heading's own eigenvalue is 1 (0 per second): leave it out
     return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / SPAN_S)
 
 
-def verdict(growth: float) -> dict[str, Any]:
-    """Eigenvalue and a sentence for the report."""
-    if growth > 0.05:
+LEAST_GROWTH_PER_S = 0.05
+"""Below this a small turn counts as fading."""
+LOST_DRAWS = 0.05
+"""Where more of the draws than this have no steady straight run, nothing is asserted."""
+
+
+def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
+    """Eigenvalue with its 95 % range over draws of the fit, and a sentence for the report.
+
+    `stable` is None, and nothing is asserted, where the range holds both answers.
+    """
+    finite = [float(g) for g in draws if np.isfinite(g)]
+    low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
+    told = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
+    lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
+    if low <= LEAST_GROWTH_PER_S < high or lost > LOST_DRAWS:
         sentence = (
-            f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t). "
-            "A robot that does is steadied by something the model lacks."
+            "Whether the fitted model swims straight is not determined by these trials: within the "
+            f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."
+        )
+        return told | {"stable": None, "sentence": sentence}
+    if growth > LEAST_GROWTH_PER_S:
+        sentence = (
+            f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t)"
+            f"{_range(told)}. A robot that does is steadied by something the model lacks."
         )
     else:
-        sentence = f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)."
-    return {"eigenvalue_per_s": growth, "stable": growth <= 0.05, "sentence": sentence}
+        sentence = (
+            f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)"
+            f"{_range(told)}."
+        )
+    return told | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
+
+
+def _range(told: Mapping[str, Any]) -> str:
+    if told["interval_95"] is None:
+        return ""
+    return " (95 %: {:+.1f} to {:+.1f} per second)".format(*told["interval_95"])

@@ -1,0 +1,1 @@
+"""Coloured dots: where they are and how well that is known."""

@@ -1,0 +1,55 @@
+"""What the report shows of what the data determine."""
+
+from __future__ import annotations
+
+import exact_campaign as exact
+import pytest
+
+from pipeline.report import identify, tables
+from pipeline.report.page import page
+
+
+@pytest.fixture
+def campaign():
+    given = exact.coefficients()
+    cell = given["joint"]["coefficients"]["C_T"]
+    best = cell["value"]
+    cell |= {"interval_95": [0.9 * best, 1.1 * best], "naive_std": 0.01 * best}
+    given["joint"]["identifiability"] = {
+        "spectrum": [
+            {"combination": "+1.00 dC_Da/C_Da", "relative_std": None, "determined": False},
+            {"combination": "+0.70 dC_T/C_T", "relative_std": 0.021, "determined": True},
+        ],
+        "profiles": {"C_T": {"values": [1.1 * best, 0.9 * best], "lost": [3.0, 6.0],
+                             "lower": 0.95 * best, "upper": None}},
+    }  # fmt: skip
+    return exact.campaign(coefficients=given)
+
+
+def test_spectrum_marks_what_is_not_determined(campaign) -> None:
+    first, second = identify.spectrum(campaign)
+    assert first.marked
+    assert first.cells == ("nothing known", "no")
+    assert not second.marked
+    assert second.cells == ("2.1 %", "yes")
+
+
+def test_profile_is_drawn_from_left_to_right_through_the_fit(campaign) -> None:
+    (one,) = identify.profiles(campaign)
+    assert one.points == "0.0,0.0 50.0,60.0 100.0,30.0"
+    assert one.value_x == pytest.approx(50.0)
+    assert one.limit_y == pytest.approx(60 * (1 - 1.92 / 6))
+    assert "no upper end" in one.interval
+
+
+def test_joint_table_has_the_interval_over_trials_and_the_naive_one(campaign) -> None:
+    row = tables.joint(campaign)[0]
+    assert row.cells[0] == "0.00450 ± 0.00045"
+    assert row.cells[1] == "8.8 × 10⁻⁵"
+
+
+def test_page_shows_both_and_does_without(campaign) -> None:
+    text = page(campaign, [], {})
+    assert "Profile likelihood of C_T" in text
+    assert "nothing known" in text
+    assert "Profile likelihood of" not in page(exact.campaign(), [], {})

@@ -62,7 +62,6 @@ def padded(
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
     longest = max(len(s.times) for s in series)
-    weights = [np.isfinite(s.seen) / np.sqrt(np.einsum("nii->ni", s.noise)) for s in series]
 
     def filled(rows: Sequence[Float], *, last: bool) -> Float:
         out = np.zeros((len(rows), longest, *rows[0].shape[1:]))
@@ -71,6 +70,10 @@ def padded(
             target[len(row) :] = row[-1] if last else 0.0
         return out
 
+    seen = filled([s.seen for s in series], last=False)
+    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series], last=True)
+    frames = np.array([len(s.times) for s in series])
+    known = np.isfinite(seen) & (np.arange(longest) < frames[:, None])[:, :, None]
     slots, parameters = slots_by_name(kernel), kernel.system.parameters
     groups = np.array([s.group for s in series])
     own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
@@ -81,10 +84,10 @@ def padded(
         open_states=open_states,
         times=filled([s.times for s in series], last=True),
         inputs=filled([s.inputs for s in series], last=True),
-        frames=np.array([len(s.times) for s in series]),
+        frames=frames,
         constants=np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
-        seen=filled([np.nan_to_num(s.seen) for s in series], last=False),
-        weight=filled(weights, last=False),
+        seen=np.where(known, seen, 0.0),
+        weight=known / np.sqrt(variance),
         prior=np.array([s.mean for s in series]),
-        prior_std=np.array([np.sqrt(np.diag(s.cov)) for s in series]),
+        prior_std=np.sqrt([s.cov.diagonal() for s in series]),
     )  # fmt: skip

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 class Recordings:
-    """Folder of recordings made by others; see docs/evidence.md for their sources."""
+    """Folder of recordings made by others; see docs/recordings.md for their sources."""
 
     def __init__(self, root: Path) -> None:
         self.root = root

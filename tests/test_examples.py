@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from one_mass import SYSTEM
 
+from one_mass import SYSTEM
 from pipeline.fitting import Free, Noise, Series, normal_equations
 from pipeline.integrate import compiled
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from one_mass import SYSTEM
 from scipy.stats import multivariate_normal
 
+from one_mass import SYSTEM
 from pipeline.fitting import Free, Noise, Series, filter_series, fit, fit_noise, thinned
 from pipeline.fitting.linear import linearised, log_likelihood
 from pipeline.integrate import compiled

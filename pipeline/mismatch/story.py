@@ -73,7 +73,7 @@ def weights_in_place(found: Found, name: str) -> dict[str, float]:
         for t in found.choice.places[name].tried
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
     }
-    return weights({**rivals, name: chosen})
+    return weights({**rivals, name: chosen}, inflation=chosen.inflation)
 
 
 def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:

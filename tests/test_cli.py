@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import click
+import cv2
 import numpy as np
 import pytest
 import yaml
@@ -198,6 +199,35 @@ def test_pool_draws_corners_on_a_frame(tmp_path):
     result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
     assert result.exit_code == 0, result.output
     assert (tmp_path / "pool.png").stat().st_size > 1000
+
+
+def test_pool_without_corners_rules_a_picture_to_read_them_off(tmp_path):
+    study = small_study(tmp_path / "study")
+    setup = yaml.safe_load((study / "study.yaml").read_text())
+    del setup["camera"]["pool_corners_px"]
+    (study / "study.yaml").write_text(yaml.safe_dump(setup))
+    frame, out = tmp_path / "frame.png", tmp_path / "pool.png"
+    cv2.imwrite(str(frame), np.full((1080, 1920, 3), 90, np.uint8))
+    result = bluekoi("pool", study, frame, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert "a line every 100 px" in result.output
+    assert "pool_corners_px: [[u, v]" in result.output
+    drawn = cv2.imread(str(out))
+    assert drawn.shape == (1080, 1920, 3)
+    assert drawn[550, 100].mean() > 200
+    assert drawn[550, 150].mean() == 90
+    nothing = bluekoi("pool", study, "--out", out)
+    assert nothing.exit_code == 1
+    assert "bluekoi pool STUDY FRAME" in nothing.output
+
+
+def test_pool_takes_a_picture_of_ones_own(tmp_path):
+    study = small_study(tmp_path / "study")
+    frame = tmp_path / "frame.png"
+    cv2.imwrite(str(frame), np.full((1080, 1920, 3), 90, np.uint8))
+    result = bluekoi("pool", study, frame, "--out", tmp_path / "pool.png")
+    assert result.exit_code == 0, result.output
+    assert "corners miss the best pose" in result.output
 
 
 def test_calibrate_takes_a_missing_picture_as_a_fault(tmp_path):

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from ..study import Study
 
 
 @click.command()
@@ -32,29 +36,63 @@ def calibrate(
         f"{out}: {found.views} views, corner error {found.rms_px:.3f} px rms, "
         f"{found.held_out_px:.3f} px on views held out"
     )
+    click.echo(f"Drawn: {out.with_suffix('.png')}")
 
 
 @click.command()
 @click.argument("study", type=click.Path(path_type=Path))
+@click.argument("frame", required=False, type=click.Path(path_type=Path))
 @click.option("--trial", "trial_id", help="Trial to take the frame from; else the first filmed.")
 @click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))
-def pool(study: Path, trial_id: str | None, out: Path) -> None:
-    """Draw the pool corners of STUDY on a frame, and say how well they fit the edges seen."""
-    from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
-    from ..faults import fault  # noqa: PLC0415
-    from ..footage import frames, open_recording  # noqa: PLC0415
-    from ..study import load_study  # noqa: PLC0415
+def pool(study: Path, frame: Path | None, trial_id: str | None, out: Path) -> None:
+    """Draw the pool corners of STUDY on FRAME, and say how well they fit the edges seen.
 
-    loaded = load_study(study)
-    filmed = [trial for trial in loaded.trials if not trial.reads_keypoints]
-    if trial_id is not None:
-        filmed = [loaded.trial(trial_id)]
-    if not filmed or filmed[0].reads_keypoints:
-        raise fault(study / "trials.csv", "", "no footage to draw on", "a trial with a video")
-    recording = open_recording(loaded.paths(filmed[0]), fps=filmed[0].fps)
-    picture = next(iter(frames(recording, colour=True))).bgr
-    if picture is None:
-        raise fault(recording.paths[0], "", "no colour picture", "a video with readable frames")
-    for sentence in pool_corners_picture(picture, loaded.setup, out).sentences:
+    FRAME is a picture or a video; without it the first frame of a trial. While study.yaml has no
+    corners yet, a ruled picture is drawn to read them off.
+    """
+    from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
+    from ..camera.rulers import ruled_picture  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
+
+    if lacks_corners(study / "study.yaml"):
+        films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
+        source = frame or (films[0] if films else None)
+        sentences = ruled_picture(_picture(source or study / "trials.csv"), out)[1]
+    else:
+        loaded = load_study(study)
+        source = frame or _film(study, loaded, trial_id)
+        sentences = pool_corners_picture(_picture(source), loaded.setup, out).sentences
+    for sentence in sentences:
         click.echo(sentence)
     click.echo(f"Drawn: {out}")
+
+
+def _film(folder: Path, study: Study, trial_id: str | None) -> Path:
+    """The first file of the named trial's film, or of the first filmed trial's."""
+    from ..faults import fault  # noqa: PLC0415
+
+    filmed = [trial for trial in study.trials if not trial.reads_keypoints]
+    if trial_id is not None:
+        filmed = [study.trial(trial_id)]
+    if not filmed or filmed[0].reads_keypoints:
+        raise fault(folder / "trials.csv", "", "no footage to draw on", "a trial with a video",
+                    "Or name a picture: bluekoi pool STUDY FRAME.")  # fmt: skip
+    return study.paths(filmed[0])[0]
+
+
+def _picture(path: Path) -> Any:
+    """A picture file, or the first frame of a video, (height, width, 3) bgr."""
+    import cv2  # noqa: PLC0415
+
+    from ..faults import fault  # noqa: PLC0415
+    from ..footage import frames, open_recording  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES  # noqa: PLC0415
+
+    if path.suffix.lower() in VIDEO_SUFFIXES:
+        found: Any = next(iter(frames(open_recording([path]), colour=True))).bgr
+    else:
+        found = cv2.imread(str(path)) if path.is_file() else None
+    if found is None:
+        raise fault(path, "", "no picture", "a picture or a video to draw on",
+                    "Name one: bluekoi pool STUDY FRAME.")  # fmt: skip
+    return found

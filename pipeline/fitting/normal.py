@@ -71,6 +71,20 @@ def normal_equations(
     """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
     filtered = predictor or filter_all(kernel, series, points, noise)
+    with np.errstate(over="ignore", invalid="ignore"):  # a model that runs away: `usable` tells
+        return _normal(kernel, series, points, free, values, noise=noise, filtered=filtered)
+
+
+def _normal(
+    kernel: Kernel,
+    series: Sequence[Series],
+    points: Sequence[Float],
+    free: Sequence[Free],
+    values: Float,
+    *,
+    noise: Noise,
+    filtered: Sequence[Filtered],
+) -> Normal:
     jacobian, errors = _jacobians(kernel, series, points, free, values, noise=noise,
                                   filtered=filtered)  # fmt: skip
     hessian = np.array([np.einsum("nop,noq->pq", j, j) for j in jacobian])

@@ -13,6 +13,7 @@ from .types import (
     Trial,
     Water,
 )
+from .yaml_file import lacks_corners
 
 __all__ = [
     "KEYPOINT_SUFFIXES",
@@ -25,6 +26,7 @@ __all__ = [
     "Study",
     "Trial",
     "Water",
+    "lacks_corners",
     "load_study",
     "missing_files",
     "missing_of",

@@ -49,6 +49,14 @@ def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
     return None
 
 
+def lacks_corners(path: Path) -> bool:
+    """Whether a study.yaml that can be read says nothing yet of where the pool's corners are."""
+    content = _content(path, [])
+    camera = content.get("camera") if content is not None else None
+    known = {"pool_corners_px", "homography"}
+    return content is not None and not (isinstance(camera, dict) and known & set(camera))
+
+
 def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
     try:
         size = path.stat().st_size

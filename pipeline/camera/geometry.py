@@ -33,6 +33,7 @@ class Suspect:
     sentence: str
 
 
+MOST_WIDTHS = 4.0
 SUSPECTS = (
     Suspect("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by"),
     Suspect(
@@ -73,6 +74,12 @@ class Estimate:
     stds: tuple[float, ...]
     gain: float
     p_value: float
+
+    @property
+    def plausible(self) -> bool:
+        """Whether all values lie within `MOST_WIDTHS` of what is usual for such an error."""
+        widths = np.array(self.suspect.widths)
+        return bool(np.all(np.abs(self.values) <= MOST_WIDTHS * widths))
 
     @property
     def text(self) -> str:
@@ -116,7 +123,9 @@ def check_geometry(
 
     Each suspect's pattern d(distance)/d(parameter) is fitted alone by weighted least squares with
     a prior of plausible width; it is named when its F test, with trials as independent clusters,
-    would pass by chance once in 1000 over all suspects. Nothing less than that is reported.
+    would pass by chance once in 1000 over all suspects. Nothing less than that is reported. A
+    suspect that would have to be implausibly large (a focal length off by a third) is named only
+    where no other is sure.
 
     Raises: Fault where no rigid pair is ever seen.
     """
@@ -133,10 +142,12 @@ def check_geometry(
     fits.sort(key=lambda fit: -fit.gain)
     mean, std = _overall(distances)
     certain = [fit for fit in fits if fit.p_value < FALSE_ALARM / len(fits)]
+    certain = [fit for fit in certain if fit.plausible] or certain
     best = certain[0] if certain else None
     rivals: tuple[str, ...] = ()
     if best is not None:
-        near = [f for f in fits if f is not best and f.gain > best.gain - RIVAL_MARGIN]
+        near = [f for f in fits if f is not best and f.gain > best.gain - RIVAL_MARGIN
+                and (f.plausible or not best.plausible)]  # fmt: skip
         rivals = tuple(_name(fit) for fit in near)
     return GeometryCheck(
         outcome=best.suspect.name if best else "nothing",

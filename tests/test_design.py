@@ -182,6 +182,7 @@ def test_schedules_are_read_and_their_faults_told(tmp_path: Path) -> None:
         ("time_s,power_pct,head_angle_deg\n0,1,2\n3,1,2\n1,1,2\n", "row 4.*run backwards"),
         ("time_s,power_pct,head_angle_deg\n0,,2\n", "row 2.*power_pct nan"),
         ("time_s,flap_hz,head_angle_deg\n0,-2,2\n", "row 2.*flap_hz -2"),
+        ("time_s,power_pct,head_angle_deg\n0,50,2\n1,1e9,2\n", "row 3.*1e.09.*from 0 to 300"),
         ("time_s,flap_hz,head_angle_deg\n", "no row"),
     ):
         file.write_text(text)

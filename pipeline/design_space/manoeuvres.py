@@ -11,7 +11,9 @@ import numpy as np
 from ..data import Float, read_columns
 from ..faults import fault, nearest
 
-KNOWN = ("time_s", "power_pct", "flap_hz", "head_angle_deg")
+RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
+          "flap_hz": (0, 100)}  # fmt: skip
+KNOWN = tuple(RANGES)
 
 
 @dataclass(frozen=True)
@@ -45,11 +47,11 @@ def read_schedule(path: Path, hz_of_power: Callable[[float], float]) -> Schedule
     if ("power_pct" in columns) == ("flap_hz" in columns):
         raise fault(path, "", "both or neither of power_pct and flap_hz", "one of them")
     for name, values in columns.items():
-        negative = (values < 0) & (name != "head_angle_deg")
-        bad = np.flatnonzero(~np.isfinite(values) | negative)
+        low, high = RANGES[name]
+        bad = np.flatnonzero(~((values >= low) & (values <= high)))
         if len(bad):
             raise fault(path, f"row {bad[0] + 2}", f"{name} {values[bad[0]]:g}",
-                        "a number, for all but head_angle_deg not negative")  # fmt: skip
+                        f"a number from {low:g} to {high:g}")  # fmt: skip
     time = columns["time_s"]
     back = np.flatnonzero(np.diff(time) < 0)
     if len(time) == 0 or len(back):

@@ -174,6 +174,18 @@ def test_folds_never_part_a_condition(demo: tuple[Measured, Found]) -> None:
     assert all(len(k) == 1 for k in where.values())
 
 
+def test_one_trial_alone_foretells_nothing_and_breaks_nothing(demo: tuple[Measured, Found]) -> None:
+    m, _ = demo
+    one = next(t for t in m.study.trials if t.head_angle_deg)
+    series = [s for s in m.series if s.name == one.trial_id]
+    study = m.study.model_copy(update={"trials": (one,)})
+    found = find_mismatch(study, series, m.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, study, series))
+    assert told["verdict"] in {"none", "physics", "measurement", "unexplained"}
+    assert told["where"] == []
+    assert told["causes"] == [] or told["verdict"] != "none"
+
+
 def test_weights_follow_the_worth_over_the_inflation(demo: tuple[Measured, Found]) -> None:
     _, found = demo
     best = found.choice.chosen

@@ -100,7 +100,8 @@ def _difference(
         inputs=np.repeat(one.inputs[:, None], 2, axis=1),
     )  # fmt: skip
     own = after[:, 1, : len(kernel.system.states)]
-    moved = own - own[:, :, 1:2]
+    with np.errstate(invalid="ignore"):
+        moved = np.nan_to_num(own - own[:, :, 1:2], posinf=0.0, neginf=0.0)  # a model that ran away
     return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
 
 
@@ -141,6 +142,8 @@ def foretold(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]
     gained = np.zeros(len(y))
     for part in parts:
         rest = [t for t in range(len(y)) if t not in set(part.tolist())]
+        if not rest:  # one condition: nothing else to foretell it from
+            continue
         A = sum(grams[t] for t in rest) + 1e-6 * np.eye(DEGREE + 1)
         coefficients = np.linalg.solve(A, sum(moments[t] for t in rest))
         for t in part:

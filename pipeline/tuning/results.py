@@ -21,6 +21,10 @@ from .words import told, undetermined
 DRAWS, GROWTH_DRAWS = 200, 60
 
 
+TURNING = ("C_Da", "C_La", "C_Ma", "C_Md")
+STRAIGHT_RAD = 0.02
+
+
 def coefficients(
     study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
 ) -> tuple[dict[str, Any], Tuned]:
@@ -34,7 +38,7 @@ def coefficients(
         "unit_reading": UNIT_READING,
         "paper_steps": steps,
         "joint": {
-            "coefficients": table(joint),
+            "coefficients": open_without_turns(table(joint), few),
             "outcome": joint.fit.outcome,
             "trials": [s.name for s in series],
             "noise": {
@@ -48,6 +52,21 @@ def coefficients(
             "straight_swimming": straight_swimming(study, steps, joint, draws[:GROWTH_DRAWS]),
         },
     }, joint
+
+
+def open_without_turns(
+    told: Mapping[str, dict[str, Any]], series: Sequence[Series]
+) -> dict[str, dict[str, Any]]:
+    """A table in which straight runs alone determine nothing that acts at an angle of attack: what
+    the random water tells of it rests on the model of that water.
+    """
+    if any(np.abs(s.inputs[:, 0]).max() > STRAIGHT_RAD for s in series):
+        return dict(told)
+    why = "no turns: straight runs hold alpha at 0 and say nothing of it"
+    return {
+        name: cell | {"determined": False, "why": cell["why"] or why} if name in TURNING else cell
+        for name, cell in told.items()
+    }
 
 
 def straight_swimming(

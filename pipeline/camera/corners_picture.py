@@ -7,18 +7,16 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from ..data import Float
 from ..faults import Fault, fault
-from ..files import whole_file
 from ..study import Setup
 from .boards import Grey
 from .corners import pool_camera
 from .edges import EDGES, Edge, find_edges, suggested_corners
+from .png import Picture, write_png
 from .pool import PoolCamera, project
 
-Picture = npt.NDArray[np.uint8]
 GRID_M = 0.2
 GIVEN, MAPPED, SEEN, BETTER = (60, 60, 255), (230, 200, 60), (60, 220, 60), (255, 60, 255)
 
@@ -54,7 +52,7 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
         camera = pool_camera(setup, size)
     except Fault as error:
         _draw_given(canvas, np.array(setup.camera.pool_corners_px, dtype=float))
-        _write(out, canvas)
+        write_png(out, canvas)
         empty = np.full(4, np.nan)
         return CornersCheck(np.full((4, 2), np.nan), empty, empty, np.zeros(4), (str(error),))
     edges = find_edges(grey, camera)
@@ -64,7 +62,7 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
         _draw_edge(canvas, edge)
     _draw_given(canvas, camera.corners_px)
     _draw_better(canvas, corners)
-    _write(out, canvas)
+    write_png(out, canvas)
     return CornersCheck(
         suggested_px=corners,
         offset_px=np.array([(edge.start_px + edge.end_px) / 2 for edge in edges]),
@@ -140,11 +138,3 @@ def _polyline(canvas: Picture, points: Float, colour: tuple[int, int, int], widt
     whole = points[np.isfinite(points).all(axis=1)]
     fixed = np.round(whole * 16).astype(np.int32).reshape(-1, 1, 2)
     cv2.polylines(canvas, [fixed], False, colour, width, cv2.LINE_AA, 4)
-
-
-def _write(out: str | Path, canvas: Picture) -> None:
-    good, content = cv2.imencode(".png", canvas)
-    if not good:
-        raise fault(out, "", "a picture that cannot be encoded", "a frame of a recording")
-    with whole_file(out) as temporary:
-        temporary.write_bytes(content.tobytes())

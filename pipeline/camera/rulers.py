@@ -6,21 +6,17 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from ..faults import fault
-from ..files import whole_file
+from .png import Picture, write_png
 
-Picture = npt.NDArray[np.uint8]
 LINES = 20
 LIGHT, DARK = (255, 255, 255), (40, 40, 40)
 
 
-def ruled_picture(frame: Picture, out: str | Path) -> tuple[int, tuple[str, ...]]:
+def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
     """A frame (height, width, 3) bgr with labelled lines every so many pixels, as a png.
 
-    Returns that number of pixels, and what a person has to do in words. Raises: Fault where the
-    file cannot be written.
+    Returns what a person has to do, in sentences. Raises: Fault where the file cannot be written.
     """
     canvas = np.ascontiguousarray(frame).copy()
     height, width = canvas.shape[:2]
@@ -33,12 +29,8 @@ def ruled_picture(frame: Picture, out: str | Path) -> tuple[int, tuple[str, ...]
         cv2.line(canvas, (0, at), (width, at), LIGHT, 1)
         _label(canvas, str(at), (3, at - 4))
         _label(canvas, str(at), (width - 60, at - 4))
-    good, content = cv2.imencode(".png", canvas)
-    if not good:
-        raise fault(out, "", "a picture that cannot be encoded", "a frame of a recording")
-    with whole_file(out) as temporary:
-        temporary.write_bytes(content.tobytes())
-    return step, (
+    write_png(out, canvas)
+    return (
         f"{out} has a line every {step} px: u from the left edge, v from the top edge",
         "read off where the pool's four inner corners meet the water, in the order (0,0), (L,0), "
         "(L,W), (0,W), so that they go once around the pool",

@@ -57,18 +57,19 @@ def pool(study: Path, frame: Path | None, trial_id: str | None, out: Path) -> No
     if lacks_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)
-        sentences = ruled_picture(_picture(source or study / "trials.csv"), out)[1]
+        sentences = ruled_picture(_picture(source or study / "trials.csv"), out)
     else:
         loaded = load_study(study)
-        source = frame or _film(study, loaded, trial_id)
-        sentences = pool_corners_picture(_picture(source), loaded.setup, out).sentences
+        source, fps = (frame, None) if frame else _film(study, loaded, trial_id)
+        picture = _picture(source, fps=fps)
+        sentences = pool_corners_picture(picture, loaded.setup, out).sentences
     for sentence in sentences:
         click.echo(sentence)
     click.echo(f"Drawn: {out}")
 
 
-def _film(folder: Path, study: Study, trial_id: str | None) -> Path:
-    """The first file of the named trial's film, or of the first filmed trial's."""
+def _film(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
+    """First file and frame rate of the named trial's film, or of the first filmed trial's."""
     from ..faults import fault  # noqa: PLC0415
 
     filmed = [trial for trial in study.trials if not trial.reads_keypoints]
@@ -77,10 +78,10 @@ def _film(folder: Path, study: Study, trial_id: str | None) -> Path:
     if not filmed or filmed[0].reads_keypoints:
         raise fault(folder / "trials.csv", "", "no footage to draw on", "a trial with a video",
                     "Or name a picture: bluekoi pool STUDY FRAME.")  # fmt: skip
-    return study.paths(filmed[0])[0]
+    return study.paths(filmed[0])[0], filmed[0].fps
 
 
-def _picture(path: Path) -> Any:
+def _picture(path: Path, *, fps: float | None = None) -> Any:
     """A picture file, or the first frame of a video, (height, width, 3) bgr."""
     import cv2  # noqa: PLC0415
 
@@ -89,7 +90,8 @@ def _picture(path: Path) -> Any:
     from ..study import VIDEO_SUFFIXES  # noqa: PLC0415
 
     if path.suffix.lower() in VIDEO_SUFFIXES:
-        found: Any = next(iter(frames(open_recording([path]), colour=True))).bgr
+        first = next(iter(frames(open_recording([path], fps=fps), colour=True)), None)
+        found: Any = first.bgr if first else None
     else:
         found = cv2.imread(str(path)) if path.is_file() else None
     if found is None:

@@ -54,6 +54,7 @@ def slots_by_name(kernel: Kernel) -> dict[str, int]:
     return kernel.system.slot
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a model that runs away `Normal.usable` tells
 def normal_equations(
     kernel: Kernel,
     series: Sequence[Series],
@@ -71,20 +72,6 @@ def normal_equations(
     """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
     filtered = predictor or filter_all(kernel, series, points, noise)
-    with np.errstate(over="ignore", invalid="ignore"):  # a model that runs away: `usable` tells
-        return _normal(kernel, series, points, free, values, noise=noise, filtered=filtered)
-
-
-def _normal(
-    kernel: Kernel,
-    series: Sequence[Series],
-    points: Sequence[Float],
-    free: Sequence[Free],
-    values: Float,
-    *,
-    noise: Noise,
-    filtered: Sequence[Filtered],
-) -> Normal:
     jacobian, errors = _jacobians(kernel, series, points, free, values, noise=noise,
                                   filtered=filtered)  # fmt: skip
     hessian = np.array([np.einsum("nop,noq->pq", j, j) for j in jacobian])
@@ -95,10 +82,8 @@ def _normal(
         f.log_likelihood + 0.5 * float(np.sum(f.innovations**2) - np.sum(e**2))
         for f, e in zip(filtered, errors, strict=True)
     ])  # fmt: skip
-    side, known = (
-        _evidence(kernel, series, free, points),
-        _plausible(kernel, free, values, len(series)),
-    )
+    side = _evidence(kernel, series, free, points)
+    known = _plausible(kernel, free, values, len(series))
     return Normal(
         hessian + side.hessian + known.hessian,
         gradient + side.gradient + known.gradient,

@@ -55,6 +55,13 @@ class Bench:
                           rounds=rounds)  # fmt: skip
         return self.refit(model.effects, replace(model, noise=noise))
 
+    def less(self, model: Trialled, names: Sequence[str]) -> Trialled:
+        """A model with effects taken away, all else refitted, under noise of its own."""
+        rest = [e for e in model.effects if e not in names]
+        taken = tuple(f"{name}." for name in names)
+        start = {k: v for k, v in model.fit.by_label().items() if not k.startswith(taken)}
+        return self.settled(self.refit(rest, model, start))
+
     def settled(self, model: Trialled) -> Trialled:
         """A model under its own noise: random forces and numbers fitted in turn."""
         points = self.points(model)

@@ -180,10 +180,7 @@ def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[C
         choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
     ):
         bench.progress(f"{name} beside terms without a name")
-        start = {k: v for k, v in residual.fit.by_label().items() if not k.startswith(name + ".")}
-        rest = [e for e in residual.effects if e != name]
-        bare = bench.settled(bench.refit(rest, residual, start))
-        bare = nameless(bench, bare, choice.bare, most=1)
+        bare = nameless(bench, bench.less(residual, [name]), choice.bare, most=1)
         if not pays(bare, residual, choice.bare):
             residual = bare
             dropped.append(name)
@@ -192,12 +189,10 @@ def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[C
 
 def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
     """Choice without some of its effects, the rest refitted."""
-    kept = [e for e in choice.chosen.effects if e not in names]
     if not names:
         return choice
-    labels = choice.chosen.fit.by_label().items()
-    start = {k: v for k, v in labels if k.split(".")[0] not in names}
-    chosen = bench.settled(bench.refit(kept, choice.chosen, start)) if kept else choice.bare
+    kept = [e for e in choice.chosen.effects if e not in names]
+    chosen = bench.less(choice.chosen, names) if kept else choice.bare
     return replace(choice, chosen=chosen, without={e: choice.without[e] for e in kept},
                    places={e: choice.places[e] for e in kept})  # fmt: skip
 

@@ -26,8 +26,8 @@ EFFECT, MOMENT = "camera_shift", "t_shift"
 SIDES = ("dx", "dy")
 STEP_M = 1e-3
 LEAST = 60.0
-"""Least lambda, over what it usually is. In recordings without a jump the largest was 31: bends
-of the path that the model does not follow.
+"""Least lambda, over what it usually is. In some 290 recordings without a jump the
+largest was 31: bends of the path that the model does not follow.
 """
 USUAL = 1.386
 """Median of chi-squared with two degrees of freedom."""

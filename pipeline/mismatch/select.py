@@ -170,20 +170,13 @@ def shaped(bench: Bench, model: Trialled) -> Trialled:
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:
     """A model without the effects that no longer pay, and what it is without each of the rest."""
     while True:
-        fewer = each(partial(_without, bench, model), model.effects)
-        without = dict(zip(model.effects, fewer, strict=True))
+        names, less = model.effects, partial(bench.less, model)
+        without = dict(zip(names, each(less, [[e] for e in names]), strict=True))
         idle = [e for e in model.effects[:-1]
                 if np.isfinite(without[e].total) and not pays(without[e], model, bare)]  # fmt: skip
         if not idle:
             return model, without
         model = max((without[e] for e in idle), key=lambda t: t.total)
-
-
-def _without(bench: Bench, model: Trialled, name: str) -> Trialled:
-    """A model with one of its effects taken away, all else refitted, under noise of its own."""
-    rest = [e for e in model.effects if e != name]
-    start = {k: v for k, v in model.fit.by_label().items() if not k.startswith(name + ".")}
-    return bench.settled(bench.refit(rest, model, start))
 
 
 def _places(

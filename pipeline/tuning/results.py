@@ -16,13 +16,9 @@ from .identify import profile, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, verdict
-from .words import told, undetermined
+from .words import open_without_turns, told, undetermined
 
 DRAWS, GROWTH_DRAWS = 200, 60
-
-
-TURNING = ("C_Da", "C_La", "C_Ma", "C_Md")
-STRAIGHT_RAD = 0.02
 
 
 def coefficients(
@@ -52,21 +48,6 @@ def coefficients(
             "straight_swimming": straight_swimming(study, steps, joint, draws[:GROWTH_DRAWS]),
         },
     }, joint
-
-
-def open_without_turns(
-    told: Mapping[str, dict[str, Any]], series: Sequence[Series]
-) -> dict[str, dict[str, Any]]:
-    """A table in which straight runs alone determine nothing that acts at an angle of attack: what
-    the random water tells of it rests on the model of that water.
-    """
-    if any(np.abs(s.inputs[:, 0]).max() > STRAIGHT_RAD for s in series):
-        return dict(told)
-    why = "no turns: straight runs hold alpha at 0 and say nothing of it"
-    return {
-        name: cell | {"determined": False, "why": cell["why"] or why} if name in TURNING else cell
-        for name, cell in told.items()
-    }
 
 
 def straight_swimming(

@@ -23,7 +23,7 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
 
     Each: combination, relative_std (None where nothing is known), sentence, trial.
     """
-    straight = all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)
+    straight = _straight(series)
     names = [f.label for f in tuned.fit.free]
     return [
         {
@@ -34,6 +34,26 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
         for one in spectrum(tuned)
         if not one.determined
     ]
+
+
+def open_without_turns(
+    table: Mapping[str, dict[str, Any]], series: Sequence[Series]
+) -> dict[str, dict[str, Any]]:
+    """A table in which straight runs alone determine nothing that acts at an angle of attack: what
+    the random water tells of it rests on the model of that water.
+    """
+    if not _straight(series):
+        return dict(table)
+    why = "no turns: straight runs hold alpha at 0 and say nothing of it"
+    return {
+        name: cell | {"determined": False, "why": cell["why"] or why} if name in TURNING else cell
+        for name, cell in table.items()
+    }
+
+
+def _straight(series: Sequence[Series]) -> bool:
+    """Whether no trial turns its head."""
+    return all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)
 
 
 def told(names: Sequence[str], one: Combination) -> dict[str, Any]:

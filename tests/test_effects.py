@@ -115,7 +115,8 @@ def call(
     cphi, sphi = np.cos(0.5), np.sin(0.5)
     known = {
         "rho": 1000.0, "A": 0.0083, "A_ref": 0.0083, "span": 0.069, "length": 0.33, "h": 0.12,
-        "x_hinge": 0.04, "x_tail": 0.171, "L_pool": 2.6, "W_pool": 1.6, "x": 0.1, "y": 0.2,
+        "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
+        "x": 0.1, "y": 0.2,
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "V": float(np.hypot(u, v)),
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "T": 0.0, "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
@@ -158,3 +159,11 @@ def test_crossflow_drag_of_a_tapering_body() -> None:
     dY = -0.5 * 1000 * 0.5 * depth * (0.2 + 0.5 * x) * np.abs(0.2 + 0.5 * x)
     Y, N = np.trapezoid(dY, -x), np.trapezoid(x * dY, -x)
     assert found == pytest.approx([0.0, Y, N], rel=1e-5)
+
+
+def test_crossflow_drag_of_a_deep_tail() -> None:
+    """A tail of 0.07 m, two spans deep, that moves sideways at 0.2 - 0.206 m x 0.5 rad/s."""
+    effect, motion = plates().effect("crossflow_drag"), np.array([0.0, 0.2, 0.5])
+    added = np.subtract(call(effect, "force", motion, w=2.0), call(effect, "force", motion, w=0.0))
+    Y = -0.5 * 1000 * 0.5 * 2 * 0.069 * 0.07 * (0.2 - 0.206 * 0.5) ** 2
+    assert added == pytest.approx([0.0, Y, -0.206 * Y])

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import beta
 
 from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
-from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth
+from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth, spread_over_trials
 from pipeline.integrate import compiled
-from pipeline.mismatch import Found, find_mismatch, folds, weights
+from pipeline.mismatch import Bench, Found, find_mismatch, folds, reliability, weights
+from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import p_value_of
@@ -193,6 +195,36 @@ def test_weights_follow_the_worth_over_the_inflation(demo: tuple[Measured, Found
     told = weights({"a": best, "b": best, "c": lower})
     assert told["a"] == told["b"] == pytest.approx(1 / (2 + np.exp(-1)))
     assert sum(told.values()) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "true", "of"),
+    [(10, 20, 2, 5), (20, 40, 9, 11), (40, 80, 13, 14), (80, 1000, 94, 94)],
+)
+def test_reliability_is_what_96_concealed_studies_showed(
+    low: float, high: float, true: int, of: int
+) -> None:
+    """Within what chance allows (95 %, Clopper and Pearson) at the middle of each range."""
+    told = reliability(np.sqrt(low * high))
+    assert beta.ppf(0.025, true, of - true + 1) < told
+    assert told < (1.0 if true == of else beta.ppf(0.975, true + 1, of - true))
+
+
+def test_a_held_shape_widens_what_is_said_of_a_strength(demo: tuple[Measured, Found]) -> None:
+    """A fin whose spread along the body is held: its area could be another, C_T could not."""
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    bench = Bench(compiled(plates()), few, found.baseline.base, (), found.baseline.fit.free,
+                  lambda _: None)  # fmt: skip
+    model = bench.settled(bench.refit(found.choice.chosen.effects, found.choice.bare))
+    assert set(held_shapes(bench.kernel, model)) == {"tail_fin_lift.b", "tail_fin_lift.p"}
+    names = [f.name for f in model.fit.free]
+    wide = np.diag(spread_of(bench, model).cov)
+    narrow = np.diag(spread_over_trials(model.fit.normal).cov)
+    ratio = dict(zip(names, np.sqrt(wide / narrow), strict=True))
+    assert all(r >= 1.0 for r in ratio.values())
+    assert ratio["tail_fin_lift.S"] > 1.1
+    assert ratio["C_T"] < 1.1
 
 
 def _one_number(own: np.ndarray, information: np.ndarray) -> Fit:

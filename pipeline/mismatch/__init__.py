@@ -6,7 +6,8 @@ from .horizon import PathErrors, path_errors, stretches
 from .judge import Trialled, folds, held_out_worth, trialled
 from .locate import Dependence, MissingForce, dependences, missing_force
 from .search import screened, try_effects
-from .select import Choice, choose, pays, weights
+from .select import Choice, choose, pays
+from .weighing import reliability, weights
 
 __all__ = [
     "Bench",
@@ -24,6 +25,7 @@ __all__ = [
     "missing_force",
     "path_errors",
     "pays",
+    "reliability",
     "screened",
     "stretches",
     "trialled",

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Steady
-from ..fitting import Series, jackknife_cov, moving
+from ..fitting import Series
 from ..integrate import Kernel, compiled
 from ..model import plates
 from ..study import Study
 from ..tuning import Tuned, thin, tune
 from .bench import Bench
+from .covariance import spread_of
 from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
@@ -229,5 +230,5 @@ def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     if not model.effects:
         return baseline
     again = bench.renoised(model, rounds=LAST_NOISE_ROUNDS)
-    cov = jackknife_cov(again.fit.normal, moving(bench.kernel, again.fit))
-    return Tuned(again.fit, again.noise, cov, baseline.base)
+    spread = spread_of(bench, again)
+    return Tuned(again.fit, again.noise, spread.cov, baseline.base, spread.freedom)

@@ -205,14 +205,3 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
         gain / after.inflation > least and p_value < most and part > share
         for least, most, share in CLAIMS
     )
-
-
-def weights(models: Mapping[str, Trialled], *, inflation: float | None = None) -> dict[str, float]:
-    """Weights that sum to 1 from held-out log likelihoods over an inflation, that of the best model
-    unless another is given: one that explains nothing may gain by chance and be inflated hugely.
-    """
-    best = max(models.values(), key=lambda t: t.total)
-    over = best.inflation if inflation is None else inflation
-    raw = {n: float(np.exp((t.total - best.total) / over)) for n, t in models.items()}
-    total = sum(raw.values())
-    return {name: value / total for name, value in raw.items()}

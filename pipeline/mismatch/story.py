@@ -15,10 +15,11 @@ from ..tuning import table
 from .find import Found
 from .judge import Trialled
 from .locate import LEAST_SHARE
-from .select import weights
 from .setting import CHANNELS, best_next_trial
+from .weighing import reliability, weights
 
 RIVAL_WEIGHT = 0.02
+SURE = 0.8
 MOST_POINTS = 400
 
 
@@ -66,22 +67,28 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
 
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:
-    """A chosen effect and its rivals for its place -> weights that sum to 1."""
-    chosen = found.choice.chosen
+    """A chosen effect and its rivals for its place -> weights; what they lack of 1 is left for a
+    cause that is no candidate.
+    """
+    chosen, without = found.choice.chosen, found.choice.without[name]
+    sure = reliability((chosen.total - without.total) / chosen.inflation)
     rivals = {
         t.effects[-1]: t
         for t in found.choice.places[name].tried
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
     }
-    return weights({**rivals, name: chosen}, inflation=chosen.inflation)
+    shares = weights({**rivals, name: chosen}, inflation=chosen.inflation)
+    return {other: sure * share for other, share in shares.items()}
 
 
 def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
+    """A named cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
     tuned = found.extended
     units = {p.name: p.unit for p in plates().parameters}
+    half = 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0]
     return {
-        f.name.split(".", 1)[1]: {"value": float(v), "std": float(s), "unit": units[f.name]}
-        for f, v, s in zip(tuned.fit.free, tuned.fit.values, tuned.std, strict=True)
+        f.name.split(".", 1)[1]: {"value": float(v), "std": float(h / 1.96), "unit": units[f.name]}
+        for f, v, h in zip(tuned.fit.free, tuned.fit.values, half, strict=True)
         if f.name.startswith(name + ".")
     }
 
@@ -91,14 +98,15 @@ def _unexplained(found: Found) -> dict[str, Any]:
     channels = sorted({c for t in terms for c in residual_channels(t)}, key=CHANNELS.index)
     told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
     first = told[0]
+    gain = found.residual.total - found.choice.chosen.total
     return {
         "name": "unexplained",
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {first.variable}",
         "parameters": _parameters(found, "residual"),
-        "weight": 1.0,
-        "held_out_gain": found.residual.total - found.choice.chosen.total,
+        "weight": reliability(gain / found.residual.inflation),
+        "held_out_gain": gain,
         "sentence": "A force is missing that none of the named causes explains well; it is "
         f"modelled by a fitted residual term and depends most on {first.variable}.",
     }
@@ -180,15 +188,21 @@ def sentence(
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
     if found.verdict == "unexplained":
-        beside = " and ".join(str(c["name"]) for c in told if c["name"] != "unexplained")
+        beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
         first = f"Physics left out: {beside}; and something else" if beside else "Something"
         return f"{first} is missing that no known cause explains; modelled as a residual, {proof}."
-    names = " and ".join(str(c["name"]) for c in told)
+    names = " and ".join(_called(c) for c in told)
     doubt = [r for r in others if r["weight"] > 0.2]
     if doubt:
         names += " (or " + ", ".join(sorted({str(r["name"]) for r in doubt})) + ", not told apart)"
     blame = "The measurement is at fault" if found.verdict == "measurement" else "Physics left out"
     return f"{blame}: {names}; {proof}."
+
+
+def _called(cause: Mapping[str, Any]) -> str:
+    """Its name, with its weight where that is low."""
+    weight = float(cause["weight"])
+    return str(cause["name"]) + (f" (weight {weight:.2f}: not sure)" if weight < SURE else "")
 
 
 def _determined(found: Found) -> bool:

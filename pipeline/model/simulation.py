@@ -47,6 +47,7 @@ def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -
         "length": robot.body_length_m + head_length_m - robot.head_length_m,
         "x_hinge": robot.hinge_to_com_m,
         "x_tail": robot.com_to_tail_base_m,
+        "l_tail": robot.tail_length_m,
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
         "x_cam": 0.5 * pool.length_m,

@@ -1,0 +1,47 @@
+"""Covariance of a chosen model's numbers: how its trials disagree, and what its held shapes may be.
+
+With the Fisher matrix in blocks of the fitted numbers s and the held shapes b, another shape moves
+the numbers by -H_ss^-1 H_sb db. What is known of b is its spread beforehand and what the trials say
+of it, divided by the inflation as elsewhere in the search.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Free, Spread, moving, normal_equations, pseudo_inverse, spread_over_trials
+from .bench import Bench
+from .judge import Trialled, parameters_of
+from .search import held_shapes, with_starts
+
+
+def spread_of(bench: Bench, model: Trialled) -> Spread:
+    """`Spread` of a model's fitted numbers (p,), the doubt about its held shapes included."""
+    found = model.fit
+    move = moving(bench.kernel, found)
+    between = spread_over_trials(found.normal, move)
+    return Spread(between.cov + _of_shapes(bench, model, move), between.freedom)
+
+
+def _of_shapes(bench: Bench, model: Trialled, move: np.ndarray) -> Float:
+    """Covariance (p, p) that the held shapes add."""
+    kernel, p = bench.kernel, len(model.fit.values)
+    held = held_shapes(kernel, model)
+    frees = [*model.fit.free, *(Free(name) for name in held)]
+    cov = np.zeros((p, p))
+    if not held or not move.any():
+        return cov
+    point = with_starts(kernel, bench.base, model.effects)
+    values = np.concatenate([model.fit.values, list(held.values())])
+    normal = normal_equations(kernel, bench.series, point, frees, values, noise=model.noise)
+    if not normal.usable:
+        return cov
+    H = normal.hessian.sum(axis=0)
+    own, shapes = np.flatnonzero(move), np.arange(p, p + len(held))
+    shift = -pseudo_inverse(H[np.ix_(own, own)]) @ H[np.ix_(own, shapes)]
+    known = np.array([one.spread**-2.0 for one in parameters_of(kernel, frees[p:])])
+    seen = H[np.ix_(shapes, shapes)] - np.diag(known) + H[np.ix_(shapes, own)] @ shift
+    open_ = pseudo_inverse(np.diag(known) + seen / model.inflation)
+    cov[np.ix_(own, own)] = shift @ open_ @ shift.T
+    return cov

@@ -1,0 +1,35 @@
+"""Weights: how the chosen cause and its rivals share a place, and what is left for none of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from .judge import Trialled
+
+HALF_SURE, STEEP = 6.0, 1.2
+"""Softmax among the candidates knows of no law that is not among them: with it alone all weights
+were 1. In 96 concealed studies (seeds 11, 31, 1001 and 1002) 121 of 127 causes were true: 94 of 94
+that gained 80 or more over the inflation, 13 of 14 from 40 on, 9 of 11 from 20 on, 5 of 8 below.
+These two numbers are the logistic regression on the logarithm of that gain.
+"""
+
+
+def reliability(gain: float) -> float:
+    """Probability that a cause does not stand in for something that is no candidate, (0, 1).
+
+    g^b / (g^b + g_0^b), with g its held-out gain in log likelihood over the inflation.
+    """
+    return 1.0 / (1.0 + (HALF_SURE / max(gain, 1e-9)) ** STEEP)
+
+
+def weights(models: Mapping[str, Trialled], *, inflation: float | None = None) -> dict[str, float]:
+    """Weights that sum to 1 from held-out log likelihoods over an inflation, that of the best model
+    unless another is given: one that explains nothing may gain by chance and be inflated hugely.
+    """
+    best = max(models.values(), key=lambda t: t.total)
+    over = best.inflation if inflation is None else inflation
+    raw = {n: float(np.exp((t.total - best.total) / over)) for n, t in models.items()}
+    total = sum(raw.values())
+    return {name: value / total for name, value in raw.items()}

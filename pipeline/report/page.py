@@ -83,7 +83,7 @@ def _story(campaign: Campaign) -> dict[str, Any]:
         "next_trial": story.next_trial(campaign),
         "candidates": story.candidates(campaign),
         "held_out": story.held_out(campaign),
-        "held_out_trials": story.held_out_trials(campaign),
+        "proof": story.proof(campaign),
         "shifts": tables.shifts(campaign),
     }
 

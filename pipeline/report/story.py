@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..campaign import Campaign
+from ..figures.drawing.held_out import judged_on, none_held_out
 from ..figures.drawing.lacking import LABELS
 from .numbers import in_words, measured, number, unit, units, words
 
@@ -103,7 +104,8 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
     known = [value for value in known if math.isfinite(value)]
     if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and len(known) == 2:
         text = f"{1000 * known[0]:.1f} → {1000 * known[1]:.1f} mm"
-        out.append((text, "path error on held-out trials, before and after"))
+        which = "the fitted trials" if none_held_out(campaign) else "held-out trials"
+        out.append((text, f"path error on {which}, before and after"))
     return out
 
 
@@ -199,9 +201,21 @@ def _floor(campaign: Campaign) -> str:
     return number(1000 * float(floor)) if floor is not None and known else "–"
 
 
-def held_out_trials(campaign: Campaign) -> list[str]:
-    """Ids of the trials that the search did not see."""
-    return [str(i) for i in ((campaign.mismatch or {}).get("held_out") or {}).get("trials") or []]
+def proof(campaign: Campaign) -> dict[str, str]:
+    """Heading, caption of the table and a sentence: on which trials the errors are told."""
+    names = ", ".join(judged_on(campaign))
+    if none_held_out(campaign):
+        return {
+            "heading": "Does it help where it was fitted?",
+            "caption": "Errors on the trials that were fitted",
+            "sentence": f"No trial was held out, the study is too small for it: {names} were fitted"
+            " as well, so that smaller errors are no proof.",
+        }
+    return {
+        "heading": "Does it help where it was not fitted?",
+        "caption": "Errors on held-out trials",
+        "sentence": f"Held out: {names}.",
+    }
 
 
 def _cause(entry: dict[str, Any]) -> Cause:

@@ -1,7 +1,8 @@
 """Figures of a campaign, one file each; the folder is the registry.
 
 A figure module has TITLE, CAPTION (text for the report), NEEDS (fields of `Campaign` without
-which nothing can be drawn) and `draw(campaign) -> Figure`. What several figures share stands in
+which nothing can be drawn) and `draw(campaign) -> Figure`; one whose words depend on the campaign
+has `told(campaign) -> (title, caption)` as well. What several figures share stands in
 the package `drawing`.
 """
 
@@ -44,14 +45,22 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(found))
 
 
-def title(name: str) -> str:
-    """Title of a figure."""
-    return str(_module(name).TITLE)
+def title(name: str, campaign: Campaign | None = None) -> str:
+    """Title of a figure, of that campaign's figure where its words depend on the campaign."""
+    return _told(name, campaign)[0]
 
 
-def caption(name: str) -> str:
-    """What a figure shows, in sentences."""
-    return str(_module(name).CAPTION)
+def caption(name: str, campaign: Campaign | None = None) -> str:
+    """What a figure shows, in sentences; as `title`."""
+    return _told(name, campaign)[1]
+
+
+def _told(name: str, campaign: Campaign | None) -> tuple[str, str]:
+    module = _module(name)
+    if campaign is not None and hasattr(module, "told"):
+        heading, text = module.told(campaign)
+        return str(heading), str(text)
+    return str(module.TITLE), str(module.CAPTION)
 
 
 def missing(name: str, campaign: Campaign) -> tuple[str, ...]:
@@ -66,7 +75,9 @@ def draw(name: str, campaign: Campaign) -> Figure:
     lacking = missing(name, campaign)
     with matplotlib.rc_context(LOOK):
         if lacking:
-            return notice(module.TITLE, "Not drawn: this run has no " + " and no ".join(lacking))
+            return notice(
+                title(name, campaign), "Not drawn: this run has no " + " and no ".join(lacking)
+            )
         figure: Figure = module.draw(campaign)
         return figure
 
@@ -77,7 +88,7 @@ def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str
     The png carries title and caption with it, and in `Comment` what was missing to draw it.
     """
     figure = draw(name, campaign)
-    words = {"Title": title(name), "Description": caption(name)}
+    words = {"Title": title(name, campaign), "Description": caption(name, campaign)}
     if lacking := missing(name, campaign):
         words["Comment"] = "this run has no " + " and no ".join(lacking)
     FigureCanvasAgg(figure)

@@ -1,4 +1,4 @@
-"""Before and after on trials that the fit did not see."""
+"""Before and after on trials that the fit did not see, where a study could spare any."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..campaign import Campaign
+from .drawing.held_out import judged_on, none_held_out
 from .drawing.look import AFTER, BEFORE, MEASURED, absent, letter
 from .drawing.pool import pool
 
@@ -19,6 +20,12 @@ CAPTION = (
     "path. (B) Their paths: measured solid black, before dashed, after blue; numbers: rms distance "
     "to the measured path, mm."
 )
+HELD_OUT = "Trials that no fit saw."
+FITTED_TITLE = "The fitted trials, before and after"
+FITTED = (
+    "The study is too small to hold trials out: these are the trials that were fitted, so that "
+    "smaller errors are no proof that what was put in is there."
+)
 NEEDS = ("tracks", "mismatch")
 MOST_PATHS = 6
 ERRORS = (
@@ -28,9 +35,15 @@ ERRORS = (
 )
 
 
+def told(campaign: Campaign) -> tuple[str, str]:
+    """Title and caption, by whether any trial was held out."""
+    if none_held_out(campaign):
+        return FITTED_TITLE, CAPTION.replace(HELD_OUT, FITTED)
+    return TITLE, CAPTION
+
+
 def draw(campaign: Campaign) -> Figure:
-    """Error bars at the left, paths of held-out trials at the right."""
-    held_out = (campaign.mismatch or {}).get("held_out") or {}
+    """Error bars at the left, paths of the trials that they are of at the right."""
     figure = Figure(figsize=(12, 4.4), layout="constrained")
     sides = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
     bars = sides[0].subgridspec(1, 3)
@@ -40,7 +53,7 @@ def draw(campaign: Campaign) -> Figure:
         axes.set_title(label)
         if i == 0:
             letter(axes, "A")
-    names = [name for name in held_out.get("trials", []) if name in campaign.tracks][:MOST_PATHS]
+    names = [name for name in judged_on(campaign) if name in campaign.tracks][:MOST_PATHS]
     places = sides[1].subgridspec(2, 3)
     for i in range(MOST_PATHS):
         axes = figure.add_subplot(places[i // 3, i % 3])

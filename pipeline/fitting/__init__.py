@@ -13,7 +13,7 @@ from .normal import (
 )
 from .paths import PathFit, fit_paths
 from .resampling import ensemble, jackknife_cov, moving
-from .sandwich import Spread, spread_over_trials
+from .sandwich import Spread, spread_over_trials, without_bounds
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
 from .thinning import thinned
@@ -47,4 +47,5 @@ __all__ = [
     "spread_over_trials",
     "thinned",
     "trial_values",
+    "without_bounds",
 ]

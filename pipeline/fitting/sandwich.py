@@ -27,6 +27,8 @@ from .normal import Normal
 
 LEAST_LEFT = 0.02
 """A direction of which one trial holds more than 98 % cannot be judged from the others."""
+ALONE = 0.1
+"""A number is not judged where this share of its naive variance lies in such directions."""
 LEAST_SHARE = 0.25
 """Trials may agree by chance: in no direction less than this share of the naive variance."""
 
@@ -35,22 +37,26 @@ LEAST_SHARE = 0.25
 class Spread:
     """Covariance (p, p) of fitted numbers between trials, and degrees of freedom (p,) of each.
 
-    freedom is 0 where no number could be fitted.
+    freedom is 0 where nothing can be said: of a number that was not fitted, and of one that hangs
+    on one trial alone.
     """
 
     cov: Float
     freedom: Float
 
     def half_widths(self, level: float = 0.95) -> Float:
-        """Half widths (p,) of the intervals that hold the truth with this probability."""
+        """Half widths (p,) of the intervals that hold the truth with this probability; infinite
+        where nothing can be said.
+        """
         quantile = student.ppf(0.5 + 0.5 * level, np.maximum(self.freedom, 1.0))
-        return quantile * np.sqrt(np.diag(self.cov))
+        return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
 
 def spread_over_trials(normal: Normal, moving: np.ndarray | None = None) -> Spread:
     """`Spread` of a joint fit from the normal equations of its trials.
 
-    moving (p,): which numbers the fit could move; those held at a bound get no variance.
+    moving (p,): which numbers the fit could move; those held at a bound get no variance. One trial
+    alone says nothing of how trials disagree: the naive covariance, with no degree of freedom.
     """
     count, p = normal.gradient.shape
     move = np.ones(p, dtype=bool) if moving is None else moving
@@ -61,14 +67,24 @@ def spread_over_trials(normal: Normal, moving: np.ndarray | None = None) -> Spre
     total = H.sum(axis=0)
     if count < 2:
         cov[np.ix_(move, move)] = pseudo_inverse(total)
-        return Spread(cov, np.where(move, 1.0, 0.0))
+        return Spread(cov, freedom)
     root = _inverse_root(total)
     leverage = root.T @ H @ root
     widened = np.array([_root_of_rest(S) for S in leverage])
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores) @ root.T
-    freedom[move] = [_freedom(leverage, widened, root[i]) for i in range(int(move.sum()))]
+    told = np.array([_freedom(leverage, widened, c) for c in root])
+    freedom[move] = np.where(_alone(leverage, root) > ALONE, 0.0, told)
     return Spread(cov, freedom)
+
+
+def without_bounds(normal: Normal) -> tuple[Float, Spread]:
+    """Change (p,) to where all numbers would go if none were held at a bound, by one Newton step,
+    and their `Spread` there.
+    """
+    change = pseudo_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
+    gradient = normal.gradient - normal.hessian @ change
+    return change, spread_over_trials(Normal(normal.hessian, gradient, normal.log_likelihood))
 
 
 def _inverse_root(matrix: Float) -> Float:
@@ -82,6 +98,15 @@ def _root_of_rest(leverage: Float) -> Float:
     """(1 - S)^-1/2."""
     values, vectors = np.linalg.eigh(leverage)
     return (vectors / np.sqrt(np.maximum(1.0 - values, LEAST_LEFT))) @ vectors.T
+
+
+def _alone(leverage: Float, root: Float) -> Float:
+    """Share (p,) of each number's naive variance in directions that one trial alone holds."""
+    share = np.zeros(len(root))
+    for S in leverage:
+        values, vectors = np.linalg.eigh(S)
+        share += np.sum((root @ vectors[:, values > 1.0 - LEAST_LEFT]) ** 2, axis=1)
+    return share / np.sum(root**2, axis=1)
 
 
 def _floored(matrix: Float) -> Float:

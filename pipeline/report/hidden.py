@@ -10,7 +10,7 @@ from typing import Any
 from ..campaign import Campaign
 from ..data import Steady
 from ..study.seal import Seal
-from .numbers import BAND, measured, number, percent, units, words
+from .numbers import BAND, estimate, measured, number, percent, units, words
 from .story import Row
 from .truth import READ, put_in, true_coefficients, true_steady, true_trials
 
@@ -155,7 +155,7 @@ def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: st
 
 
 def _cell(cell: Mapping[str, Any] | None) -> str:
-    return "–" if not cell else measured(cell.get("value"), cell.get("std"))
+    return "–" if not cell else estimate(cell)
 
 
 def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
@@ -163,7 +163,9 @@ def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
     if not cell or not _is_number(true) or not cell.get("std"):
         return "–"
     off = abs(float(cell["value"]) - float(true)) / float(cell["std"])
-    return "inside" if off <= BAND else f"{off:.1f} deviations off"
+    low, high = cell.get("interval_95") or (None, None)
+    inside = off <= BAND if low is None or high is None else low <= float(true) <= high
+    return "inside" if inside else f"{off:.1f} deviations off"
 
 
 def _trials(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:

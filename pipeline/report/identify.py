@@ -60,7 +60,8 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
     at, lost = at[known][order], lost[known][order]
     span = float(np.ptp(at)) or 1.0
     x, y = WIDTH * (at - at[0]) / span, HEIGHT * (1.0 - np.clip(lost, 0.0, TOP) / TOP)
-    words = f"{_end(one.get('lower'), 'no lower end')} to {_end(one.get('upper'), 'no upper end')}"
+    low, high = (_missing(cell, side) for side in ("lower", "upper"))
+    words = f"{_end(one.get('lower'), low)} to {_end(one.get('upper'), high)}"
     return Profile(
         name,
         " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True)),
@@ -72,6 +73,11 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
 
 def _identifiability(campaign: Campaign) -> Mapping[str, Any]:
     return (campaign.coefficients.get("joint") or {}).get("identifiability") or {}
+
+
+def _missing(cell: Mapping[str, Any], side: str) -> str:
+    """What to say where the likelihood has no end on one side: the number may be at its bound."""
+    return "its bound" if cell.get("at_bound") == side else f"no {side} end"
 
 
 def _end(value: Any, missing: str) -> str:

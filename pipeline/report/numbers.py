@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -39,6 +39,20 @@ def measured(value: Any, std: Any, unit: str = "") -> str:
     places = max(0, min(8, 1 - math.floor(math.log10(half * factor))))
     text = f"{value * factor:.{places}f} ± {half * factor:.{places}f}"
     return (f"({text}){mark}" if mark else text) + tail
+
+
+def estimate(cell: Mapping[str, Any]) -> str:
+    """A coefficient as in coefficients.json: value ± half its 95 % interval, at a bound how far
+    from it the interval reaches, else the value alone.
+    """
+    low, high = cell.get("interval_95") or (None, None)
+    if side := cell.get("at_bound"):
+        end = high if side == "lower" else low
+        reach = "" if end is None else f", {'up' if side == 'lower' else 'down'} to {number(end)}"
+        return f"{number(cell.get('value'))} (at its bound{reach})"
+    if low is None or high is None:
+        return measured(cell.get("value"), cell.get("std"))
+    return measured(cell.get("value"), 0.5 * (high - low) / BAND)
 
 
 def unit(name: str) -> str:

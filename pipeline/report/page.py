@@ -13,7 +13,7 @@ from markupsafe import Markup
 from ..campaign import Campaign
 from ..files import write_text
 from ..study.seal import Seal
-from . import identify, story, tables
+from . import identify, proof, story, tables
 from .hidden import hidden
 from .media import Clip, Picture, clips, pictures
 from .settings import settings, versions
@@ -82,8 +82,8 @@ def _story(campaign: Campaign) -> dict[str, Any]:
         "rivals": story.rivals(campaign),
         "next_trial": story.next_trial(campaign),
         "candidates": story.candidates(campaign),
-        "held_out": story.held_out(campaign),
-        "held_out_trials": story.held_out_trials(campaign),
+        "held_out": proof.held_out(campaign),
+        "proof": proof.which_trials(campaign),
         "shifts": tables.shifts(campaign),
     }
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..campaign import Campaign
+from ..figures.drawing.held_out import none_held_out
 from ..figures.drawing.lacking import LABELS
 from .numbers import in_words, measured, number, unit, units, words
 
@@ -103,7 +104,8 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
     known = [value for value in known if math.isfinite(value)]
     if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and len(known) == 2:
         text = f"{1000 * known[0]:.1f} → {1000 * known[1]:.1f} mm"
-        out.append((text, "path error on held-out trials, before and after"))
+        which = "the fitted trials" if none_held_out(campaign) else "held-out trials"
+        out.append((text, f"path error on {which}, before and after"))
     return out
 
 
@@ -169,41 +171,6 @@ def candidates(campaign: Campaign) -> list[Row]:
     ]
 
 
-def held_out(campaign: Campaign) -> list[Row]:
-    """Errors on held-out trials before and after, and the noise floor."""
-    found = (campaign.mismatch or {}).get("held_out") or {}
-    rows = [
-        ("path, rms (mm)", "path_rmse_m", 1000.0),
-        ("turn radius (%)", "radius_error_pct", 1.0),
-        ("steady speed (%)", "speed_error_pct", 1.0),
-    ]
-    return [
-        Row(
-            label,
-            (
-                *(
-                    _scaled(campaign.held_out_error(k, key), factor)
-                    for k in ("baseline", "extended")
-                ),
-                _floor(campaign) if key == "path_rmse_m" else "",
-            ),
-        )
-        for label, key, factor in rows
-        if found
-    ]
-
-
-def _floor(campaign: Campaign) -> str:
-    floor = ((campaign.mismatch or {}).get("held_out") or {}).get("noise_floor_path_rmse_m")
-    known = floor is not None and float(floor) < campaign.study.setup.pool.width_m
-    return number(1000 * float(floor)) if floor is not None and known else "–"
-
-
-def held_out_trials(campaign: Campaign) -> list[str]:
-    """Ids of the trials that the search did not see."""
-    return [str(i) for i in ((campaign.mismatch or {}).get("held_out") or {}).get("trials") or []]
-
-
 def _cause(entry: dict[str, Any]) -> Cause:
     parameters = [
         f"{name} = {measured(cell.get('value'), cell.get('std'), unit(str(cell.get('unit', ''))))}"
@@ -226,10 +193,6 @@ def _told(sentence: Any) -> str:
 
 def _share(weight: Any) -> str:
     return "–" if weight is None else f"{100 * float(weight):.0f} %"
-
-
-def _scaled(value: float, factor: float) -> str:
-    return "runs away" if math.isinf(value) else number(factor * value)
 
 
 def _listed(values: list[float]) -> str:

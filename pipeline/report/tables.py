@@ -7,7 +7,7 @@ from typing import Any
 
 from ..campaign import Campaign
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
-from .numbers import BAND, measured, number, percent, unit, units, words
+from .numbers import BAND, estimate, measured, number, percent, unit, units, words
 from .story import Row
 
 COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
@@ -21,7 +21,7 @@ def joint(campaign: Campaign) -> list[Row]:
         Row(
             name,
             (
-                _interval(cell),
+                estimate(cell),
                 _naive(cell),
                 unit(str(cell.get("unit", ""))),
                 _determined(cell),
@@ -30,14 +30,6 @@ def joint(campaign: Campaign) -> list[Row]:
         )
         for name, cell in cells.items()
     ]
-
-
-def _interval(cell: Mapping[str, Any]) -> str:
-    """Value with half its 95 % interval, which is wider than 1.96 deviations for few trials."""
-    low, high = cell.get("interval_95") or (None, None)
-    if low is None or high is None:
-        return measured(cell.get("value"), cell.get("std"))
-    return measured(cell.get("value"), 0.5 * (high - low) / BAND)
 
 
 def _naive(cell: Mapping[str, Any]) -> str:
@@ -73,7 +65,7 @@ def _powers_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     published = TABLE_1.get(round(float(power)), {})
     mine = [
         (
-            measured((cells.get(p.name) or {}).get("value"), (cells.get(p.name) or {}).get("std")),
+            estimate(cells.get(p.name) or {}),
             not (cells.get(p.name) or {}).get("determined", False),
             str((cells.get(p.name) or {}).get("why") or ""),
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..data import Float
+from ..figures.drawing.held_out import judged_on, none_held_out
 from ..study import Trial
 from .media import Clip
 from .numbers import measured, number
@@ -52,10 +53,9 @@ class Card:
 
 def cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
     """A card for every trial of the study, those left out as well."""
-    held_out = set(((campaign.mismatch or {}).get("held_out") or {}).get("trials") or ())
-    searched = campaign.mismatch is not None
+    held_out = set() if none_held_out(campaign) else set(judged_on(campaign))
     return [
-        _card(campaign, trial, clips.get(trial.trial_id), searched and trial.trial_id in held_out)
+        _card(campaign, trial, clips.get(trial.trial_id), trial.trial_id in held_out)
         for trial in campaign.study.trials
     ]
 

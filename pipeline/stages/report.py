@@ -19,8 +19,11 @@ def report(study: Path, results: Path) -> None:
     """
     # By name, so that editing one figure's code does not count as a change of the page's.
     figures = import_module("pipeline.figures")
-    told = {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
     campaign = load_campaign(results, load_study(study))
+    told = {
+        name: (figures.title(name, campaign), figures.caption(name, campaign))
+        for name in figures.names()
+    }
     write_report(
         campaign,
         told,

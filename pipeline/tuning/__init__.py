@@ -1,6 +1,6 @@
 """Coefficients from trials: the paper's three steps at each power, and one set for all."""
 
-from .joint import Tuned, determined, table, thin, tune
+from .joint import Tuned, cell, table, thin, tune
 from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
 from .series import condition, study_series, trial_series
@@ -8,9 +8,9 @@ from .stability import growth_per_s
 
 __all__ = [
     "Tuned",
+    "cell",
     "coefficients",
     "condition",
-    "determined",
     "growth_per_s",
     "simulations",
     "study_series",

@@ -17,10 +17,8 @@ from ..integrate import LANES, Kernel, compiled
 from ..integrate.batch import propagate
 from ..model import constants, plates
 from ..study import Setup
-from .joint import Tuned
+from .joint import OPEN, Tuned
 
-OPEN = 0.3
-"""A combination whose relative deviation exceeds this is not determined."""
 POINTS = (-2.5, -1.25, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
 QUANTILE_95 = 1.92

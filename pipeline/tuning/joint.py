@@ -23,9 +23,15 @@ from ..fitting import (
     trial_values,
 )
 from ..integrate import Kernel, compiled
+from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
+from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
 
 HEAD_ANGLE = 3
+OPEN, BAND = 0.3, 1.96
+"""A number is not determined where its deviation exceeds this share of its size; half width of a
+normal law's 95 % interval over its deviation.
+"""
 FIRST_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
@@ -60,10 +66,15 @@ class Tuned:
 
     @property
     def interval_95(self) -> Float:
-        """Bounds (p, 2) that hold the truth in 95 of 100 studies."""
+        """Bounds (p, 2) that hold the truth in 95 of 100 studies; infinite where the trials do not
+        tell; of numbers at a bound as in `one_sided`.
+        """
         many = np.full(len(self.std), 1e9) if self.freedom is None else self.freedom
         half = Spread(self.cov, many).half_widths(0.95)
-        return self.fit.values[:, None] + np.outer(half, [-1.0, 1.0])
+        out = self.fit.values[:, None] + half[:, None] * np.array([-1.0, 1.0])
+        for i, ends in one_sided(self.fit).items():
+            out[i] = ends
+        return out
 
     def trial_values(self, kernel: Kernel, series: Sequence[Series]) -> list[Float]:
         """Full parameter vector for each trial."""
@@ -94,46 +105,62 @@ def tune(
 
 
 def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
-    """Coefficient -> value, std, interval_95, naive_std, unit, whether determined, and why not."""
-    parameters = {p.name: p for p in plates().parameters}
-    naive = np.sqrt(np.diag(tuned.fit.naive_cov))
-    return {
-        f.label: {
-            "value": float(tuned.fit.values[i]),
-            "std": float(tuned.std[i]),
-            "interval_95": tuned.interval_95[i],
-            "naive_std": float(naive[i]),
-            "unit": parameters[f.name].unit,
-            **determined(
-                f.name,
-                float(tuned.fit.values[i]),
-                float(max(_as_normal(tuned.interval_95[i]), naive[i])),
-            ),
-        }
-        for i, f in enumerate(tuned.fit.free)
-    }
+    """Label -> `cell` of every fitted number."""
+    return {f.label: cell(tuned, i) for i, f in enumerate(tuned.fit.free)}
 
 
-def _as_normal(interval: Sequence[float]) -> float:
-    """Standard deviation of a normal distribution with this 95 % interval: wide where few trials
-    could disagree.
+def cell(tuned: Tuned, index: int) -> dict[str, Any]:
+    """value, std, interval_95, naive_std, unit, whether determined, and why not, of one number.
+
+    At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.
+    Where trials cannot disagree, since one alone tells of the number, std and interval are None.
     """
-    return 0.5 * (interval[1] - interval[0]) / 1.96
+    parameter, side = parameter_of(tuned.fit.free[index]), sides(tuned.fit)[index]
+    value, interval = float(tuned.fit.values[index]), tuned.interval_95[index]
+    half = float(0.5 * (interval[1] - interval[0]))
+    naive = float(np.sqrt(tuned.fit.naive_cov[index, index]))
+    judged = not side and bool(np.isfinite(half))
+    if side:
+        why = _at_bound(parameter, side, interval)
+    else:
+        why = _too_wide(half, naive, value=value, usual=abs(parameter.start))
+    return {
+        "value": value,
+        "std": float(tuned.std[index]) if judged else None,
+        "interval_95": [float(end) if np.isfinite(end) else None for end in interval],
+        "naive_std": None if side else naive,
+        "unit": parameter.unit,
+        "determined": not why,
+        "why": why,
+    } | ({"at_bound": side} if side else {})
 
 
-def determined(name: str, value: float, std: float) -> dict[str, Any]:
-    """Whether a number is determined (deviation below 30 % of it or of its usual size), and why."""
-    parameter = {p.name: p for p in plates().parameters}[name]
-    size = max(abs(value), abs(parameter.start))
-    at_bound = value <= parameter.lower or value >= parameter.upper
-    yes = bool(np.isfinite(std) and std < 0.3 * size and not at_bound)
-    reason = "" if yes else _reason(at_bound and std < 0.3 * size, std, size)
-    return {"determined": yes, "why": reason}
+def _at_bound(parameter: Parameter, side: str, interval: Float) -> str:
+    """Why a number at its bound is not determined."""
+    bound, other = parameter.lower, interval[1]
+    if side == UPPER:
+        bound, other = parameter.upper, interval[0]
+    if not np.isfinite(other):
+        return (
+            f"at its bound of {bound:g}, the edge of what is plausible: the data ask for physics "
+            "that is not in the model"
+        )
+    to = "up to" if side == LOWER else "down to"
+    return f"at its bound of {bound:g}; values {to} {other:.3g} agree with these trials"
 
 
-def _reason(at_bound: bool, std: float, size: float) -> str:
-    if at_bound:
-        return "at the edge of what is plausible: the data ask for physics that is not in the model"
-    return (
-        f"its deviation is {100 * std / size:.0f} % of its size: these trials hardly depend on it"
-    )
+def _too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
+    """Why a number is not determined; empty where it is: where the deviation of a normal law with
+    its interval, and the naive one, are below 30 % of it or of its usual size.
+    """
+    if not np.isfinite(half):
+        return "one trial alone tells of it: how far it may be off is seen from how trials disagree"
+    size = max(abs(value), usual)
+    of = "its size" if abs(value) >= usual else f"its usual size of {usual:g}"
+    if half >= BAND * OPEN * size:
+        told = f"half of its 95 % interval is {100 * half / size:.0f} % of {of}"
+    elif naive >= OPEN * size:
+        told = f"its naive deviation is {100 * naive / size:.0f} % of {of}"
+    else:
+        return ""
+    return f"{told}: these trials hardly depend on it"

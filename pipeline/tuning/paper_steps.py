@@ -18,7 +18,7 @@ from ..data import Steady
 from ..fitting import Free, Series, ensemble
 from ..model import plates, steady_turn
 from ..study import Study, Trial
-from .joint import Tuned, determined, tune
+from .joint import Tuned, cell, tune
 
 STRAIGHT_BELOW_DEG = 3.0
 DRAWS, DRAW_SEED = 60, 0
@@ -110,15 +110,12 @@ def _coefficient(name: str, power: str, fits: tuple[Tuned | None, Tuned | None])
         labels = [f.label for f in fitted.fit.free] if fitted else []
         label = next((k for k in (name, f"{name}@{power}") if k in labels), None)
         if fitted and label:
-            i = labels.index(label)
-            value, std = float(fitted.fit.values[i]), float(fitted.std[i])
-            return {"value": value, "std": std, "unit": parameter.unit, "step": step,
-                    **determined(name, value, std)}  # fmt: skip
+            return cell(fitted, labels.index(label)) | {"step": step}
     why = "no straight runs of the 1x head" if name in ("C_T", "C_D0") else (
         "no turns of the 1x head at this power: straight runs hold alpha at 0 and say nothing of it"
     )  # fmt: skip
-    return {"value": parameter.start, "std": None, "unit": parameter.unit, "step": None,
-            "determined": False, "why": why}  # fmt: skip
+    return {"value": parameter.start, "std": None, "interval_95": [None, None], "naive_std": None,
+            "unit": parameter.unit, "step": None, "determined": False, "why": why}  # fmt: skip
 
 
 def _comparisons(

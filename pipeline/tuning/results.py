@@ -15,10 +15,14 @@ from ..study import Study
 from .identify import profile, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
-from .stability import growth_per_s, verdict
-from .words import open_without_turns, told, undetermined
+from .stability import growth_per_s, untold, verdict
+from .words import hangs_on_one_trial, open_without_turns, told, turns, undetermined
 
 DRAWS, GROWTH_DRAWS = 200, 60
+LEAST_TURNS = 2
+"""Trials with the head turned, below which nothing is said of straight swimming: one cannot tell
+how trials disagree.
+"""
 
 
 def coefficients(
@@ -45,15 +49,25 @@ def coefficients(
             "ensemble": {"names": list(values), "values": draws},
             "undetermined": undetermined(few, joint, study.setup),
             "identifiability": identifiability(few, joint),
-            "straight_swimming": straight_swimming(study, steps, joint, draws[:GROWTH_DRAWS]),
+            "straight_swimming": straight_swimming(
+                study, steps, joint, draws[:GROWTH_DRAWS], series=few
+            ),
         },
     }, joint
 
 
 def straight_swimming(
-    study: Study, steps: Mapping[str, Any], joint: Tuned, draws: Float
+    study: Study,
+    steps: Mapping[str, Any],
+    joint: Tuned,
+    draws: Float,
+    *,
+    series: Sequence[Series],
 ) -> dict[str, Any]:
-    """Growth of a small turn at each power, and over draws of the fit where it is fastest."""
+    """Growth of a small turn at each power, and over draws of the fit where it is fastest.
+
+    Nothing is asserted where fewer than two trials tell of what turns the robot.
+    """
 
     def growth(values: Mapping[str, float], power: str) -> float:
         return growth_per_s(values, setup=study.setup, flap_hz=steps[power]["flap_hz"])
@@ -63,6 +77,8 @@ def straight_swimming(
     inside = np.clip(draws, *np.array([bounds[name] for name in names]).T)
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
+    if turns(series) < LEAST_TURNS or hangs_on_one_trial(joint):
+        return untold(by_power[worst]) | {"by_power": by_power}
     drawn = [growth(dict(zip(names, row, strict=True)), worst) for row in inside.tolist()]
     return verdict(by_power[worst], drawn) | {"by_power": by_power}
 
@@ -72,7 +88,10 @@ def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
     names = [f.label for f in joint.fit.free]
     profiles = {name: profile(series, joint, i) for i, name in enumerate(names)}
     return {
-        "spectrum": [told(names, one) | {"determined": one.determined} for one in spectrum(joint)],
+        "spectrum": [
+            told(names, one) | {"determined": one.determined and len(series) > 1}
+            for one in spectrum(joint)
+        ],
         "profiles": {
             name: {"values": p.values, "lost": p.lost, "lower": p.lower, "upper": p.upper}
             for name, p in profiles.items()
@@ -92,6 +111,8 @@ def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
         unit = "" if parameter.unit == "1" else "_" + parameter.unit.replace(" ", "_")
         out[f"{name}{unit}"] = [c["value"] for c in cells]
         out[f"{name}_std{unit}"] = [np.nan if c["std"] is None else c["std"] for c in cells]
+        for k, end in enumerate(("lower", "upper")):
+            out[f"{name}_{end}_95{unit}"] = [_number(c["interval_95"][k]) for c in cells]
         out[f"{name}_determined"] = [c["determined"] for c in cells]
         out[f"paper_{name}{unit}"] = [
             TABLE_1.get(int(float(p)), {}).get(name, np.nan) for p in powers

@@ -88,6 +88,15 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     return told | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
 
 
+def untold(growth: float) -> dict[str, Any]:
+    """The fit's own eigenvalue where fewer than two trials tell of it: nothing is asserted."""
+    sentence = (
+        "Whether the robot swims straight is not told by these trials: what would turn it is seen "
+        "where the head is turned, and fewer than two trials speak of that."
+    )
+    return {"eigenvalue_per_s": growth, "interval_95": None, "stable": None, "sentence": sentence}
+
+
 def _range(told: Mapping[str, Any]) -> str:
     if told["interval_95"] is None:
         return ""

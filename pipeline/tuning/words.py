@@ -9,6 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..study import Setup
+from .bounds import sides
 from .identify import Combination, NewTrial, best_new_trial, by_name, spectrum
 from .joint import Tuned
 
@@ -49,6 +50,20 @@ def open_without_turns(
         name: cell | {"determined": False, "why": cell["why"] or why} if name in TURNING else cell
         for name, cell in table.items()
     }
+
+
+def turns(series: Sequence[Series]) -> int:
+    """How many trials have the head turned."""
+    return sum(not _straight([s]) for s in series)
+
+
+def hangs_on_one_trial(tuned: Tuned) -> bool:
+    """Whether one trial alone tells of some number that acts at an angle of attack."""
+    held = sides(tuned.fit)
+    return any(
+        f.name in TURNING and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
+        for i, f in enumerate(tuned.fit.free)
+    )
 
 
 def _straight(series: Sequence[Series]) -> bool:

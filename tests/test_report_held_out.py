@@ -1,0 +1,62 @@
+"""Words follow what was done: held out, or, in a study too small for it, fitted as well."""
+
+from __future__ import annotations
+
+import pytest
+from exact_campaign import campaign, searched
+
+from pipeline import figures
+from pipeline.campaign import Campaign
+from pipeline.report.page import page
+
+
+@pytest.fixture
+def spared() -> Campaign:
+    return searched(campaign(powers=(75,)))
+
+
+@pytest.fixture
+def small(spared: Campaign) -> Campaign:
+    """The same, but the search was judged on all of its trials."""
+    every = [t.trial_id for t in spared.analysed]
+    mismatch = {**spared.mismatch, "held_out": {**spared.mismatch["held_out"], "trials": every}}
+    return Campaign(**{**spared.__dict__, "mismatch": mismatch})
+
+
+def test_a_page_with_trials_held_out_says_so(spared: Campaign) -> None:
+    text = page(spared, [], {})
+    assert "Does it help where it was not fitted?" in text
+    assert "Errors on held-out trials" in text
+    assert "Held out: T02." in text
+    assert text.count('<span class="tag">held out</span>') == 2
+    assert "Trials that no fit saw." in figures.caption("mismatch_held_out", spared)
+
+
+def test_a_page_of_a_study_too_small_calls_no_trial_held_out(small: Campaign) -> None:
+    text = page(small, [], {})
+    assert "Does it help where it was fitted?" in text
+    assert "No trial was held out" in text
+    assert "path error on the fitted trials" in text
+    assert "Held out:" not in text
+    assert "held-out trials" not in text
+    assert '<span class="tag">held out</span>' not in text
+
+
+def test_the_figure_says_which_trials_it_shows(small: Campaign, tmp_path) -> None:
+    name = "mismatch_held_out"
+    assert figures.title(name, small) == "The fitted trials, before and after"
+    assert "no fit saw" not in figures.caption(name, small)
+    assert "too small to hold trials out" in figures.caption(name, small)
+    assert "(A) Errors of the model before" in figures.caption(name, small)
+    figures.draw_file(name, small, tmp_path / "a.png", tmp_path / "a.pdf")
+    assert b"too small to hold trials out" in (tmp_path / "a.png").read_bytes()
+
+
+def test_trials_that_the_tuning_could_not_use_do_not_count(small: Campaign) -> None:
+    """All that were fitted are judged on, though one of those analysed was not fitted."""
+    fitted = [t.trial_id for t in small.analysed][1:]
+    mismatch = {**small.mismatch, "held_out": {**small.mismatch["held_out"], "trials": fitted}}
+    coefficients = {**small.coefficients}
+    coefficients["joint"] = {**coefficients["joint"], "trials": fitted}
+    one = Campaign(**{**small.__dict__, "mismatch": mismatch, "coefficients": coefficients})
+    assert "No trial was held out" in page(one, [], {})

@@ -1,0 +1,190 @@
+"""What is said of numbers at a bound, of wide ones, and of those that one trial alone tells of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import exact_campaign as exact
+import numpy as np
+import pytest
+
+from campaigns import COEFFICIENTS, Errors, plans, sixteen
+from pipeline.fitting import Fit, Free, Normal, moving, spread_over_trials
+from pipeline.integrate import compiled
+from pipeline.model import plates
+from pipeline.report import identify, tables
+from pipeline.study import Study, Trial
+from pipeline.tuning import cell, table, table_1, thin, three_steps, tune
+from pipeline.tuning.joint import FIRST_NOISE, Tuned
+from pipeline.tuning.results import straight_swimming
+from robots import SETUP
+
+NAMES = tuple(COEFFICIENTS)
+TRUTH = np.array([COEFFICIENTS[n] for n in NAMES])
+
+
+def tuned(
+    values: np.ndarray, *, pull: float = 0.0, widths: float = 0.02, trials: int = 12
+) -> Tuned:
+    """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
+    rng = np.random.default_rng(5)
+    kernel = compiled(plates())
+    scale = 1.0 / (widths * TRUTH)
+    X = rng.standard_normal((trials, 40, 6)) * scale / np.sqrt(40 * trials)
+    H = np.einsum("tnp,tnq->tpq", X, X)
+    e = rng.standard_normal((trials, 40))
+    e -= np.einsum("tnp,p->tn", X, np.linalg.solve(H.sum(0), np.einsum("tnp,tn->p", X, e)))
+    g = np.einsum("tnp,tn->tp", X, e)
+    push = np.zeros(6)
+    push[2] = pull * widths * TRUTH[2]
+    normal = Normal(H, g + H @ push, np.zeros(trials))
+    found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
+    spread = spread_over_trials(normal, moving(kernel, found))
+    return Tuned(found, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom)
+
+
+def at_lower_bound(pull: float, **more: float) -> Tuned:
+    values = TRUTH.copy()
+    values[2] = {p.name: p for p in plates().parameters}["C_Da"].lower
+    return tuned(values, pull=pull, **more)
+
+
+def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> None:
+    told = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
+    low, high = told["interval_95"]
+    assert told["std"] is None
+    assert told["at_bound"] == "lower"
+    assert low == told["value"]
+    assert high > low
+    assert not told["determined"]
+    assert "at its bound" in told["why"]
+    assert f"{high:.3g}" in told["why"]
+    others = [c for n, c in table(at_lower_bound(-1.0)).items() if n != "C_Da"]
+    assert all(c["std"] > 0 and "at_bound" not in c for c in others)
+
+
+def test_the_one_sided_interval_ends_where_it_would_without_the_bound() -> None:
+    fit = at_lower_bound(0.5, widths=0.1)
+    free = replace(fit.fit.normal, gradient=tuned(TRUTH, widths=0.1).fit.normal.gradient)
+    half = spread_over_trials(free).half_widths()[2]
+    low, high = cell(fit, 2)["interval_95"]
+    assert high - low == pytest.approx(0.5 * 0.1 * TRUTH[2] + half, rel=1e-6)
+
+
+def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() -> None:
+    told = cell(at_lower_bound(-40.0), 2)
+    assert told["interval_95"] == [None, None]
+    assert told["std"] is None
+    assert "physics that is not in the model" in told["why"]
+
+
+def test_the_percentage_that_is_told_is_that_of_the_interval() -> None:
+    wide = tuned(TRUTH, widths=2.0)
+    for told in table(wide).values():
+        low, high = told["interval_95"]
+        assert not told["determined"]
+        assert told["why"].startswith("half of its 95 % interval is ")
+        percent = float(told["why"].split(" is ")[1].split(" %")[0])
+        assert percent == pytest.approx(50 * (high - low) / abs(told["value"]), abs=0.6) or (
+            "usual size" in told["why"]
+        )
+
+
+def test_sizes_that_are_not_the_values_are_named() -> None:
+    values = TRUTH.copy()
+    values[4] = 0.001
+    usual = {p.name: abs(p.start) for p in plates().parameters}["C_Ma"]
+    assert f"its usual size of {usual:g}" in cell(tuned(values, widths=2.0), 4)["why"]
+
+
+def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
+    """C_Da is in the sight of one trial of twelve, whose score of it is 0 by construction."""
+    fit = tuned(TRUTH)
+    H, g = fit.fit.normal.hessian.copy(), fit.fit.normal.gradient.copy()
+    H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
+    spread = spread_over_trials(Normal(H, g, np.zeros(12)))
+    told = table(Tuned(replace(fit.fit, normal=Normal(H, g, np.zeros(12))), fit.noise, spread.cov,
+                       fit.base, spread.freedom))  # fmt: skip
+    assert told["C_Da"]["std"] is None
+    assert told["C_Da"]["interval_95"] == [None, None]
+    assert "one trial alone" in told["C_Da"]["why"]
+    assert told["C_T"]["determined"]
+
+
+@pytest.fixture(scope="module")
+def one_turn() -> tuple[Study, list]:
+    wanted = plans((75,), ((30.0, 0.12),))
+    series = thin(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+    trials = [
+        Trial(
+            trial_id=p.name,
+            source="k.csv",
+            power_pct=p.power,
+            fps=30.0,
+            head_angle_deg=p.angle_deg,
+            head_length_m=p.head_length_m,
+        )
+        for p in wanted
+    ]
+    return Study(root=Path("one"), setup=SETUP, trials=tuple(trials)), series  # fmt: skip
+
+
+def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(one_turn) -> None:
+    study, series = one_turn
+    steps, _, _ = three_steps(study, series, {})
+    joint = table(tune(series))
+    for cells in (joint, steps["75"]["coefficients"]):
+        for name, told in cells.items():
+            assert not told["determined"], name
+            assert told["std"] is None or "at_bound" in told
+            assert "one trial" in told["why"] or "at its bound" in told["why"]
+    one = table_1(steps)
+    assert np.isnan(one["C_T_std_m2"][0])
+    assert "C_T_upper_95_m2" in one
+
+
+def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
+    study, series = one_turn
+    joint = tune(series)
+    steps = {"75": {"flap_hz": 3.4}}
+    told = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
+    assert told["stable"] is None
+    assert told["interval_95"] is None
+    assert "fewer than two trials" in told["sentence"]
+
+
+@pytest.fixture
+def shown():
+    given = exact.coefficients((75,))
+    fit = table(at_lower_bound(-1.0, widths=0.1))
+    given["joint"]["coefficients"] = fit
+    given["paper_steps"]["75"]["coefficients"] = fit
+    given["joint"]["identifiability"] = {
+        "profiles": {
+            "C_Da": {"values": [1.0, 2.0], "lost": [1.0, 3.0], "lower": None, "upper": 1.5}
+        }
+    }
+    return exact.campaign(powers=(75,), coefficients=given)
+
+
+def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> None:
+    row = next(r for r in tables.joint(shown) if r.name == "C_Da")
+    assert "(at its bound, up to " in row.cells[0]
+    assert row.cells[1] == "–"
+    assert row.marked
+    (power,) = tables.table_1(shown)
+    text, open_, why = power["cells"][2]
+    assert "(at its bound, up to " in text
+    assert open_
+    assert "at its bound" in why
+    assert not any("± 0.0000" in c[0] or c[0].endswith("± 0") for c in power["cells"])
+    (one,) = identify.profiles(shown)
+    assert one.interval.startswith("its bound to 1.50")
+
+
+def test_table_1_shows_the_interval_that_stands_in_the_file(shown) -> None:
+    cells = shown.coefficients["paper_steps"]["75"]["coefficients"]
+    low, high = cells["C_T"]["interval_95"]
+    (power,) = tables.table_1(shown)
+    assert float(power["cells"][0][0].split(" ± ")[1]) == pytest.approx(0.5 * (high - low), rel=0.1)

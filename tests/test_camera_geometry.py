@@ -103,6 +103,15 @@ def test_nothing_is_said_of_clean_data(seed):
     assert "no geometry error shows" in found.sentence
 
 
+def test_what_a_detector_does_everywhere_alike_is_no_geometry_error():
+    """A nose marked 0.05 mm short in every frame of every trial: sure, and nothing."""
+    found = checked(TRUTH, tip_m=0.11995, noise_px=0.05)
+    nose = next(e for e in found.estimates if e.suspect.parameters == ("head_tip_m",))
+    assert nose.p_value < 1e-6
+    assert nose.share < 0.0005
+    assert found.outcome == "nothing"
+
+
 def test_a_pool_measured_short_is_a_scale_error():
     corners = rectangle(2.6 * 0.985, 1.6 * 0.985, 0.0)
     believed = camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333)

@@ -10,87 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as f_distribution
 
 from ..data import Float, Positions
 from ..study import Robot
 from .distance_map import DistanceMap, distance_map
 from .distances import Distances, Geometry, camera_patterns, keypoint_patterns, rigid_distances
 from .pool import PoolCamera
+from .suspects import SUSPECTS, Estimate, Suspect, estimate
 
 FALSE_ALARM = 0.001
 RIVAL_MARGIN = 6.0
-
-
-@dataclass(frozen=True)
-class Suspect:
-    """One possible error: its name, parameters, how large each may plausibly be, its statement."""
-
-    name: str
-    parameters: tuple[str, ...]
-    widths: tuple[float, ...]
-    units: tuple[str, ...]
-    sentence: str
-
-
-MOST_WIDTHS = 4.0
-SUSPECTS = (
-    Suspect("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by"),
-    Suspect(
-        "lens_error", ("focal", "k1"), (0.02, 0.05), ("-", "-"), "the lens differs from its matrix"
-    ),
-    Suspect(
-        "camera_shift",
-        ("tilt_x_rad", "tilt_y_rad"),
-        (0.02, 0.02),
-        ("rad", "rad"),
-        "the camera has turned since the corners were taken by",
-    ),
-    Suspect("keypoint_depth", ("depth_m",), (0.02,), ("m",), "the keypoints lie deeper by"),
-    Suspect(
-        "uncorrected_refraction",
-        ("refractive_index",),
-        (0.33,),
-        ("-",),
-        "light is bent more at the surface than assumed, by an index of",
-    ),
-    *(
-        Suspect("keypoint_bias", (f"{part}_m",), (0.005,), ("m",), f"{part} is marked off by")
-        for part in ("head_tip", "hinge", "core_center", "tail_base")
-    ),
-)
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One suspect fitted alone: its parameters' values and std, and how much it explains.
-
-    gain: fall of the misfit (chi-squared of independent frames, less the price of implausibly
-    large values). p_value: chance of such a pattern with nothing wrong, trials as clusters.
-    """
-
-    suspect: Suspect
-    values: tuple[float, ...]
-    stds: tuple[float, ...]
-    gain: float
-    p_value: float
-
-    @property
-    def plausible(self) -> bool:
-        """Whether all values lie within `MOST_WIDTHS` of what is usual for such an error."""
-        widths = np.array(self.suspect.widths)
-        return bool(np.all(np.abs(self.values) <= MOST_WIDTHS * widths))
-
-    @property
-    def text(self) -> str:
-        """The statement with its numbers."""
-        terms = [
-            f"{name} {value:+.3g} +- {std:.1g}" + ("" if unit == "-" else f" {unit}")
-            for name, value, std, unit in zip(
-                self.suspect.parameters, self.values, self.stds, self.suspect.units, strict=True
-            )
-        ]
-        return f"{self.suspect.sentence}: {', '.join(terms)}"
 
 
 @dataclass(frozen=True)
@@ -123,7 +52,8 @@ def check_geometry(
 
     Each suspect's pattern d(distance)/d(parameter) is fitted alone by weighted least squares with
     a prior of plausible width; it is named when its F test, with trials as independent clusters,
-    would pass by chance once in 1000 over all suspects. Nothing less than that is reported. A
+    would pass by chance once in 1000 over all suspects, and when it changes lengths by more than a
+    detector's own lasting errors may. Nothing less than that is reported. A
     suspect that would have to be implausibly large (a focal length off by a third) is named only
     where no other is sure.
 
@@ -141,7 +71,7 @@ def check_geometry(
     ]
     fits.sort(key=lambda fit: -fit.gain)
     mean, std = _overall(distances)
-    certain = [fit for fit in fits if fit.p_value < FALSE_ALARM / len(fits)]
+    certain = [fit for fit in fits if fit.seen and fit.p_value < FALSE_ALARM / len(fits)]
     certain = [fit for fit in certain if fit.plausible] or certain
     best = certain[0] if certain else None
     rivals: tuple[str, ...] = ()
@@ -158,26 +88,6 @@ def check_geometry(
         mean_excess=mean,
         mean_excess_std=std,
         map=distance_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
-    )
-
-
-def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances) -> Estimate:
-    """One suspect fitted to the distances alone."""
-    design = np.column_stack([patterns[name] for name in suspect.parameters])
-    weight = 1 / distances.std_m**2
-    prior = np.diag(1 / np.array(suspect.widths) ** 2)
-    normal = design.T @ (design * weight[:, None]) + prior
-    pull = design.T @ (weight * distances.excess_m)
-    values = np.asarray(np.linalg.solve(normal, pull), dtype=np.float64)
-    cov, trials = _clustered(design, values, distances, normal)
-    k = len(values)
-    wald = float(values @ np.linalg.solve(cov, values)) / k
-    return Estimate(
-        suspect=suspect,
-        values=tuple(map(float, values)),
-        stds=tuple(map(float, np.sqrt(np.diag(cov)))),
-        gain=float(pull @ values),
-        p_value=float(f_distribution.sf(wald, k, max(1, trials - k))),
     )
 
 
@@ -199,20 +109,6 @@ def estimate_depth(
     patterns = camera_patterns(Geometry(camera, depth_m), distances)
     found = estimate(suspect, patterns, distances)
     return depth_m + found.values[0], found.stds[0]
-
-
-def _clustered(
-    design: Float, values: Float, distances: Distances, normal: Float
-) -> tuple[Float, int]:
-    """Covariance of the values: the larger of independent frames and trials as clusters."""
-    bread = np.linalg.inv(normal)
-    miss = (distances.excess_m - design @ values) / distances.std_m**2
-    labels = np.unique(distances.trial)
-    pulls = np.array([design[distances.trial == t].T @ miss[distances.trial == t] for t in labels])
-    meat = pulls.T @ pulls * len(labels) / max(1, len(labels) - 1)
-    sandwich = bread @ meat @ bread
-    spread = np.sqrt(np.maximum(np.diag(sandwich) / np.diag(bread), 1.0))
-    return bread * np.outer(spread, spread), len(labels)
 
 
 def _overall(distances: Distances) -> tuple[float, float]:

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ..camera import map_keypoints, pool_camera
-from ..camera.geometry import Estimate, GeometryCheck, check_geometry, estimate_depth
+from ..camera.geometry import GeometryCheck, check_geometry, estimate_depth
 from ..camera.pool import PoolCamera
+from ..camera.suspects import Estimate
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json

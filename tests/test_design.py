@@ -227,3 +227,152 @@ def test_bluekoi_simulate_runs_manoeuvres_and_schedules(
     assert again.exit_code == 0, again.output
     neither = CliRunner().invoke(main, ["simulate", str(study)])
     assert neither.exit_code == 2
+
+
+def broken(results: Path, folder: Path, change) -> Path:
+    """A copy of results whose coefficients.json was changed."""
+    content = json.loads((results / "coefficients.json").read_text())
+    change(content)
+    folder.mkdir(exist_ok=True)
+    (folder / "coefficients.json").write_text(json.dumps(content))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda c: c.pop("joint"), "KeyError: 'joint'"),
+        (lambda c: c.pop("paper_steps"), "KeyError: 'paper_steps'"),
+        (lambda c: c["paper_steps"].clear(), "without a power"),
+        (lambda c: c["paper_steps"].update(full={"flap_hz": 3}), "'full'"),
+        (lambda c: c["joint"]["coefficients"].pop("C_La"), "'C_La'"),
+        (lambda c: c["joint"]["coefficients"]["C_T"].update(value=None), "NoneType"),
+        (lambda c: c["joint"]["ensemble"].update(values=[]), "incomplete content"),
+        (lambda c: c.update(joint=[]), "incomplete content"),
+    ],
+)
+def test_incomplete_results_are_told_with_their_file(
+    results: Path, tmp_path: Path, change, words: str
+) -> None:
+    with pytest.raises(Fault, match=words) as told:
+        fitted(broken(results, tmp_path / "r", change))
+    assert str(tmp_path / "r/coefficients.json") in str(told.value)
+    assert "Run the analysis again" in str(told.value)
+
+
+def test_an_incomplete_search_is_told_with_its_file(results: Path, tmp_path: Path) -> None:
+    folder = broken(results, tmp_path / "r", lambda c: None)
+    (folder / "mismatch_detail.json").write_text("{}")
+    (folder / "mismatch.json").write_text("{}")
+    with pytest.raises(Fault, match=r"mismatch\.json: found incomplete content.*'verdict'"):
+        fitted(folder)
+    (folder / "mismatch.json").write_text('{"verdict": "physics"}')
+    with pytest.raises(Fault, match=r"mismatch_detail\.json: found incomplete.*'coefficients'"):
+        fitted(folder)
+
+
+def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
+    study: Path, results: Path, tmp_path: Path
+) -> None:
+    loaded = load_study(study)
+    assert fitted(results).warnings == ()
+
+    def change(content) -> None:
+        content["joint"]["coefficients"]["C_Da"]["determined"] = False
+        content["joint"]["trials"] = ["T09", "T77"]
+
+    folder = broken(results, tmp_path / "r", change)
+    (folder / "mismatch_detail.json").write_text("{}")
+    (folder / "mismatch.json").write_text('{"verdict": "measurement"}')
+    guess, verdict, other = fitted(folder, study=loaded).warnings
+    assert "do not determine C_Da" in guess
+    assert "'measurement'" in verdict
+    assert other.endswith("has no T77, 50 %, 75 %")
+    done = CliRunner().invoke(main, ["simulate", str(study), "--flap-hz", "4", "--results",
+                                     str(folder)])  # fmt: skip
+    assert "Beware: these trials do not determine C_Da" in done.output
+
+
+def test_of_turns_as_tight_the_tested_and_the_faster_one_is_the_answer() -> None:
+    some = [made(0.2, 0.5), made(0.4, 0.5002), made(0.6, 0.4999, ("power",)), made(0.9, 0.502)]
+    assert smallest_radius(some) is some[1]
+    assert smallest_radius(some, least_speed_m_s=0.5) is some[2]
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "words"),
+    [
+        (["--powers", "1:inf:1"], 2, "from, to, step"),
+        (["--powers", "nan"], 2, "nan: each must be a number from 0 to 300"),
+        (["--powers=-50"], 2, "-50: each must be a number from 0 to 300"),
+        (["--angles-deg", "400"], 2, "from -120 to 120"),
+        (["--lengths-m", "0"], 2, "from 0.001 to 10"),
+        (["--speed-m-s", "nan"], 2, "not a finite number"),
+        (["--robot", "mass_kg"], 2, "--robot 'mass_kg': write mass_kg=0.5,0.7"),
+        (["--robot", "mass_kg=.5", "--robot", "mass_kg=.7"], 2, "a second time"),
+        (["--robot", "mass_kg=-1"], 1, "--robot: robot.mass_kg: found -1.0"),
+        (["--robot", "mass_kg=600"], 1, "--robot: robot.mass_kg: found 600"),
+        (["--robot", "body_length_m=0.1"], 1, "smaller than body_length_m"),
+        (["--powers", "1:300:1", "--angles-deg", "1:100:1"], 1, "330000 designs (300 x 100 x 11)"),
+        (["--speed-m-s", "5"], 0, "no design turns at 5 m/s or more: the fastest does 0."),
+        (["--angles-deg", "0"], 0, "no design settles into a turn"),
+    ],
+)
+def test_designs_that_cannot_be_are_refused(
+    study: Path, results: Path, tmp_path: Path, options: list[str], code: int, words: str
+) -> None:
+    few = {"--powers": "75", "--angles-deg": "30", "--lengths-m": "0.12"}
+    if code == 1 and "--powers" in options:
+        few = {}
+    base = [x for k, v in few.items() if not any(o.startswith(k) for o in options) for x in (k, v)]
+    done = CliRunner().invoke(main, ["design", str(study), "--results", str(results), "--out",
+                                     str(tmp_path), *base, *options])  # fmt: skip
+    assert done.exit_code == code, done.output
+    assert words in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--flap-hz", "nan"], "nan is not a finite number"),
+        (["--flap-hz", "4", "--seconds", "nan"], "nan is not a finite number"),
+        (["--flap-hz", "4", "--head-length-m", "inf"], "inf is not in the range"),
+        (["--flap-hz", "4", "--model", "extended"], "give both"),
+        (["--schedule", "s.csv", "--flap-hz", "9"], "leave out --flap-hz"),
+        (["--schedule", "s.csv", "--head-angle-deg", "9", "--manoeuvre", "s-turn"],
+         "leave out --head-angle-deg, --manoeuvre"),
+        (["--flap-hz", "4", "--out", "p.csv", "--picture", "p.xyz"], ".png, .pdf, .svg"),
+        (["--schedule", "s.csv", "--out", "s.csv"], "must be different files"),
+    ],
+)  # fmt: skip
+def test_simulations_that_cannot_be_are_refused_before_anything_is_written(
+    study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    schedule = "time_s,flap_hz,head_angle_deg\n0,4,0\n"
+    (tmp_path / "s.csv").write_text(schedule)
+    done = CliRunner().invoke(main, ["simulate", str(study), *options])
+    assert done.exit_code == 2, done.output
+    assert words in " ".join(done.output.replace("│", " ").split())
+    assert (tmp_path / "s.csv").read_text() == schedule
+    assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
+
+
+def test_a_schedule_is_run_to_its_end_and_a_cut_is_told(study: Path, tmp_path: Path) -> None:
+    file = tmp_path / "s.csv"
+    file.write_text("time_s,flap_hz,head_angle_deg\n0,4,0\n15,4,0\n20,4,45\n")
+    whole = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file)])
+    assert "after 20 s" in whole.output
+    assert "Beware" not in whole.output
+    cut = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file), "--seconds",
+                                    "5"])  # fmt: skip
+    assert "the schedule goes on to 20 s, the simulation ends at 5 s" in cut.output
+
+
+def test_power_beyond_what_was_tested_is_told(study: Path, results: Path) -> None:
+    def said(power: str) -> str:
+        return CliRunner().invoke(main, ["simulate", str(study), "--power-pct", power, "--results",
+                                         str(results)]).output  # fmt: skip
+
+    assert "300 % power lies outside the tested 50 to 100 %" in said("300")
+    assert "outside" not in said("75")

@@ -3,47 +3,52 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from .numbers import Finite
+
 if TYPE_CHECKING:
     from ..design_space import Fitted, Schedule
     from ..model import Simulation
-    from ..study import Setup
+    from ..study import Setup, Study
 
 NAMES = ("s-turn", "underpowered-turn", "start-stop")
 DT_S = 1 / 60
+PICTURES = (".png", ".pdf", ".svg")
 
 
 @click.command()
 @click.argument("study", type=click.Path(path_type=Path))
-@click.option("--flap-hz", type=click.FloatRange(0, 100), help="Flapping frequency.")
-@click.option("--power-pct", type=click.FloatRange(0, 300), help="Or motor power.")
-@click.option("--head-angle-deg", default=0.0, show_default=True, type=click.FloatRange(-120, 120))
+@click.option("--flap-hz", type=Finite(0, 100), help="Flapping frequency.")
+@click.option("--power-pct", type=Finite(0, 300), help="Or motor power.")
+@click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
 @click.option("--manoeuvre", type=click.Choice(NAMES), help="Or a well-known one, made from "
               "frequency, head angle and seconds.")  # fmt: skip
-@click.option("--head-length-m", type=click.FloatRange(min=0, min_open=True), help="Default: 1x.")
-@click.option("--seconds", default=10.0, show_default=True, type=click.FloatRange(0.1, 600))
+@click.option("--head-length-m", type=Finite(0, 10, min_open=True), help="Default: 1x.")
+@click.option("--seconds", type=Finite(0.1, 600),
+              help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
 @click.option("--results", type=click.Path(path_type=Path),
               help="Results whose fit is used; else Table I of the paper at 100 %.")  # fmt: skip
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip
 @click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")
-@click.option("--picture", type=click.Path(path_type=Path), help="png or pdf to draw it to.")
+@click.option("--picture", type=click.Path(path_type=Path), help="png, pdf or svg to draw it to.")
 def simulate(
     *,
     study: Path,
     flap_hz: float | None,
     power_pct: float | None,
-    head_angle_deg: float,
+    head_angle_deg: float | None,
     schedule: Path | None,
     manoeuvre: str | None,
     head_length_m: float | None,
-    seconds: float,
+    seconds: float | None,
     results: Path | None,
     model: str | None,
     out: Path | None,
@@ -52,20 +57,55 @@ def simulate(
     """Simulate the robot of STUDY from rest, under constant commands or a schedule of them."""
     from ..study import load_study  # noqa: PLC0415
 
-    setup, fit = load_study(study).setup, _fit(results, model)
-    length = head_length_m or setup.robot.head_length_m
+    commanded = {"--flap-hz": flap_hz, "--power-pct": power_pct,
+                 "--head-angle-deg": head_angle_deg, "--manoeuvre": manoeuvre}  # fmt: skip
+    _refuse_idle(schedule, commanded, results, model)
+    _refuse_targets(schedule, out, picture)
+    loaded = load_study(study)
+    setup, fit = loaded.setup, _fit(results, model, loaded)
+    length, angle = head_length_m or setup.robot.head_length_m, math.radians(head_angle_deg or 0.0)
     if schedule is not None:
         from ..design_space import read_schedule  # noqa: PLC0415
 
         told = read_schedule(schedule, fit.at_power)
+        lasts = seconds or max(10.0, float(told.time_s[-1]))
     else:
-        hz = _frequency(flap_hz, power_pct, fit)
-        told = _made(manoeuvre, hz, math.radians(head_angle_deg), seconds)
+        hz, lasts = _frequency(flap_hz, power_pct, fit), seconds or 10.0
+        told = _made(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
-            _say_steady(fit, setup, length, hz, math.radians(head_angle_deg))
-    run = _run(fit, setup, length, told, seconds)
+            _say_steady(fit, setup, length, hz, angle)
+    run = _run(fit, setup, length, told, lasts)
     if schedule is not None or manoeuvre is not None:
         _say_path(run)
+    _save(run, told, setup, length, out=out, picture=picture)
+    for sentence in _warnings(fit, run, told, power_pct):
+        click.echo(f"Beware: {sentence}.", err=True)
+
+
+def _refuse_idle(
+    schedule: Path | None, commanded: Mapping[str, object], results: Path | None, model: str | None
+) -> None:
+    """Options that would have no effect are not taken in silence."""
+    given = [name for name, value in commanded.items() if value is not None]
+    if schedule is not None and given:
+        raise click.UsageError(f"--schedule holds all commands: leave out {', '.join(given)}")
+    if model is not None and results is None:
+        raise click.UsageError("--model chooses between the fits of --results: give both")
+
+
+def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | None) -> None:
+    """Before anything is written: a picture's format, and files that would replace one another."""
+    if picture is not None and picture.suffix.lower() not in PICTURES:
+        raise click.UsageError(f"--picture {picture}: its ending must be {', '.join(PICTURES)}")
+    files = [path.resolve() for path in (schedule, out, picture) if path is not None]
+    if len(set(files)) < len(files):
+        raise click.UsageError("--schedule, --out and --picture must be different files")
+
+
+def _save(
+    run: Simulation, told: Schedule, setup: Setup, length: float, *, out: Path | None,
+    picture: Path | None,
+) -> None:  # fmt: skip
     if out is not None:
         _write(out, run, told)
         click.echo(f"Written: {out}")
@@ -76,12 +116,30 @@ def simulate(
         click.echo(f"Drawn: {picture}")
 
 
-def _fit(results: Path | None, model: str | None) -> Fitted:
+def _warnings(fit: Fitted, run: Simulation, told: Schedule, power_pct: float | None) -> list[str]:
+    """Sentences on what the answer does not hold for."""
+    import numpy as np  # noqa: PLC0415
+
+    out = list(fit.warnings)
+    low, high = min(fit.flap_hz), max(fit.flap_hz)
+    if power_pct is not None and not low <= power_pct <= high:
+        out.append(f"{power_pct:g} % power lies outside the tested {low:g} to {high:g} %, its "
+                   "flapping frequency is extrapolated")  # fmt: skip
+    if told.time_s[-1] > run.time_s[-1] + DT_S:
+        out.append(f"the schedule goes on to {told.time_s[-1]:g} s, the simulation ends at "
+                   f"{run.time_s[-1]:g} s")  # fmt: skip
+    lost = np.flatnonzero(~np.isfinite(run.state).all(axis=1))
+    if len(lost):
+        out.append(f"the model runs away: no numbers after {run.time_s[lost[0]]:.2f} s")
+    return out
+
+
+def _fit(results: Path | None, model: str | None, study: Study) -> Fitted:
     from ..design_space import Fitted, fitted  # noqa: PLC0415
     from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
 
     if results is not None:
-        return fitted(results, model=model)
+        return fitted(results, model=model, study=study)
     hz = {float(power): value for power, value in FLAP_HZ.items()}
     return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
 

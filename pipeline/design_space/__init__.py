@@ -1,8 +1,9 @@
 """What a fitted robot could do: steady states of other designs, fronts, manoeuvres over time."""
 
+from .fits import Fitted, fitted
 from .front import COLUMNS, Design, columns, on_front, smallest_radius
 from .manoeuvres import MANOEUVRES, Schedule, read_schedule
-from .robots import Fitted, Range, designs, fitted, tested_range
+from .robots import Range, designs, tested_range
 from .steady_states import Condition, SteadyStates, steady_states
 
 __all__ = [

@@ -53,7 +53,10 @@ def on_front(designs: Sequence[Design]) -> Float:
 def smallest_radius(
     designs: Sequence[Design], *, least_speed_m_s: float = 0.0, tested_only: bool = False
 ) -> Design | None:
-    """The tightest turn among designs at least so fast; None where there is none."""
+    """The tightest turn among designs at least so fast; None where there is none.
+
+    Of those within `CLEARLY` of the tightest, tested ones come first, then the fastest.
+    """
     fit = [
         d
         for d in designs
@@ -61,7 +64,9 @@ def smallest_radius(
         and d.speed_m_s[0] >= least_speed_m_s
         and not (tested_only and d.beyond)
     ]
-    return min(fit, key=lambda d: d.radius_m[0], default=None)
+    tightest = min((d.radius_m[0] for d in fit), default=np.inf)
+    ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + CLEARLY)]
+    return min(ties, key=lambda d: (len(d.beyond), -d.speed_m_s[0]), default=None)
 
 
 def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:

@@ -1,47 +1,25 @@
-"""The fitted robot as the design space takes it, and the designs made from it."""
+"""Designs of a fitted robot, and the range that was tested."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from ..data import Float
-from ..faults import fault, nearest
-from ..files import read_json
-from ..integrate import LANES
-from ..model import plates
+from ..faults import Fault, fault, nearest
 from ..study import Setup, Study
+from ..study.messages import explain
+from .fits import DRAWS, Fitted
 from .front import Design
 from .steady_states import Condition, steady_states
 
-DRAWS = LANES - 1
-"""Draws of the coefficients beside their best values: together they fill the lanes."""
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """values (draws, parameters), the best ones first; flap_hz by power; which model it is."""
-
-    values: Float
-    flap_hz: Mapping[float, float]
-    model: str
-
-    def at_power(self, power_pct: float) -> float:
-        """Flapping frequency, Hz, between tested powers; beyond them along the line through all."""
-        powers, hz = np.array(list(self.flap_hz)), np.array(list(self.flap_hz.values()))
-        if len(powers) == 1:
-            return float(hz[0] * power_pct / powers[0])
-        inside = powers.min() <= power_pct <= powers.max()
-        order = np.argsort(powers)
-        if inside:
-            return float(np.interp(power_pct, powers[order], hz[order]))
-        slope, offset = np.polyfit(powers, hz, 1)
-        return float(np.maximum(slope * power_pct + offset, 0.0))
+MOST = 20_000
+"""Designs in one go."""
 
 
 @dataclass(frozen=True)
@@ -77,54 +55,6 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
     return min(values), max(values)
 
 
-def fitted(results: Path, *, model: str | None = None, seed: int = 0) -> Fitted:
-    """The fitted model of a results folder with draws of its coefficients.
-
-    model: `joint`, or `extended` by the causes that were found (with mismatch_detail.json; draws
-    from the deviations alone); None: extended where the verdict is physics.
-
-    Raises: Fault where the folder has no fit, or no extended one.
-    """
-    found = read_json(results / "coefficients.json")
-    detail = results / "mismatch_detail.json"
-    verdict = read_json(results / "mismatch.json")["verdict"] if detail.is_file() else "none"
-    chosen = model or ("extended" if verdict == "physics" else "joint")
-    rng = np.random.default_rng(seed)
-    if chosen == "extended":
-        if not detail.is_file():
-            raise fault(detail, "", "no such file", "results of the search for what was left out",
-                        "Run the whole analysis first, or ask for the joint model.")  # fmt: skip
-        values = _extended(read_json(detail)["coefficients"]["after"], rng)
-    else:
-        values = _joint(found["joint"], rng)
-    steps = found["paper_steps"]
-    return Fitted(values, {float(p): float(s["flap_hz"]) for p, s in steps.items()}, chosen)
-
-
-def _joint(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
-    best = {n: float(c["value"]) for n, c in joint["coefficients"].items()}
-    names = joint["ensemble"]["names"]
-    every = np.array(joint["ensemble"]["values"], dtype=float)
-    chosen = every[rng.choice(len(every), size=DRAWS, replace=len(every) < DRAWS)]
-    rows = [best, *(dict(zip(names, row.tolist(), strict=True)) for row in chosen)]
-    return np.array([plates().values(row) for row in rows])
-
-
-def _extended(cells: Mapping[str, Any], rng: np.random.Generator) -> Float:
-    best = plates().values({})
-    std = np.zeros(len(best))
-    for name, cell in cells.items():
-        slot = plates().slot.get(name)
-        if slot is None:
-            raise fault("mismatch_detail.json", name, "an unknown parameter", "a known one",
-                        nearest(name, plates().slot))  # fmt: skip
-        best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
-    lower = np.array([p.lower for p in plates().parameters])
-    upper = np.array([p.upper for p in plates().parameters])
-    drawn = best + std * rng.standard_normal((DRAWS, len(best)))
-    return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
-
-
 def designs(
     fit: Fitted,
     setup: Setup,
@@ -140,8 +70,10 @@ def designs(
     other: values of further keys of `robot` in study.yaml, such as `mass_kg`; nothing else about
     the robot changes with them.
 
-    Raises: Fault for a key that the robot does not have.
+    Raises: Fault for a key that the robot does not have, a value that no robot can have, or more
+    designs than `MOST`.
     """
+    _refuse_too_many((powers, angles_deg, lengths_m, *(other or {}).values()))
     keys = list(other or {})
     known = set(type(setup.robot).model_fields)
     for key in keys:
@@ -172,11 +104,23 @@ def designs(
     ]  # fmt: skip
 
 
+def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
+    count = math.prod(len(values) for values in axes)
+    if count > MOST:
+        sizes = " x ".join(str(len(values)) for values in axes)
+        raise fault("design", "", f"{count} designs ({sizes})", f"{MOST} at most",
+                    "Take larger steps or shorter ranges.")  # fmt: skip
+
+
 def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
     if not changes:
         return setup
-    robot = type(setup.robot).model_validate(setup.robot.model_dump() | dict(changes))
-    return setup.model_copy(update={"robot": robot})
+    told = setup.model_dump()
+    told["robot"] |= dict(changes)
+    try:
+        return type(setup).model_validate(told)
+    except ValidationError as error:
+        raise Fault(explain("--robot", error, type(setup))) from error
 
 
 def _band(draws: Float) -> tuple[float, float, float]:

@@ -10,7 +10,7 @@
 
 from pathlib import Path
 
-from pipeline.workflow import begin, follow, shell_prefix
+from pipeline.workflow import begin, follow, shell_prefix, without_rate_limit
 
 
 configfile: Path(workflow.basedir) / "config/default.yaml"
@@ -176,6 +176,10 @@ rule challenge:
     threads: 2
     resources: mem_mb=3000, runtime=240,
     shell: "python3 -m pipeline stage challenge {params.at} --threads {threads} &> {log:q}"
+
+
+onstart:
+    without_rate_limit(workflow)
 
 
 onsuccess:

@@ -13,12 +13,14 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from pipeline.faults import Fault
 from pipeline.files import whole_file
+from pipeline.workflow import without_rate_limit
 from pipeline.workflow.lock import forget_stale, hold, sweep
 from pipeline.workflow.plan import figure_names, forget_lost, make_plan
 from pipeline.workflow.progress import Hush, Progress
@@ -317,3 +319,12 @@ def test_a_killed_stage_is_told_with_what_to_do(tmp_path):
     progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()
     assert "what is done is kept" in stream.getvalue()
+
+
+@pytest.mark.parametrize(("here", "limited"), [(True, False), (False, True)])
+def test_jobs_a_second_are_limited_on_a_cluster_only(*, here: bool, limited: bool) -> None:
+    workflow = SimpleNamespace(
+        local_exec=here, scheduler=SimpleNamespace(job_rate_limiter=object())
+    )
+    without_rate_limit(workflow)
+    assert (workflow.scheduler.job_rate_limiter is not None) == limited

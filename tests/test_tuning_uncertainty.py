@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.fitting import Normal, jackknife_cov, spread_over_trials
+from pipeline.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
+from pipeline.fitting.sandwich import _widened
 
 TRUTH = np.array([1.0, -0.5, 0.3])
 FRAMES, MEMORY = 30, 8.0
@@ -77,3 +78,75 @@ def test_one_trial_falls_back_on_what_it_says_of_itself() -> None:
     _, normal = fitted(12, np.random.default_rng(2))
     one = Normal(normal.hessian[:1], normal.gradient[:1], np.zeros(1))
     assert spread_over_trials(one).cov == pytest.approx(np.linalg.inv(one.hessian[0]), rel=1e-6)
+
+
+SERVO = 0.5
+
+
+def with_an_error_of_each_trial(
+    count: int, size: float
+) -> list[tuple[np.ndarray, Normal, Lasting]]:
+    """Fits to 18 trials of which three tell most; each has an error of its own that the fit lacks.
+
+    z is what that error does to the observations; it weighs most where most is told.
+    """
+    rng = np.random.default_rng(11)
+    weight = np.where(np.arange(18) < 3, 6.0, 1.0)[:, None]
+    X = weight[..., None] * rng.standard_normal((18, FRAMES, 3))
+    z = weight * (0.5 * rng.standard_normal((18, FRAMES)) + X[:, :, 0] / weight)
+    H = np.einsum("tnp,tnq->tpq", X, X)
+    out = []
+    for _ in range(count):
+        own = size * rng.standard_normal((18, 1))
+        e = rng.standard_normal((18, FRAMES)) + own * z
+        shift = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, e))
+        left = e - X @ shift
+        normal = Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(18))
+        lasting = Lasting(np.einsum("tnp,tn->tp", X, z), np.sum(z**2, 1), np.sum(z * left, 1))
+        out.append((shift, normal, lasting))
+    return out
+
+
+@pytest.mark.parametrize("size", [0.0, SERVO])
+def test_the_error_that_each_trial_has_is_found_from_the_scores(size: float) -> None:
+    fits = with_an_error_of_each_trial(400, size)
+    found = np.mean([own.variance(normal.hessian) for _, normal, own in fits])
+    assert found == pytest.approx(size**2, rel=0.12, abs=0.004)
+
+
+def test_variances_are_right_where_the_trials_that_tell_most_err_most() -> None:
+    """Of the second number: three degrees of freedom as if all erred alike, really two."""
+    fits = with_an_error_of_each_trial(400, SERVO)
+    true = np.var([shift[1] for shift, _, _ in fits])
+    alike = [spread_over_trials(normal) for _, normal, _ in fits]
+    known = [spread_over_trials(normal, None, own) for _, normal, own in fits]
+    short, right = (np.mean([s.cov[1, 1] for s in rows]) / true for rows in (alike, known))
+    assert short < 0.75
+    assert abs(right - 1.0) < 0.6 * abs(short - 1.0)
+    assert known[0].freedom[1] < alike[0].freedom[1]
+    half = np.array([s.half_widths() for s in known])
+    inside = np.mean(np.abs([shift for shift, _, _ in fits]) <= half, axis=0)
+    assert np.all(inside > 0.93), inside
+
+
+def test_widened_scores_have_the_covariance_expected() -> None:
+    rng = np.random.default_rng(3)
+    X = rng.standard_normal((9, 4, 5, 1)) * rng.uniform(0.5, 2.0, (9, 1, 1, 1))
+    H = (X @ np.swapaxes(X, 2, 3)).sum(axis=1)
+    values, vectors = np.linalg.eigh(H.sum(axis=0))
+    root = vectors / np.sqrt(values)
+    S = root.T @ H @ root
+    k = 0.3 * rng.standard_normal((9, 5))
+    F = S + np.einsum("tp,tq->tpq", k, k)
+    every = F.sum(axis=0)
+    for A, s, f in zip(_widened(S, F), S, F, strict=True):
+        left = f - s @ f - f @ s + s @ every @ s
+        assert A @ left @ A.T == pytest.approx(f, abs=1e-9)
+
+
+def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
+    for _, normal, own in with_an_error_of_each_trial(20, 0.0):
+        nothing = Lasting(own.cross, own.fisher, 0.0 * own.score)
+        same, white = spread_over_trials(normal, None, nothing), spread_over_trials(normal)
+        assert same.cov == pytest.approx(white.cov)
+        assert same.freedom == pytest.approx(white.freedom)

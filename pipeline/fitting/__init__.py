@@ -13,7 +13,7 @@ from .normal import (
 )
 from .paths import PathFit, fit_paths
 from .resampling import ensemble, jackknife_cov, moving
-from .sandwich import Spread, spread_over_trials, without_bounds
+from .sandwich import Lasting, Spread, spread_over_trials, without_bounds
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
 from .thinning import thinned
@@ -22,6 +22,7 @@ __all__ = [
     "Filtered",
     "Fit",
     "Free",
+    "Lasting",
     "Noise",
     "Normal",
     "PathFit",

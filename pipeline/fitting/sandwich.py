@@ -2,14 +2,19 @@
 
 Errors within a trial are correlated, so that the inverse Fisher matrix is too small; trials are
 independent. With the errors whitened by the filter, trial t has the Fisher matrix H_t and the score
-g_t at the joint fit; in units in which H = sum H_t is 1, S_t = H^-1/2 H_t H^-1/2 is its leverage.
+g_t at the joint fit; in units in which H = sum H_t is 1 it is S_t = R' H_t R, its leverage.
 A trial's score is smaller than its true errors would make it, since the fit went along with it.
 Bell and McCaffrey's bias-reduced linearisation puts that right,
 
-    cov = H^-1/2 [sum u_t u_t'] H^-1/2,    u_t = (1 - S_t)^-1/2 H^-1/2 g_t,
+    cov = R [sum u_t u_t'] R',    u_t = A_t R' g_t,    A_t V_t A_t' = F_t,
+    V_t = F_t - S_t F_t - F_t S_t + S_t (sum F_s) S_t,
 
-where leaving out a trial altogether (the jackknife, power -1) errs to the wide side. How many
-trials really speak of a number is told by the degrees of freedom of that sum, for Student's t.
+with F_t the covariance expected of a trial's true score, V_t of what the fit leaves of it. Were
+the errors white, F_t would be S_t and A_t = (1 - S_t)^-1/2. But an error that a trial has anew and
+keeps (a servo's) moves its score by s k_t, most in the trials that tell most:
+F_t = S_t + s^2 k_t k_t', with s^2 from the scores. F_t need only be about right. Leaving out a
+trial altogether (the jackknife, A_t = (1 - S_t)^-1) errs to the wide side. How many trials really
+speak of a number is told by the degrees of freedom of that sum under F_t, for Student's t.
 Source: Bell and McCaffrey, Survey Methodology 28 (2002), 169; Pustejovsky and Tipton, Journal of
 Business and Economic Statistics 36 (2018), 672.
 """
@@ -52,11 +57,43 @@ class Spread:
         return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
 
-def spread_over_trials(normal: Normal, moving: np.ndarray | None = None) -> Spread:
+@dataclass(frozen=True)
+class Lasting:
+    """An error that each trial has anew and keeps, in the normal equations beside the fitted
+    numbers: cross (t, p) = J'j, fisher (t,) = j'j, score (t,) = j'e, with j the derivative of the
+    whitened predictions with respect to it.
+    """
+
+    cross: Float
+    fisher: Float
+    score: Float
+
+    def variance(self, hessian: Float) -> float:
+        """Its variance, from the trials' scores at the fit: E score^2 = a + variance b.
+
+        With C = (sum H_t)^-1 and k = c' C c of a trial: a = h - k, b = h^2 - 2 k h + c' C D C c,
+        D = sum c c' over trials: the fit goes along with it.
+        """
+        C = pseudo_inverse(hessian.sum(axis=0))
+        taken = np.einsum("tp,pq,tq->t", self.cross, C, self.cross)
+        every = C @ (self.cross.T @ self.cross) @ C
+        a = self.fisher - taken
+        b = self.fisher**2 - 2 * taken * self.fisher
+        b += np.einsum("tp,pq,tq->t", self.cross, every, self.cross)
+        seen = b > 1e-9 * b.max(initial=0.0)
+        if not seen.any():
+            return 0.0
+        return max(0.0, float(np.mean((self.score[seen] ** 2 - a[seen]) / b[seen])))
+
+
+def spread_over_trials(
+    normal: Normal, moving: np.ndarray | None = None, lasting: Lasting | None = None
+) -> Spread:
     """`Spread` of a joint fit from the normal equations of its trials.
 
-    moving (p,): which numbers the fit could move; those held at a bound get no variance. One trial
-    alone says nothing of how trials disagree: the naive covariance, with no degree of freedom.
+    moving (p,): which numbers the fit could move; those held at a bound get no variance. lasting:
+    what is expected of the trials' scores beside white errors. One trial alone says nothing of how
+    trials disagree: the naive covariance, with no degree of freedom.
     """
     count, p = normal.gradient.shape
     move = np.ones(p, dtype=bool) if moving is None else moving
@@ -70,12 +107,21 @@ def spread_over_trials(normal: Normal, moving: np.ndarray | None = None) -> Spre
         return Spread(cov, freedom)
     root = _inverse_root(total)
     leverage = root.T @ H @ root
-    widened = np.array([_root_of_rest(S) for S in leverage])
+    expected = leverage + (_kept(H, root, lasting, move) if lasting else 0.0)
+    widened = _widened(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores) @ root.T
-    told = np.array([_freedom(leverage, widened, c) for c in root])
+    told = np.array([_freedom(leverage, expected, widened, c) for c in root])
     freedom[move] = np.where(_alone(leverage, root) > ALONE, 0.0, told)
     return Spread(cov, freedom)
+
+
+def _kept(H: Float, root: Float, lasting: Lasting, move: np.ndarray) -> Float:
+    """s^2 k_t k_t' (t, p, p) of the numbers that move."""
+    cross = lasting.cross[:, move]
+    k = cross @ root
+    variance = Lasting(cross, lasting.fisher, lasting.score).variance(H)
+    return variance * np.einsum("tp,tq->tpq", k, k)
 
 
 def without_bounds(normal: Normal) -> tuple[Float, Spread]:
@@ -94,10 +140,19 @@ def _inverse_root(matrix: Float) -> Float:
     return (vectors / np.sqrt(np.maximum(values, 1e-12))) / size[:, None]
 
 
-def _root_of_rest(leverage: Float) -> Float:
-    """(1 - S)^-1/2."""
-    values, vectors = np.linalg.eigh(leverage)
-    return (vectors / np.sqrt(np.maximum(1.0 - values, LEAST_LEFT))) @ vectors.T
+def _widened(leverage: Float, expected: Float) -> Float:
+    """A_t (t, p, p) with A V A' = F, so that widened scores have the covariance expected."""
+    every = expected.sum(axis=0)
+    out = []
+    for S, F in zip(leverage, expected, strict=True):
+        values, vectors = np.linalg.eigh(F)
+        seen = values > 1e-9 * max(values[-1], 1e-12)
+        size, axes = np.sqrt(values[seen]), vectors[:, seen]
+        V = axes.T @ (F - S @ F - F @ S + S @ every @ S) @ axes
+        left, turned = np.linalg.eigh(V / np.outer(size, size))
+        inverse = (turned / np.sqrt(np.maximum(left, LEAST_LEFT))) @ turned.T
+        out.append((axes * size) @ inverse @ (axes / size).T)
+    return np.array(out)
 
 
 def _alone(leverage: Float, root: Float) -> Float:
@@ -114,12 +169,15 @@ def _floored(matrix: Float) -> Float:
     return (vectors * np.maximum(values, LEAST_SHARE)) @ vectors.T
 
 
-def _freedom(leverage: Float, widened: Float, direction: Float) -> float:
-    """(tr G)^2 / tr G^2 with G_ts = delta_ts b_t' S_t b_t - b_t' S_t S_s b_s and
-    b_t = (1 - S_t)^-1/2 c.
+def _freedom(leverage: Float, expected: Float, widened: Float, direction: Float) -> float:
+    """(tr G)^2 / tr G^2, with G_ts the covariance of b_t' r_t and b_s' r_s over trials,
+
+    b_t = A_t' c, r_t what the fit leaves of the score of trial t:
+    G_ts = delta_ts b_t' F_t b_t - b_t' F_t S_s b_s - b_t' S_t F_s b_s + b_t' S_t (sum F) S_s b_s.
     """
-    b = widened @ direction
-    sb = np.einsum("tpq,tq->tp", leverage, b)
-    G = np.diag(np.einsum("tp,tp->t", b, sb)) - sb @ sb.T
+    b = np.einsum("tqp,q->tp", widened, direction)
+    fb, sb = (np.einsum("tpq,tq->tp", M, b) for M in (expected, leverage))
+    G = np.diag(np.einsum("tp,tp->t", b, fb)) - fb @ sb.T - sb @ fb.T
+    G += sb @ expected.sum(axis=0) @ sb.T
     square = float(np.sum(G * G))
     return float(np.trace(G) ** 2 / square) if square > 0 else 1.0

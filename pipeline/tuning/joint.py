@@ -12,12 +12,14 @@ from ..data import Float
 from ..fitting import (
     Fit,
     Free,
+    Lasting,
     Noise,
     Series,
     Spread,
     fit,
     fit_noise,
     moving,
+    normal_equations,
     spread_over_trials,
     thinned,
     trial_values,
@@ -28,6 +30,8 @@ from ..model import COEFFICIENTS, plates
 from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
 
 HEAD_ANGLE = 3
+HEAD_ANGLE_ERROR = "head_angle_offset.d"
+"""The parameter that a servo's error in one trial changes."""
 OPEN, BAND = 0.3, 1.96
 """A number is not determined where its deviation exceeds this share of its size; half width of a
 normal law's 95 % interval over its deviation.
@@ -100,8 +104,25 @@ def tune(
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
-    spread = spread_over_trials(found.normal, moving(kernel, found))
+    own = servo(kernel, series, found, base, noise=noise)
+    spread = spread_over_trials(found.normal, moving(kernel, found), own)
     return Tuned(found, noise, spread.cov, base, spread.freedom)
+
+
+def servo(
+    kernel: Kernel, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
+) -> Lasting | None:
+    """What an error of each trial's head angle does to the normal equations of a fit, which does
+    not have it; None where the fit has one for all trials already, or ran away.
+    """
+    if any(f.name == HEAD_ANGLE_ERROR for f in found.free):
+        return None
+    free = (*found.free, Free(HEAD_ANGLE_ERROR))
+    at = np.append(found.values, base[kernel.system.slot[HEAD_ANGLE_ERROR]])
+    normal = normal_equations(kernel, series, base, free, at, noise=noise)
+    if not normal.usable:
+        return None
+    return Lasting(normal.hessian[:, :-1, -1], normal.hessian[:, -1, -1], normal.gradient[:, -1])
 
 
 def table(tuned: Tuned) -> dict[str, dict[str, Any]]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from ..campaign import Campaign
 from ..data import Float
@@ -102,6 +103,7 @@ def _panel(
     if np.isfinite(mean).any():
         axes.plot(at, mean, color=AFTER, lw=2.2, zorder=6, label="extended model")
     axes.axhline(0, color="0.4", lw=0.8)
+    axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_xlabel(LABELS.get(name, name))
     axes.set_ylabel(f"missing {channel} ({UNITS[channel]})")
     top = 1.15 * float(np.quantile(np.abs(np.concatenate(y)), 0.985))

@@ -16,9 +16,9 @@ from .drawing.pool import pool
 TITLE = "Held-out trials, before and after"
 CAPTION = (
     "Trials that no fit saw. (A) Errors of the model before (orange) and with what was left out "
-    "(blue); the line is the noise floor, the distance of single detections from the smoothed "
-    "path. (B) Their paths: measured solid black, before dashed, after blue; numbers: rms distance "
-    "to the measured path, mm."
+    "(blue); dotted: the noise floor, the error that the model with what was left out makes on "
+    "trials of its own making, with their water and noise. (B) Their paths: measured solid black, "
+    "before dashed, after blue; numbers: rms distance to the measured path, mm."
 )
 HELD_OUT = "Trials that no fit saw."
 FITTED_TITLE = "The fitted trials, before and after"
@@ -28,6 +28,7 @@ FITTED = (
 )
 NEEDS = ("tracks", "mismatch")
 MOST_PATHS = 6
+BESIDE_A_LINE = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
 ERRORS = (
     ("path_rmse_m", "path (mm)", 1000.0),
     ("radius_error_pct", "radius (%)", 1.0),
@@ -79,7 +80,7 @@ def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
                           textcoords="offset points", fontsize=8, color=colour)  # fmt: skip
         elif math.isfinite(number):
             axes.annotate(f"{number:.3g}", (place, number), xytext=(0, 2), ha="center",
-                          textcoords="offset points", fontsize=8)  # fmt: skip
+                          textcoords="offset points", fontsize=8, bbox=BESIDE_A_LINE)  # fmt: skip
     floor = ((campaign.mismatch or {}).get("held_out") or {}).get("noise_floor_path_rmse_m")
     if key == "path_rmse_m" and floor is not None and floor < campaign.study.setup.pool.width_m:
         axes.axhline(factor * float(floor), color=MEASURED, ls=":", lw=1.4)

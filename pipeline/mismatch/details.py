@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .find import Found
+from .story import as_normal
 
 
 def details(found: Found) -> dict[str, Any]:
@@ -48,8 +49,8 @@ def details(found: Found) -> dict[str, Any]:
         ],
         "foretold": [dict(one.foretold) for one in found.choice.rounds],
         "coefficients": {
-            name: {f.label: {"value": float(v), "std": float(s)} for f, v, s in zip(
-                tuned.fit.free, tuned.fit.values, tuned.std, strict=True)}
+            name: {f.label: {"value": float(v), "std": s} for f, v, s in zip(
+                tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
     }  # fmt: skip

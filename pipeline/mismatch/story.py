@@ -11,7 +11,7 @@ from ..fitting import Series, trial_values
 from ..integrate import compiled
 from ..model import plates, residual_channels
 from ..study import Study
-from ..tuning import table
+from ..tuning import Tuned, table
 from .find import Found
 from .judge import Trialled
 from .locate import LEAST_SHARE
@@ -85,12 +85,16 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
     """A named cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
     tuned = found.extended
     units = {p.name: p.unit for p in plates().parameters}
-    half = 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0]
     return {
-        f.name.split(".", 1)[1]: {"value": float(v), "std": float(h / 1.96), "unit": units[f.name]}
-        for f, v, h in zip(tuned.fit.free, tuned.fit.values, half, strict=True)
+        f.name.split(".", 1)[1]: {"value": float(v), "std": s, "unit": units[f.name]}
+        for f, v, s in zip(tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)
         if f.name.startswith(name + ".")
     }
+
+
+def as_normal(tuned: Tuned) -> list[float]:
+    """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
+    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / 1.96]
 
 
 def _unexplained(found: Found) -> dict[str, Any]:

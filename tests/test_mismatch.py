@@ -114,6 +114,9 @@ def test_a_knocked_camera_is_told_from_one_trial(bare: Measured) -> None:
     size = told["causes"][0]["parameters"]
     assert size["dx"]["value"] == pytest.approx(0.008, abs=0.0015)
     assert size["dy"]["value"] == pytest.approx(-0.004, abs=0.0015)
+    for name, true in (("dx", 0.008), ("dy", -0.004)):
+        assert 1e-5 < size[name]["std"] < 0.001
+        assert abs(size[name]["value"] - true) < 3 * size[name]["std"]
     assert knocked[3].name not in told["held_out"]["trials"]
 
 

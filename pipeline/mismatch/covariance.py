@@ -20,8 +20,20 @@ def spread_of(bench: Bench, model: Trialled) -> Spread:
     """`Spread` of a model's fitted numbers (p,), the doubt about its held shapes included."""
     found = model.fit
     move = moving(bench.kernel, found)
-    between = spread_over_trials(found.normal, move)
+    between = _one_trial_s_own(model, move, spread_over_trials(found.normal, move))
     return Spread(between.cov + _of_shapes(bench, model, move), between.freedom)
+
+
+def _one_trial_s_own(model: Trialled, move: np.ndarray, between: Spread) -> Spread:
+    """`between`, where a number hangs on one trial alone (a camera knocked in it) with its naive
+    variance times the inflation.
+    """
+    cov, freedom = between.cov.copy(), between.freedom.copy()
+    own = np.flatnonzero(move & (freedom == 0))
+    pooled = model.inflation * np.diag(model.fit.naive_cov)
+    cov[own, own] = np.maximum(cov[own, own], pooled[own])
+    freedom[own] = max(len(model.fit.normal.hessian) - 1, 1)
+    return Spread(cov, freedom)
 
 
 def _of_shapes(bench: Bench, model: Trialled, move: np.ndarray) -> Float:

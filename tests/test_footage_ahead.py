@@ -11,6 +11,8 @@ from test_footage import STEADY, write_video
 
 from pipeline.footage import frames, open_recording
 from pipeline.footage.ahead import MOST, Ahead
+from pipeline.footage.reading import Film
+from pipeline.footage.recording import Recording
 
 
 class Source:
@@ -82,3 +84,13 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
     assert late == few
     again = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
     assert again == plain
+
+
+@pytest.mark.parametrize(("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MOST)])
+def test_as_many_are_made_ahead_as_their_memory_allows(monkeypatch, size_px, room):
+    source = Source(1000)
+    monkeypatch.setattr(Film, "__iter__", lambda film: source)
+    recording = Recording((), size_px, "h264", 1000, 1000, 30.0, (0.0,))
+    with Film(recording).ahead():
+        time.sleep(0.1)
+        assert room <= source.given <= room + 1

@@ -10,11 +10,17 @@ import pytest
 from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
 from pipeline.data import Frame
-from pipeline.keypoints.outline.background import median, sample, without_resident
+from pipeline.keypoints.outline.background import (
+    STRIP_ROWS,
+    median,
+    ranked,
+    sample,
+    without_resident,
+)
 from pipeline.keypoints.outline.clearing import _bare
 from pipeline.keypoints.outline.edges import edge_offset
 from pipeline.keypoints.outline.plane import plane_of
-from pipeline.keypoints.outline.template import first_template, learned
+from pipeline.keypoints.outline.template import first_template, learned, median_seen
 from pipeline.synthetic.conditions import LADDER
 from pipeline.synthetic.design import ladder_design
 from pipeline.synthetic.trial import frame_truth, prepare
@@ -60,6 +66,26 @@ def test_plane_agrees_with_independent_optics():
 def test_median_is_exact():
     images = np.random.default_rng(2).integers(0, 256, (7, 40, 60)).astype(np.uint8)
     np.testing.assert_array_equal(median(images), np.median(images, axis=0).astype(np.uint8))
+
+
+@pytest.mark.parametrize("rows", [STRIP_ROWS - 1, STRIP_ROWS, 2 * STRIP_ROWS + 3])
+def test_ranked_pictures_are_those_of_a_sorted_stack(rows):
+    images = list(np.random.default_rng(rows).integers(0, 256, (6, rows, 17), dtype=np.uint8))
+    before = [image.copy() for image in images]
+    found = ranked(images, 0.0, 0.4, 1.0)
+    np.testing.assert_array_equal(found, np.sort(np.stack(before), axis=0)[[0, 2, 5]])
+    np.testing.assert_array_equal(images, before)
+
+
+def test_median_of_what_is_seen_is_numpys():
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=(7, 40))
+    values[rng.random(values.shape) < 0.4] = np.nan
+    values[:, 5], values[1:, 6] = np.nan, np.nan
+    seen = np.isfinite(values).any(axis=0)
+    found = median_seen(values)
+    np.testing.assert_array_equal(found[seen], np.nanmedian(values[:, seen], axis=0))
+    assert np.isnan(found[~seen]).all()
 
 
 @pytest.mark.parametrize("count", [1, 4, 9, 40, 200])

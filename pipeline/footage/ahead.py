@@ -14,14 +14,14 @@ PATIENCE_S = 0.05
 
 
 class Ahead(Generic[T]):
-    """An iterator over `source`, of which up to MOST things are made before they are asked for.
+    """An iterator over `source`, of which up to `most` things are made before they are asked for.
 
     What the source raises is raised where its thing would have come. `close`, or leaving it as a
     context, ends the thread and closes the source.
     """
 
-    def __init__(self, source: Iterator[T]) -> None:
-        self._made: Queue[tuple[T | None, BaseException | None]] = Queue(MOST)
+    def __init__(self, source: Iterator[T], most: int = MOST) -> None:
+        self._made: Queue[tuple[T | None, BaseException | None]] = Queue(most)
         self._stop = Event()
         self._thread = Thread(target=self._make, args=(source,), daemon=True)
         self._thread.start()

@@ -88,7 +88,8 @@ def video_stream(container: Any, path: Path) -> Any:
         context = stream.codec_context
         if context is None or not (0 < stream.width <= LARGEST_SIDE_PX):
             continue
-        stream.thread_type = "AUTO"
+        if not context.is_open:
+            stream.thread_type = "AUTO"
         return stream
     raise fault(
         path, "", "no video stream that can be decoded", "H.264, HEVC or mp4v video", _CONVERT

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import islice
 from typing import Any
 
 import av
@@ -11,12 +12,14 @@ import av.error
 import numpy as np
 
 from ..data import Frame
-from .ahead import Ahead
+from .ahead import MOST, Ahead
 from .pictures import Luma, luma
 from .probe import opened, video_stream
 from .recording import Recording
 
 EPS_S = 1e-6
+AHEAD_BYTES = 40 * 10**6
+PICTURE_BYTES = 1.5
 
 
 class Film:
@@ -35,8 +38,14 @@ class Film:
         return _all(self.recording, self.colour, self._open)
 
     def ahead(self) -> Ahead[Frame]:
-        """All frames as by iteration, decoded by a thread of their own from now on."""
-        return Ahead(iter(self))
+        """All frames as by iteration, decoded by a thread of their own from now on.
+
+        As many ahead as AHEAD_BYTES hold, no fewer than MOST: while something is learned from the
+        first of them the decoder should not have to wait.
+        """
+        width, height = self.recording.size_px
+        room = int(AHEAD_BYTES / (PICTURE_BYTES * width * height))
+        return Ahead(iter(self), max(MOST, min(room, 4 * MOST)))
 
     def spread(self, count: int) -> Iterator[Frame]:
         """About `count` frames spread evenly over the recording's part, decoded alone."""
@@ -148,7 +157,11 @@ def _wanted(recording: Recording, i: int, stamp: int) -> bool:
 def _decoded_keys(
     recording: Recording, i: int, stamps: list[int], ready: dict[int, Any]
 ) -> Iterator[Frame]:
-    """Key frames at these stamps: the packets are sought, and decoded apart from the seeking."""
+    """Key frames at these stamps, by the decoder that the whole chapter is decoded with later.
+
+    A second decoder would take its threads, and memory for its pictures, anew. The packets are
+    sought first: seeking empties the decoder, which works on several at a time.
+    """
     path = recording.paths[i]
     container = opened(path)
     stream = video_stream(container, path)
@@ -157,12 +170,9 @@ def _decoded_keys(
     if known is not None and stamps[0] == recording.key_stamps[0][0]:
         yield Frame(-1, stamps[0] * recording.time_base_s + offset_s, _turned(known, recording))
         stamps = stamps[1:]
-    decoder = av.CodecContext.create(stream.codec_context.name, "r")
-    decoder.extradata = stream.codec_context.extradata
-    decoder.thread_type = "AUTO"
-    for packet in _sought(container, stream, stamps):
+    for packet in [*_sought(container, stream, stamps), None]:
         with suppress(av.error.FFmpegError):
-            for picture in decoder.decode(packet):
+            for picture in stream.codec_context.decode(packet):
                 time_s = float((picture.pts or 0) * stream.time_base)
                 image = _turned(luma(picture), recording)
                 yield Frame(-1, time_s + offset_s, image)
@@ -171,8 +181,7 @@ def _decoded_keys(
 
 
 def _sought(container: Any, stream: Any, stamps: list[int]) -> Iterator[Any]:
-    """The key packet at each stamp, then None, which asks the decoder for what it holds back."""
+    """The key packet at each stamp."""
     for stamp in stamps:
         container.seek(stamp, stream=stream, backward=True)
-        yield next((packet for packet in container.demux(stream) if packet.is_keyframe), None)
-    yield None
+        yield from islice((packet for packet in container.demux(stream) if packet.is_keyframe), 1)

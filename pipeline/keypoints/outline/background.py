@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ...data import Frame
 
 Image = npt.NDArray[np.uint8]
+STRIP_ROWS = 32
 
 
 def sample(film: Iterable[Frame], count: int) -> list[Frame]:
@@ -45,28 +46,38 @@ def median(images: Sequence[Image]) -> Image:
 
 
 def ranked(images: Sequence[Image], *shares: float) -> npt.NDArray[np.uint8]:
-    """Pictures (shares, height, width): the grey level of each pixel that ranks at each share."""
-    places = [int(share * (len(images) - 1)) for share in shares]
-    return _ranked(np.stack(images), np.array(places))
+    """Pictures (shares, height, width): the grey level of each pixel that ranks at each share.
+
+    Worked out a strip of rows at a time: a stack of whole pictures would be memory that is new to
+    the process, and getting it costs more than the ranking.
+    """
+    places = np.array([int(share * (len(images) - 1)) for share in shares])
+    height, width = images[0].shape
+    out = np.empty((len(shares), height, width), np.uint8)
+    strip = np.empty((len(images), STRIP_ROWS, width), np.uint8)
+    for y in range(0, height, STRIP_ROWS):
+        rows = min(STRIP_ROWS, height - y)
+        for own, image in zip(strip, images, strict=True):
+            own[:rows] = image[y : y + rows]
+        out[:, y : y + rows] = _sorted(strip)[places, :rows]
+    return out
 
 
 @numba.njit(cache=True)
-def _ranked(stack: npt.NDArray[np.uint8], places: npt.NDArray[np.int64]) -> npt.NDArray[np.uint8]:
-    """Odd-even transposition sort of whole rows: nothing but minima and maxima."""
+def _sorted(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """The stack (n, height, width) itself, sorted along its first axis.
+
+    Odd-even transposition sort of whole rows: nothing but minima and maxima.
+    """
     count, height, width = stack.shape
-    out = np.empty((len(places), height, width), np.uint8)
-    rows = np.empty((count, width), np.uint8)
     for y in range(height):
-        for k in range(count):
-            rows[k] = stack[k, y]
         for turn in range(count):
             for k in range(turn % 2, count - 1, 2):
+                low, high = stack[k, y], stack[k + 1, y]
                 for x in range(width):
-                    a, b = rows[k, x], rows[k + 1, x]
-                    rows[k, x], rows[k + 1, x] = min(a, b), max(a, b)
-        for i in range(len(places)):
-            out[i, y] = rows[places[i]]
-    return out
+                    a, b = low[x], high[x]
+                    low[x], high[x] = min(a, b), max(a, b)
+    return stack
 
 
 def noise_level(images: Sequence[Image], background: Image) -> float:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ...data import Frame
 from .edges import picked
 from .posefit import Shape, measure
-from .template import CORE_STATIONS, HEAD_STATIONS, Template, stands_out
+from .template import CORE_STATIONS, HEAD_STATIONS, Template, median_seen, stands_out
 from .tracking import Fit, Scene
 
 Float = npt.NDArray[np.float64]
@@ -76,7 +76,7 @@ def without_misled(template: Template, offsets_px: Float) -> Template:
     offsets_px: (frames, stations), NaN where not seen.
     """
     seen = np.isfinite(offsets_px).sum(axis=0) > 1
-    usual = np.abs(np.nanmedian(np.where(seen, offsets_px, 0.0), axis=0))
+    usual = np.abs(median_seen(np.where(seen, offsets_px, 0.0)))
     limit = max(MISLED_PX, MISLED * float(np.median(usual[template.kept()])))
     misled = usual > limit
     return replace(template, misled=misled) if np.mean(misled) < MOST_MISLED else template

@@ -37,7 +37,8 @@ def shifts(samples: Sequence[Frame], plane: Plane) -> Float:
         if first is None:
             continue
         template = np.ascontiguousarray(first[far:-far, far:-far])
-        for i, patch in enumerate(patches):
+        found[0, k] = 0.0
+        for i, patch in enumerate(patches[1:], 1):
             if patch is not None:
                 found[i, k] = _peak(cv2.matchTemplate(patch, template, cv2.TM_CCOEFF_NORMED))
     return found

@@ -158,10 +158,7 @@ def learned(template: Template, offsets_m: Float, skins: Float, share: float = 1
     radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
     lateral = np.abs(_normals(template._core())[:, 1])
     half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 5e-4)
-    seen = np.isfinite(skins).any(axis=0)
-    grey = np.full(skins.shape[1], np.nan)
-    grey[seen] = np.nanmedian(skins[:, seen], axis=0)
-    sides = np.split(grey, [h, 2 * h, 2 * h + c])
+    sides = np.split(median_seen(skins), [h, 2 * h, 2 * h + c])
     return replace(
         template,
         radii=_nose_at_length(template, radii),
@@ -184,6 +181,16 @@ def stands_out(greys: Float, floor: float) -> Float:
     return np.concatenate([head, head, core, core])
 
 
+def median_seen(values: Float) -> Float:
+    """Median along the first axis of what is no NaN; NaN where nothing else is.
+
+    What numpy's nanmedian gives, without its masked arrays, which take several times as long.
+    """
+    count = np.sum(~np.isnan(values), axis=0)
+    places = np.maximum(np.stack([(count - 1) // 2, count // 2]), 0)
+    return np.take_along_axis(np.sort(values, axis=0), places, axis=0).mean(axis=0)
+
+
 def _known(found: Float, before: Float) -> Float:
     return np.where(np.isfinite(found), found, before)
 
@@ -199,7 +206,7 @@ def _both(left: Float, right: Float) -> Float:
     if not seen.any():
         return np.zeros(pair.shape[1])
     where = np.arange(pair.shape[1])
-    return np.interp(where, where[seen], np.nanmedian(pair[:, seen], axis=0))
+    return np.interp(where, where[seen], median_seen(pair[:, seen]))
 
 
 def _smooth(values: Float) -> Float:

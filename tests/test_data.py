@@ -105,3 +105,24 @@ def test_numbers_come_back_to_nine_digits(tmp_path_factory, values):
 def test_a_cell_with_a_comma_or_quote_is_quoted(tmp_path):
     data.write_columns(tmp_path / "t.csv", {"a": ['x, "y"', "plain"], "n": [1, True]})
     assert (tmp_path / "t.csv").read_text() == 'a,n\n"x, ""y""",1\nplain,1\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a,b,a\n1,2,3\n", ("row 1", "a more than once", "each column once")),
+        ("a;b\n1;2\n", ("row 1", "separated by commas")),
+        ("a,b\n1,2\n\n1,x\n", ("row 4", "numbers")),
+    ],
+)
+def test_a_csv_that_is_not_what_it_seems_is_refused_with_its_row(tmp_path, text, words):
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    with pytest.raises(Fault) as told:
+        data.read_columns(path, ("a", "b"))
+    assert all(word in str(told.value) for word in words)
+
+
+def test_quoted_numbers_are_numbers(tmp_path):
+    (tmp_path / "t.csv").write_text('"a","b"\n"1.5","2"\n')
+    assert data.read_columns(tmp_path / "t.csv", ("a",))["a"].tolist() == [1.5]

@@ -30,26 +30,32 @@ def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise fault(path, "", f"an unreadable file ({error})", "a csv file") from error
-    lines = [line for line in text.splitlines() if line.strip()]
+    lines = [(i, line) for i, line in enumerate(text.splitlines(), start=1) if line.strip()]
     if not lines:
         raise fault(path, "", "an empty file", f"a csv with columns {', '.join(required)}")
-    names = [name.strip() for name in lines[0].split(",")]
-    missing = [name for name in required if name not in names]
-    if missing:
-        raise fault(
-            path, "row 1", f"columns {', '.join(names)[:200]}", f"a column {', '.join(missing)}"
-        )
-    table = np.array([_row(path, i, line, len(names)) for i, line in enumerate(lines[1:], start=2)])
+    names = _names(path, *lines[0], required)
+    table = np.array([_row(path, i, line, len(names)) for i, line in lines[1:]])
     table = table.reshape(len(lines) - 1, len(names))
     return {name: table[:, i] for i, name in enumerate(names)}
 
 
+def _names(path: str | Path, number: int, line: str, required: tuple[str, ...]) -> list[str]:
+    names = [cell.strip().strip('"') for cell in line.split(",")]
+    row, told = f"row {number}", f"columns {', '.join(names)[:200]}"
+    if missing := [name for name in required if name not in names]:
+        comma = ", separated by commas" if ";" in line or "\t" in line else ""
+        raise fault(path, row, told, f"a column {', '.join(missing)}{comma}")
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise fault(path, row, f"{', '.join(twice)[:200]} more than once", "each column once")
+    return names
+
+
 def _row(path: str | Path, number: int, line: str, width: int) -> list[float]:
-    cells = line.split(",")
+    cells = [cell.strip().strip('"') for cell in line.split(",")]
     if len(cells) != width:
         raise fault(path, f"row {number}", f"{len(cells)} cells", f"{width} cells")
     try:
-        return [float(cell) if cell.strip() else float("nan") for cell in cells]
+        return [float(cell) if cell else float("nan") for cell in cells]
     except ValueError as error:
         raise fault(path, f"row {number}", str(error), "numbers") from error
 

@@ -84,7 +84,8 @@ def _fitted_starts(
         trial = starts + np.array(steps)
         seen, _ = _run(kernel, series, values, trial, count)
         new = _costs(series, seen, trial)
-        settled = np.abs(cost - new) <= 1e-6 * cost
+        with np.errstate(invalid="ignore"):  # both infinite: not settled
+            settled = np.abs(cost - new) <= 1e-6 * cost
         better = new <= cost
         damping = np.where(better, damping * 0.2, damping * 10.0)
         starts[better], cost[better], observed[better] = trial[better], new[better], seen[better]

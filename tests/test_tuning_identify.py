@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
-from pipeline.fitting import Series
-from pipeline.tuning import thin, tune
-from pipeline.tuning.identify import best_new_trial, profile, spectrum
+from pipeline.fitting import Series, moving, spread_over_trials
+from pipeline.fitting.joint import AT_BOUND
+from pipeline.integrate import compiled
+from pipeline.model import plates
+from pipeline.tuning import Tuned, table, thin, tune
+from pipeline.tuning.identify import profile, sizes, spectrum
+from pipeline.tuning.new_trial import best_new_trial
+from pipeline.tuning.turns import open_without_turns, outcome
 from pipeline.tuning.words import undetermined
 from robots import SETUP
 
@@ -53,6 +60,67 @@ def test_the_trial_that_is_named_does_help(straight) -> None:
     trial = best_new_trial(straight, joint, SETUP, worst)
     assert trial.head_angle_deg > 0
     assert trial.left < 0.7
+
+
+BOUNDS = {"C_Da": 40.0, "C_La": 4.2, "C_Ma": -1.0, "C_Md": 5.0}
+
+
+@pytest.fixture(scope="module")
+def at_bounds(straight) -> Tuned:
+    """The straight runs' fit as it comes out where three numbers run to their bounds."""
+    kernel, found = compiled(plates()), tune(straight)
+    values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
+    fit = replace(found.fit, values=values, outcome=AT_BOUND)
+    spread = spread_over_trials(fit.normal, moving(kernel, fit))
+    return Tuned(fit, found.noise, spread.cov, found.base, spread.freedom, spread.told)
+
+
+def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds) -> None:
+    """With C_Da 40 and C_Ma -1 imagined turns run away; nan is no recommendation."""
+    told = undetermined(straight, at_bounds, SETUP)
+    assert len(told) >= 4
+    for one in told:
+        assert "nan" not in one["trial"]
+    for one in spectrum(at_bounds):
+        trial = best_new_trial(straight, at_bounds, SETUP, one)
+        assert trial is not None
+        assert 0.0 <= trial.left <= 1.0
+    assert any(t["trial"].startswith("a turn at") for t in told)
+
+
+def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:
+    told = outcome(at_bounds, straight)
+    assert "turns are lacking" in told
+    assert "C_Da, C_Ma, C_Md" in told
+    assert "physics" not in told
+    table_ = open_without_turns(table(at_bounds), straight)
+    assert "no turns" in table_["C_Da"]["why"]
+    assert outcome(at_bounds, campaign) == AT_BOUND
+
+
+def test_numbers_at_a_bound_are_never_determined_combinations(at_bounds) -> None:
+    held = [one for one in spectrum(at_bounds) if one.side]
+    assert len(held) == 3
+    assert not any(one.determined for one in held)
+
+
+def test_spectrum_has_the_widths_of_the_table(campaign) -> None:
+    joint = tune(campaign)
+    size = sizes(joint)
+    for one in spectrum(joint):
+        half = joint.spread.half_width(one.direction / size)
+        assert one.std == pytest.approx(max(half / 1.96, one.naive))
+    widths = [joint.spread.half_width(unit) for unit in np.eye(6)]
+    assert widths == pytest.approx(joint.spread.half_widths())
+
+
+def test_one_trial_determines_no_combination(campaign) -> None:
+    turn = [next(s for s in campaign if abs(s.inputs[0, 0]) > 0.5)]
+    joint = tune(turn)
+    assert not any(one.determined for one in spectrum(joint))
+    told = undetermined(turn, joint, SETUP)
+    assert len(told) == 6
+    assert any("One trial alone" in one["sentence"] for one in told)
 
 
 def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(campaign) -> None:

@@ -13,7 +13,7 @@ from .normal import (
 )
 from .paths import PathFit, fit_paths
 from .resampling import ensemble, jackknife_cov, moving
-from .sandwich import Lasting, Spread, spread_over_trials, without_bounds
+from .sandwich import Lasting, Spread, Told, spread_over_trials, without_bounds
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
 from .thinning import thinned
@@ -29,6 +29,7 @@ __all__ = [
     "Series",
     "Shot",
     "Spread",
+    "Told",
     "disturbance_slots",
     "ensemble",
     "filter_all",

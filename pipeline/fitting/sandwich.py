@@ -39,15 +39,38 @@ LEAST_SHARE = 0.25
 
 
 @dataclass(frozen=True)
+class Told:
+    """What each trial tells, in units in which all together tell 1: root R (m, m) of the m numbers
+    that moved (p,), and leverage S_t, expected F_t, widened A_t, each (t, m, m).
+    """
+
+    move: np.ndarray
+    root: Float
+    leverage: Float
+    expected: Float
+    widened: Float
+
+    def freedom(self, direction: Float) -> float:
+        """Degrees of freedom of the variance of the sum of numbers with weights `direction` (p,);
+        0 where one trial alone holds more than `ALONE` of it.
+        """
+        c = direction[self.move] @ self.root
+        if not np.any(c) or _alone(self.leverage, c) > ALONE:
+            return 0.0
+        return _freedom(self.leverage, self.expected, self.widened, c)
+
+
+@dataclass(frozen=True)
 class Spread:
     """Covariance (p, p) of fitted numbers between trials, and degrees of freedom (p,) of each.
 
     freedom is 0 where nothing can be said: of a number that was not fitted, and of one that hangs
-    on one trial alone.
+    on one trial alone. told: for the freedom of sums of them; None of one trial.
     """
 
     cov: Float
     freedom: Float
+    told: Told | None = None
 
     def half_widths(self, level: float = 0.95) -> Float:
         """Half widths (p,) of the intervals that hold the truth with this probability; infinite
@@ -55,6 +78,17 @@ class Spread:
         """
         quantile = student.ppf(0.5 + 0.5 * level, np.maximum(self.freedom, 1.0))
         return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
+
+    def half_width(self, direction: Float, level: float = 0.95) -> float:
+        """The same of the sum of numbers with weights `direction` (p,); without `told` with the
+        fewest degrees of freedom of those that have a part in it.
+        """
+        part = np.abs(direction) > 0.1 * np.abs(direction).max()
+        freedom = self.told.freedom(direction) if self.told else float(self.freedom[part].min())
+        if freedom <= 0:
+            return np.inf
+        quantile = student.ppf(0.5 + 0.5 * level, max(freedom, 1.0))
+        return float(quantile * np.sqrt(direction @ self.cov @ direction))
 
 
 @dataclass(frozen=True)
@@ -111,9 +145,9 @@ def spread_over_trials(
     widened = _widened(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores) @ root.T
-    told = np.array([_freedom(leverage, expected, widened, c) for c in root])
-    freedom[move] = np.where(_alone(leverage, root) > ALONE, 0.0, told)
-    return Spread(cov, freedom)
+    told = Told(move, root, leverage, expected, widened)
+    freedom[move] = [told.freedom(unit) for unit in np.eye(p)[move]]
+    return Spread(cov, freedom, told)
 
 
 def _kept(H: Float, root: Float, lasting: Lasting, move: np.ndarray) -> Float:
@@ -155,13 +189,13 @@ def _widened(leverage: Float, expected: Float) -> Float:
     return np.array(out)
 
 
-def _alone(leverage: Float, root: Float) -> Float:
-    """Share (p,) of each number's naive variance in directions that one trial alone holds."""
-    share = np.zeros(len(root))
+def _alone(leverage: Float, direction: Float) -> float:
+    """Share of the naive variance of a direction (m,) in directions that one trial alone holds."""
+    share = 0.0
     for S in leverage:
         values, vectors = np.linalg.eigh(S)
-        share += np.sum((root @ vectors[:, values > 1.0 - LEAST_LEFT]) ** 2, axis=1)
-    return share / np.sum(root**2, axis=1)
+        share += float(np.sum((direction @ vectors[:, values > 1.0 - LEAST_LEFT]) ** 2))
+    return share / float(direction @ direction)
 
 
 def _floored(matrix: Float) -> Float:

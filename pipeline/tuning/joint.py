@@ -16,6 +16,7 @@ from ..fitting import (
     Noise,
     Series,
     Spread,
+    Told,
     fit,
     fit_noise,
     moving,
@@ -54,7 +55,8 @@ def thin(series: Sequence[Series]) -> list[Series]:
 class Tuned:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
-    freedom (p,): degrees of freedom of each variance, None where the normal law is to do.
+    freedom (p,): degrees of freedom of each variance, None where the normal law is to do. told: for
+    the freedom of combinations.
     """
 
     fit: Fit
@@ -62,6 +64,13 @@ class Tuned:
     cov: Float
     base: Float
     freedom: Float | None = None
+    told: Told | None = None
+
+    @property
+    def spread(self) -> Spread:
+        """Covariance and degrees of freedom together."""
+        many = np.full(len(self.cov), 1e9) if self.freedom is None else self.freedom
+        return Spread(self.cov, many, self.told)
 
     @property
     def std(self) -> Float:
@@ -73,8 +82,7 @@ class Tuned:
         """Bounds (p, 2) that hold the truth in 95 of 100 studies; infinite where the trials do not
         tell; of numbers at a bound as in `one_sided`.
         """
-        many = np.full(len(self.std), 1e9) if self.freedom is None else self.freedom
-        half = Spread(self.cov, many).half_widths(0.95)
+        half = self.spread.half_widths(0.95)
         out = self.fit.values[:, None] + half[:, None] * np.array([-1.0, 1.0])
         for i, ends in one_sided(self.fit).items():
             out[i] = ends
@@ -106,7 +114,7 @@ def tune(
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo(kernel, series, found, base, noise=noise)
     spread = spread_over_trials(found.normal, moving(kernel, found), own)
-    return Tuned(found, noise, spread.cov, base, spread.freedom)
+    return Tuned(found, noise, spread.cov, base, spread.freedom, spread.told)
 
 
 def servo(

@@ -16,7 +16,8 @@ from .identify import profile, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, untold, verdict
-from .words import hangs_on_one_trial, open_without_turns, told, turns, undetermined
+from .turns import hangs_on_one_trial, open_without_turns, outcome, straight, turns
+from .words import is_open, told, undetermined
 
 DRAWS, GROWTH_DRAWS = 200, 60
 LEAST_TURNS = 2
@@ -39,7 +40,7 @@ def coefficients(
         "paper_steps": steps,
         "joint": {
             "coefficients": open_without_turns(table(joint), few),
-            "outcome": joint.fit.outcome,
+            "outcome": outcome(joint, few),
             "trials": [s.name for s in series],
             "noise": {
                 "disturbance": joint.noise.disturbance,
@@ -89,7 +90,7 @@ def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
     profiles = {name: profile(series, joint, i) for i, name in enumerate(names)}
     return {
         "spectrum": [
-            told(names, one) | {"determined": one.determined and len(series) > 1}
+            told(names, one) | {"determined": not is_open(names, one, straight=straight(series))}
             for one in spectrum(joint)
         ],
         "profiles": {

@@ -9,12 +9,11 @@ import numpy as np
 
 from ..fitting import Series
 from ..study import Setup
-from .bounds import sides
-from .identify import Combination, NewTrial, best_new_trial, by_name, spectrum
+from .identify import Combination, by_name, spectrum
 from .joint import Tuned
+from .new_trial import NewTrial, best_new_trial
+from .turns import TURNING, straight
 
-TURNING = ("C_Da", "C_La", "C_Ma", "C_Md")
-STRAIGHT_BELOW_RAD = np.radians(3.0)
 HELPS = 0.8
 """A trial is recommended if it leaves less than this of a combination's deviation."""
 
@@ -24,51 +23,24 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
 
     Each: combination, relative_std (None where nothing is known), sentence, trial.
     """
-    straight = _straight(series)
+    still = straight(series)
     names = [f.label for f in tuned.fit.free]
     return [
         {
             **told(names, one),
-            "sentence": _sentence(by_name(names, one.direction), one.std, straight=straight),
+            "sentence": _sentence(names, one, straight=still),
             "trial": _trial(best_new_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
-        if not one.determined
+        if is_open(names, one, straight=still)
     ]
 
 
-def open_without_turns(
-    table: Mapping[str, dict[str, Any]], series: Sequence[Series]
-) -> dict[str, dict[str, Any]]:
-    """A table in which straight runs alone determine nothing that acts at an angle of attack: what
-    the random water tells of it rests on the model of that water.
+def is_open(names: Sequence[str], one: Combination, *, straight: bool) -> bool:
+    """Whether a combination is not determined: wide, at a bound, or of straight runs alone with a
+    part in it that acts at an angle of attack.
     """
-    if not _straight(series):
-        return dict(table)
-    why = "no turns: straight runs hold alpha at 0 and say nothing of it"
-    return {
-        name: cell | {"determined": False, "why": cell["why"] or why} if name in TURNING else cell
-        for name, cell in table.items()
-    }
-
-
-def turns(series: Sequence[Series]) -> int:
-    """How many trials have the head turned."""
-    return sum(not _straight([s]) for s in series)
-
-
-def hangs_on_one_trial(tuned: Tuned) -> bool:
-    """Whether one trial alone tells of some number that acts at an angle of attack."""
-    held = sides(tuned.fit)
-    return any(
-        f.name in TURNING and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
-        for i, f in enumerate(tuned.fit.free)
-    )
-
-
-def _straight(series: Sequence[Series]) -> bool:
-    """Whether no trial turns its head."""
-    return all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)
+    return not one.determined or (straight and bool(_blind(by_name(names, one.direction))))
 
 
 def told(names: Sequence[str], one: Combination) -> dict[str, Any]:
@@ -80,31 +52,46 @@ def told(names: Sequence[str], one: Combination) -> dict[str, Any]:
     }
 
 
-def _sentence(parts: Mapping[str, float], std: float, *, straight: bool) -> str:
-    up = [n for n, w in parts.items() if w > 0]
-    down = [n for n, w in parts.items() if w < 0]
-    if len(parts) == 1:
-        name = (up or down)[0]
-        told = (
-            f"{name} may be off by {100 * std:.0f} %." if np.isfinite(std)
-            else f"These trials say nothing of {name}."
-        )  # fmt: skip
-    elif up and down:
-        told = f"More {_listed(up)} with less {_listed(down)} leaves these trials almost unchanged."
-    else:
-        together = up or down
-        told = f"{_listed(together)} may grow together"
-        told += ": only their ratio is fixed." if len(together) == 2 else " and hardly be noticed."
-    blind = [n for n in parts if n.split("@")[0] in TURNING]
+def _blind(parts: Mapping[str, float]) -> list[str]:
+    return [n for n in parts if n.split("@")[0] in TURNING]
+
+
+def _sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
+    parts = by_name(names, one.direction)
+    out = _alone(next(iter(parts)), one) if len(parts) == 1 else _together(parts)
+    if np.isinf(one.std) and np.isfinite(one.naive):
+        out += " One trial alone tells how much: how far it may be off is seen from how trials"
+        out += " disagree."
+    blind = _blind(parts)
     if straight and blind:
-        told += (
+        out += (
             " Straight runs hold alpha at 0: they fix C_T/C_D0, and the start from rest each of the"
             f" two, but they say nothing of {_listed(blind)}."
         )
-    return told
+    return out
 
 
-def _trial(trial: NewTrial) -> str:
+def _alone(name: str, one: Combination) -> str:
+    if one.side:
+        return f"{name} stands at its {one.side} bound."
+    if np.isfinite(one.std):
+        return f"{name} may be off by {100 * one.std:.0f} %."
+    return f"{name} is open." if np.isfinite(one.naive) else f"These trials say nothing of {name}."
+
+
+def _together(parts: Mapping[str, float]) -> str:
+    up = [n for n, w in parts.items() if w > 0]
+    down = [n for n, w in parts.items() if w < 0]
+    if up and down:
+        return f"More {_listed(up)} with less {_listed(down)} leaves these trials almost unchanged."
+    both = up or down
+    told = f"{_listed(both)} may grow together"
+    return told + (": only their ratio is fixed." if len(both) == 2 else " and hardly be noticed.")
+
+
+def _trial(trial: NewTrial | None) -> str:
+    if trial is None:
+        return "none can be imagined: with these coefficients no simulation stays finite"
     if trial.left > HELPS:
         return (
             "no single trial of this robot helps much: "

@@ -1,0 +1,127 @@
+"""The trial that would tell most of what a study leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Series, normal_equations
+from ..integrate import LANES, Kernel, compiled
+from ..integrate.batch import propagate
+from ..model import constants, plates
+from ..study import Setup
+from .bounds import parameter_of, sides
+from .identify import Combination, sizes
+from .joint import OPEN, Tuned
+from .turns import TURNING, straight
+
+ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
+NEW_TRIAL_S, NEW_RATE_HZ = 5.0, 10.0
+
+
+@dataclass(frozen=True)
+class NewTrial:
+    """A trial that would help: its condition, and what it leaves of the deviation (0 to 1)."""
+
+    power_pct: float
+    head_angle_deg: float
+    head_length_m: float
+    left: float
+
+
+def best_new_trial(
+    series: Sequence[Series], tuned: Tuned, setup: Setup, combination: Combination
+) -> NewTrial | None:
+    """The trial, of those that the robot can swim, that would tell most of a combination; None
+    where none can be simulated.
+
+    Each is simulated with the fitted coefficients (`imaginable`) and seen with the errors of the
+    trials there are; its Fisher matrix is added, and what is left of the combination's deviation
+    counts.
+    """
+    kernel = compiled(plates())
+    size = sizes(tuned)
+    tuned = replace(tuned, fit=replace(tuned.fit, values=imaginable(series, tuned)))
+    conditions = _conditions(series, setup)
+    imagined = [_imagined(kernel, series, tuned, setup, c) for c in conditions]
+    added = normal_equations(kernel, imagined, tuned.base, tuned.fit.free, tuned.fit.values,
+                             noise=tuned.noise).hessian  # fmt: skip
+    scale = np.outer(size, size)
+    now = tuned.fit.normal.hessian.sum(axis=0) * scale
+    v = combination.direction
+    before = _variance(now, v)
+    left = np.array([
+        np.sqrt(_variance(now + H * scale, v) / before) if np.isfinite(H).all() else np.inf
+        for H in added
+    ])  # fmt: skip
+    best = int(np.nanargmin(np.append(left, np.inf)))
+    if best == len(left) or not np.isfinite(left[best]):
+        return None
+    power, angle, length = conditions[best]
+    return NewTrial(float(power), angle, length, float(left[best]))
+
+
+def imaginable(series: Sequence[Series], tuned: Tuned) -> Float:
+    """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
+    start where a number stands at a bound or its naive deviation exceeds `OPEN` of its size: at a
+    bound of 40 simulations run away.
+    """
+    naive = np.sqrt(np.diag(tuned.fit.naive_cov))
+    silent = [f.name in TURNING and straight(series) for f in tuned.fit.free]
+    held = [bool(side) for side in sides(tuned.fit)]
+    starts = np.array([parameter_of(f).start for f in tuned.fit.free])
+    return np.where(held | np.array(silent) | (naive > OPEN * sizes(tuned)), starts,
+                    tuned.fit.values)  # fmt: skip
+
+
+def _variance(fisher: Float, direction: Float) -> float:
+    floor = 1e-12 * np.trace(fisher) * np.eye(len(fisher))
+    return float(direction @ np.linalg.solve(fisher + floor, direction))
+
+
+def _conditions(series: Sequence[Series], setup: Setup) -> list[tuple[str, float, float]]:
+    powers = sorted({s.group for s in series}, key=float)
+    head = setup.robot.head_length_m
+    return [(p, a, h) for p in powers for a in ANGLES_DEG for h in (head, 1.5 * head)]
+
+
+def _imagined(
+    kernel: Kernel,
+    series: Sequence[Series],
+    tuned: Tuned,
+    setup: Setup,
+    condition: tuple[str, float, float],
+) -> Series:
+    """A trial of that condition from rest, seen without error, with the usual errors stated."""
+    power, angle, length = condition
+    like = next(s for s in series if s.group == power)
+    times = np.arange(round(NEW_TRIAL_S * NEW_RATE_HZ) + 1) / NEW_RATE_HZ
+    inputs = np.tile([np.radians(angle), like.inputs[0, 1]], (len(times), 1))
+    stated = np.nanmedian(like.noise[np.isfinite(like.seen).all(axis=1)], axis=0)
+    one = replace(
+        like,
+        times=times,
+        inputs=inputs,
+        constants=constants(setup, length),
+        noise=np.tile(stated, (len(times), 1, 1)),
+        mean=np.zeros(len(like.mean)),
+        evidence={},
+        seen=np.zeros((len(times), stated.shape[0])),
+    )
+    return replace(one, seen=_simulated(kernel, one, tuned))
+
+
+def _simulated(kernel: Kernel, series: Series, tuned: Tuned) -> Float:
+    values = tuned.trial_values(kernel, [series])[0]
+    observed, _ = propagate(
+        kernel,
+        np.repeat(series.mean[None, :, None], LANES, axis=2),
+        np.repeat(values[None, :, None], LANES, axis=2),
+        np.repeat(series.constants[None, :, None], LANES, axis=2),
+        times=series.times[None],
+        inputs=series.inputs[None],
+    )
+    return np.ascontiguousarray(observed[0, :, :, 0])

@@ -1,0 +1,81 @@
+"""What trials say nothing of unless the head is turned in some of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fitting import Series
+from ..fitting.joint import AT_BOUND
+from .bounds import one_sided, parameter_of, sides
+from .joint import Tuned
+
+TURNING = ("C_Da", "C_La", "C_Ma", "C_Md")
+STRAIGHT_BELOW_RAD = np.radians(3.0)
+
+
+def open_without_turns(
+    table: Mapping[str, dict[str, Any]], series: Sequence[Series]
+) -> dict[str, dict[str, Any]]:
+    """A table in which straight runs alone determine nothing that acts at an angle of attack: what
+    the random water tells of it rests on the model of that water.
+    """
+    if not straight(series):
+        return dict(table)
+    why = "no turns: straight runs hold alpha at 0 and say nothing of it"
+    return {
+        name: cell | {"determined": False, "why": why} if name in TURNING else cell
+        for name, cell in table.items()
+    }
+
+
+def turns(series: Sequence[Series]) -> int:
+    """How many trials have the head turned."""
+    return sum(not straight([s]) for s in series)
+
+
+def hangs_on_one_trial(tuned: Tuned) -> bool:
+    """Whether one trial alone tells of some number that acts at an angle of attack."""
+    held = sides(tuned.fit)
+    return any(
+        f.name in TURNING and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
+        for i, f in enumerate(tuned.fit.free)
+    )
+
+
+def outcome(tuned: Tuned, series: Sequence[Series]) -> str:
+    """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
+    plausible, or whether they only say too little of them.
+    """
+    if tuned.fit.outcome != AT_BOUND:
+        return tuned.fit.outcome
+    held = [tuned.fit.free[i].label for i, side in enumerate(sides(tuned.fit)) if side]
+    blind = [name for name in held if name.split("@")[0] in TURNING]
+    if straight(series) and blind == held:
+        return (
+            "at a bound: straight runs hold alpha at 0 and say nothing of "
+            f"{', '.join(held)}: turns are lacking"
+        )
+    unsaid = [tuned.fit.free[i].label for i in _unsaid(tuned)]
+    if unsaid == held:
+        lacking = "more turns are" if blind == held else "more trials are"
+        return f"at a bound: these trials say too little of {', '.join(held)}: {lacking} lacking"
+    return tuned.fit.outcome
+
+
+def _unsaid(tuned: Tuned) -> list[int]:
+    """Numbers at a bound that may as well have their usual value: the start of fits, which lies
+    in their one-sided interval.
+    """
+    return [
+        i
+        for i, ends in one_sided(tuned.fit).items()
+        if ends[0] <= parameter_of(tuned.fit.free[i]).start <= ends[1]
+    ]
+
+
+def straight(series: Sequence[Series]) -> bool:
+    """Whether no trial turns its head."""
+    return all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)

@@ -9,7 +9,7 @@ from types import TracebackType
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
-MOST = 4
+MOST = 3
 PATIENCE_S = 0.05
 
 

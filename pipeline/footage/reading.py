@@ -19,6 +19,7 @@ from .recording import Recording
 
 EPS_S = 1e-6
 AHEAD_BYTES = 40 * 10**6
+MOST_SMALL = 12
 PICTURE_BYTES = 1.5
 
 
@@ -45,7 +46,7 @@ class Film:
         """
         width, height = self.recording.size_px
         room = int(AHEAD_BYTES / (PICTURE_BYTES * width * height))
-        return Ahead(iter(self), max(MOST, min(room, 4 * MOST)))
+        return Ahead(iter(self), max(MOST, min(room, MOST_SMALL)))
 
     def spread(self, count: int) -> Iterator[Frame]:
         """About `count` frames spread evenly over the recording's part, decoded alone."""

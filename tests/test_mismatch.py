@@ -14,7 +14,7 @@ from pipeline.faults import Fault
 from pipeline.files import plain
 from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth, spread_over_trials
 from pipeline.integrate import compiled
-from pipeline.mismatch import Bench, Found, find_mismatch, folds, reliability, weights
+from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, weights
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.horizon import begun
@@ -278,6 +278,34 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
 ) -> None:
     m, _ = demo
     assert all("scale" not in s.evidence for s in with_scale(m.series, geometry))
+
+
+@pytest.mark.parametrize(
+    ("likely", "rivals", "told"),
+    [("nothing", [], {"scale": 0.014, "lens": 0.0, "bend": 0.0}),
+     ("uncorrected_refraction", [], {"scale": 0.014, "lens": 0.0, "bend": -0.014}),
+     ("uncorrected_refraction", ["scale_error"], {"scale": 0.014}),
+     ("lens_error", [], {})],
+)  # fmt: skip
+def test_the_pattern_of_rigid_distances_is_evidence(
+    demo: tuple[Measured, Found], likely: str, rivals: list[str], told: dict[str, float]
+) -> None:
+    m, _ = demo
+    geometry = {"scale": 1.014, "scale_std": 0.0004, "likely": likely, "rivals": rivals}
+    for one in with_scale(m.series, geometry):
+        found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
+        assert found == pytest.approx(told)
+
+
+def test_what_side_measurements_say_pays_by_itself(demo: tuple[Measured, Found]) -> None:
+    """Rigid lengths 1.4 % too long, beside a fin that gains a hundred times as much."""
+    _, found = demo
+    before = found.choice.chosen
+    each = 8.0 / len(before.worth)
+    after = replace(before, effects=(*before.effects, "scale_error"), worth=before.worth + each,
+                    p_value={**before.p_value, "scale_error": 1e-3})  # fmt: skip
+    assert not pays(before, after, found.choice.bare)
+    assert pays(before, replace(after, side=before.side + 8.0), found.choice.bare)
 
 
 def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Found]) -> None:

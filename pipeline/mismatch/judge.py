@@ -42,7 +42,8 @@ class Trialled:
 
     noise: the random part it was judged under. inflation: how many times wider its numbers spread
     over trials than one Fisher matrix says (1 where errors are as independent as modelled).
-    p_value: effect -> probability that strengths as sure as these come of nothing.
+    p_value: effect -> probability that strengths as sure as these come of nothing. side: log
+    likelihood of the side measurements.
     """
 
     effects: tuple[str, ...]
@@ -51,6 +52,7 @@ class Trialled:
     noise: Noise
     inflation: float
     p_value: Mapping[str, float]
+    side: float = 0.0
 
     @property
     def total(self) -> float:

@@ -23,6 +23,7 @@ from ..fitting import (
     moving,
     normal_equations,
     pseudo_inverse,
+    side_log_likelihoods,
     trial_values,
 )
 from ..integrate import Kernel
@@ -77,7 +78,9 @@ def try_effects(
         return trialled(kernel, effects, found, noise, series)
     worth = held_out_worth(kernel, series, point, found, noise=noise,
                            predictor=predictor or ())  # fmt: skip
-    return trialled(kernel, effects, found, noise, series, worth=worth)
+    points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
+    side = float(side_log_likelihoods(kernel, series, points).sum())
+    return replace(trialled(kernel, effects, found, noise, series, worth=worth), side=side)
 
 
 def held_shapes(kernel: Kernel, model: Trialled) -> dict[str, float]:

@@ -30,6 +30,10 @@ shows one of p = 2e-4 in one study of 150, but without a gain. Few trials leave 
 which a large gain makes up for. What a strong effect of another form than nature's leaves over is
 small beside it, and any candidate may pick it up: it must be surer, or gain much by itself.
 """
+TOLD_ASIDE = 6.0
+"""A side measurement (rigid lengths, the tail beat) that an effect makes this much likelier, 3.5
+deviations, speaks for it by itself: no misfit of the paths can feign it.
+"""
 LEAST_FOR_SHAPE = 2.0
 MOST_INFLATED, MUCH = 4.0, 0.2
 """An addition that spreads the numbers over trials this many times more than before explains
@@ -197,6 +201,8 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
     bare: the model without effects, from which the gain of all effects together is counted.
     """
     gain = after.total - before.total
+    if after.side - before.side > TOLD_ASIDE and gain > 0:
+        return True
     part = gain / max(after.total - (bare or before).total, 1e-9)
     p_value = max((after.p_value[e] for e in after.effects if e not in before.effects), default=0.0)
     if after.inflation > MOST_INFLATED * before.inflation and part < MUCH:

@@ -16,7 +16,7 @@ from .find import Found
 from .judge import Trialled
 from .locate import LEAST_SHARE
 from .setting import CHANNELS, best_next_trial
-from .weighing import reliability, weights
+from .weighing import reliability, told_aside, weights
 
 RIVAL_WEIGHT = 0.02
 SURE = 0.8
@@ -71,7 +71,8 @@ def weights_in_place(found: Found, name: str) -> dict[str, float]:
     cause that is no candidate.
     """
     chosen, without = found.choice.chosen, found.choice.without[name]
-    sure = reliability((chosen.total - without.total) / chosen.inflation)
+    paths = reliability((chosen.total - without.total) / chosen.inflation)
+    sure = max(paths, told_aside(chosen.side - without.side))
     rivals = {
         t.effects[-1]: t
         for t in found.choice.places[name].tried

@@ -28,6 +28,7 @@ SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
 BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
+LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (camera/suspects.py) is seen
 
 log = logging.getLogger(__name__)
 
@@ -62,15 +63,19 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
 
 
 def with_scale(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
-    """Series with the scale seen in rigid distances as evidence, one measurement shared by all.
-
-    Where the distances' pattern over the pool shows no bending of light, that counts as well.
+    """Series with what rigid distances say as evidence, one measurement shared by all: the scale;
+    that light is not bent, or how much; that the lens is right. The last two only where one outcome
+    alone explains the pattern over the pool.
     """
     scale, std = geometry.get("scale"), geometry.get("scale_std")
     if scale is None or not std or geometry.get("likely") not in SPEAKS_OF_SCALE:
         return list(series)
-    each = float(np.hypot(std, LENGTH_STD) * np.sqrt(len(series)))
-    told = {"scale": (scale - 1.0, each)}
-    if geometry["likely"] in STRAIGHT and not geometry.get("rivals"):
-        told["bend"] = (0.0, BEND_STD * float(np.sqrt(len(series))))
-    return [replace(s, evidence=s.evidence | told) for s in series]
+    told = {"scale": (scale - 1.0, float(np.hypot(std, LENGTH_STD)))}
+    if not geometry.get("rivals"):
+        told["lens"] = (0.0, LENS_STD)
+        if geometry["likely"] in STRAIGHT:
+            told["bend"] = (0.0, BEND_STD)
+        elif geometry["likely"] == "uncorrected_refraction":
+            told["bend"] = (1.0 - scale, BEND_STD)
+    shared = {name: (value, by * len(series) ** 0.5) for name, (value, by) in told.items()}
+    return [replace(s, evidence=s.evidence | shared) for s in series]

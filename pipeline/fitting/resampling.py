@@ -9,11 +9,16 @@ jackknife covariance (Efron and Stein, Ann. Statist. 9 (1981), 586), which errs 
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import chi2
 
 from ..data import Float
 from ..integrate import Kernel
 from .joint import Fit, pseudo_inverse
 from .normal import Normal
+from .sandwich import Spread
+
+MANY = 1e6
+"""Degrees of freedom that make Student's t the normal law."""
 
 
 def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
@@ -57,8 +62,20 @@ def moving(kernel: Kernel, found: Fit) -> np.ndarray:
     return np.array(inside, dtype=bool)
 
 
-def ensemble(fit: Fit, cov: Float, count: int, rng: np.random.Generator) -> Float:
-    """Draws (count, p) of the fitted numbers for bands in figures."""
-    vectors = np.linalg.eigh(0.5 * (cov + cov.T))
-    root = vectors[1] * np.sqrt(np.maximum(vectors[0], 0.0))
-    return fit.values + rng.standard_normal((count, len(fit.values))) @ root.T
+def ensemble(fit: Fit, spread: Spread, count: int, rng: np.random.Generator) -> Float:
+    """Draws (count, p) of the fitted numbers, each as wide as its own Student's t.
+
+        x_j = value_j + z_j sqrt(nu_j / q_j(u)),
+
+    z normal with the covariance, u uniform, one for all numbers of a draw, q_j(u) the quantile of
+    chi squared with number j's nu_j degrees of freedom. So each has its t law at every level, not
+    at 95 % alone. One u for all: where all have the same nu this is the multivariate t, and a
+    combination that is known far better than its parts stays so (numbers that hang together have
+    nearly the same nu). A multivariate t with the least nu would widen those that many trials tell
+    of. A number of which nothing can be said is drawn with one degree of freedom, the widest.
+    """
+    values, vectors = np.linalg.eigh(0.5 * (spread.cov + spread.cov.T))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    z = rng.standard_normal((count, len(fit.values))) @ root.T
+    freedom = np.clip(spread.freedom, 1.0, MANY)
+    return fit.values + z * np.sqrt(freedom / chi2.ppf(rng.random((count, 1)), freedom))

@@ -79,12 +79,18 @@ class Spread:
         quantile = student.ppf(0.5 + 0.5 * level, np.maximum(self.freedom, 1.0))
         return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
-    def half_width(self, direction: Float, level: float = 0.95) -> float:
-        """The same of the sum of numbers with weights `direction` (p,); without `told` with the
-        fewest degrees of freedom of those that have a part in it.
+    def freedom_of(self, direction: Float) -> float:
+        """Degrees of freedom of the sum of numbers with weights `direction` (p,); without `told`
+        the fewest of those that have a part in it.
         """
-        part = np.abs(direction) > 0.1 * np.abs(direction).max()
-        freedom = self.told.freedom(direction) if self.told else float(self.freedom[part].min())
+        if self.told:
+            return self.told.freedom(direction)
+        part = np.abs(direction) * np.sqrt(np.diag(self.cov))
+        return float(self.freedom[part >= 0.1 * part.max()].min())
+
+    def half_width(self, direction: Float, level: float = 0.95) -> float:
+        """Half width of the interval of the sum of numbers with weights `direction` (p,)."""
+        freedom = self.freedom_of(direction)
         if freedom <= 0:
             return np.inf
         quantile = student.ppf(0.5 + 0.5 * level, max(freedom, 1.0))
@@ -121,13 +127,18 @@ class Lasting:
 
 
 def spread_over_trials(
-    normal: Normal, moving: np.ndarray | None = None, lasting: Lasting | None = None
+    normal: Normal,
+    moving: np.ndarray | None = None,
+    lasting: Lasting | None = None,
+    *,
+    least: float = LEAST_SHARE,
 ) -> Spread:
     """`Spread` of a joint fit from the normal equations of its trials.
 
     moving (p,): which numbers the fit could move; those held at a bound get no variance. lasting:
-    what is expected of the trials' scores beside white errors. One trial alone says nothing of how
-    trials disagree: the naive covariance, with no degree of freedom.
+    what is expected of the trials' scores beside white errors. least: share of the naive variance
+    that no direction falls below, since few trials may agree by chance. One trial alone says
+    nothing of how trials disagree: the naive covariance, with no degree of freedom.
     """
     count, p = normal.gradient.shape
     move = np.ones(p, dtype=bool) if moving is None else moving
@@ -144,7 +155,7 @@ def spread_over_trials(
     expected = leverage + (_kept(H, root, lasting, move) if lasting else 0.0)
     widened = _widened(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
-    cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores) @ root.T
+    cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, least) @ root.T
     told = Told(move, root, leverage, expected, widened)
     freedom[move] = [told.freedom(unit) for unit in np.eye(p)[move]]
     return Spread(cov, freedom, told)
@@ -198,9 +209,9 @@ def _alone(leverage: Float, direction: Float) -> float:
     return share / float(direction @ direction)
 
 
-def _floored(matrix: Float) -> Float:
+def _floored(matrix: Float, least: float) -> Float:
     values, vectors = np.linalg.eigh(matrix)
-    return (vectors * np.maximum(values, LEAST_SHARE)) @ vectors.T
+    return (vectors * np.maximum(values, least)) @ vectors.T
 
 
 def _freedom(leverage: Float, expected: Float, widened: Float, direction: Float) -> float:

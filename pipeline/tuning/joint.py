@@ -25,6 +25,7 @@ from ..fitting import (
     thinned,
     trial_values,
 )
+from ..fitting.sandwich import LEAST_SHARE
 from ..integrate import Kernel, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
@@ -102,8 +103,12 @@ def tune(
     base: Float | None = None,
     noise: Noise | None = None,
     start: dict[str, float] | None = None,
+    least: float = LEAST_SHARE,
 ) -> Tuned:
-    """Joint fit of the free numbers (default: the six coefficients); without `noise` that too."""
+    """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
+
+    least: share of the naive variance below which none is stated, however well trials agree.
+    """
     kernel = compiled(plates())
     free = tuple(free or (Free(p.name) for p in COEFFICIENTS))
     base = plates().values({}) if base is None else base
@@ -113,7 +118,7 @@ def tune(
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo(kernel, series, found, base, noise=noise)
-    spread = spread_over_trials(found.normal, moving(kernel, found), own)
+    spread = spread_over_trials(found.normal, moving(kernel, found), own, least=least)
     return Tuned(found, noise, spread.cov, base, spread.freedom, spread.told)
 
 

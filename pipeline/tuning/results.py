@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..data import Float, Steady
-from ..fitting import Series, ensemble, shoot
+from ..fitting import Series, shoot
 from ..integrate import compiled
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
 from ..study import Study
+from .draws import drawn
 from .identify import profile, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
@@ -34,7 +35,7 @@ def coefficients(
     steps, _, _ = three_steps(study, few, steady)
     joint = tune(few)
     values = joint.fit.by_label()
-    draws = ensemble(joint.fit, joint.cov, DRAWS, np.random.default_rng(seed))
+    draws = drawn(joint, DRAWS, np.random.default_rng(seed))
     return {
         "unit_reading": UNIT_READING,
         "paper_steps": steps,
@@ -73,15 +74,13 @@ def straight_swimming(
     def growth(values: Mapping[str, float], power: str) -> float:
         return growth_per_s(values, setup=study.setup, flap_hz=steps[power]["flap_hz"])
 
-    bounds = {p.name: (p.lower, p.upper) for p in COEFFICIENTS}
     names = list(joint.fit.by_label())
-    inside = np.clip(draws, *np.array([bounds[name] for name in names]).T)
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
     if turns(series) < LEAST_TURNS or hangs_on_one_trial(joint):
         return untold(by_power[worst]) | {"by_power": by_power}
-    drawn = [growth(dict(zip(names, row, strict=True)), worst) for row in inside.tolist()]
-    return verdict(by_power[worst], drawn) | {"by_power": by_power}
+    over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
+    return verdict(by_power[worst], over) | {"by_power": by_power}
 
 
 def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..study import Setup
-from .identify import Combination, by_name, spectrum
+from .identify import Combination, by_name, sizes, spectrum
 from .joint import Tuned
 from .new_trial import NewTrial, best_new_trial
 from .turns import TURNING, straight
@@ -29,7 +29,8 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
         {
             **told(names, one),
             "sentence": _sentence(names, one, straight=still),
-            "trial": _trial(best_new_trial(series, tuned, setup, one)),
+            "trial": _once_more(series, tuned, one)
+            or _trial(best_new_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
         if is_open(names, one, straight=still)
@@ -87,6 +88,16 @@ def _together(parts: Mapping[str, float]) -> str:
     both = up or down
     told = f"{_listed(both)} may grow together"
     return told + (": only their ratio is fixed." if len(both) == 2 else " and hardly be noticed.")
+
+
+def _once_more(series: Sequence[Series], tuned: Tuned, one: Combination) -> str:
+    """Of what one trial of several alone tells: that trial again, so that there are two."""
+    if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
+        return ""
+    weights = tuned.fit.naive_cov @ (one.direction / sizes(tuned))
+    told = np.einsum("p,tpq,q->t", weights, tuned.fit.normal.hessian, weights)
+    name = series[int(np.argmax(told))].name
+    return f"one more like {name}, which alone tells of it: then it is seen how far two disagree"
 
 
 def _trial(trial: NewTrial | None) -> str:

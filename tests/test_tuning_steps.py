@@ -1,0 +1,167 @@
+"""What is stated of a step that takes an earlier one's numbers, and draws as wide as intervals."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_tuning_bounds import at_lower_bound
+
+from campaigns import Errors, plans, sixteen
+from pipeline.fitting import (
+    Fit,
+    Free,
+    Normal,
+    Series,
+    Spread,
+    ensemble,
+    moving,
+    spread_over_trials,
+)
+from pipeline.integrate import compiled
+from pipeline.model import plates
+from pipeline.tuning import Tuned, thin, tune
+from pipeline.tuning.carried import carried, gain
+from pipeline.tuning.draws import drawn, response
+from pipeline.tuning.joint import FIRST_NOISE
+from pipeline.tuning.paper_steps import _second, draws
+
+FRAMES = 20
+PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
+
+
+def given(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
+    spread = spread_over_trials(normal, **more)  # type: ignore[arg-type]
+    fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
+    return Tuned(fit, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom, spread.told)
+
+
+def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
+    """Lines whose first number comes from 4 trials of its own, two others from 6; truth is 0."""
+    X1, X2 = rng.standard_normal((4, FRAMES, 1)), rng.standard_normal((6, FRAMES, 3))
+    X2[:, :, 0] += 2.0 * X2[:, :, 1]
+    y1, y2 = rng.standard_normal((4, FRAMES)), rng.standard_normal((6, FRAMES))
+    first, left1 = least_squares(X1, y1)
+    own = X2[:, :, 1:]
+    second, left2 = least_squares(own, y2 - X2[:, :, 0] * first)
+    H = np.einsum("tnp,tnq->pq", X2, X2)
+    along = -np.linalg.solve(H[1:, 1:], H[1:, :1])
+    return (
+        given(second, ["C_La", "C_Ma"], equations(own, left2)),
+        given(first, ["C_D0"], equations(X1, left1)),
+        along,
+    )
+
+
+def least_squares(X: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    rows = X.reshape(-1, X.shape[2])
+    values = np.linalg.lstsq(rows, y.ravel(), rcond=None)[0]
+    return values, y - X @ values
+
+
+def equations(X: np.ndarray, left: np.ndarray) -> Normal:
+    H = np.einsum("tnp,tnq->tpq", X, X)
+    return Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(len(X)))
+
+
+def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along() -> None:
+    rng = np.random.default_rng(6)
+    plain, whole = [], []
+    for _ in range(500):
+        later, earlier, along = two_steps(rng)
+        whole_one = carried(later, earlier, along)
+        off = np.abs(later.fit.values)
+        plain.append(off <= later.spread.half_widths())
+        whole.append(off <= whole_one.spread.half_widths())
+    assert np.mean(plain, axis=0)[0] < 0.75, "C_La leans on the number that was taken as exact"
+    assert np.mean(whole, axis=0) == pytest.approx([0.95, 0.95], abs=0.03)
+
+
+def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() -> None:
+    later, earlier, along = two_steps(np.random.default_rng(7))
+    unknown = replace(earlier, freedom=np.zeros(1), told=None)
+    assert carried(later, unknown, along).freedom[0] == 0.0
+    nothing = carried(later, earlier, 0.0 * along)
+    assert nothing.cov == pytest.approx(later.cov)
+    assert nothing.freedom == pytest.approx(later.freedom)
+
+
+@pytest.fixture(scope="module")
+def steps() -> tuple[list[Series], Tuned, Tuned]:
+    few = thin(sixteen(plans((75,), PLAN), Errors(), np.random.default_rng(5), count=1)[0])
+    first = tune(few[:2], [Free("C_T"), Free("C_D0")], least=1.0)
+    return few[2:], first, _second(few[2:], first)
+
+
+def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> None:
+    turns, first, second = steps
+    along = gain(turns, second, first)
+    changed = second.base.copy()
+    change = 0.02 * first.fit.values[1]
+    changed[plates().slot["C_D0"]] += change
+    again = tune(turns, second.fit.free, base=changed, noise=second.noise,
+                 start=second.fit.by_label())  # fmt: skip
+    moved = again.fit.values - second.fit.values
+    size = np.abs(along[:, 1] * change)
+    told = size > 0.1 * second.std
+    assert told.any()
+    assert moved[told] == pytest.approx(along[told, 1] * change, rel=0.25)
+    whole = carried(second, first, along)
+    assert whole.cov == pytest.approx(second.cov + along @ first.cov @ along.T)
+    assert np.all(whole.std >= second.std)
+
+
+def test_no_variance_of_a_step_is_less_than_the_naive_one(steps) -> None:
+    _, first, second = steps
+    for one in (first, second):
+        assert np.all(one.std >= 0.999 * np.sqrt(np.diag(one.fit.naive_cov)))
+
+
+def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(steps) -> None:
+    turns, first, second = steps
+    along = gain(turns, second, first)
+    tight = replace(second, cov=1e-12 * second.cov)
+    found = draws((first, tight), along, np.random.default_rng(1))
+    moved = np.column_stack([found[n] for n in ("C_T", "C_D0")]) - first.fit.values
+    expected = second.fit.values[0] + moved @ along[0]
+    near = np.abs(expected - second.fit.values[0]) < 1.0
+    assert near.sum() > 30
+    assert np.array(found["C_La"])[near] == pytest.approx(expected[near], abs=1e-3)
+
+
+def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
+    std = np.array([0.1, 0.02, 0.3])
+    near = np.array([[1.0, 0.9994, 0.2], [0.9994, 1.0, 0.2], [0.2, 0.2, 1.0]])
+    spread = Spread(near * np.outer(std, std), np.array([2.0, 2.02, 12.0]))
+    values = np.array([1.0, 2.0, 3.0])
+    fit = Fit(tuple(Free(n) for n in ("C_La", "C_Ma", "C_Da")), values,
+              Normal(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)), "", 1)  # fmt: skip
+    rows = ensemble(fit, spread, 40_000, np.random.default_rng(2)) - values
+    for level in (0.5, 0.95):
+        found = np.quantile(np.abs(rows), level, axis=0)
+        assert found == pytest.approx(spread.half_widths(level), rel=0.06)
+    known = rows[:, 0] / std[0] - rows[:, 1] / std[1]
+    expected = spread.half_widths()[0] / std[0] * np.sqrt(2 * (1 - 0.9994))
+    assert np.quantile(np.abs(known), 0.95) == pytest.approx(expected, rel=0.3)
+
+
+def test_a_number_at_its_bound_varies_over_its_interval_and_the_others_go_along() -> None:
+    fit = at_lower_bound(-0.5, widths=0.1)
+    low, high = fit.interval_95[2]
+    rows = drawn(fit, 4000, np.random.default_rng(3))
+    assert rows[:, 2].min() >= low
+    assert rows[:, 2].max() <= high
+    assert rows[:, 2].max() - rows[:, 2].min() > 0.8 * (high - low)
+    assert np.mean(rows[:, 2] < 0.5 * (low + high)) > 0.5
+    slope = np.cov(rows[:, 2], rows[:, 3])[0, 1] / np.var(rows[:, 2])
+    wide = np.std(rows[:, 3]) / np.std(rows[:, 2]) / np.sqrt(4000)
+    assert slope == pytest.approx(response(fit.fit, [2])[3, 0], abs=5 * wide)
+    assert not moving(compiled(plates()), fit.fit)[2]
+
+
+def test_a_number_beyond_its_bound_alone_stays_there() -> None:
+    fit = at_lower_bound(-50.0, widths=0.1)
+    assert np.isnan(fit.interval_95[2]).all()
+    rows = drawn(fit, 50, np.random.default_rng(3))
+    assert np.all(rows[:, 2] == fit.fit.values[2])

@@ -14,7 +14,7 @@ from pipeline.integrate import compiled
 from pipeline.model import plates
 from pipeline.tuning import Tuned, table, thin, tune
 from pipeline.tuning.identify import profile, sizes, spectrum
-from pipeline.tuning.new_trial import best_new_trial
+from pipeline.tuning.new_trial import best_new_trial, imaginable
 from pipeline.tuning.turns import open_without_turns, outcome
 from pipeline.tuning.words import undetermined
 from robots import SETUP
@@ -86,6 +86,15 @@ def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds
         assert trial is not None
         assert 0.0 <= trial.left <= 1.0
     assert any(t["trial"].startswith("a turn at") for t in told)
+
+
+def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) -> None:
+    values = dict(zip(NAMES, imaginable(straight, at_bounds), strict=True))
+    starts = {p.name: p.start for p in plates().parameters}
+    assert all(values[name] == starts[name] for name in BOUNDS)
+    assert values["C_T"] == at_bounds.fit.values[NAMES.index("C_T")]
+    joint = tune(campaign)
+    assert imaginable(campaign, joint) == pytest.approx(joint.fit.values)
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:

@@ -107,6 +107,22 @@ def test_literals_are_what_pickle_would_give(value, protocol):
     assert literal(pickle.dumps(value, protocol)) == value
 
 
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"(.",
+        b"](a.",
+        b"](\x85a.",
+        b"X\x01\x00\x00\x00aX\x01\x00\x00\x00ba.",
+        b"}K\x01(s.",
+        b"(q\x00.",
+    ],
+)
+def test_a_mark_or_a_step_out_of_place_is_no_literal(content):
+    with pytest.raises(NotLiteral):
+        literal(content)
+
+
 @given(st.binary(max_size=200))
 @settings(max_examples=150, deadline=None)
 def test_any_bytes_are_a_literal_or_refused(content):

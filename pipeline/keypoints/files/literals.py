@@ -36,9 +36,9 @@ def literal(pickled: bytes) -> Any:
             if count > MOST_STEPS:
                 raise NotLiteral("too long")
             if step.name == "STOP":
-                return stack.pop()
+                return _unmarked(stack.pop())
             _follow(step.name, argument, stack, memo)
-    except (IndexError, KeyError, TypeError, UnicodeDecodeError, ValueError) as error:
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         raise NotLiteral(str(error)) from error
     raise NotLiteral("no end")
 
@@ -55,22 +55,29 @@ def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) ->
     elif name == "MARK":
         stack.append(MARK)
     elif name in ("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE"):
-        memo[len(memo) if name == "MEMOIZE" else int(argument)] = stack[-1]
+        memo[len(memo) if name == "MEMOIZE" else int(argument)] = _unmarked(stack[-1])
     elif name in ("GET", "BINGET", "LONG_BINGET"):
         stack.append(memo[int(argument)])
     else:
         _gather(name, stack)
 
 
+def _unmarked(item: Any) -> Any:
+    """A thing that a literal may hold: no mark."""
+    if item is MARK:
+        raise NotLiteral("a mark where a value is expected")
+    return item
+
+
 def _gather(name: str, stack: list[Any]) -> None:
     """Steps that take things off the stack and put one thing back."""
     if name in ("TUPLE1", "TUPLE2", "TUPLE3"):
         count = int(name[-1])
-        stack[-count:] = [tuple(stack[-count:])]
+        stack[-count:] = [tuple(map(_unmarked, stack[-count:]))]
     elif name == "APPEND":
-        stack[-2].append(stack.pop())
+        stack[-2].append(_unmarked(stack.pop()))
     elif name == "SETITEM":
-        value, key = stack.pop(), stack.pop()
+        value, key = _unmarked(stack.pop()), _unmarked(stack.pop())
         stack[-1][key] = value
     elif name in ("TUPLE", "LIST", "DICT", "APPENDS", "SETITEMS"):
         _from_mark(name, stack)

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from pendulum import PENDULUM
 from pipeline.integrate import LANES, System, compiled
-from pipeline.integrate.batch import propagate
+from pipeline.integrate.batch import each, propagate
 from pipeline.integrate.inlining import Lines, written_out
 from pipeline.integrate.writing import source
 from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
@@ -180,3 +180,20 @@ def test_straight_lines_are_written_out_and_branches_called() -> None:
         "given_1 = a + 1.0", f"out_2 = {name}(given_1)", "twice_3 = 2.0 * out_2",
     ]  # fmt: skip
     assert values == ["twice_3", "0.0"]
+
+
+def test_calls_shared_among_threads_keep_their_order_and_their_faults(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("BLUEKOI_THREADS", "3")
+    assert each(lambda k: k * k, range(50)) == [k * k for k in range(50)]
+    assert each(lambda k: each(lambda m: (k, m), range(3)), range(4))[3] == [(3, 0), (3, 1), (3, 2)]
+
+    def faulty(k: int) -> int:
+        if k == 7:
+            raise IndexError("seven")
+        return k
+
+    with pytest.raises(IndexError, match="seven"):
+        each(faulty, range(20))
+    assert each(lambda k: -k, range(5)) == [0, -1, -2, -3, -4]

@@ -5,8 +5,9 @@ from __future__ import annotations
 import itertools
 import os
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import lru_cache
 from typing import Any
 
@@ -83,16 +84,39 @@ def in_parts(run: Callable[[int, int], Any], count: int, least: int = 4) -> None
 def each(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
     """`[function(item) for item in items]` with threads, for compiled functions without the GIL.
 
-    Within a call of `function` further calls run one after the other: the cores are taken.
+    The calling thread takes items as well. Within a call of `function` further calls run one after
+    the other: the cores are taken.
     """
     if threads() < 2 or len(items) < 2 or getattr(_within, "one", False):
         return [function(item) for item in items]
+    todo = deque(enumerate(items))
+    found: list[Any] = [None] * len(items)
 
-    def alone(item: Any) -> Any:
+    def take() -> None:
         _within.one = True
-        return function(item)
+        try:
+            while (one := _next(todo)) is not None:
+                found[one[0]] = function(one[1])
+        finally:
+            _within.one = False
+            todo.clear()  # empty, unless a call has failed: then no other is begun
 
-    return list(_pool(os.getpid(), threads()).map(alone, items))
+    others = min(threads(), len(items)) - 1
+    helpers = [_pool(os.getpid(), threads() - 1).submit(take) for _ in range(others)]
+    try:
+        take()
+    finally:
+        wait(helpers)
+    for helper in helpers:
+        helper.result()
+    return found
+
+
+def _next(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
+    try:
+        return todo.popleft()
+    except IndexError:
+        return None
 
 
 _within = threading.local()

@@ -25,7 +25,7 @@ from pipeline.mismatch.search import held_shapes
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
-from pipeline.stages.mismatch import with_scale
+from pipeline.stages.mismatch import with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
 from pipeline.tuning import thin, tune
 
@@ -261,7 +261,9 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
 
 def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) -> None:
     m, _ = demo
-    told = with_scale(m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"})
+    told = with_rigid_distances(
+        m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"}
+    )
     values = np.array([s.evidence["scale"] for s in told])
     assert values[:, 0] == pytest.approx(0.02)
     assert np.sum(1 / values[:, 1] ** 2) == pytest.approx(1 / (0.004**2 + 0.003**2))
@@ -277,7 +279,7 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
     demo: tuple[Measured, Found], geometry: dict[str, object]
 ) -> None:
     m, _ = demo
-    assert all("scale" not in s.evidence for s in with_scale(m.series, geometry))
+    assert all("scale" not in s.evidence for s in with_rigid_distances(m.series, geometry))
 
 
 @pytest.mark.parametrize(
@@ -292,7 +294,7 @@ def test_the_pattern_of_rigid_distances_is_evidence(
 ) -> None:
     m, _ = demo
     geometry = {"scale": 1.014, "scale_std": 0.0004, "likely": likely, "rivals": rivals}
-    for one in with_scale(m.series, geometry):
+    for one in with_rigid_distances(m.series, geometry):
         found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
         assert found == pytest.approx(told)
 

@@ -53,9 +53,9 @@ def check_geometry(
     Each suspect's pattern d(distance)/d(parameter) is fitted alone by weighted least squares with
     a prior of plausible width; it is named when its F test, with trials as independent clusters,
     would pass by chance once in 1000 over all suspects, and when it changes lengths by more than a
-    detector's own lasting errors may. Nothing less than that is reported. A
-    suspect that would have to be implausibly large (a focal length off by a third) is named only
-    where no other is sure.
+    detector's own lasting errors may. Nothing less than that is reported. A suspect that would
+    have to be implausibly large (a focal length off by a third) is named only where no other is
+    sure.
 
     Raises: Fault where no rigid pair is ever seen.
     """

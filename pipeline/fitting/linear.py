@@ -28,6 +28,7 @@ from .filtering import (
     filter_all,
     with_noise,
 )
+from .padded import filled
 from .recursion import log_likelihoods
 from .series import Noise, Series
 
@@ -74,13 +75,13 @@ def linearised(
     block = np.ix_(active, active)
     return Linear(
         np.array([len(s.times) for s in series]),
-        _padded([s.times for s in series]),
-        _padded([p.transitions[:, block[0], block[1]] for p in passed]),
+        filled([s.times for s in series]),
+        filled([p.transitions[:, block[0], block[1]] for p in passed]),
         slopes,
-        _padded([(p.filtered - p.predicted)[:, active] for p in passed]),
-        np.where(tau > 0, _padded([p.filtered[:, active] for p in passed]), 0.0),
-        _padded([s.seen for s in series]) - observed,
-        _padded([s.noise for s in series]),
+        filled([(p.filtered - p.predicted)[:, active] for p in passed]),
+        np.where(tau > 0, filled([p.filtered[:, active] for p in passed]), 0.0),
+        filled([s.seen for s in series]) - observed,
+        filled([s.noise for s in series]),
         np.array([s.cov[block] for s in series]),
         random,
         places,
@@ -107,31 +108,24 @@ def log_likelihood(linear: Linear, noise: Noise) -> float:
     return float(out.sum())
 
 
-def _padded(parts: Sequence[Float]) -> Float:
-    """Trials as one array (t, n, ...), the last frame repeated."""
-    longest = max(len(p) for p in parts)
-    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
-                     for p in parts])  # fmt: skip
-
-
 def _observed(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *,
     passed: Sequence[Filtered], active: np.ndarray,
 ) -> tuple[Float, Float]:  # fmt: skip
     """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""
-    predicted = _padded([p.predicted for p in passed])
+    predicted = filled([p.predicted for p in passed])
     trials, frames, states = predicted.shape
     state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
     state[:, active, np.arange(1, len(active) + 1)] += DIFFERENCE
     each = np.repeat(np.arange(trials), frames)
     full = np.array([with_noise(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
-    times, inputs = (_padded([getattr(s, k) for s in series]) for k in ("times", "inputs"))
+    times, inputs = (filled([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
     seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
                         inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
     flat = seen[:, 0]
     slopes = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
-    known = np.isfinite(_padded([s.seen for s in series]))
+    known = np.isfinite(filled([s.seen for s in series]))
     H = np.where(known[..., None], slopes.reshape(*known.shape, len(active)), 0.0)
     return flat[:, :, 0].reshape(known.shape), H

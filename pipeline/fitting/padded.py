@@ -61,19 +61,10 @@ def padded(
     """
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
-    longest = max(len(s.times) for s in series)
-
-    def filled(rows: Sequence[Float], *, last: bool) -> Float:
-        out = np.zeros((len(rows), longest, *rows[0].shape[1:]))
-        for target, row in zip(out, rows, strict=True):
-            target[: len(row)] = row
-            target[len(row) :] = row[-1] if last else 0.0
-        return out
-
-    seen = filled([s.seen for s in series], last=False)
-    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series], last=True)
+    seen = filled([s.seen for s in series])
+    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
     frames = np.array([len(s.times) for s in series])
-    known = np.isfinite(seen) & (np.arange(longest) < frames[:, None])[:, :, None]
+    known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
     slots, parameters = slots_by_name(kernel), kernel.system.parameters
     groups = np.array([s.group for s in series])
     own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
@@ -82,8 +73,8 @@ def padded(
         kernel, base, tuple(zip([slots[f.name] for f in free], own, strict=True)),
         least_step=np.maximum(0.05 * np.array(starts), 1e-6),
         open_states=open_states,
-        times=filled([s.times for s in series], last=True),
-        inputs=filled([s.inputs for s in series], last=True),
+        times=filled([s.times for s in series]),
+        inputs=filled([s.inputs for s in series]),
         frames=frames,
         constants=np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
         seen=np.where(known, seen, 0.0),
@@ -91,3 +82,10 @@ def padded(
         prior=np.array([s.mean for s in series]),
         prior_std=np.sqrt([s.cov.diagonal() for s in series]),
     )  # fmt: skip
+
+
+def filled(parts: Sequence[Float]) -> Float:
+    """Trials of unequal length as one array (trials, frames, ...), the last frame repeated."""
+    longest = max(len(p) for p in parts)
+    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
+                     for p in parts])  # fmt: skip

@@ -32,8 +32,11 @@ from ..integrate import Kernel, Parameter, System
 
 FOLDS = 6
 MOST_LOST = 50.0
+"""Log likelihood that a trial left out may lose at most, whatever the other folds foretell."""
 MOMENTS = 2000
+"""Moments at which a jump is looked for: 24 trials of some 80 observations."""
 PRIOR_FREEDOM = 6
+"""Trials that all numbers together count for, where few say how much one number varies."""
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,6 @@ def try_effects(
         return trialled(kernel, effects, found, noise, series)
     worth = held_out_worth(kernel, series, point, found, noise=noise,
                            predictor=predictor or ())  # fmt: skip
-    points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
     side = float(side_log_likelihoods(kernel, series, points).sum())
     return replace(trialled(kernel, effects, found, noise, series, worth=worth), side=side)
 

@@ -15,6 +15,7 @@ that gained 80 or more over the inflation, 13 of 14 from 40 on, 9 of 11 from 20 
 These two numbers are the logistic regression on the logarithm of that gain.
 """
 CANDIDATES = 30
+"""Causes tried beside the right one, about as many as there are files of them."""
 
 
 def reliability(gain: float) -> float:

@@ -39,7 +39,7 @@ def mismatch(study: Path, results: Path) -> None:
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
     series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
-    series = with_scale(series, campaign.geometry or {})
+    series = with_rigid_distances(series, campaign.geometry or {})
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -62,7 +62,7 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
     return replace(series, evidence={"clock_ratio": (video_hz / flap_hz - 1, float(std))})
 
 
-def with_scale(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
+def with_rigid_distances(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
     """Series with what rigid distances say as evidence, one measurement shared by all: the scale;
     that light is not bent, or how much; that the lens is right. The last two only where one outcome
     alone explains the pattern over the pool.

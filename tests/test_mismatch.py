@@ -299,6 +299,14 @@ def test_the_pattern_of_rigid_distances_is_evidence(
         assert found == pytest.approx(told)
 
 
+def test_the_sentence_says_on_which_trials(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    causes = mismatch_json(found, m.study, m.series)["causes"]
+    assert "on trials not fitted the path error falls" in sentence(found, causes, [])
+    small = replace(found, held_out=[f.name for f in found.forces])
+    assert "on the fitted trials (none could be held out)" in sentence(small, causes, [])
+
+
 def test_what_side_measurements_say_pays_by_itself(demo: tuple[Measured, Found]) -> None:
     """Rigid lengths 1.4 % too long, beside a fin that gains a hundred times as much."""
     _, found = demo

@@ -184,7 +184,9 @@ def sentence(
     """One sentence of verdict, plain words first."""
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
     way = "falls" if after < before else "goes"
-    proof = f"on trials not fitted the path error {way} from {before:.1f} to {after:.1f} mm"
+    spared = set(found.held_out) < {f.name for f in found.forces}
+    trials = "on trials not fitted" if spared else "on the fitted trials (none could be held out)"
+    proof = f"{trials} the path error {way} from {before:.1f} to {after:.1f} mm"
     if found.verdict == "none" and not _determined(found):
         return (
             "These trials determine hardly any coefficient, so that nothing can be said of what "

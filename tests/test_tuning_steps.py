@@ -23,7 +23,7 @@ from pipeline.integrate import compiled
 from pipeline.model import plates
 from pipeline.tuning import Tuned, thin, tune
 from pipeline.tuning.carried import carried, gain
-from pipeline.tuning.draws import drawn, response
+from pipeline.tuning.draws import along, drawn
 from pipeline.tuning.joint import FIRST_NOISE
 from pipeline.tuning.paper_steps import _second, draws
 
@@ -156,7 +156,7 @@ def test_a_number_at_its_bound_varies_over_its_interval_and_the_others_go_along(
     assert np.mean(rows[:, 2] < 0.5 * (low + high)) > 0.5
     slope = np.cov(rows[:, 2], rows[:, 3])[0, 1] / np.var(rows[:, 2])
     wide = np.std(rows[:, 3]) / np.std(rows[:, 2]) / np.sqrt(4000)
-    assert slope == pytest.approx(response(fit.fit, [2])[3, 0], abs=5 * wide)
+    assert slope == pytest.approx(along(fit.fit, [2])[3, 0], abs=5 * wide)
     assert not moving(compiled(plates()), fit.fit)[2]
 
 

@@ -1,7 +1,7 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
 from .filtering import Filtered, disturbance_slots, filter_all, filter_series, smooth
-from .joint import Fit, fit, pseudo_inverse
+from .joint import Fit, fit, pseudo_inverse, response
 from .noise import fit_noise
 from .normal import (
     Normal,
@@ -42,6 +42,7 @@ __all__ = [
     "moving",
     "normal_equations",
     "pseudo_inverse",
+    "response",
     "shoot",
     "side_log_likelihoods",
     "slots_by_name",

@@ -117,3 +117,8 @@ def pseudo_inverse(matrix: Float) -> Float:
     vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     inverse = vectors[1] / np.maximum(vectors[0], 1e-12) @ vectors[1].T
     return inverse / np.outer(scale, scale)
+
+
+def response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:
+    """-H_oo^-1 H_ox (own, others): how some numbers of a fit go along with a change of others."""
+    return -pseudo_inverse(hessian[np.ix_(own, own)]) @ hessian[np.ix_(own, others)]

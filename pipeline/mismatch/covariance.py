@@ -10,7 +10,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free, Spread, moving, normal_equations, pseudo_inverse, spread_over_trials
+from ..fitting import (
+    Free,
+    Spread,
+    moving,
+    normal_equations,
+    pseudo_inverse,
+    response,
+    spread_over_trials,
+)
 from .bench import Bench
 from .judge import Trialled, parameters_of
 from .search import held_shapes, with_starts
@@ -50,8 +58,8 @@ def _of_shapes(bench: Bench, model: Trialled, move: np.ndarray) -> Float:
     if not normal.usable:
         return cov
     H = normal.hessian.sum(axis=0)
-    own, shapes = np.flatnonzero(move), np.arange(p, p + len(held))
-    shift = -pseudo_inverse(H[np.ix_(own, own)]) @ H[np.ix_(own, shapes)]
+    own, shapes = np.flatnonzero(move).tolist(), list(range(p, p + len(held)))
+    shift = response(H, own, shapes)
     known = np.array([one.spread**-2.0 for one in parameters_of(kernel, frees[p:])])
     seen = H[np.ix_(shapes, shapes)] - np.diag(known) + H[np.ix_(shapes, own)] @ shift
     open_ = pseudo_inverse(np.diag(known) + seen / model.inflation)

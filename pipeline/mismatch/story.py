@@ -12,6 +12,7 @@ from ..integrate import compiled
 from ..model import plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned, table
+from ..tuning.joint import BAND
 from .find import Found
 from .judge import Trialled
 from .locate import LEAST_SHARE
@@ -95,7 +96,7 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
 
 def as_normal(tuned: Tuned) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
-    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / 1.96]
+    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND]
 
 
 def _unexplained(found: Found) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, moving, normal_equations, pseudo_inverse
+from ..fitting import Series, moving, normal_equations, response
 from ..fitting.sandwich import ALONE
 from ..integrate import compiled
 from ..model import plates
@@ -26,10 +26,9 @@ def gain(series: Sequence[Series], later: Tuned, earlier: Tuned) -> Float:
     free = (*later.fit.free, *earlier.fit.free)
     at = np.concatenate([later.fit.values, earlier.fit.values])
     normal = normal_equations(kernel, series, later.base, free, at, noise=later.noise)
-    own = np.flatnonzero(moving(kernel, later.fit))
-    if normal.usable and len(own):
-        H = normal.hessian.sum(axis=0)
-        out[own] = -pseudo_inverse(H[np.ix_(own, own)]) @ H[own, p:]
+    own = np.flatnonzero(moving(kernel, later.fit)).tolist()
+    if normal.usable and own:
+        out[own] = response(normal.hessian.sum(axis=0), own, range(p, len(free)))
     return out
 
 

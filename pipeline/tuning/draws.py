@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from ..data import Float
-from ..fitting import Fit, ensemble, pseudo_inverse, without_bounds
+from ..fitting import Fit, ensemble, response, without_bounds
 from .bounds import one_sided, parameter_of
 from .joint import Tuned
 
@@ -26,7 +26,7 @@ def drawn(tuned: Tuned, count: int, rng: np.random.Generator) -> Float:
     if held:
         moved = _inside(found, held, rng.random((count, len(held)))) - found.values[held]
         out[:, held] += moved
-        out += moved @ response(found, held).T
+        out += moved @ along(found, held).T
     return within(found, out)
 
 
@@ -54,12 +54,12 @@ def _inside(found: Fit, held: list[int], u: Float) -> Float:
     return out
 
 
-def response(found: Fit, held: list[int]) -> Float:
+def along(found: Fit, held: list[int]) -> Float:
     """How far (p, held) each number off its bounds goes with a change of those held."""
     H = found.normal.hessian.sum(axis=0)
     bound = set(one_sided(found))
     own = [i for i in range(len(H)) if i not in bound]
     out = np.zeros((len(H), len(held)))
     if own:
-        out[own] = -pseudo_inverse(H[np.ix_(own, own)]) @ H[np.ix_(own, held)]
+        out[own] = response(H, own, held)
     return out

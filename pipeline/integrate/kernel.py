@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from ..files import write_text
-from . import trigonometry
+from . import branchless
 from .dependence import RANDOM
 from .rows import LANES
 from .system import Function, System
@@ -125,4 +125,4 @@ def _functions(system: System) -> list[Function]:
 
 
 def _files(system: System) -> set[str]:
-    return {inspect.getfile(f) for f in _functions(system)} | {trigonometry.__file__}
+    return {inspect.getfile(f) for f in _functions(system)} | {branchless.__file__}

@@ -91,9 +91,9 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     W = s' C^-1 s of its k strengths s with covariance C; W / k is compared to Fisher's F. C is that
     between the n trials, moderated by what all numbers together say, the inverse Fisher matrix
     times the inflation, `wider`: the mean of both with weights n - 1 and `PRIOR_FREEDOM`, whose sum
-    are the degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats). Where one
-    trial alone informs on them there is no other; the chance is then that of chi-squared at any of
-    `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
+    are the degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats).
+    Where one trial alone informs on them there is no other; the chance is then that of chi-squared
+    at any of `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
     """
     frees, strengths = candidate_frees(kernel.system, effect)
     names = [free.name for free in frees[:strengths]]

@@ -12,16 +12,26 @@ from scipy.stats import beta
 from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
-from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth, spread_over_trials
+from pipeline.fitting import (
+    Fit,
+    Free,
+    Normal,
+    Series,
+    filter_all,
+    fit_noise,
+    smooth,
+    spread_over_trials,
+)
 from pipeline.integrate import Kernel, compiled
 from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, weights
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
+from pipeline.mismatch.find import verdict_of
 from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
-from pipeline.mismatch.search import held_shapes
+from pipeline.mismatch.search import held_shapes, screened, screened_shapes
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
@@ -328,3 +338,55 @@ def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Found
     blind = replace(found, verdict="none", baseline=wide)
     assert "nothing can be said" in sentence(blind, [], [])
     assert "Nothing beyond the noise" in sentence(replace(found, verdict="none"), [], [])
+
+
+def _late(one: Series, frames: int, rng: np.random.Generator) -> Series:
+    """A trial whose film began so many frames before the robot did."""
+    still = np.repeat(one.seen[:1], frames, axis=0)
+    still += rng.normal(size=still.shape) * np.sqrt(np.einsum("nii->ni", one.noise[:frames]))
+    return replace(one, seen=np.concatenate([still, one.seen[:-frames]]))
+
+
+def test_a_late_start_is_told_with_its_delay(bare: Measured) -> None:
+    """0.8 s: far from where a single start of the fit would lead."""
+    rng = np.random.default_rng(5)
+    late = [_late(one, 24, rng) for one in bare.series]
+    found = find_mismatch(bare.study, late, bare.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, bare.study, late))
+    assert "time_offset" in {c["name"] for c in told["causes"]}
+    assert "motor_spin_up" not in {c["name"] for c in told["causes"]}
+    delay = next(c for c in told["causes"] if c["name"] == "time_offset")["parameters"]["d"]
+    assert delay["value"] == pytest.approx(0.8, abs=0.03)
+
+
+def test_a_shape_is_differenced_at_several_places(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    kernel, few = compiled(plates()), thin(m.series)
+    before = found.choice.rounds[1].before
+    given = (kernel, few, before, found.baseline.base, ["lift_lag", "stall", "battery_sag"])
+    one, several = screened(*given), screened_shapes(*given)
+    assert all(several[name].gain >= one[name].gain for name in one)
+    assert several["battery_sag"] == one["battery_sag"]
+    assert any(several[name].gain > one[name].gain for name in ("lift_lag", "stall"))
+
+
+def test_a_model_that_describes_nothing_is_not_called_right(demo: tuple[Measured, Found]) -> None:
+    _, found = demo
+    wrong = replace(found.choice.bare, inflation=30.0)
+    choice = replace(found.choice, chosen=wrong, without={}, places={})
+    assert verdict_of(compiled(plates()), choice, wrong) == "unexplained"
+    right = replace(wrong, inflation=2.0)
+    assert verdict_of(compiled(plates()), replace(choice, chosen=right), right) == "none"
+    said = sentence(replace(found, verdict="unexplained", choice=choice, residual=wrong), [], [])
+    assert "they do not tell what it lacks" in said
+
+
+def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    kernel, few, baseline = compiled(plates()), thin(m.series)[:3], found.baseline
+    wild = [v.copy() for v in baseline.trial_values(kernel, few)]
+    for v in wild:
+        v[kernel.system.slot["tail_fin_lift.S"]] = 5.0
+    assert not all(np.isfinite(f.log_likelihood)
+                   for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
+    assert fit_noise(kernel, few, wild, baseline.noise) is baseline.noise

@@ -18,7 +18,7 @@ STATEMENT = (
 REGIME = "the first second of every trial"
 CONFUSED_WITH = ("added_mass", "time_offset", "thrust_loss_with_speed")
 PARAMETERS = (
-    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the frequency missing at the start"),
+    Parameter("k", "1", 0.5, 0.0, 1.0, "share of the frequency missing at the start"),
     Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
 )
 

@@ -59,6 +59,7 @@ class Linear:
     tau: Float
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a model that runs away no likelihood is told
 def linearised(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> Linear:

@@ -9,12 +9,13 @@ from scipy.optimize import minimize
 
 from ..data import Float
 from ..integrate import Kernel, Parameter
-from .filtering import disturbance_slots, random_effects
+from .filtering import disturbance_slots, filter_all, random_effects
 from .linear import linearised, log_likelihood
 from .series import Noise, Series
 
 LEAST = 1e-9
 DIFFERENCE = 1e-3
+UNLIKELY = -1e12
 REACH = 4.0
 """Strengths and memories are sought within a factor of e^4 of where they are begun."""
 
@@ -49,14 +50,23 @@ def fit_noise(
 
     def likelihood_around(logs: Float) -> Callable[[Float], float]:
         linear = linearised(kernel, some, points, noise_of(logs))
-        return lambda x: log_likelihood(linear, noise_of(x))
+        return lambda x: _told(log_likelihood(linear, noise_of(x)))
+
+    def passed(found: Noise) -> float:
+        return _told(sum(f.log_likelihood for f in filter_all(kernel, some, points, found)))
 
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
     likelihood = likelihood_around(logs)
     best = likelihood(logs)
     for i in range(len(logs)):
         logs, best = _along(likelihood, logs, best, i, width)
-    return noise_of(_askew(likelihood_around(logs), logs, rounds))
+    found = noise_of(_askew(likelihood_around(logs), logs, rounds))
+    return found if passed(found) > passed(noise) else noise
+
+
+def _told(likelihood: float) -> float:
+    """A likelihood of which a filter that runs away has told nothing counts as the least."""
+    return likelihood if np.isfinite(likelihood) else UNLIKELY
 
 
 def _askew(likelihood: Callable[[Float], float], logs: Float, rounds: int) -> Float:

@@ -56,7 +56,8 @@ class Effect:
     its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> how many times the strength they change by.
+    measurements -> how many times the strength they change by. starts: strengths from which fits
+    begin, where one start may lead astray.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Effect:
     confused_with: tuple[str, ...] = ()
     regime: str = ""
     strengths: int = 1
+    starts: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,4 +186,5 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         confused_with=tuple(getattr(module, "CONFUSED_WITH", ())),
         regime=getattr(module, "REGIME", ""),
         strengths=getattr(module, "STRENGTHS", 1),
+        starts=tuple(getattr(module, "STARTS", ())),
     )

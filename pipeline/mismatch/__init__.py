@@ -5,8 +5,9 @@ from .find import Found, find_mismatch
 from .horizon import PathErrors, path_errors, stretches
 from .judge import Trialled, folds, held_out_worth, trialled
 from .locate import Dependence, MissingForce, dependences, missing_force
+from .paying import pays
 from .search import screened, try_effects
-from .select import Choice, choose, pays
+from .select import Choice, choose
 from .weighing import reliability, weights
 
 __all__ = [

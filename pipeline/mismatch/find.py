@@ -19,7 +19,8 @@ from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
-from .select import Choice, Round, choose, one_round, pays
+from .paying import pays
+from .select import Choice, Round, choose, one_round
 from .setting import has_roles, held_out_trials, steady_errors, variables
 
 TELLING_SHARE = 0.3
@@ -27,7 +28,7 @@ LEAST_PART = 0.1
 LEAST_NAMELESS = 5.0
 """Nameless terms tell of something unexplained where they turn this share of the variance that
 looked random in a channel into law, and gain this part of what the strongest of the named causes
-gains (over the inflation, and not less than the last number): a named law in another form than
+gains (and over the inflation not less than the last number): a named law in another form than
 nature's leaves less.
 """
 MOST_TERMS = 4
@@ -40,6 +41,10 @@ term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
 LAST_NOISE_ROUNDS = 10
 LEAST_UNIT = 0.1
+ASTRAY = 8.0
+"""A model whose numbers spread over trials this many times wider than they should does not describe
+them, whether or not a cause was found.
+"""
 KINDS = ("physics", "measurement")
 
 
@@ -96,7 +101,7 @@ def find_mismatch(
     residual = nameless(bench, choice.chosen, choice.bare)
     if _tells(choice, residual):
         choice, residual = without_proxies(bench, choice, residual)
-    verdict = _verdict(kernel, choice, residual)
+    verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
     forces, told = _located(study, kernel, few, baseline, extended)
@@ -198,10 +203,10 @@ def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
                    places={e: choice.places[e] for e in kept})  # fmt: skip
 
 
-def _verdict(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
+def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
-    if _tells(choice, residual):
+    if _tells(choice, residual) or (not chosen.effects and chosen.inflation > ASTRAY):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
 
@@ -211,11 +216,9 @@ def _tells(choice: Choice, residual: Trialled) -> bool:
     chosen = choice.chosen
     if residual.effects == chosen.effects:
         return False
-    gain = (residual.total - chosen.total) / residual.inflation
-    named = max(
-        ((chosen.total - m.total) / chosen.inflation for m in choice.without.values()), default=0.0
-    )
-    enough = gain > max(LEAST_NAMELESS, LEAST_PART * named)
+    gain = residual.total - chosen.total
+    named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
+    enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and foretold_randomness(chosen, residual) > TELLING_SHARE
 
 
@@ -230,5 +233,6 @@ def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     if not model.effects:
         return baseline
     again = bench.renoised(model, rounds=LAST_NOISE_ROUNDS)
+    again = again if np.isfinite(again.total) else model
     spread = spread_of(bench, again)
     return Tuned(again.fit, again.noise, spread.cov, baseline.base, spread.freedom)

@@ -18,7 +18,7 @@ from ..data import Float
 from ..fitting import Noise, Series, filter_all, filter_series, shoot
 from ..fitting.filtering import disturbance_slots, with_noise
 from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
+from ..integrate.batch import each, propagate
 from ..study import Study
 from ..tuning import Tuned
 from ..tuning.stability import growth_per_s
@@ -57,7 +57,9 @@ def path_errors(
     pieces = {n: begun(kernel, tuned, series, horizon) for n, tuned in models.items()}
     rmse = {name: _rmse(kernel, tuned, pieces[name]) for name, tuned in models.items()}
     rng, own = np.random.default_rng(FLOOR_SEED), list(pieces.values())[-1]
-    floors = [_rmse(kernel, last, imitated(kernel, last, own, rng)) for _ in range(FLOOR_DRAWS)]
+    still = stillness(kernel, last, own)
+    floors = [_rmse(kernel, last, imitated(kernel, last, own, still, rng))
+              for _ in range(FLOOR_DRAWS)]  # fmt: skip
     return PathErrors(rmse, float(np.sqrt(np.mean(np.square(floors)))), horizon)
 
 
@@ -138,20 +140,35 @@ def _rmse(kernel: Kernel, tuned: Tuned, pieces: Sequence[Series]) -> float:
     return float(np.sqrt(known.mean())) if len(known) else float("nan")
 
 
+@dataclass(frozen=True)
+class Stillness:
+    """How each stretch was: starts (stretches, states), and the noise its recording tells of."""
+
+    starts: Float
+    noises: Sequence[Noise]
+
+
+def stillness(kernel: Kernel, tuned: Tuned, pieces: Sequence[Series]) -> Stillness:
+    """Where a model's stretches begin best, and how strongly it was pushed at random in each."""
+    values = tuned.trial_values(kernel, pieces)
+    shots = shoot(kernel, pieces, values)
+    starts = [np.where(np.isfinite(shot.start), shot.start, one.mean)
+              for one, shot in zip(pieces, shots, strict=True)]  # fmt: skip
+    noises = each(lambda job: stillest(kernel, job[0], job[1], tuned.noise),
+                  list(zip(pieces, values, strict=True)))  # fmt: skip
+    return Stillness(np.array(starts), noises)
+
+
 def imitated(
-    kernel: Kernel, tuned: Tuned, pieces: Sequence[Series], rng: np.random.Generator
-) -> list[Series]:
+    kernel: Kernel, tuned: Tuned, pieces: Sequence[Series], still: Stillness,
+    rng: np.random.Generator,
+) -> list[Series]:  # fmt: skip
     """Stretches as the model would have given them, with its random forces and errors drawn.
 
     Water is stiller in one trial than in the next: the random forces of each stretch are as strong
     as its own recording makes most likely.
     """
-    values = tuned.trial_values(kernel, pieces)
-    shots = shoot(kernel, pieces, values)
-    starts = [np.where(np.isfinite(shot.start), shot.start, one.mean)
-              for one, shot in zip(pieces, shots, strict=True)]  # fmt: skip
-    noises = [stillest(kernel, p, v, tuned.noise) for p, v in zip(pieces, values, strict=True)]
-    clean = _random_runs(kernel, tuned, pieces, np.array(starts), noises=noises, rng=rng)
+    clean = _random_runs(kernel, tuned, pieces, still.starts.copy(), noises=still.noises, rng=rng)
     return [replace(one, seen=_with_white(one, tuned.noise, y[: len(one.times)], rng))
             for one, y in zip(pieces, clean, strict=True)]  # fmt: skip
 

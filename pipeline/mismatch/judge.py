@@ -101,7 +101,7 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     move = moving(kernel, found)
     move[own] = True
     s = found.values[own]
-    trials = int(np.sum(np.any(np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0, axis=1)))
+    trials = int(telling(found.normal)[:, own].any(axis=1).sum())
     if trials == 1 and len(found.normal.hessian) > 1:
         fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / wider
         return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
@@ -113,11 +113,21 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
 
 
 def inflation(kernel: Kernel, found: Fit) -> float:
-    """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix."""
-    move = moving(kernel, found)
+    """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix, both of the numbers
+    that more than one trial tells of.
+    """
+    move = moving(kernel, found) & (telling(found.normal).sum(axis=0) > 1)
+    if not move.any():
+        return 1.0
     H = found.normal.hessian.sum(axis=0)[np.ix_(move, move)]
     C = jackknife_cov(found.normal, move)[np.ix_(move, move)]
     return float(max(1.0, np.trace(H @ C) / max(int(move.sum()), 1)))
+
+
+def telling(normal: Normal) -> np.ndarray:
+    """Which trials tell of which number (trials, p): a thousandth of what one may, at least."""
+    information = np.einsum("tpp->tp", normal.hessian)
+    return information > 1e-3 * information.max(axis=0)
 
 
 def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:

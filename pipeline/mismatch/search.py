@@ -21,13 +21,14 @@ from ..fitting import (
     Series,
     filter_all,
     fit,
+    log_likelihoods,
     moving,
     normal_equations,
     pseudo_inverse,
     side_log_likelihoods,
     trial_values,
 )
-from ..integrate import Kernel
+from ..integrate import Kernel, Parameter
 from .judge import Trialled, candidate_frees, held_out_worth, parameters_of, part_of, trialled
 
 PASSES = 2
@@ -59,32 +60,28 @@ def try_effects(
     predictor: Sequence[Filtered] | None = None,
     start: Mapping[str, float] | None = None,
     iterations: int = 12,
-    held: bool = False,
+    passes: int = PASSES,
 ) -> Trialled:
     """The model with these effects, all its numbers fitted, and its held-out worth.
 
     Shapes that are known beforehand (`Parameter.spread`) are held there unless `start` names them.
-    held: fitted and judged with the gains of `predictor` alone, else these follow the fit.
     """
     every = [*coefficients, *(f for e in effects for f in candidate_frees(kernel.system, e)[0])]
     point = with_starts(kernel, base, effects, 0.3)
     known = dict(start or {})
     frees = _not_held(kernel, every, known)
-    for _ in range(1 if held else PASSES):
+    for _ in range(passes):
         found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
                     tolerance=0.05, predictor=predictor)  # fmt: skip
         points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
-        if held:
-            break
         predictor, moved = filter_all(kernel, series, points, noise), _moved(found, known)
         known = found.by_label()
         if not moved:
             break
-    if not held:
-        normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
-                                  predictor=predictor)  # fmt: skip
-        found = replace(found, normal=normal)
-    if not found.normal.usable:
+    normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
+                              predictor=predictor)  # fmt: skip
+    found = replace(found, normal=normal)
+    if not normal.usable:
         return trialled(kernel, effects, found, noise, series)
     worth = held_out_worth(kernel, series, point, found, noise=noise,
                            predictor=predictor or ())  # fmt: skip
@@ -158,6 +155,45 @@ def screened(
     return told
 
 
+def screened_shapes(
+    kernel: Kernel,
+    series: Sequence[Series],
+    current: Trialled,
+    base: Float,
+    candidates: Sequence[str],
+    *,
+    predictor: Sequence[Filtered] | None = None,
+) -> dict[str, Foretold]:
+    """`screened`, with candidates that have a free shape differenced at several shapes, the most
+    promising of which is where their refit begins.
+    """
+    told = screened(kernel, series, current, base, candidates, predictor=predictor)
+    shaped = {c: free_shapes(kernel, c) for c in candidates if free_shapes(kernel, c)}
+    for end in ("lower", "upper"):
+        moved, put = base.copy(), {}
+        for c, parameters in shaped.items():
+            put[c] = {p.name: _towards(p, end) for p in parameters}
+            for name, value in put[c].items():
+                moved[kernel.system.slot[name]] = value
+        there = screened(kernel, series, current, moved, list(shaped), predictor=predictor)
+        for c, found in there.items():
+            if found.gain > told[c].gain:
+                told[c] = Foretold(found.gain, {**found.start, **put[c]})
+    return told
+
+
+def free_shapes(kernel: Kernel, name: str) -> list[Parameter]:
+    """A candidate's shapes of which nothing is known beforehand."""
+    frees, strengths = candidate_frees(kernel.system, name)
+    return [p for p in parameters_of(kernel, frees[strengths:]) if not np.isfinite(p.spread)]
+
+
+def _towards(parameter: Parameter, end: str) -> float:
+    """A value between a shape's start and a bound, halfway on a logarithmic scale."""
+    bound = max(getattr(parameter, end), 0.1 * parameter.start)
+    return float(np.sqrt(parameter.start * bound))
+
+
 def _step_gain(normal: Normal) -> tuple[Float, float]:
     """Newton's step and the gain in log likelihood that it foretells, g' H^-1 g / 2."""
     g = normal.gradient.sum(axis=0)
@@ -178,3 +214,36 @@ def _foretold(
     wrong_way = new & ((end < lower) | ((lower >= 0.0) & (step <= 0.0)))
     start = {f.label: float(v) for f, v in zip(frees, np.clip(end, lower, upper), strict=True)}
     return Foretold(-np.inf if wrong_way.any() else gain - reference, start)
+
+
+def starts_of(kernel: Kernel, name: str) -> tuple[float, ...]:
+    """Strengths from which fits of a candidate begin; none where one start does for it."""
+    return () if "." in name else kernel.system.effect(name).starts
+
+
+def likeliest_start(
+    kernel: Kernel,
+    series: Sequence[Series],
+    points: Sequence[Float],
+    name: str,
+    *,
+    noise: Noise,
+    predictor: Sequence[Filtered],
+) -> dict[str, float]:
+    """Label -> the start of a candidate at which the trials are likeliest, all else as it is.
+
+    points: full parameter vectors of the model before, one a trial.
+    """
+    starts = starts_of(kernel, name)
+    if not starts:
+        return {}
+    first = kernel.system.slots(name)[0]
+
+    def likelihood(strength: float) -> float:
+        moved = [with_starts(kernel, p, [name]) for p in points]
+        for point in moved:
+            point[first] = strength
+        seen = log_likelihoods(kernel, series, moved, noise=noise, predictor=predictor)
+        return float(np.nan_to_num(seen, nan=-np.inf).sum())
+
+    return {kernel.system.parameters[first].name: max(starts, key=likelihood)}

@@ -1,7 +1,6 @@
 """Choice of effects: forward while an addition pays, back where one no longer does, then rivals.
 
-An addition pays where the trials it was not fitted to gain clearly by it, and where its strength
-is sure when trials are left out. Each model is judged under its own noise, fitted anew: a model
+Each model is judged under its own noise, fitted anew: a model
 that lacks something takes its lack for noise.
 """
 
@@ -18,32 +17,19 @@ from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
 from .judge import Trialled, candidate_frees
-from .search import Foretold, held_shapes, screened
+from .paying import pays
+from .search import Foretold, held_shapes, likeliest_start, screened_shapes, starts_of
 
-CLAIMS = (
-    (1.0, 1e-9, 0.0), (12.0, 1e-5, 0.0),
-    (1.0, 1e-5, 0.05), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05), (30.0, 5e-3, 0.3),
-)  # fmt: skip
-"""Least held-out log likelihood over the inflation, the largest p value that goes with it, and the
-least part of what all effects together gain. About 30 candidates are tried, so that chance alone
-shows one of p = 2e-4 in one study of 150, but without a gain. Few trials leave more to chance,
-which a large gain makes up for. What a strong effect of another form than nature's leaves over is
-small beside it, and any candidate may pick it up: it must be surer, or gain much by itself.
-"""
-TOLD_ASIDE = 6.0
-"""A side measurement (rigid lengths, the tail beat) that an effect makes this much likelier, 3.5
-deviations, speaks for it by itself: no misfit of the paths can feign it.
-"""
 LEAST_FOR_SHAPE = 2.0
-MOST_INFLATED, MUCH = 4.0, 0.2
-"""An addition that spreads the numbers over trials this many times more than before explains
-nothing: it bends the model to single trials. Unless it gains this part of all: then it is wrong in
-form, which comes next.
+WRONG = 5.0
+"""A model with this inflation or more does not describe its trials. Then a step from it foretells
+little, and two effects may have to be added at once for either to be seen.
 """
 TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3
 """Of those that gained at least this part of the best's gain so many are settled."""
+OPENINGS = 2
 MOST_CAUSES = 4
 MOST_ROUNDS = 8
 
@@ -92,9 +78,16 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
     while len(rounds) < MOST_ROUNDS:
         done = one_round(bench, current, bare)
         rounds.append(done)
-        if done.best.effects == current.effects or len(current.effects) >= MOST_CAUSES:
+        if len(current.effects) >= MOST_CAUSES:
             break
-        current, without = pruned(bench, shaped(bench, bench.renoised(done.best)), bare)
+        if done.best.effects == current.effects:
+            both = two_at_once(bench, done, bare)
+            if not both:
+                break
+            rounds.append(both[0])
+            current, without = both[1:]
+        else:
+            current, without = pruned(bench, shaped(bench, bench.renoised(done.best)), bare)
         if frozenset(current.effects) in seen:
             break
         seen.add(frozenset(current.effects))
@@ -107,6 +100,29 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         current, without = pruned(bench, _instead(places[outdone[0]], current), bare)
         places = _places(bench, current, without, bare, rounds)
     return Choice(bare, current, tuple(rounds), without, places)
+
+
+def two_at_once(
+    bench: Bench, done: Round, bare: Trialled
+) -> tuple[Round, Trialled, dict[str, Trialled]] | None:
+    """Where a wrong model gains by no single effect: two of which each pays beside the other.
+
+    One of the best of the round is taken on trust, and a second is sought beside it. The round of
+    the second, the model, and what it is without each of its effects.
+    """
+    if done.before.inflation < WRONG:
+        return None
+    for opening in done.tried[:OPENINGS]:
+        if not np.isfinite(opening.total):
+            continue
+        second = one_round(bench, opening, bare)
+        if second.best.effects == opening.effects:
+            continue
+        model = shaped(bench, bench.renoised(second.best))
+        less = each(partial(bench.less, model), [[e] for e in model.effects])
+        if all(np.isfinite(t.total) and pays(t, model, bare) for t in less):
+            return second, model, dict(zip(model.effects, less, strict=True))
+    return None
 
 
 def _outdone(place: Round, chosen: Trialled) -> bool:
@@ -126,13 +142,15 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     kernel, series = bench.kernel, bench.series
     predictor = filter_all(kernel, series, bench.points(before), before.noise)
     left = [c for c in bench.candidates if c not in before.effects]
-    told = screened(kernel, series, before, bench.base, left, predictor=predictor)
-    names = _promising(kernel, told, tried)
+    told = screened_shapes(kernel, series, before, bench.base, left, predictor=predictor)
+    names = _promising(kernel, told, tried, anyway=before.inflation > WRONG)
     bench.progress(f"refits with {', '.join(names)}")
     found = each(lambda name: _refit(bench, before, name, told[name], predictor), names)
     found.sort(key=lambda t: -t.total)
-    least = before.total + PART_OF_BEST * max(found[0].total - before.total, 0.0)
-    best = each(bench.settled, [t for t in found[:CONTENDERS] if t.total > least])
+    most = max((t.total - before.total for t in found), default=0.0)
+    least = before.total + PART_OF_BEST * max(most, 0.0)
+    best = each(partial(_settled, bench, before),
+                [t for t in found[:CONTENDERS] if t.total > least])  # fmt: skip
     ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
     return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
 
@@ -140,20 +158,37 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
 def _refit(
     bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Sequence[Filtered]
 ) -> Trialled:
-    start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {})}
+    start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {}),
+             **likeliest_start(bench.kernel, bench.series, bench.points(before), name,
+                               noise=before.noise, predictor=predictor)}  # fmt: skip
     found = bench.refit((*before.effects, name), before, start, predictor)
-    if np.isfinite(found.total) or told.gain <= 0:
+    if np.isfinite(found.total):
         return found
-    return bench.refit((*before.effects, name), before, predictor=predictor)
+    return bench.followed((*before.effects, name), before)
 
 
-def _promising(kernel: Kernel, told: Mapping[str, Foretold], count: int) -> list[str]:
-    """The best foretold, and those with a shape: a step at strength 0 foretells these badly."""
+def _settled(bench: Bench, before: Trialled, model: Trialled) -> Trialled:
+    """The model under its own noise; where the fit runs away, by another way or as it was."""
+    found = bench.settled(model)
+    if np.isfinite(found.total):
+        return found
+    again = bench.followed(model.effects, before)
+    options = (bench.settled(again), again, model) if np.isfinite(again.total) else (model,)
+    return next(m for m in (*options, model) if np.isfinite(m.total))
+
+
+def _promising(
+    kernel: Kernel, told: Mapping[str, Foretold], count: int, *, anyway: bool
+) -> list[str]:
+    """The best foretold, and those with starts of their own.
+
+    anyway: those with a shape too, whatever is foretold of them by a model that is wrong.
+    """
     ranked = sorted(told, key=lambda c: -told[c].gain)
     best = [c for c in ranked[:count] if told[c].gain > 0]
-    shaped = [c for c in ranked if _has_shape(kernel, c) and c not in best
-              and np.isfinite(told[c].gain)]  # fmt: skip
-    return best + shaped
+    others = [c for c in ranked if c not in best
+              and (starts_of(kernel, c) or (anyway and _has_shape(kernel, c)))]  # fmt: skip
+    return best + others
 
 
 def _has_shape(kernel: Kernel, name: str) -> bool:
@@ -196,21 +231,3 @@ def _places(
         e: before.get(frozenset(without[e].effects)) or one_round(bench, without[e], bare)
         for e in chosen.effects
     }
-
-
-def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> bool:
-    """Whether the held-out gain is clear and the new effects' strengths are sure.
-
-    bare: the model without effects, from which the gain of all effects together is counted.
-    """
-    gain = after.total - before.total
-    if after.side - before.side > TOLD_ASIDE and gain > 0:
-        return True
-    part = gain / max(after.total - (bare or before).total, 1e-9)
-    p_value = max((after.p_value[e] for e in after.effects if e not in before.effects), default=0.0)
-    if after.inflation > MOST_INFLATED * before.inflation and part < MUCH:
-        return False
-    return any(
-        gain / after.inflation > least and p_value < most and part > share
-        for least, most, share in CLAIMS
-    )

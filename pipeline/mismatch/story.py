@@ -195,6 +195,12 @@ def sentence(
         )
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
+    if found.verdict == "unexplained" and not found.residual.effects:
+        return (
+            "The model does not describe these trials, and they do not tell what it lacks: its "
+            f"numbers differ from trial to trial {found.choice.bare.inflation:.0f} times more than "
+            "their errors; film more trials, at other angles and powers."
+        )
     if found.verdict == "unexplained":
         beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
         first = f"Physics left out: {beside}; and something else" if beside else "Something"

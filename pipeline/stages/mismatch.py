@@ -17,6 +17,7 @@ from ..fitting import Series, shoot
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.details import details
+from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
 from ..study import load_study
@@ -39,7 +40,9 @@ def mismatch(study: Path, results: Path) -> None:
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
     series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
-    series = with_rigid_distances(series, campaign.geometry or {})
+    spared = held_out_trials(loaded, [s.name for s in series])
+    series = with_rigid_distances(series, campaign.geometry or {},
+                                  fitted=len(series) - len(spared))  # fmt: skip
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -62,10 +65,13 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
     return replace(series, evidence={"clock_ratio": (video_hz / flap_hz - 1, float(std))})
 
 
-def with_rigid_distances(series: Sequence[Series], geometry: Mapping[str, Any]) -> list[Series]:
+def with_rigid_distances(
+    series: Sequence[Series], geometry: Mapping[str, Any], *, fitted: int | None = None
+) -> list[Series]:
     """Series with what rigid distances say as evidence, one measurement shared by all: the scale;
     that light is not bent, or how much; that the lens is right. The last two only where one outcome
-    alone explains the pattern over the pool.
+    alone explains the pattern over the pool. fitted: trials that are not held out, whose shares
+    make up the measurement.
     """
     scale, std = geometry.get("scale"), geometry.get("scale_std")
     if scale is None or not std or geometry.get("likely") not in SPEAKS_OF_SCALE:
@@ -77,5 +83,6 @@ def with_rigid_distances(series: Sequence[Series], geometry: Mapping[str, Any]) 
             told["bend"] = (0.0, BEND_STD)
         elif geometry["likely"] == "uncorrected_refraction":
             told["bend"] = (1.0 - scale, BEND_STD)
-    shared = {name: (value, by * len(series) ** 0.5) for name, (value, by) in told.items()}
+    count = max(len(series) if fitted is None else fitted, 1)
+    shared = {name: (value, by * count**0.5) for name, (value, by) in told.items()}
     return [replace(s, evidence=s.evidence | shared) for s in series]

@@ -101,8 +101,8 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     move = moving(kernel, found)
     move[own] = True
     s = found.values[own]
-    trials = int(telling(found.normal)[:, own].any(axis=1).sum())
-    if trials == 1 and len(found.normal.hessian) > 1:
+    trials = int((np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0).any(axis=1).sum())
+    if telling(found.normal)[:, own].any(axis=1).sum() == 1 and len(found.normal.hessian) > 1:
         fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / wider
         return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
     pooled = wider * found.naive_cov[np.ix_(own, own)]

@@ -22,7 +22,11 @@ from .judge import folds
 
 DEGREE = 3
 MOMENT_S = 1e-3
-LEAST_SHARE = 0.05
+LEAST_SHARE = 0.02
+MOST_VARIABLES = 2
+"""A channel's force is told to depend on at most so many variables, each of which foretells this
+share of all missing force beyond what those before it do.
+"""
 
 
 @dataclass(frozen=True)
@@ -39,13 +43,15 @@ class MissingForce:
 @dataclass(frozen=True)
 class Dependence:
     """Share of all the missing force that a variable foretells in a channel, in conditions left
-    out; channels are made comparable by what remains random in each.
+    out; channels are made comparable by what remains random in each. adds: the share that it
+    foretells beyond better variables of the channel; 0 where it is none of the first.
     """
 
     channel: int
     variable: str
     share: float
     trials: tuple[str, ...]
+    adds: float = 0.0
 
 
 def missing_force(
@@ -123,20 +129,51 @@ def dependences(
     found = []
     for channel in range(len(units)):
         force = [y[:, channel] for y in scaled]
+        adds = _added(variables, force, parts, total)
         for name in variables[0]:
-            x = [v[name] for v in variables]
-            gained = foretold(x, force, parts)
+            gained = foretold([v[name] for v in variables], force, parts)
             order = [int(t) for t in np.argsort(-gained) if gained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
-            found.append(Dependence(channel, name, max(0.0, float(gained.sum())) / total, trials))
+            share = max(0.0, float(gained.sum())) / total
+            found.append(Dependence(channel, name, share, trials, adds.get(name, 0.0)))
     return sorted(found, key=lambda d: -d.share)
+
+
+def _added(
+    variables: Sequence[Mapping[str, Float]], force: Sequence[Float],
+    parts: Sequence[np.ndarray], total: float,
+) -> dict[str, float]:  # fmt: skip
+    """Variable -> share that it foretells beyond those before it, the best first."""
+    adds: dict[str, float] = {}
+    while len(adds) < MOST_VARIABLES:
+        shares = {name: float(foretold([v[name] for v in variables], force, parts).sum()) / total
+                  for name in variables[0] if name not in adds}  # fmt: skip
+        best = max(shares, key=lambda name: shares[name])
+        if shares[best] < LEAST_SHARE:
+            break
+        adds[best] = shares[best]
+        force = unforetold([v[best] for v in variables], force)
+    return adds
+
+
+def unforetold(x: Sequence[Float], y: Sequence[Float]) -> list[Float]:
+    """What a smooth curve over x, fitted to all trials, leaves of y."""
+    design = _curves(x)
+    A = sum(d.T @ d for d in design) + 1e-6 * np.eye(DEGREE + 1)
+    coefficients = np.linalg.solve(A, sum(d.T @ v for d, v in zip(design, y, strict=True)))
+    return [v - d @ coefficients for d, v in zip(design, y, strict=True)]
+
+
+def _curves(x: Sequence[Float]) -> list[Float]:
+    """Chebyshev polynomials (n, degree + 1) of x over its range in all trials."""
+    low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
+    scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
+    return [np.polynomial.chebyshev.chebvander(v, DEGREE) for v in scaled]
 
 
 def foretold(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:
     """Sum of squares of y that a smooth curve over x foretells across folds, (trials,)."""
-    low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
-    scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
-    design = [np.polynomial.chebyshev.chebvander(v, DEGREE) for v in scaled]
+    design = _curves(x)
     grams = [d.T @ d for d in design]
     moments = [d.T @ v for d, v in zip(design, y, strict=True)]
     gained = np.zeros(len(y))

@@ -15,7 +15,6 @@ from ..tuning import Tuned, table
 from ..tuning.joint import BAND
 from .find import Found
 from .judge import Trialled
-from .locate import LEAST_SHARE
 from .setting import CHANNELS, best_next_trial
 from .weighing import reliability, told_aside, weights
 
@@ -139,15 +138,17 @@ def _apart(name: str, other: str) -> str:
 
 
 def where(found: Found) -> list[dict[str, Any]]:
-    """Channels and variables that foretell the missing force, the largest share first."""
-    strong = [d for d in found.dependences if d.share >= LEAST_SHARE][:8]
+    """Channels and variables that foretell the missing force, the largest share first; a further
+    variable of a channel with the share that it adds.
+    """
+    strong = sorted((d for d in found.dependences if d.adds > 0), key=lambda d: -d.adds)
     if found.verdict == "none":
         return []
     return [
         {
             "channel": CHANNELS[d.channel],
             "variable": d.variable,
-            "share": d.share,
+            "share": d.adds,
             "trials": list(d.trials),
         }
         for d in strong

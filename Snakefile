@@ -90,7 +90,7 @@ rule tracks:
 
 rule steady:
     input: expand(rules.tracks.output, trial=plan.trials),
-    output: R / "steady.csv",
+    output: report(R / "steady.csv", "config/captions/steady.rst", "Tables"),
     conda: ENV
     log: LOGS / "steady.log"
     benchmark: TIMES / "steady.tsv"
@@ -101,7 +101,10 @@ rule steady:
 
 rule tuning:
     input: rules.steady.output,
-    output: R / "coefficients.json", R / "table1.csv", R / "table2.csv",
+    output:
+        R / "coefficients.json",
+        report(R / "table1.csv", "config/captions/table1.rst", "Tables"),
+        report(R / "table2.csv", "config/captions/table2.rst", "Tables"),
     conda: ENV
     log: LOGS / "tuning.log"
     benchmark: TIMES / "tuning.tsv"
@@ -131,7 +134,7 @@ rule figure:
     conda: ENV
     log: LOGS / "figures/{figure}.log"
     benchmark: TIMES / "figures/{figure}.tsv"
-    params: at=AT, code=plan.figure_code,
+    params: at=AT, code=plan.figure_code, words=plan.figure_words,
     resources: mem_mb=800, runtime=10,
     shell: "python3 -m pipeline stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
@@ -149,7 +152,7 @@ rule overlay:
 
 rule report:
     input: rules.mismatch.output, plan.figures(), plan.overlays(), plan.seal(),
-    output: R / "report.html",
+    output: report(R / "report.html", "config/captions/page.rst", "The page"),
     conda: ENV
     log: LOGS / "report.log"
     benchmark: TIMES / "report.tsv"

@@ -24,7 +24,7 @@ from pipeline.workflow import without_rate_limit
 from pipeline.workflow.lock import forget_stale, hold, sweep
 from pipeline.workflow.plan import figure_names, forget_lost, make_plan
 from pipeline.workflow.progress import Hush, Progress
-from pipeline.workflow.remaining import Timing, duration
+from pipeline.workflow.remaining import Timing, duration, usual
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -210,6 +210,48 @@ def test_time_left_is_work_over_pace():
     timing.finish(2, 10.0)
     assert (timing.done, timing.total) == (2, 4)
     assert timing.left_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
+
+
+def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path):
+    (tmp_path / "benchmarks/tracks").mkdir(parents=True)
+    for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
+        (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
+    (tmp_path / "benchmarks/report.tsv").write_text("")
+    timing = Timing(usual(tmp_path))
+    timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
+    timing.start(1, "tracks", 0.0)
+    timing.finish(1, 10.0)
+    assert timing.left_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
+
+
+def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
+    timing = Timing({"tracks": 1.0, "mismatch": 10.0})
+    timing.expect({"tracks": 1, "mismatch": 1})
+    timing.start(1, "tracks", 0.0)
+    timing.finish(1, 1.0)
+    timing.start(2, "mismatch", 1.0)
+    assert timing.left_s(6.0) == pytest.approx(5.0)
+    assert timing.left_s(30.0) is None
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_long_stage_is_told_with_the_last_line_of_its_log(tmp_path):
+    (tmp_path / "mismatch.log").write_text("baseline\nrefits with \x1b[31mstall\n")
+    progress = Progress(tmp_path / "report.html", stream := Terminal())
+    progress.emit(record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
+    found = {"event": LogEvent.JOB_INFO, "jobid": 1, "rule_name": "mismatch"}
+    progress.emit(record(logging.INFO, "", **found, log=[str(tmp_path / "mismatch.log")]))
+    deadline = time.monotonic() + 10
+    while stream.getvalue().count("refits with ?[31mstall") < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert stream.getvalue().count("[0/1] mismatch: refits with ?[31mstall") >= 2
+    progress.farewell()
+    progress.ticker.join(10)
+    assert not progress.ticker.is_alive()
 
 
 @pytest.mark.parametrize(

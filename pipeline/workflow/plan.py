@@ -6,6 +6,7 @@ code that it runs through, of its row in trials.csv, of the parts of study.yaml 
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import shlex
@@ -114,6 +115,16 @@ class Plan:
     def figure_code(self, wildcards: Any) -> str:
         """Fingerprint of one figure's own file and of what it draws with."""
         return fingerprint("stages.figure", f"figures.{wildcards.figure}")
+
+    def figure_words(self, wildcards: Any) -> dict[str, str]:
+        """Title and caption of a figure, read from its file without running it."""
+        tree = ast.parse((PACKAGE / f"figures/{wildcards.figure}.py").read_bytes())
+        texts = {
+            node.targets[0].id: node.value
+            for node in tree.body
+            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+        }
+        return {name.lower(): ast.literal_eval(texts[name]) for name in ("TITLE", "CAPTION")}
 
     def detection(self, wildcards: Any) -> str:
         """Fingerprint of what the detection of a trial depends on beside its source."""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import logging
 import re
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from .remaining import Timing, duration
+from ..faults import printable
+from .remaining import Timing, duration, usual
 
 NOISE = {
     LogEvent.WORKFLOW_STARTED,
@@ -36,6 +38,11 @@ KILLED = (
     "done is kept. With `--cores 1` less memory is needed at once."
 )
 EVERY_S = 2.0
+TICK_S = 1.0
+QUIET_S = 30.0
+"""On a file, so long without a job that ends brings a line on the one that runs."""
+WIDEST = 60
+"""Characters of a stage's own last word."""
 
 
 class Hush(logging.Filter):
@@ -60,15 +67,20 @@ def _ours(record: logging.LogRecord) -> bool:
 class Progress(logging.Handler):
     """Log handler that turns Snakemake's events into short lines on `stream`.
 
-    On a terminal the line is rewritten in place; in a file a line comes every two seconds.
+    On a terminal the line is rewritten in place each second; in a file a line comes every two
+    seconds while jobs end, else every half minute. A stage that runs long is told with the last
+    line of its log.
     """
 
     def __init__(self, report: Path, stream: TextIO = sys.stderr) -> None:
         super().__init__(logging.INFO)
         self.report, self.stream = report, stream
         self.live = stream.isatty()
-        self.timing = Timing()
+        self.timing = Timing(usual(report.parent))
+        self.logs: dict[int, Path] = {}
         self.last_s = 0.0
+        self.over = threading.Event()
+        self.ticker = threading.Thread(target=self._tick, daemon=True)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Tell one event."""
@@ -76,12 +88,9 @@ class Progress(logging.Handler):
         if event == LogEvent.RUN_INFO and "stats" in found:
             self.timing.expect(found["stats"])
         elif event == LogEvent.JOB_INFO:
-            self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
-            self._line(_name(found), now=not self.live and self.last_s == 0.0)
+            self._start(found)
         elif event == LogEvent.JOB_FINISHED:
-            if done := self.timing.finish(found["job_id"], time.monotonic()):
-                ended = self.timing.done == self.timing.total
-                self._line(self.timing.running() or done, now=ended)
+            self._finish(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
         elif signal := re.search(r"died with <Signals\.(\w+)", record.getMessage()):
@@ -92,6 +101,32 @@ class Progress(logging.Handler):
             self._say("Everything is up to date.")
             self.farewell()
 
+    def _start(self, found: dict[str, Any]) -> None:
+        self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
+        if logs := found.get("log"):
+            self.logs[found["jobid"]] = Path(logs[0])
+        self._line(_name(found), now=not self.live and self.last_s == 0.0)
+        if not self.ticker.ident:
+            self.ticker.start()
+
+    def _finish(self, job: int) -> None:
+        self.logs.pop(job, None)
+        if done := self.timing.finish(job, time.monotonic()):
+            ended = self.timing.done == self.timing.total
+            self._line(self.timing.running() or done, now=ended)
+
+    def _tick(self) -> None:
+        """Tell of jobs that run long, until the run is over."""
+        while not self.over.wait(TICK_S):
+            with self.lock or threading.RLock():
+                self.still()
+
+    def still(self) -> None:
+        """Tell what runs, where nothing has been told for a while."""
+        silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
+        if silent and self.timing.started:
+            self._line(self.timing.running(), now=True)
+
     def _line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
         if not (self.live or now or moment - self.last_s > EVERY_S):
@@ -100,9 +135,17 @@ class Progress(logging.Handler):
         left = self.timing.left_s(moment)
         ends = f"  about {duration(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
-        text = f"{head} {name}{ends}".rstrip()
+        text = f"{head} {name}{self._word()}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
         self.stream.flush()
+
+    def _word(self) -> str:
+        """Last line of the log of a job that runs, after a colon; nothing if it has none."""
+        for path in reversed(self.logs.values()):
+            if path.is_file() and (words := path.read_text("utf-8", "replace").split("\n"))[0]:
+                word = next(line for line in reversed(words) if line)
+                return f": {printable(word)[:WIDEST]}"
+        return ""
 
     def _trouble(self, found: dict[str, Any]) -> None:
         paths = [Path(name) for name in found.get("log") or []]
@@ -121,7 +164,8 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def farewell(self) -> None:
-        """Name the report, where there is one."""
+        """Name the report, where there is one; nothing more is told."""
+        self.over.set()
         if self.report.is_file():
             self._say(f"Report: {self.report}")
 

@@ -1,7 +1,7 @@
-"""Campaigns of keypoint files of growing size through the workflow: Snakemake's own share of the
-processor time, and time and memory a trial, which must not grow with the number of trials.
+"""Campaigns of growing size through the workflow: Snakemake's own share of the processor time, and
+time and memory a trial, which must not grow with the number of trials.
 
-    python benchmarks/scale.py [--trials 66 1000] [--goal steady.csv] [--cores 2] [--folder DIR]
+    python benchmarks/scale.py [--trials 66 1000] [--films] [--goal steady.csv] [--folder DIR]
 
 Without --goal the whole way to report.html; the fits and the search then grow with the trials.
 """
@@ -24,38 +24,55 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from pipeline.synthetic.campaign import render_trial, write_study_files  # noqa: E402
+from pipeline.synthetic.conditions import Conditions  # noqa: E402
+from pipeline.synthetic.design import ladder_design  # noqa: E402
 from studies import small_study  # noqa: E402
 
 TICK = os.sysconf("SC_CLK_TCK")
 
 
-def campaign(folder: Path, trials: int) -> Path:
-    """A study of so many trials: three simulated ones over and over, each with files of its own."""
+def filmed_study(folder: Path) -> Path:
+    """Three rendered trials of three to four seconds at 1080p: straight, a turn to either side."""
+    design = ladder_design(Conditions())
+    write_study_files(design, folder, source="videos/{}.mp4", fps=None)
+    for plan in design.plans:
+        render_trial(design, plan.trial_id, folder, folder.with_name("truth"), threads=1)
+    return folder
+
+
+def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
+    """A study of so many trials: three simulated ones over and over, each with files of its own.
+
+    Of films the files are further names of the same three, so that the disk does not fill.
+    """
     study = folder / f"study{trials}"
     if study.is_dir():
         return study
-    base = small_study(folder / "base")
+    base = filmed_study(folder / "base") if films else small_study(folder / "base")
     study.mkdir()
     shutil.copy(base / "study.yaml", study)
     with (base / "trials.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))
-    made = []
-    for i in range(trials):
-        row = dict(rows[i % len(rows)])
-        name = f"N{i:04d}"
-        for column in ("source", "motor_log"):
-            if not row.get(column):
-                continue
-            target = study / Path(row[column]).parent / f"{name}.csv"
-            target.parent.mkdir(exist_ok=True)
-            shutil.copy(base / row[column], target)
-            row[column] = str(target.relative_to(study))
-        made.append(row | {"trial_id": name})
+    made = [taken(base, study, rows[i % len(rows)], f"N{i:04d}") for i in range(trials)]
     with (study / "trials.csv").open("w", newline="") as out:
         writer = csv.DictWriter(out, rows[0])
         writer.writeheader()
         writer.writerows(made)
     return study
+
+
+def taken(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, str]:
+    """Row of a trial `name` that has the files of `row`."""
+    files = {}
+    for column in ("source", "motor_log"):
+        if given := row.get(column):
+            target = study / Path(given).parent / f"{name}{Path(given).suffix}"
+            target.parent.mkdir(exist_ok=True)
+            put = os.link if target.suffix == ".mp4" else shutil.copy
+            put(base / given, target)
+            files[column] = str(target.relative_to(study))
+    return row | files | {"trial_id": name}
 
 
 @dataclass(frozen=True)
@@ -149,6 +166,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, nargs="+", default=[66, 1000])
     parser.add_argument("--goal", help="a file of the results to stop at")
+    parser.add_argument("--films", action="store_true", help="rendered videos, not keypoints")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--folder", type=Path, help="keeps studies and results, and goes on there")
     options = parser.parse_args()
@@ -156,7 +174,7 @@ def main() -> None:
         for trials in options.trials:
             folder = (options.folder or Path(name)).resolve() / str(trials)
             folder.mkdir(parents=True, exist_ok=True)
-            study = campaign(folder, trials)
+            study = campaign(folder, trials, films=options.films)
             used = run(study, folder / "results", options.goal, options.cores)
             show(trials, used, stages(folder / "results"))
 

@@ -139,6 +139,16 @@ def test_doctor_tells_what_to_install(monkeypatch):
     assert "FAIL no-such-package is missing: pip install 'no-such-package>=3'" in result.output
 
 
+def test_without_a_place_for_compiled_code_it_is_said_with_the_cure(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("BLUEKOI_CACHE", str(tmp_path / "file"))
+    said = bluekoi("doctor")
+    assert said.exit_code == 1
+    (line,) = (line for line in said.output.splitlines() if line.startswith("FAIL"))
+    assert "'Not a directory'" in line
+    assert "BLUEKOI_CACHE=FOLDER" in line
+
+
 def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert (workflow_folder() / "Snakefile").is_file()
     found = command("my = study", Path("out"), "2", ("--dry-run",))

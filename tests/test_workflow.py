@@ -22,7 +22,8 @@ from pipeline.faults import Fault
 from pipeline.files import whole_file
 from pipeline.workflow import without_rate_limit
 from pipeline.workflow.lock import forget_stale, hold, sweep
-from pipeline.workflow.plan import figure_names, forget_lost, make_plan
+from pipeline.workflow.lost import forget_lost
+from pipeline.workflow.plan import figure_names, make_plan
 from pipeline.workflow.progress import Hush, Progress
 from pipeline.workflow.remaining import Timing, duration, usual
 from studies import edit_rows, small_study
@@ -143,6 +144,19 @@ def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(home):
     assert home.planned() == {"tracks": 1, "geometry": 1} | AFTER_TRACKS
 
 
+def test_a_source_replaced_by_an_older_file_runs_its_trial_again(home):
+    path = home.study / "keypoints/T10.csv"
+    path.write_text(path.read_text().replace("0.99", "0.98"))
+    os.utime(path, (1e9, 1e9))
+    assert home.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | AFTER_TRACKS
+
+
+def test_a_source_that_was_only_copied_anew_runs_nothing_again(home):
+    os.utime(home.study / "keypoints/T10.csv")
+    os.utime(home.study / "motor/T11.csv")
+    assert home.planned() == {}
+
+
 def test_another_role_does_not_track_again(home):
     edit_rows(home.study, T10={"role": "held_out"})
     found = home.planned()
@@ -192,6 +206,14 @@ def test_results_that_cannot_be_written_are_told_at_the_door(done, tmp_path, mon
     (tmp_path / "file").touch()
     with pytest.raises(Fault, match="a results folder that can be written to"):
         make_plan({**SETTINGS, "study": "study", "results": str(tmp_path / "file" / "below")})
+
+
+def test_snakemakes_own_report_has_captions_and_categories(home):
+    assert home.snakemake("--report", "own.html").returncode == 0
+    text = (home.root / "own.html").read_text()
+    for words in ("The page", "Tables", "Figures", "Measured and simulated path of every trial"):
+        assert words in text, words
+    assert len(text) > 1_000_000  # figures and tables inside
 
 
 def test_the_workflow_lints_clean(done):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .waiting import waiting
+
 if TYPE_CHECKING:
     from ..campaign import Campaign
     from ..data import Float, Track
@@ -43,10 +45,13 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
 
     folder = results or Path("results") / study.resolve().name
     target = out or folder / "export"
-    campaign = load_campaign(folder, load_study(study))
+    with waiting("reading results"):
+        campaign = load_campaign(folder, load_study(study))
     chosen = _chosen(campaign, trials, folder)
-    for name in chosen:
-        write_netcdf(campaign, name, target / f"{name}.nc")
+    with waiting(f"writing {len(chosen)} trials") as wait:
+        for done, name in enumerate(chosen, 1):
+            write_netcdf(campaign, name, target / f"{name}.nc")
+            wait.share = done / len(chosen)
     if campaign.coefficients:
         _write_coefficients(campaign.coefficients, target / "coefficients.csv")
     click.echo(f"{len(chosen)} trials written to {target}")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import logging
+import math
 import os
 import random
 import re
@@ -35,6 +37,8 @@ AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_na
 
 class Home:
     """A copy of the workflow and its package, with a small study and its results."""
+
+    took_s = math.nan  # of the run that made the results
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -72,7 +76,10 @@ class Home:
 def done(tmp_path_factory):
     """A home whose study has been run, with what was said."""
     home = Home(tmp_path_factory.mktemp("home"))
-    return home, home.snakemake()
+    start = time.monotonic()
+    run = home.snakemake()
+    home.took_s = time.monotonic() - start
+    return home, run
 
 
 @pytest.fixture
@@ -320,31 +327,81 @@ def test_a_second_run_on_the_same_folder_is_refused_in_words(home):
 def results_of(home: Home) -> dict[str, bytes]:
     """Every result without dates in it, by name."""
     root = home.root / "results/study"
-    kept = [p for p in root.rglob("*") if p.suffix in (".csv", ".json", ".png", ".pdf")]
+    kinds = (".csv", ".json", ".png", ".pdf", ".html")
+    kept = [path for path in root.rglob("*") if path.suffix in kinds]
     return {str(path.relative_to(root)): path.read_bytes() for path in kept}
+
+
+def started(home: Home) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        home.command(),
+        cwd=home.root,
+        env=home.environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def forget_all(home: Home) -> None:
+    shutil.rmtree(home.root / "results")
+    shutil.rmtree(home.root / ".snakemake")
 
 
 @pytest.mark.long
 def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(done, home):
-    shutil.rmtree(home.root / "results")
-    shutil.rmtree(home.root / ".snakemake")
-    rng = random.Random(7)
-    for _ in range(20):
-        run = subprocess.Popen(
-            home.command(),
-            cwd=home.root,
-            env=home.environment(),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        time.sleep(rng.uniform(0.5, 12.0))
-        os.killpg(run.pid, signal.SIGKILL)
-        run.wait()
+    """Each kill hits a run at work; where one ends before, it is compared and begun anew."""
+    undisturbed, rng, kills = results_of(done[0]), random.Random(7), 0
+    forget_all(home)
+    while kills < 20:
+        run = started(home)
+        try:
+            assert run.wait(rng.uniform(0.0, 0.4) * done[0].took_s) == 0
+        except subprocess.TimeoutExpired:
+            os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+            kills += 1
+            continue
+        assert results_of(home) == undisturbed
+        forget_all(home)
     last = home.snakemake()
     assert last.returncode == 0, last.stderr
-    assert results_of(home) == results_of(done[0])
+    assert results_of(home) == undisturbed
     assert not list((home.root / "results").rglob(".*-*"))
+
+
+def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
+    """Process id of a stage of a run, waited for."""
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        for path in Path("/proc").glob("[0-9]*/cmdline"):
+            with contextlib.suppress(OSError):
+                words = path.read_bytes().split(b"\0")
+                own = os.getsid(int(path.parent.name)) == run.pid
+                if own and words[:1] == [b"python3"] and name.encode() in words:
+                    return int(path.parent.name)
+        time.sleep(0.005)
+    raise AssertionError(f"no stage {name} at work")
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
+def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_next_run(
+    done, home
+):
+    forget_all(home)
+    run = subprocess.Popen(home.command(), cwd=home.root, env=home.environment(),
+                           stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
+    os.kill(stage_at_work(run, "tracks"), signal.SIGKILL)
+    said = run.communicate(timeout=600)[1].decode()
+    assert run.returncode == 1
+    assert "killed from outside (SIGKILL), by a person or for want of memory" in said
+    assert "Traceback" not in said
+    assert len(list((home.root / "results/study/tracks").glob("*.csv"))) == 2
+    assert not (home.root / "results/study/steady.csv").exists()
+    assert home.planned()["tracks"] == 1
+    assert home.snakemake().returncode == 0
+    assert results_of(home) == results_of(done[0])
 
 
 def record(level, message, **more):

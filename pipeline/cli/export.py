@@ -35,7 +35,7 @@ INDIVIDUAL = "robot"
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
-    """Write the tracks of STUDY as netCDF for `movement`, and its coefficients as csv.
+    """Write the tracks of STUDY as netCDF for `movement` 0.17 or newer, and its coefficients as csv.
 
     One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
     RESULTS/export without --out. Needs xarray: pip install 'bluekoi[netcdf]'.
@@ -70,7 +70,7 @@ def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[s
 
 
 def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
-    """Write one trial as a `poses` dataset of movement: time, space, keypoints, individuals.
+    """Write one trial as a `poses` dataset of movement: time, space, keypoint, individual.
 
     Raises: Fault where xarray is not installed.
     """
@@ -82,18 +82,18 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
 
 
 def _dataset(campaign: Campaign, trial_id: str) -> Any:
-    """Position (time, space, keypoints, individuals), m, confidence without space, and rates."""
+    """Position (time, space, keypoint, individual), m, confidence without space, and rates."""
     import numpy as np  # noqa: PLC0415
 
     xarray = _xarray()
     track, trial = campaign.tracks[trial_id], campaign.study.trial(trial_id)
     position = _position(campaign, trial_id, track)
     frames = len(track.time_s)
-    layout = ("time", "space", "keypoints", "individuals")
+    layout = ("time", "space", "keypoint", "individual")
     data: dict[str, Any] = {
         "position": (layout, position[..., None], {"units": "m"}),
         "confidence": (
-            ("time", "keypoints", "individuals"),
+            ("time", "keypoint", "individual"),
             np.full((frames, len(PARTS), 1), np.nan),
         ),
     }
@@ -105,8 +105,8 @@ def _dataset(campaign: Campaign, trial_id: str) -> Any:
         coords={
             "time": track.time_s,
             "space": ["x", "y"],
-            "keypoints": list(PARTS),
-            "individuals": [INDIVIDUAL],
+            "keypoint": list(PARTS),
+            "individual": [INDIVIDUAL],
         },
         attrs={
             "ds_type": "poses",

@@ -35,7 +35,7 @@ INDIVIDUAL = "robot"
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
-    """Write the tracks of STUDY as netCDF for `movement` 0.17 or newer, and its coefficients as csv.
+    """Write the tracks of STUDY as netCDF for `movement` (0.17 or newer), coefficients as csv.
 
     One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
     RESULTS/export without --out. Needs xarray: pip install 'bluekoi[netcdf]'.

@@ -157,6 +157,16 @@ def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert found[-1] == "--dry-run"
 
 
+def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
+    given = ("--dry-run", "--config", "overlays=none", "demo_folder=d", "--quiet", "-C", "x=1")
+    words = command("lab", Path("out"), "2", given)
+    assert words.count("--config") == 1
+    at = words.index("--config")
+    keys = ['study="lab"', 'results="out"', "overlays=none", "demo_folder=d", "x=1"]
+    assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
+    assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
+
+
 @pytest.mark.parametrize(
     ("returned", "present", "code"),
     [

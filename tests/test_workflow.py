@@ -26,7 +26,7 @@ from pipeline.workflow import without_rate_limit
 from pipeline.workflow.lock import forget_stale, hold, sweep
 from pipeline.workflow.lost import forget_lost
 from pipeline.workflow.plan import figure_names, make_plan
-from pipeline.workflow.progress import Hush, Progress
+from pipeline.workflow.progress import Hush, Progress, killed_by
 from pipeline.workflow.remaining import Timing, duration, usual
 from studies import edit_rows, small_study
 
@@ -384,6 +384,21 @@ def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
     raise AssertionError(f"no stage {name} at work")
 
 
+@pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
+def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home):
+    edit_rows(home.study, T10={"head_length_m": "0.121"})
+    command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
+    run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
+                           stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
+    stage_at_work(run, "tracks")
+    os.killpg(run.pid, signal.SIGINT)
+    said = run.communicate(timeout=120)[1].decode()
+    assert run.returncode == 130, said
+    assert said.count("Interrupted. What is done is kept") == 1
+    assert "Traceback" not in said
+    assert home.planned()["tracks"] == 1
+
+
 @pytest.mark.long
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
 def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_next_run(
@@ -434,12 +449,29 @@ def test_a_locked_folder_is_told_with_its_cure(tmp_path):
     assert "snakemake --unlock" in stream.getvalue()
 
 
-def test_a_killed_stage_is_told_with_what_to_do(tmp_path):
+@pytest.mark.parametrize(
+    "end", ["died with <Signals.SIGKILL: 9>.", "returned non-zero exit status 137."]
+)
+def test_a_killed_stage_is_told_with_what_to_do(tmp_path, end):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    text = "Command 'python3 -m pipeline' died with <Signals.SIGKILL: 9>."
-    progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+    progress.emit(record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()
     assert "what is done is kept" in stream.getvalue()
+
+
+def test_a_stage_that_ends_by_itself_was_not_killed():
+    assert killed_by("Command 'python3' returned non-zero exit status 1.") == ""
+    assert killed_by("Command 'python3' returned non-zero exit status 255.") == ""
+
+
+def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    for _ in range(2):
+        text = "Command 'python3' died with <Signals.SIGINT: 2>."
+        progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+        found = {"event": LogEvent.JOB_ERROR, "rule_name": "tracks", "log": []}
+        progress.emit(record(logging.ERROR, "", **found))
+    assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
 
 
 @pytest.mark.parametrize(("here", "limited"), [(True, False), (False, True)])

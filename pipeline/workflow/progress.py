@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import re
+import signal
 import sys
 import threading
 import time
@@ -37,10 +39,12 @@ KILLED = (
     "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
     "done is kept. With `--cores 1` less memory is needed at once."
 )
+STOPPED = "Interrupted. What is done is kept; start again and it goes on."
 EVERY_S = 2.0
 TICK_S = 1.0
 QUIET_S = 30.0
 """On a file, so long without a job that ends brings a line on the one that runs."""
+CLOCK_S = 2.0  # by so much a file system's clock may lag behind ours
 WIDEST = 60
 """Characters of a stage's own last word."""
 
@@ -64,6 +68,18 @@ def _ours(record: logging.LogRecord) -> bool:
     return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
 
 
+def killed_by(text: str) -> str:
+    """Name of the signal that ended a command, by Snakemake's words on it; else nothing.
+
+    A stage that is killed leaves its shell, which returns 128 and the signal's number.
+    """
+    if found := re.search(r"died with <Signals\.(\w+)", text):
+        return found[1]
+    status = re.search(r"returned non-zero exit status (\d+)", text)
+    number = int(status[1]) - 128 if status else 0
+    return signal.Signals(number).name if number in set(signal.Signals) else ""
+
+
 class Progress(logging.Handler):
     """Log handler that turns Snakemake's events into short lines on `stream`.
 
@@ -77,8 +93,9 @@ class Progress(logging.Handler):
         self.report, self.stream = report, stream
         self.live = stream.isatty()
         self.timing = Timing(usual(report.parent))
-        self.logs: dict[int, Path] = {}
+        self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
+        self.stopped = False
         self.over = threading.Event()
         self.ticker = threading.Thread(target=self._tick, daemon=True)
 
@@ -93,18 +110,25 @@ class Progress(logging.Handler):
             self._finish(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
-        elif signal := re.search(r"died with <Signals\.(\w+)", record.getMessage()):
-            self._say(KILLED.format(signal[1]))
+        elif name := killed_by(record.getMessage()):
+            self._killed(name)
         elif "cannot be locked" in record.getMessage():
             self._say(LOCKED)
         elif record.getMessage().startswith("Nothing to be done"):
             self._say("Everything is up to date.")
             self.farewell()
 
+    def _killed(self, name: str) -> None:
+        if name != "SIGINT":
+            self._say(KILLED.format(name))
+        elif not self.stopped:
+            self.stopped = True
+            self._say(STOPPED)
+
     def _start(self, found: dict[str, Any]) -> None:
         self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
         if logs := found.get("log"):
-            self.logs[found["jobid"]] = Path(logs[0])
+            self.logs[found["jobid"]] = (Path(logs[0]), time.time())
         self._line(_name(found), now=not self.live and self.last_s == 0.0)
         if not self.ticker.ident:
             self.ticker.start()
@@ -140,14 +164,19 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def _word(self) -> str:
-        """Last line of the log of a job that runs, after a colon; nothing if it has none."""
-        for path in reversed(self.logs.values()):
-            if path.is_file() and (words := path.read_text("utf-8", "replace").split("\n"))[0]:
-                word = next(line for line in reversed(words) if line)
-                return f": {printable(word)[:WIDEST]}"
+        """Last line that a job that runs has written to its log, after a colon; or nothing."""
+        for path, since in reversed(self.logs.values()):
+            with contextlib.suppress(OSError):
+                if path.stat().st_mtime < since - CLOCK_S:
+                    continue  # of an earlier run
+                words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
+                if words:
+                    return f": {printable(words[-1])[:WIDEST]}"
         return ""
 
     def _trouble(self, found: dict[str, Any]) -> None:
+        if self.stopped:
+            return  # a person stopped it: no stage is at fault
         paths = [Path(name) for name in found.get("log") or []]
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from pendulum import PENDULUM
 from pipeline.integrate import LANES, System, compiled
 from pipeline.integrate.batch import each, propagate
+from pipeline.integrate.branchless import exponential, power
 from pipeline.integrate.inlining import Lines, written_out
 from pipeline.integrate.writing import source
 from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
@@ -197,3 +198,14 @@ def test_calls_shared_among_threads_keep_their_order_and_their_faults(
     with pytest.raises(IndexError, match="seven"):
         each(faulty, range(20))
     assert each(lambda k: -k, range(5)) == [0, -1, -2, -3, -4]
+
+
+def test_exponential_and_power_without_branches_are_as_exact_as_stated() -> None:
+    small, large = np.linspace(-10, 10, 2001), np.linspace(-60, 60, 2001)
+    off = [max(abs(exponential(float(x)) / math.exp(x) - 1) for x in xs) for xs in (small, large)]
+    assert off[0] < 1e-11
+    assert off[1] < 3e-6
+    assert exponential(-1e9) == exponential(-60.0)
+    raised = [(float(x), 10.0 / max(abs(math.log(x)), 2.0)) for x in np.geomspace(1e-11, 1e5, 400)]
+    assert max(abs(power(x, p) / x**p - 1) for x, p in raised) < 1e-10
+    assert max(abs(power(x, -p) * x**p - 1) for x, p in raised) < 1e-10

@@ -13,12 +13,12 @@ from measured import Measured, measured
 from pipeline.faults import Fault
 from pipeline.files import plain
 from pipeline.fitting import Fit, Free, Normal, Series, filter_all, smooth, spread_over_trials
-from pipeline.integrate import compiled
+from pipeline.integrate import Kernel, compiled
 from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, weights
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.horizon import begun
-from pipeline.mismatch.judge import p_value_of
+from pipeline.mismatch.judge import inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.search import held_shapes
@@ -238,14 +238,18 @@ def _one_number(own: np.ndarray, information: np.ndarray) -> Fit:
     return Fit((Free("linear_yaw_damping.N_r"),), np.array([value]), normal, "converged", 1)
 
 
+def _chance(kernel: Kernel, found: Fit) -> float:
+    return p_value_of(kernel, found, "linear_yaw_damping", inflation(kernel, found))
+
+
 def test_one_trial_alone_makes_nothing_sure() -> None:
     kernel = compiled(plates())
     own = np.r_[0.03, np.zeros(17)]
     one = _one_number(own, 1e6 * np.r_[100.0, np.ones(17)])
     assert one.values[0] / np.sqrt(one.naive_cov[0, 0]) > 100
-    assert p_value_of(kernel, one, "linear_yaw_damping") > 0.1
+    assert _chance(kernel, one) > 0.1
     shared = 0.03 + 0.003 * np.cos(np.arange(18))
-    assert p_value_of(kernel, _one_number(shared, np.full(18, 1e6)), "linear_yaw_damping") < 1e-9
+    assert _chance(kernel, _one_number(shared, np.full(18, 1e6))) < 1e-9
 
 
 def test_missing_trials_are_a_fault(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.trigonometry import sin_cos
+from pipeline.integrate.branchless import sin_cos
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.trigonometry import sin_cos
+from pipeline.integrate.branchless import sin_cos
 
 from . import effects
 

@@ -14,7 +14,7 @@ modulus and cubic terms); single-screw asymmetry as constant force and moment.
 from __future__ import annotations
 
 from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.trigonometry import sin_cos
+from pipeline.integrate.branchless import sin_cos
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

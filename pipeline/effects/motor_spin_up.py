@@ -7,8 +7,7 @@ Source: Nise (2015), sec. 2.8 (motor with load, first order).
 
 from __future__ import annotations
 
-import math
-
+from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -26,4 +25,4 @@ PARAMETERS = (
 
 def drive(t: float, flap_hz: float, k: float, tau: float) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    return 0.0, -flap_hz * k * math.exp(-t / tau)
+    return 0.0, -flap_hz * k * exponential(-t / tau)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
+from ..integrate.branchless import sin_cos
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import sin_cos
 
 KIND = "physics"
 CHANNELS = ("surge", "sway", "yaw")

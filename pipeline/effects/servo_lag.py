@@ -1,6 +1,6 @@
 """A head that takes time to turn.
 
-    phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (|phi| / 45 deg)^q,  t since the start
+    phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
 
 n = 1 and q = 0 is a first-order lag; a servo that turns at a limited rate and then stands has
 larger n and q = 1, since it needs the longer the further it has to turn.
@@ -9,8 +9,7 @@ Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response
 
 from __future__ import annotations
 
-import math
-
+from ..integrate.branchless import exponential, power
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -30,5 +29,5 @@ def drive(
     t: float, head_angle: float, k: float, tau: float, n: float, q: float
 ) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    T = tau * ((abs(head_angle) + 1e-3) / 0.7853981633974483) ** q
-    return -head_angle * k * math.exp(-((max(t, 1e-9) / T) ** n)), 0.0
+    T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
+    return -head_angle * k * exponential(-power(max(t, 1e-9) / T, n)), 0.0

@@ -8,8 +8,8 @@ and Borst, Fluid-Dynamic Lift (1975), ch. 4.
 
 from __future__ import annotations
 
+from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import smooth_step
 
 KIND = "physics"
 CHANNELS = ("sway", "yaw")

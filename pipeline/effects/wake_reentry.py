@@ -8,8 +8,8 @@ Course in Turbulence (1972), sec. 4.4).
 
 from __future__ import annotations
 
+from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import smooth_step
 
 KIND = "physics"
 CHANNELS = ("surge", "sway")

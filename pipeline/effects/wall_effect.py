@@ -7,8 +7,7 @@ Away from walls it vanishes. Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (
 
 from __future__ import annotations
 
-import math
-
+from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -39,10 +38,10 @@ def force(
 ) -> tuple[float, float, float]:
     """Surge and sway (N)."""
     near = (
-        math.exp(-max(x, 0.0) / s)
-        + math.exp(-max(L_pool - x, 0.0) / s)
-        + math.exp(-max(y, 0.0) / s)
-        + math.exp(-max(W_pool - y, 0.0) / s)
+        exponential(-max(x, 0.0) / s)
+        + exponential(-max(L_pool - x, 0.0) / s)
+        + exponential(-max(y, 0.0) / s)
+        + exponential(-max(W_pool - y, 0.0) / s)
     )
     drag = -0.5 * rho * A * k * near * V
     return drag * uc, drag * vc, 0.0

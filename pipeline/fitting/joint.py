@@ -112,11 +112,13 @@ def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
 
 
 def pseudo_inverse(matrix: Float) -> Float:
-    """Inverse of a Fisher matrix; directions that the data do not touch get a huge variance."""
-    scale = np.sqrt(np.where(np.diag(matrix) > 0, np.diag(matrix), 1.0))
-    vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    inverse = vectors[1] / np.maximum(vectors[0], 1e-12) @ vectors[1].T
-    return inverse / np.outer(scale, scale)
+    """Inverse of a Fisher matrix (..., p, p); directions that no data touch get a huge variance."""
+    diagonal = np.einsum("...pp->...p", matrix)
+    scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scales = scale[..., :, None] * scale[..., None, :]
+    values, vectors = np.linalg.eigh(matrix / scales)
+    weighted = vectors / np.maximum(values, 1e-12)[..., None, :]
+    return weighted @ np.swapaxes(vectors, -1, -2) / scales
 
 
 def response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:

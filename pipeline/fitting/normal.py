@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from ..data import Float
-from ..integrate import LANES, Kernel
+from ..integrate import LANES, Kernel, System
 from ..integrate.batch import propagate
 from .filtering import STEP_S, Filtered, filter_all, with_noise
 from .series import Free, Noise, Series
@@ -116,28 +117,26 @@ def _evidence(
     """Side measurements as further prediction errors: each effect says what it predicts."""
     n, p = len(series), len(free)
     hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
+    slots = np.array([slots_by_name(kernel)[f.name] for f in free], dtype=int)
     for i, (one, point) in enumerate(zip(series, points, strict=True)):
+        own = np.array([f.group in (None, one.group) for f in free])
         for name, (value, std) in one.evidence.items():
-            predicted, slope = _predicted_evidence(kernel, name, free, point, one.group)
-            error, row = (value - predicted) / std, slope / std
-            hessian[i] += np.outer(row, row)
+            weights = evidence_weights(kernel.system, name)
+            error = (value - float(weights @ point)) / std
+            row = weights[slots] * own / std
+            hessian[i] += row[:, None] * row
             gradient[i] += row * error
             logl[i] -= 0.5 * error * error + np.log(std) + 0.5 * np.log(2 * np.pi)
     return Normal(hessian, gradient, logl)
 
 
-def _predicted_evidence(
-    kernel: Kernel, name: str, free: Sequence[Free], point: Float, group: str
-) -> tuple[float, Float]:
-    total, slope = 0.0, np.zeros(len(free))
-    slots = slots_by_name(kernel)
-    for effect in kernel.system.effects:
-        for own, weight in effect.evidence.items():
-            if own == name:
-                parameter = f"{effect.name}.{effect.parameters[0].name}"
-                total += weight * point[slots[parameter]]
-                slope += [weight * (f.name == parameter and f.group in (None, group)) for f in free]
-    return total, slope
+@lru_cache(maxsize=64)
+def evidence_weights(system: System, name: str) -> Float:
+    """A side measurement as a sum over parameters (parameters,): effects tell of their first."""
+    weights = np.zeros(len(system.parameters))
+    for effect in system.effects:
+        weights[system.slots(effect.name)[:1]] += effect.evidence.get(name, 0.0)
+    return weights
 
 
 def log_likelihoods(

@@ -32,21 +32,18 @@ def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
     cov = np.zeros((p, p))
     if count < 2 or not move.any():
         return pseudo_inverse(H.sum(axis=0))
-    total = H.sum(axis=0)[np.ix_(move, move)]
-    informed = [t for t in range(count) if np.any(np.diag(H[t]) > 0)]
-    shifts = []
-    for t in informed:
-        rest = total - H[t][np.ix_(move, move)]
-        # sum of gradients is zero at the fit, so the rest's gradient is -g_t
-        shifts.append(pseudo_inverse(_floor(rest, total)) @ -g[t][move])
-    n = max(len(informed), 2)
-    spread = np.array(shifts)
+    total = H.sum(axis=0)
+    informed = np.einsum("tpp->tp", H).any(axis=1)
+    rest = _floor(total - H[informed], total)[:, move][:, :, move]
+    # the sum of gradients is zero at the fit, so the rest's gradient is -g_t
+    spread = -np.einsum("tpq,tq->tp", pseudo_inverse(rest), g[informed][:, move])
+    n = max(len(spread), 2)
     cov[np.ix_(move, move)] = (n - 1) / n * spread.T @ spread
     return cov + _diagonal_floor(pseudo_inverse(H.sum(axis=0)), move)
 
 
 def _floor(rest: Float, total: Float) -> Float:
-    """Fisher matrix of the remaining trials, kept invertible where one trial alone informs."""
+    """Fisher matrices (t, p, p) of the rest, kept invertible where one trial alone informs."""
     return rest + 1e-3 * np.diag(np.diag(total))
 
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from ..faults import fault
 from ..files import write_text
-from . import trigonometry
+from . import branchless
 from .dependence import RANDOM
 from .rows import LANES
 from .system import Function, System
@@ -135,4 +135,4 @@ def _functions(system: System) -> list[Function]:
 
 
 def _files(system: System) -> set[str]:
-    return {inspect.getfile(f) for f in _functions(system)} | {trigonometry.__file__}
+    return {inspect.getfile(f) for f in _functions(system)} | {branchless.__file__}

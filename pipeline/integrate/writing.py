@@ -144,12 +144,13 @@ def _general(plan: _Plan) -> list[str]:
         if effect.rates:
             lines = _shift(plan, effect.states)
             body += [f"            if {plan.on([effect])}:", *(f"    {line}" for line in lines)]
+    timed = [e for e in plan.effects if any("t" in arguments(s, (e,)) for s in plan.system.stages)]
     return [
         FUNCTION.format("", "rates(m, on)"),
         *_rates(plan),
         "\n",
-        STEP.format(way="any", count=len(plan.system.all_states), timed=True,
-                    body="\n".join(body)),
+        STEP.format(way="any", count=len(plan.system.all_states),
+                    timed=plan.on(timed) or False, body="\n".join(body)),
         MOVE,
         "    move_any(m, on, h, t0, inputs, frame, substeps, moving)",
     ]  # fmt: skip

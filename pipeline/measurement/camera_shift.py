@@ -6,8 +6,8 @@ Source: own statement.
 
 from __future__ import annotations
 
+from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import smooth_step
 
 KIND = "measurement"
 CHANNELS = ("sway", "yaw")

@@ -7,8 +7,8 @@ Source: own statement.
 
 from __future__ import annotations
 
+from ..integrate.branchless import smooth_step
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import smooth_step
 
 KIND = "measurement"
 CHANNELS = ("surge",)

@@ -9,7 +9,7 @@ from ..data import Float
 from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .judge import Trialled
-from .search import PASSES, try_effects
+from .search import try_effects
 
 Progress = Callable[[str], None]
 NOISE_ROUNDS = 4
@@ -39,13 +39,13 @@ class Bench:
     ) -> Trialled:  # fmt: skip
         """The model with these effects, fitted under the noise of another.
 
-        predictor: the other's filter, whose gains are held for one pass: many candidates are then
-        compared as predictors of one form.
+        predictor: the other's filter, whose gains are held: many candidates are then compared as
+        predictors of one form.
         """
         known = under.fit.by_label() if start is None else start
         return try_effects(self.kernel, self.series, self.base, self.coefficients, effects,
                            noise=under.noise, predictor=predictor, start=known,
-                           passes=1 if predictor else PASSES)  # fmt: skip
+                           held=predictor is not None)  # fmt: skip
 
     def renoised(self, model: Trialled, rounds: int = NOISE_ROUNDS) -> Trialled:
         """A model under all of its own noise: what was lacking before may have passed for errors

@@ -79,18 +79,19 @@ def trialled(
     if not found.normal.usable:
         nothing = np.full(len(series), -np.inf)
         return Trialled(tuple(effects), found, nothing, noise, np.inf, dict.fromkeys(effects, 1.0))
-    p_value = {name: p_value_of(kernel, found, name) for name in effects}
+    wider = inflation(kernel, found)
+    p_value = {name: p_value_of(kernel, found, name, wider) for name in effects}
     own = found.normal.log_likelihood if worth is None else worth
-    return Trialled(tuple(effects), found, own, noise, inflation(kernel, found), p_value)
+    return Trialled(tuple(effects), found, own, noise, wider, p_value)
 
 
-def p_value_of(kernel: Kernel, found: Fit, effect: str) -> float:
+def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     """Probability of an effect at least as sure as this where there is none.
 
     W = s' C^-1 s of its k strengths s with covariance C; W / k is compared to Fisher's F. C is that
     between the n trials, moderated by what all numbers together say, the inverse Fisher matrix
-    times the inflation: the mean of both with weights n - 1 and `PRIOR_FREEDOM`, whose sum are the
-    degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats). Where one
+    times the inflation, `wider`: the mean of both with weights n - 1 and `PRIOR_FREEDOM`, whose sum
+    are the degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats). Where one
     trial alone informs on them there is no other; the chance is then that of chi-squared at any of
     `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
     """
@@ -102,9 +103,9 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str) -> float:
     s = found.values[own]
     trials = int(np.sum(np.any(np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0, axis=1)))
     if trials == 1 and len(found.normal.hessian) > 1:
-        fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / inflation(kernel, found)
+        fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / wider
         return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
-    pooled = inflation(kernel, found) * found.naive_cov[np.ix_(own, own)]
+    pooled = wider * found.naive_cov[np.ix_(own, own)]
     between = jackknife_cov(found.normal, move)[np.ix_(own, own)]
     cov = (PRIOR_FREEDOM * pooled + (trials - 1) * between) / (PRIOR_FREEDOM + trials - 1)
     wald = max(float(s @ pseudo_inverse(cov) @ s), 0.0)

@@ -14,6 +14,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import (
     Filtered,
+    Fit,
     Free,
     Noise,
     Normal,
@@ -31,6 +32,9 @@ from .judge import Trialled, candidate_frees, held_out_worth, parameters_of, par
 
 PASSES = 2
 """How often the filter's gains follow a candidate's fit: first those of the model before it."""
+MOVED = 0.2
+"""Numbers that move less than this, in standard deviations, leave the filter's gains as they are.
+"""
 
 
 def with_starts(kernel: Kernel, base: Float, effects: Sequence[str], share: float = 1.0) -> Float:
@@ -55,31 +59,45 @@ def try_effects(
     predictor: Sequence[Filtered] | None = None,
     start: Mapping[str, float] | None = None,
     iterations: int = 12,
-    passes: int = PASSES,
+    held: bool = False,
 ) -> Trialled:
     """The model with these effects, all its numbers fitted, and its held-out worth.
 
     Shapes that are known beforehand (`Parameter.spread`) are held there unless `start` names them.
+    held: fitted and judged with the gains of `predictor` alone, else these follow the fit.
     """
     every = [*coefficients, *(f for e in effects for f in candidate_frees(kernel.system, e)[0])]
     point = with_starts(kernel, base, effects, 0.3)
     known = dict(start or {})
     frees = _not_held(kernel, every, known)
-    for _ in range(passes):
+    for _ in range(1 if held else PASSES):
         found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
                     tolerance=0.05, predictor=predictor)  # fmt: skip
-        known = found.by_label()
         points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
-        predictor = filter_all(kernel, series, points, noise)
-    normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
-                              predictor=predictor)  # fmt: skip
-    found = replace(found, normal=normal)
-    if not normal.usable:
+        if held:
+            break
+        predictor, moved = filter_all(kernel, series, points, noise), _moved(found, known)
+        known = found.by_label()
+        if not moved:
+            break
+    if not held:
+        normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
+                                  predictor=predictor)  # fmt: skip
+        found = replace(found, normal=normal)
+    if not found.normal.usable:
         return trialled(kernel, effects, found, noise, series)
     worth = held_out_worth(kernel, series, point, found, noise=noise,
                            predictor=predictor or ())  # fmt: skip
     side = float(side_log_likelihoods(kernel, series, points).sum())
     return replace(trialled(kernel, effects, found, noise, series, worth=worth), side=side)
+
+
+def _moved(found: Fit, known: Mapping[str, float]) -> bool:
+    """Whether a fit has left its start by more than `MOVED` on average over its numbers."""
+    change = found.values - np.array([known.get(f.label, np.inf) for f in found.free])
+    if not np.isfinite(change).all():
+        return True
+    return bool(change @ found.normal.hessian.sum(axis=0) @ change > MOVED**2 * len(change))
 
 
 def held_shapes(kernel: Kernel, model: Trialled) -> dict[str, float]:

@@ -42,6 +42,8 @@ form, which comes next.
 """
 TRIED = 6
 CONTENDERS = 3
+PART_OF_BEST = 0.3
+"""Of those that gained at least this part of the best's gain so many are settled."""
 MOST_CAUSES = 4
 MOST_ROUNDS = 8
 
@@ -129,7 +131,8 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     bench.progress(f"refits with {', '.join(names)}")
     found = each(lambda name: _refit(bench, before, name, told[name], predictor), names)
     found.sort(key=lambda t: -t.total)
-    best = each(bench.settled, [t for t in found[:CONTENDERS] if t.total > before.total])
+    least = before.total + PART_OF_BEST * max(found[0].total - before.total, 0.0)
+    best = each(bench.settled, [t for t in found[:CONTENDERS] if t.total > least])
     ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
     return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
 

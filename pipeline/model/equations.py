@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 
-from ..integrate.trigonometry import sin_cos
+from ..integrate.branchless import sin_cos
 
 REST = 1e-12  # m2/s2 beside V^2, so that directions exist at rest, where every force is zero
 

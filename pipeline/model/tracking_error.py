@@ -10,8 +10,8 @@ Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
 
 from __future__ import annotations
 
+from ..integrate.branchless import sin_cos
 from ..integrate.system import Parameter
-from ..integrate.trigonometry import sin_cos
 
 KIND = "disturbance"
 STATEMENT = "Tracked points err for several frames on end."

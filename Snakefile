@@ -110,7 +110,7 @@ rule tuning:
     benchmark: TIMES / "tuning.tsv"
     params: at=AT, code=plan.code("tuning"), settings=plan.fit(),
     threads: 2
-    resources: mem_mb=1500, runtime=60,
+    resources: mem_mb=plan.memory_mb(800, 1), runtime=60,
     shell: "python3 -m pipeline stage tuning {params.at} &> {log:q}"
 
 
@@ -122,7 +122,7 @@ rule mismatch:
     benchmark: TIMES / "mismatch.tsv"
     params: at=AT, code=plan.code("mismatch"), settings=plan.fit(),
     threads: 2
-    resources: mem_mb=1500, runtime=120,
+    resources: mem_mb=plan.memory_mb(900, 3), runtime=120,
     shell: "python3 -m pipeline stage mismatch {params.at} &> {log:q}"
 
 

@@ -71,6 +71,10 @@ class Plan:
             *self.overlays(),
         ]
 
+    def memory_mb(self, base: int, each: int) -> int:
+        """Memory to ask a cluster for, of a stage that holds all trials at once."""
+        return base + each * len(self.trials)
+
     def figures(self) -> list[str]:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]

@@ -86,6 +86,16 @@ def test_a_fault_is_its_message_alone_and_exits_with_1(monkeypatch):
     assert result.output == "a?[31m.csv: row 1: found x; expected y.\n"
 
 
+def test_ctrl_c_exits_with_130(monkeypatch):
+    @click.command()
+    def endless():
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(main.commands, "endless", endless)
+    result = bluekoi("endless")
+    assert (result.exit_code, result.output) == (130, "Interrupted.\n")
+
+
 def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     result = bluekoi("check", small_study(tmp_path / "study"))
     assert result.exit_code == 0

@@ -90,7 +90,7 @@ rule tracks:
 
 rule steady:
     input: expand(rules.tracks.output, trial=plan.trials),
-    output: R / "steady.csv",
+    output: report(R / "steady.csv", "config/captions/steady.rst", "Tables"),
     conda: ENV
     log: LOGS / "steady.log"
     benchmark: TIMES / "steady.tsv"
@@ -101,13 +101,16 @@ rule steady:
 
 rule tuning:
     input: rules.steady.output,
-    output: R / "coefficients.json", R / "table1.csv", R / "table2.csv",
+    output:
+        R / "coefficients.json",
+        report(R / "table1.csv", "config/captions/table1.rst", "Tables"),
+        report(R / "table2.csv", "config/captions/table2.rst", "Tables"),
     conda: ENV
     log: LOGS / "tuning.log"
     benchmark: TIMES / "tuning.tsv"
     params: at=AT, code=plan.code("tuning"), settings=plan.fit(),
     threads: 2
-    resources: mem_mb=1500, runtime=60,
+    resources: mem_mb=plan.memory_mb(800, 1), runtime=60,
     shell: "python3 -m pipeline stage tuning {params.at} &> {log:q}"
 
 
@@ -119,7 +122,7 @@ rule mismatch:
     benchmark: TIMES / "mismatch.tsv"
     params: at=AT, code=plan.code("mismatch"), settings=plan.fit(),
     threads: 2
-    resources: mem_mb=1500, runtime=120,
+    resources: mem_mb=plan.memory_mb(900, 3), runtime=120,
     shell: "python3 -m pipeline stage mismatch {params.at} &> {log:q}"
 
 
@@ -131,7 +134,7 @@ rule figure:
     conda: ENV
     log: LOGS / "figures/{figure}.log"
     benchmark: TIMES / "figures/{figure}.tsv"
-    params: at=AT, code=plan.figure_code,
+    params: at=AT, code=plan.figure_code, words=plan.figure_words,
     resources: mem_mb=800, runtime=10,
     shell: "python3 -m pipeline stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
@@ -149,7 +152,7 @@ rule overlay:
 
 rule report:
     input: rules.mismatch.output, plan.figures(), plan.overlays(), plan.seal(),
-    output: R / "report.html",
+    output: report(R / "report.html", "config/captions/page.rst", "The page"),
     conda: ENV
     log: LOGS / "report.log"
     benchmark: TIMES / "report.tsv"

@@ -1,7 +1,7 @@
-"""Campaigns of keypoint files of growing size through the workflow: Snakemake's own share of the
-processor time, and time and memory a trial, which must not grow with the number of trials.
+"""Campaigns of growing size through the workflow: Snakemake's own share of the processor time, and
+time and memory a trial, which must not grow with the number of trials.
 
-    python benchmarks/scale.py [--trials 66 1000] [--goal steady.csv] [--cores 2] [--folder DIR]
+    python benchmarks/scale.py [--trials 66 1000] [--films] [--goal steady.csv] [--folder DIR]
 
 Without --goal the whole way to report.html; the fits and the search then grow with the trials.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import os
 import shutil
 import statistics
@@ -17,36 +18,43 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
+from pipeline.synthetic.campaign import render_trial, write_study_files  # noqa: E402
+from pipeline.synthetic.conditions import Conditions  # noqa: E402
+from pipeline.synthetic.design import ladder_design  # noqa: E402
 from studies import small_study  # noqa: E402
 
 TICK = os.sysconf("SC_CLK_TCK")
 
 
-def campaign(folder: Path, trials: int) -> Path:
-    """A study of so many trials: three simulated ones over and over, each with files of its own."""
-    base = small_study(folder / "base")
+def filmed_study(folder: Path) -> Path:
+    """Three rendered trials of three to four seconds at 1080p: straight, a turn to either side."""
+    design = ladder_design(Conditions())
+    write_study_files(design, folder, source="videos/{}.mp4", fps=None)
+    for plan in design.plans:
+        render_trial(design, plan.trial_id, folder, folder.with_name("truth"), threads=1)
+    return folder
+
+
+def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
+    """A study of so many trials: three simulated ones over and over, each with files of its own.
+
+    Of films the files are further names of the same three, so that the disk does not fill.
+    """
     study = folder / f"study{trials}"
+    if study.is_dir():
+        return study
+    base = filmed_study(folder / "base") if films else small_study(folder / "base")
     study.mkdir()
     shutil.copy(base / "study.yaml", study)
     with (base / "trials.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))
-    made = []
-    for i in range(trials):
-        row = dict(rows[i % len(rows)])
-        name = f"N{i:04d}"
-        for column in ("source", "motor_log"):
-            if not row.get(column):
-                continue
-            target = study / Path(row[column]).parent / f"{name}.csv"
-            target.parent.mkdir(exist_ok=True)
-            shutil.copy(base / row[column], target)
-            row[column] = str(target.relative_to(study))
-        made.append(row | {"trial_id": name})
+    made = [taken(base, study, rows[i % len(rows)], f"N{i:04d}") for i in range(trials)]
     with (study / "trials.csv").open("w", newline="") as out:
         writer = csv.DictWriter(out, rows[0])
         writer.writeheader()
@@ -54,48 +62,93 @@ def campaign(folder: Path, trials: int) -> Path:
     return study
 
 
-def own_seconds(pid: int) -> tuple[float, float]:
-    """Processor time of one process without its children, s, and its memory, MB."""
+def taken(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, str]:
+    """Row of a trial `name` that has the files of `row`."""
+    files = {}
+    for column in ("source", "motor_log"):
+        if given := row.get(column):
+            target = study / Path(given).parent / f"{name}{Path(given).suffix}"
+            target.parent.mkdir(exist_ok=True)
+            put = os.link if target.suffix == ".mp4" else shutil.copy
+            put(base / given, target)
+            files[column] = str(target.relative_to(study))
+    return row | files | {"trial_id": name}
+
+
+@dataclass(frozen=True)
+class Used:
+    """Processor seconds of a Snakemake run: its own process alone, and all with its jobs; wall
+    seconds; greatest memory of its own process, MB.
+    """
+
+    own: float = 0.0
+    all: float = 0.0
+    wall: float = 0.0
+    memory: float = 0.0
+
+
+def used_so_far(pid: int, before: Used) -> Used:
+    """What a process and the jobs it has waited for have used; `before` once it has ended.
+
+    Processor time, so that other work on the machine does not count.
+    """
     try:
         fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
         status = Path(f"/proc/{pid}/status").read_text()
     except OSError:
-        return 0.0, 0.0
-    peak = next((line for line in status.splitlines() if line.startswith("VmHWM")), "VmHWM: 0 kB")
-    return (int(fields[11]) + int(fields[12])) / TICK, int(peak.split()[1]) / 1024
+        return before
+    peak = next((line for line in status.splitlines() if line.startswith("VmHWM")), None)
+    if peak is None:
+        return before
+    own, jobs = (sum(int(n) for n in fields[i : i + 2]) / TICK for i in (11, 13))
+    return Used(own, own + jobs, before.wall, int(peak.split()[1]) / 1024)
 
 
-def run(study: Path, results: Path, goal: str | None, cores: int) -> dict[str, float]:
-    """Seconds of wall, of the processor in all and in Snakemake alone, and its memory."""
+def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
+    """The study run to `goal`; what that used is told each minute too, for runs of hours."""
     goals = [str(results / goal)] if goal else []
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), *goals]
     command += ["--workflow-profile", str(ROOT / "config/profiles/default"), "--cores", str(cores)]
     command += ["--config", f"study={study}", f"results={results}"]
-    start, own, peak = time.monotonic(), 0.0, 0.0
-    process = subprocess.Popen(command, cwd=study.parent, stderr=subprocess.DEVNULL)
-    while True:
-        pid, status, usage = os.wait4(process.pid, os.WNOHANG)
-        if pid:
-            break
-        used, memory = own_seconds(process.pid)
-        own, peak = max(own, used), max(peak, memory)
-        time.sleep(0.2)
-    if os.waitstatus_to_exitcode(status):
-        sys.exit(f"the run of {study} failed")
-    total = usage.ru_utime + usage.ru_stime
-    return {"wall": time.monotonic() - start, "all": total, "own": own, "memory": peak}
+    start, used, told = time.monotonic(), Used(), 0.0
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    with (results.parent / "snakemake.log").open("a") as log:
+        process = subprocess.Popen(command, cwd=study.parent, stderr=log, env=env)
+        while process.poll() is None:
+            used = used_so_far(process.pid, used)
+            used = replace(used, wall=time.monotonic() - start)
+            if used.wall > told + 60:
+                told = used.wall
+                jobs = sum(1 for _ in (results / "benchmarks").rglob("*.tsv"))
+                print(f"  {used.wall:.0f} s: {jobs} jobs; {share(used)}", flush=True)
+            time.sleep(0.1)
+    if process.returncode:
+        sys.exit(f"the run of {study} failed; see {log.name}")
+    return used
 
 
-def stages(results: Path) -> dict[str, tuple[float, float]]:
-    """Median wall seconds and greatest memory, MB, of the stages that run once a trial."""
-    found = {}
-    for folder in sorted((results / "benchmarks").iterdir()):
-        if folder.is_dir() and folder.name != "figures":
-            rows = [_row(path) for path in folder.glob("*.tsv")]
-            memory = [float(row["max_rss"]) for row in rows if row["max_rss"] not in ("NA", "-")]
-            seconds = statistics.median(float(row["s"]) for row in rows)
-            found[folder.name] = (seconds, max(memory, default=float("nan")))
-    return found
+def share(used: Used) -> str:
+    """Snakemake's own share in words."""
+    part = 100 * used.own / max(used.all, TICK**-1)
+    return (
+        f"processor {used.all:.0f} s, Snakemake alone {used.own:.1f} s = {part:.1f} % "
+        f"and {used.memory:.0f} MB"
+    )
+
+
+def stages(results: Path) -> list[tuple[str, int, float, float]]:
+    """Each rule's name, number of jobs, median processor seconds and greatest memory, MB."""
+    rows: dict[str, list[dict[str, str]]] = {}
+    for path in sorted((results / "benchmarks").rglob("*.tsv")):
+        name = path.relative_to(results / "benchmarks").parts[0].removesuffix(".tsv")
+        rows.setdefault(name, []).append(_row(path))
+    return [(name, len(of), statistics.median(_known(of, "cpu_time")), max(_known(of, "max_rss")))
+            for name, of in rows.items()]  # fmt: skip
+
+
+def _known(rows: list[dict[str, str]], column: str) -> list[float]:
+    """Numbers of a column; psutil has none of a job that ended within its first look."""
+    return [float(row[column]) for row in rows if row[column] not in ("NA", "-")] or [math.nan]
 
 
 def _row(path: Path) -> dict[str, str]:
@@ -103,30 +156,25 @@ def _row(path: Path) -> dict[str, str]:
         return next(csv.DictReader(lines, delimiter="\t"))
 
 
-def show(trials: int, used: dict[str, float], found: dict[str, tuple[float, float]]) -> None:
-    each = ", ".join(f"{n} {s:.2f} s {mb:.0f} MB" for n, (s, mb) in found.items())
-    print(
-        f"{trials} trials: {used['wall']:.0f} s, processor {used['all'] / trials:.2f} s a trial, "
-        f"Snakemake alone {used['own']:.1f} s = {100 * used['own'] / used['all']:.1f} % and "
-        f"{used['memory']:.0f} MB; {each}",
-        flush=True,
-    )
+def show(trials: int, used: Used, found: list[tuple[str, int, float, float]]) -> None:
+    print(f"{trials} trials: {used.wall:.0f} s; {used.all / trials:.2f} s a trial; {share(used)}")
+    for name, jobs, seconds, memory in found:
+        print(f"  {name:10s} {jobs:5d} jobs, {seconds:7.2f} s, {memory:5.0f} MB", flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, nargs="+", default=[66, 1000])
     parser.add_argument("--goal", help="a file of the results to stop at")
+    parser.add_argument("--films", action="store_true", help="rendered videos, not keypoints")
     parser.add_argument("--cores", type=int, default=2)
-    parser.add_argument("--folder", type=Path)
+    parser.add_argument("--folder", type=Path, help="keeps studies and results, and goes on there")
     options = parser.parse_args()
-    if options.folder:
-        options.folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=options.folder) as name:
+    with tempfile.TemporaryDirectory() as name:
         for trials in options.trials:
-            folder = Path(name) / str(trials)
-            folder.mkdir()
-            study = campaign(folder, trials)
+            folder = (options.folder or Path(name)).resolve() / str(trials)
+            folder.mkdir(parents=True, exist_ok=True)
+            study = campaign(folder, trials, films=options.films)
             used = run(study, folder / "results", options.goal, options.cores)
             show(trials, used, stages(folder / "results"))
 

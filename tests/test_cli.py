@@ -86,6 +86,16 @@ def test_a_fault_is_its_message_alone_and_exits_with_1(monkeypatch):
     assert result.output == "a?[31m.csv: row 1: found x; expected y.\n"
 
 
+def test_ctrl_c_exits_with_130(monkeypatch):
+    @click.command()
+    def endless():
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(main.commands, "endless", endless)
+    result = bluekoi("endless")
+    assert (result.exit_code, result.output) == (130, "Interrupted.\n")
+
+
 def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     result = bluekoi("check", small_study(tmp_path / "study"))
     assert result.exit_code == 0
@@ -139,12 +149,32 @@ def test_doctor_tells_what_to_install(monkeypatch):
     assert "FAIL no-such-package is missing: pip install 'no-such-package>=3'" in result.output
 
 
+def test_without_a_place_for_compiled_code_it_is_said_with_the_cure(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("BLUEKOI_CACHE", str(tmp_path / "file"))
+    said = bluekoi("doctor")
+    assert said.exit_code == 1
+    (line,) = (line for line in said.output.splitlines() if line.startswith("FAIL"))
+    assert "'Not a directory'" in line
+    assert "BLUEKOI_CACHE=FOLDER" in line
+
+
 def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert (workflow_folder() / "Snakefile").is_file()
     found = command("my = study", Path("out"), "2", ("--dry-run",))
     assert 'study="my = study"' in found
     assert 'results="out"' in found
     assert found[-1] == "--dry-run"
+
+
+def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
+    given = ("--dry-run", "--config", "overlays=none", "demo_folder=d", "--quiet", "-C", "x=1")
+    words = command("lab", Path("out"), "2", given)
+    assert words.count("--config") == 1
+    at = words.index("--config")
+    keys = ['study="lab"', 'results="out"', "overlays=none", "demo_folder=d", "x=1"]
+    assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
+    assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
 
 
 @pytest.mark.parametrize(

@@ -51,9 +51,9 @@ def test_what_is_written_has_the_layout_of_movement(tmp_path):
     name = next(iter(made.tracks))
     write_netcdf(made, name, tmp_path / "one.nc")
     with xarray.open_dataset(tmp_path / "one.nc") as read:
-        assert read.position.dims == ("time", "space", "keypoints", "individuals")
-        assert read.confidence.dims == ("time", "keypoints", "individuals")
-        assert list(read.keypoints.values.astype(str)) == [
+        assert read.position.dims == ("time", "space", "keypoint", "individual")
+        assert read.confidence.dims == ("time", "keypoint", "individual")
+        assert list(read.keypoint.values.astype(str)) == [
             "head_tip",
             "hinge",
             "core_center",
@@ -63,11 +63,11 @@ def test_what_is_written_has_the_layout_of_movement(tmp_path):
         assert read.attrs["time_unit"] == "seconds"
         track = made.tracks[name]
         assert read.time.values == pytest.approx(track.time_s)
-        core = read.position.sel(keypoints="core_center", individuals="robot").values
+        core = read.position.sel(keypoint="core_center", individual="robot").values
         assert core == pytest.approx(np.column_stack([track.x_m, track.y_m]))
         lengths = np.linalg.norm(
-            read.position.sel(keypoints="head_tip").values
-            - read.position.sel(keypoints="hinge").values,
+            read.position.sel(keypoint="head_tip").values
+            - read.position.sel(keypoint="hinge").values,
             axis=1,
         )
         assert lengths == pytest.approx(made.study.trial(name).head_length_m)
@@ -85,7 +85,7 @@ def test_movement_reads_it_and_agrees_about_the_velocity(tmp_path):
     write_netcdf(made, name, tmp_path / "one.nc")
     with xarray.open_dataset(tmp_path / "one.nc") as read:
         ValidPosesInputs.validate(read)
-        velocity = compute_velocity(read.position).sel(keypoints="core_center")
+        velocity = compute_velocity(read.position).sel(keypoint="core_center")
         speed = np.linalg.norm(velocity.values[2:-2, :, 0], axis=1)
     assert speed == pytest.approx(made.tracks[name].speed_m_s[2:-2], abs=2e-3)
 

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 import base64
-import json
-import os
 import re
-import select
-import shutil
-import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -265,105 +260,3 @@ def test_numbers_for_people():
 
 def test_the_same_campaign_gives_the_same_page(tmp_path, found):
     assert write(found, tmp_path) == write(found, tmp_path)
-
-
-PROBE = """(async () => {
-  const headings = [...document.querySelectorAll("#trial-table thead button")];
-  const cells = () => [...document.querySelectorAll("#trial-table tbody tr")]
-    .map((row) => Number(row.cells[5].dataset.key));
-  headings[5].focus(); headings[5].click();
-  const up = cells(); headings[5].click(); const down = cells();
-  const video = document.querySelector("video");
-  video.scrollIntoView();
-  await new Promise((done) => { video.oncanplay = done; setTimeout(done, 8000); });
-  await video.play();
-  await new Promise((done) => setTimeout(done, 800));
-  const field = document.getElementById("filter");
-  field.value = "straight"; field.dispatchEvent(new Event("input"));
-  const left = document.querySelectorAll("#trial-table tbody tr:not([hidden])").length;
-  return { up, down, left, time: video.currentTime, size: [video.videoWidth, video.videoHeight],
-    focus: document.activeElement === headings[5], images: document.images.length,
-    blank: [...document.images].filter((image) => !image.naturalWidth).length,
-    wide: document.documentElement.scrollWidth - window.innerWidth };
-})()"""
-
-
-class Browser:
-    """Chromium without a screen, spoken to over its pipe."""
-
-    def __init__(self, program: str, profile: Path, width: int) -> None:
-        to_read, self.to = os.pipe()
-        self.back, from_write = os.pipe()
-        command = [
-            program, "--headless", "--no-sandbox", "--disable-gpu", f"--window-size={width},900",
-            "--autoplay-policy=no-user-gesture-required", "--remote-debugging-pipe",
-            f"--user-data-dir={profile}", "about:blank",
-        ]  # fmt: skip
-        shell = ["bash", "-c", f'exec "$@" 3<&{to_read} 4>&{from_write}', "-", *command]
-        self.process = subprocess.Popen(
-            shell, pass_fds=(to_read, from_write), stdout=-3, stderr=-3, start_new_session=True
-        )
-        self.count, self.rest, self.events = 0, b"", []
-
-    def call(self, method: str, session: str | None = None, **parameters: object) -> dict:
-        self.count += 1
-        order = {"id": self.count, "method": method, "params": parameters}
-        os.write(self.to, json.dumps(order | ({"sessionId": session} if session else {})).encode())
-        os.write(self.to, b"\0")
-        while True:
-            message = self._next()
-            if message.get("id") == self.count:
-                assert "error" not in message, message
-                return message["result"]
-            self.events.append(message)
-
-    def _next(self) -> dict:
-        while b"\0" not in self.rest:
-            ready, _, _ = select.select([self.back], [], [], 60)
-            assert ready, "chromium does not answer"
-            self.rest += os.read(self.back, 1 << 20)
-        text, self.rest = self.rest.split(b"\0", 1)
-        return json.loads(text)
-
-    def close(self) -> None:
-        self.call("Browser.close")
-        self.process.wait(30)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("width", [1280, 500])
-def test_in_a_real_browser(tmp_path, found, width):
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        pytest.skip("no chromium here")
-    from pipeline.report.overlay import trial_overlay
-
-    for name in ("fig3", "mismatch_map"):
-        draw = tmp_path / "figures" / name
-        figures.draw_file(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
-    trial_overlay(found, "T02", tmp_path, tmp_path / "overlays" / "T02.mp4")
-    write(found, tmp_path)
-    browser = Browser(program, tmp_path / "profile", width)
-    try:
-        target = browser.call("Target.createTarget", url="about:blank")["targetId"]
-        session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
-            browser.call(f"{domain}.enable", session)
-        browser.call("Page.navigate", session, url=(tmp_path / "report.html").as_uri())
-        ready = "new Promise(r => document.readyState === 'complete' ? r() : (onload = r))"
-        browser.call("Runtime.evaluate", session, expression=ready, awaitPromise=True)
-        answer = browser.call(
-            "Runtime.evaluate", session, expression=PROBE, awaitPromise=True, returnByValue=True
-        )
-    finally:
-        browser.close()
-    seen = answer["result"]["value"]
-    bad = ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled")
-    assert [event for event in browser.events if event.get("method") in bad] == []
-    assert seen["up"] == sorted(seen["up"])
-    assert seen["down"] == sorted(seen["up"], reverse=True)
-    assert seen["left"] == 6  # one straight run a power and head
-    assert (seen["images"], seen["blank"], seen["size"]) == (2, 0, [640, 400])
-    assert seen["time"] > 0.2
-    assert seen["focus"]
-    assert seen["wide"] <= 0

@@ -322,3 +322,18 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
         places = (section, "robot.") if section in ("pool", "water") else (section,)
         sound = all(f.where.startswith(places) or not f.where for f in caught.findings)
     assert sound
+
+
+def test_one_trial_is_read_without_checking_the_others(tmp_path):
+    study = write(tmp_path / "s", rows=(ROW, "T02,x.csv,full,30,0.12,29.97,,,,"))
+    assert [t.trial_id for t in load_study(study, only="T01").trials] == ["T01"]
+    with pytest.raises(Fault, match=r"row 3 \(T02\), power_pct"):
+        load_study(study, only="T02")
+    with pytest.raises(Fault, match=r"row 3 \(T02\), power_pct"):
+        load_study(study, only="T99")  # none of that name: all is looked at
+
+
+def test_one_trial_named_twice_is_told_where_it_alone_is_read(tmp_path):
+    study = write(tmp_path / "s", rows=(ROW, ROW))
+    with pytest.raises(Fault, match="T01"):
+        load_study(study, only="T01")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import logging
+import math
 import os
 import random
 import re
@@ -22,9 +24,10 @@ from pipeline.faults import Fault
 from pipeline.files import whole_file
 from pipeline.workflow import without_rate_limit
 from pipeline.workflow.lock import forget_stale, hold, sweep
-from pipeline.workflow.plan import figure_names, forget_lost, make_plan
-from pipeline.workflow.progress import Hush, Progress
-from pipeline.workflow.remaining import Timing, duration
+from pipeline.workflow.lost import forget_lost
+from pipeline.workflow.plan import figure_names, make_plan
+from pipeline.workflow.progress import Hush, Progress, killed_by
+from pipeline.workflow.remaining import Timing, duration, usual
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,6 +37,8 @@ AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_na
 
 class Home:
     """A copy of the workflow and its package, with a small study and its results."""
+
+    took_s = math.nan  # of the run that made the results
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -71,7 +76,10 @@ class Home:
 def done(tmp_path_factory):
     """A home whose study has been run, with what was said."""
     home = Home(tmp_path_factory.mktemp("home"))
-    return home, home.snakemake()
+    start = time.monotonic()
+    run = home.snakemake()
+    home.took_s = time.monotonic() - start
+    return home, run
 
 
 @pytest.fixture
@@ -143,6 +151,19 @@ def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(home):
     assert home.planned() == {"tracks": 1, "geometry": 1} | AFTER_TRACKS
 
 
+def test_a_source_replaced_by_an_older_file_runs_its_trial_again(home):
+    path = home.study / "keypoints/T10.csv"
+    path.write_text(path.read_text().replace("0.99", "0.98"))
+    os.utime(path, (1e9, 1e9))
+    assert home.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | AFTER_TRACKS
+
+
+def test_a_source_that_was_only_copied_anew_runs_nothing_again(home):
+    os.utime(home.study / "keypoints/T10.csv")
+    os.utime(home.study / "motor/T11.csv")
+    assert home.planned() == {}
+
+
 def test_another_role_does_not_track_again(home):
     edit_rows(home.study, T10={"role": "held_out"})
     found = home.planned()
@@ -194,6 +215,14 @@ def test_results_that_cannot_be_written_are_told_at_the_door(done, tmp_path, mon
         make_plan({**SETTINGS, "study": "study", "results": str(tmp_path / "file" / "below")})
 
 
+def test_snakemakes_own_report_has_captions_and_categories(home):
+    assert home.snakemake("--report", "own.html").returncode == 0
+    text = (home.root / "own.html").read_text()
+    for words in ("The page", "Tables", "Figures", "Measured and simulated path of every trial"):
+        assert words in text, words
+    assert len(text) > 1_000_000  # figures and tables inside
+
+
 def test_the_workflow_lints_clean(done):
     run = done[0].snakemake("--lint")
     assert run.returncode == 0
@@ -210,6 +239,48 @@ def test_time_left_is_work_over_pace():
     timing.finish(2, 10.0)
     assert (timing.done, timing.total) == (2, 4)
     assert timing.left_s(10.0) == pytest.approx(10.0)  # 20 s of work, two at a time
+
+
+def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path):
+    (tmp_path / "benchmarks/tracks").mkdir(parents=True)
+    for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
+        (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
+    (tmp_path / "benchmarks/report.tsv").write_text("")
+    timing = Timing(usual(tmp_path))
+    timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
+    timing.start(1, "tracks", 0.0)
+    timing.finish(1, 10.0)
+    assert timing.left_s(10.0) == pytest.approx(2 * 180.0)  # twice as slow as the last time
+
+
+def test_a_single_job_that_takes_longer_than_foreseen_is_not_said_to_end_soon():
+    timing = Timing({"tracks": 1.0, "mismatch": 10.0})
+    timing.expect({"tracks": 1, "mismatch": 1})
+    timing.start(1, "tracks", 0.0)
+    timing.finish(1, 1.0)
+    timing.start(2, "mismatch", 1.0)
+    assert timing.left_s(6.0) == pytest.approx(5.0)
+    assert timing.left_s(30.0) is None
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_long_stage_is_told_with_the_last_line_of_its_log(tmp_path):
+    (tmp_path / "mismatch.log").write_text("baseline\nrefits with \x1b[31mstall\n")
+    progress = Progress(tmp_path / "report.html", stream := Terminal())
+    progress.emit(record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
+    found = {"event": LogEvent.JOB_INFO, "jobid": 1, "rule_name": "mismatch"}
+    progress.emit(record(logging.INFO, "", **found, log=[str(tmp_path / "mismatch.log")]))
+    deadline = time.monotonic() + 10
+    while stream.getvalue().count("refits with ?[31mstall") < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert stream.getvalue().count("[0/1] mismatch: refits with ?[31mstall") >= 2
+    progress.farewell()
+    progress.ticker.join(10)
+    assert not progress.ticker.is_alive()
 
 
 @pytest.mark.parametrize(
@@ -256,31 +327,96 @@ def test_a_second_run_on_the_same_folder_is_refused_in_words(home):
 def results_of(home: Home) -> dict[str, bytes]:
     """Every result without dates in it, by name."""
     root = home.root / "results/study"
-    kept = [p for p in root.rglob("*") if p.suffix in (".csv", ".json", ".png", ".pdf")]
+    kinds = (".csv", ".json", ".png", ".pdf", ".html")
+    kept = [path for path in root.rglob("*") if path.suffix in kinds]
     return {str(path.relative_to(root)): path.read_bytes() for path in kept}
+
+
+def started(home: Home) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        home.command(),
+        cwd=home.root,
+        env=home.environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def forget_all(home: Home) -> None:
+    shutil.rmtree(home.root / "results")
+    shutil.rmtree(home.root / ".snakemake")
 
 
 @pytest.mark.long
 def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(done, home):
-    shutil.rmtree(home.root / "results")
-    shutil.rmtree(home.root / ".snakemake")
-    rng = random.Random(7)
-    for _ in range(20):
-        run = subprocess.Popen(
-            home.command(),
-            cwd=home.root,
-            env=home.environment(),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        time.sleep(rng.uniform(0.5, 12.0))
-        os.killpg(run.pid, signal.SIGKILL)
-        run.wait()
+    """Each kill hits a run at work; where one ends before, it is compared and begun anew."""
+    undisturbed, rng, kills = results_of(done[0]), random.Random(7), 0
+    forget_all(home)
+    while kills < 20:
+        run = started(home)
+        try:
+            assert run.wait(rng.uniform(0.0, 0.4) * done[0].took_s) == 0
+        except subprocess.TimeoutExpired:
+            os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+            kills += 1
+            continue
+        assert results_of(home) == undisturbed
+        forget_all(home)
     last = home.snakemake()
     assert last.returncode == 0, last.stderr
-    assert results_of(home) == results_of(done[0])
+    assert results_of(home) == undisturbed
     assert not list((home.root / "results").rglob(".*-*"))
+
+
+def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
+    """Process id of a stage of a run, waited for."""
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline:
+        for path in Path("/proc").glob("[0-9]*/cmdline"):
+            with contextlib.suppress(OSError):
+                words = path.read_bytes().split(b"\0")
+                own = os.getsid(int(path.parent.name)) == run.pid
+                if own and words[:1] == [b"python3"] and name.encode() in words:
+                    return int(path.parent.name)
+        time.sleep(0.005)
+    raise AssertionError(f"no stage {name} at work")
+
+
+@pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
+def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home):
+    edit_rows(home.study, T10={"head_length_m": "0.121"})
+    command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
+    run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
+                           stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
+    stage_at_work(run, "tracks")
+    os.killpg(run.pid, signal.SIGINT)
+    said = run.communicate(timeout=120)[1].decode()
+    assert run.returncode == 130, said
+    assert said.count("Interrupted. What is done is kept") == 1
+    assert "Traceback" not in said
+    assert home.planned()["tracks"] == 1
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
+def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_next_run(
+    done, home
+):
+    forget_all(home)
+    run = subprocess.Popen(home.command(), cwd=home.root, env=home.environment(),
+                           stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
+    os.kill(stage_at_work(run, "tracks"), signal.SIGKILL)
+    said = run.communicate(timeout=600)[1].decode()
+    assert run.returncode == 1
+    assert "killed from outside (SIGKILL), by a person or for want of memory" in said
+    assert "Traceback" not in said
+    assert len(list((home.root / "results/study/tracks").glob("*.csv"))) == 2
+    assert not (home.root / "results/study/steady.csv").exists()
+    assert home.planned()["tracks"] == 1
+    assert home.snakemake().returncode == 0
+    assert results_of(home) == results_of(done[0])
 
 
 def record(level, message, **more):
@@ -313,12 +449,29 @@ def test_a_locked_folder_is_told_with_its_cure(tmp_path):
     assert "snakemake --unlock" in stream.getvalue()
 
 
-def test_a_killed_stage_is_told_with_what_to_do(tmp_path):
+@pytest.mark.parametrize(
+    "end", ["died with <Signals.SIGKILL: 9>.", "returned non-zero exit status 137."]
+)
+def test_a_killed_stage_is_told_with_what_to_do(tmp_path, end):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    text = "Command 'python3 -m pipeline' died with <Signals.SIGKILL: 9>."
-    progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+    progress.emit(record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()
     assert "what is done is kept" in stream.getvalue()
+
+
+def test_a_stage_that_ends_by_itself_was_not_killed():
+    assert killed_by("Command 'python3' returned non-zero exit status 1.") == ""
+    assert killed_by("Command 'python3' returned non-zero exit status 255.") == ""
+
+
+def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    for _ in range(2):
+        text = "Command 'python3' died with <Signals.SIGINT: 2>."
+        progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+        found = {"event": LogEvent.JOB_ERROR, "rule_name": "tracks", "log": []}
+        progress.emit(record(logging.ERROR, "", **found))
+    assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
 
 
 @pytest.mark.parametrize(("here", "limited"), [(True, False), (False, True)])

@@ -11,7 +11,7 @@ from .check import check
 from .design import design
 from .doctor import doctor
 from .export import export
-from .run import run
+from .run import INTERRUPTED, run
 from .simulate import simulate
 from .stage import stage
 
@@ -22,7 +22,7 @@ Exit codes: 0 done; 1 a fault in the study, the files or the machine; 2 wrong us
 
 
 class _Plainly(click.Group):
-    """A group of commands that tells a user's fault in words and ends with exit code 1."""
+    """Commands that tell a user's fault in words, exit code 1, and end with 130 on Ctrl-C."""
 
     def invoke(self, ctx: click.Context) -> object:
         try:
@@ -30,6 +30,9 @@ class _Plainly(click.Group):
         except Fault as fault:
             click.echo(printable(str(fault)), err=True)
             ctx.exit(1)
+        except KeyboardInterrupt:
+            click.echo("Interrupted.", err=True)
+            ctx.exit(INTERRUPTED)
 
 
 @click.group(

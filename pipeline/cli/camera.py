@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .waiting import waiting
+
 if TYPE_CHECKING:
     from ..study import Study
+
+
+PICTURE_S = 1.0  # a photograph of 12 megapixels, its share of the fits included
 
 
 @click.command()
@@ -27,9 +32,10 @@ def calibrate(
     """
     from ..camera.calibrate import calibrate_files  # noqa: PLC0415
 
-    found = calibrate_files(
-        images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
-    )
+    with waiting(f"calibrating from {len(images)} files", PICTURE_S * len(images)):
+        found = calibrate_files(
+            images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
+        )
     for remark in found.remarks:
         click.echo(remark)
     click.echo(

@@ -24,8 +24,18 @@ def challenge() -> None:
     """Prove the search on studies whose truth is concealed: make, find, score."""
 
 
-def _say(name: str, done: int, count: int) -> None:
-    click.echo(f"{done:4d}/{count}  {name}", err=True)
+def _teller() -> Callable[[str, int, int], None]:
+    """Says what is done of how much, and how long the rest takes at the pace so far."""
+    began_s = time.monotonic()
+
+    def say(name: str, done: int, count: int) -> None:
+        from ..workflow.remaining import duration  # noqa: PLC0415
+
+        left_s = (time.monotonic() - began_s) * (count / max(done, 1) - 1)
+        ends = f"  about {duration(left_s)} left" if done < count else ""
+        click.echo(f"{done:4d}/{count}  {name}{ends}", err=True)
+
+    return say
 
 
 def _drawn(*, count: int, footage: int) -> Callable[[Command], Command]:
@@ -48,7 +58,7 @@ def make(*, folder: Path, seed: int, count: int, footage: int, workers: int) -> 
     """Draw COUNT studies into FOLDER; their truth goes under seal to FOLDER-sealed."""
     from ..challenge.make import make as write  # noqa: PLC0415
 
-    write(folder, seed=seed, count=count, footage=footage, workers=workers, progress=_say)
+    write(folder, seed=seed, count=count, footage=footage, workers=workers, progress=_teller())
     click.echo(f"{count} studies in {folder}; hashes of their sealed truth in challenge.json")
 
 
@@ -67,7 +77,7 @@ def _found(folder: Path, *, workers: int, again: bool = False) -> int:
     from ..challenge.find import find as search  # noqa: PLC0415
 
     started = time.perf_counter()
-    failed = search(folder, workers=workers, again=again, progress=_say)
+    failed = search(folder, workers=workers, again=again, progress=_teller())
     click.echo(f"done in {time.perf_counter() - started:.0f} s; {failed} without a verdict")
     return 3 if failed else 0
 
@@ -100,7 +110,7 @@ def compare(*, folder: Path) -> None:
     from ..challenge.score import judge_all  # noqa: PLC0415
     from ..files import write_json  # noqa: PLC0415
 
-    figures = rate(folder, judge_all(folder), _say)
+    figures = rate(folder, judge_all(folder), _teller())
     for line in compared(figures):
         click.echo(line)
     write_json(folder / "compare.json", figures)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .numbers import Finite, Numbers
+from .waiting import waiting
 
 if TYPE_CHECKING:
     from ..design_space import Design
@@ -57,8 +58,9 @@ def design(
     home = results or Path("results") / study.resolve().name
     fit = fitted(home, model=model, study=loaded)
     further = _further(other)
-    found = designs(fit, loaded.setup, tested_range(loaded), powers=powers, angles_deg=angles_deg,
-                    lengths_m=lengths_m, other=further)  # fmt: skip
+    with waiting("trying designs"):
+        found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
+                        angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
     folder = out or home / "design"
     write_columns(folder / "designs.csv", columns(found))
     save(designs_figure(found, least_speed_m_s=speed_m_s), folder / "designs.png")

@@ -13,7 +13,14 @@ from pathlib import Path
 
 import click
 
+from ..faults import Fault
+
 LEAST_GB = 2.0
+EXTRAS = {
+    "xarray": ("tracks as netCDF for movement (bluekoi export)", "pip install 'bluekoi[netcdf]'"),
+    "snakemake-executor-plugin-slurm": ("runs on a Slurm cluster", "pip install 'bluekoi[slurm]'"),
+}
+"""What a run can do without: what it is for, and how to get it."""
 Verdict = tuple[bool, str]
 
 
@@ -22,7 +29,7 @@ Verdict = tuple[bool, str]
 def doctor(ctx: click.Context) -> None:
     """Tell what is missing on this machine, and how to mend it."""
     sound = True
-    for check in (_python, _packages, _shell, _codec, _room, _memory):
+    for check in (_python, _packages, _shell, _codec, _compiled, _room, _memory, _extras):
         for good, text in check():
             click.echo(f"{'ok  ' if good else 'FAIL'} {text}")
             sound = sound and good
@@ -62,6 +69,10 @@ def _codec() -> Iterator[Verdict]:
 def _try(what: str, work: Callable[[], str]) -> Verdict:
     try:
         return True, f"{what}: {work()}"
+    except Fault as found:
+        return False, f"{what}: {found}"
+    except OSError as error:
+        return False, f"{what}: {error}; name another folder: BLUEKOI_CACHE=FOLDER"
     except Exception as error:  # whatever a broken installation raises is the finding
         return False, f"{what}: {error}; reinstall with pip install --force-reinstall"
 
@@ -77,6 +88,27 @@ def _opencv() -> str:
     cv2 = import_module("cv2")
     cv2.findHomography  # noqa: B018  gone where another package overwrote cv2
     return str(cv2.__version__)
+
+
+def _compiled() -> Iterator[Verdict]:
+    yield _try("compiling, and a folder to keep what is compiled", _numba)
+
+
+def _numba() -> str:
+    """Where compiled models are kept, after a function of ours was compiled and kept."""
+    folder = import_module("pipeline.integrate").kernel_folder()
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+    import_module("pipeline.smoothing")  # numba refuses here where it finds no place for its cache
+    return str(folder)
+
+
+def _extras() -> Iterator[Verdict]:
+    for name, (purpose, cure) in EXTRAS.items():
+        try:
+            yield True, f"{name} {version(name)}, for {purpose}"
+        except PackageNotFoundError:
+            yield True, f"without {name}: no {purpose}; {cure}"
 
 
 def _room() -> Iterator[Verdict]:

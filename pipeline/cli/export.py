@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .waiting import waiting
+
 if TYPE_CHECKING:
     from ..campaign import Campaign
     from ..data import Float, Track
@@ -33,7 +35,7 @@ INDIVIDUAL = "robot"
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
-    """Write the tracks of STUDY as netCDF for `movement`, and its coefficients as csv.
+    """Write the tracks of STUDY as netCDF for `movement` (0.17 or newer), coefficients as csv.
 
     One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
     RESULTS/export without --out. Needs xarray: pip install 'bluekoi[netcdf]'.
@@ -43,10 +45,13 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
 
     folder = results or Path("results") / study.resolve().name
     target = out or folder / "export"
-    campaign = load_campaign(folder, load_study(study))
+    with waiting("reading results"):
+        campaign = load_campaign(folder, load_study(study))
     chosen = _chosen(campaign, trials, folder)
-    for name in chosen:
-        write_netcdf(campaign, name, target / f"{name}.nc")
+    with waiting(f"writing {len(chosen)} trials") as wait:
+        for done, name in enumerate(chosen, 1):
+            write_netcdf(campaign, name, target / f"{name}.nc")
+            wait.share = done / len(chosen)
     if campaign.coefficients:
         _write_coefficients(campaign.coefficients, target / "coefficients.csv")
     click.echo(f"{len(chosen)} trials written to {target}")
@@ -65,7 +70,7 @@ def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[s
 
 
 def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
-    """Write one trial as a `poses` dataset of movement: time, space, keypoints, individuals.
+    """Write one trial as a `poses` dataset of movement: time, space, keypoint, individual.
 
     Raises: Fault where xarray is not installed.
     """
@@ -77,18 +82,18 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
 
 
 def _dataset(campaign: Campaign, trial_id: str) -> Any:
-    """Position (time, space, keypoints, individuals), m, confidence without space, and rates."""
+    """Position (time, space, keypoint, individual), m, confidence without space, and rates."""
     import numpy as np  # noqa: PLC0415
 
     xarray = _xarray()
     track, trial = campaign.tracks[trial_id], campaign.study.trial(trial_id)
     position = _position(campaign, trial_id, track)
     frames = len(track.time_s)
-    layout = ("time", "space", "keypoints", "individuals")
+    layout = ("time", "space", "keypoint", "individual")
     data: dict[str, Any] = {
         "position": (layout, position[..., None], {"units": "m"}),
         "confidence": (
-            ("time", "keypoints", "individuals"),
+            ("time", "keypoint", "individual"),
             np.full((frames, len(PARTS), 1), np.nan),
         ),
     }
@@ -100,8 +105,8 @@ def _dataset(campaign: Campaign, trial_id: str) -> Any:
         coords={
             "time": track.time_s,
             "space": ["x", "y"],
-            "keypoints": list(PARTS),
-            "individuals": [INDIVIDUAL],
+            "keypoint": list(PARTS),
+            "individual": [INDIVIDUAL],
         },
         attrs={
             "ds_type": "poses",

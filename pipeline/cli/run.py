@@ -11,6 +11,7 @@ import click
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
+INTERRUPTED = 130
 
 
 def workflow_folder() -> Path:
@@ -23,13 +24,34 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
     """Arguments that start Snakemake on a study."""
     home = workflow_folder()
     values = {"study": study} | ({"results": str(results)} if results else {})
+    keys, rest = _keys(further)
     return [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile")),
         *("--workflow-profile", str(home / "config" / "profiles" / "default")),
         *("--cores", cores, "--config"),
         *(f"{key}={json.dumps(value)}" for key, value in values.items()),
-        *further,
+        *keys,
+        *rest,
     ]
+
+
+def _keys(further: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    """Configuration keys among the further options, and the others.
+
+    Snakemake takes the last `--config` alone, which would make it forget the study.
+    """
+    keys: list[str] = []
+    rest: list[str] = []
+    inside = False
+    for word in further:
+        if word.startswith("-"):
+            name, _, value = word.partition("=")
+            inside = name in ("--config", "-C")
+            if inside:
+                keys += [value] if value else []
+                continue
+        (keys if inside else rest).append(word)
+    return keys, rest
 
 
 @click.command()
@@ -49,14 +71,28 @@ def run(
         from ..study import load_study  # noqa: PLC0415
 
         load_study(study)
-    done = subprocess.run(command(study, results, cores, further), check=False)  # noqa: S603
-    ctx.exit(_exit_code(done.returncode, results or Path("results") / Path(study).resolve().name))
+    returned = _returned(command(study, results, cores, further))
+    ctx.exit(_exit_code(returned, results or Path("results") / Path(study).resolve().name))
+
+
+def _returned(words: list[str]) -> int:
+    """Exit code of a command, 130 where it was interrupted from the keyboard.
+
+    Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed.
+    """
+    interrupted = False
+    with subprocess.Popen(words) as running:  # noqa: S603
+        while True:
+            try:
+                return INTERRUPTED if running.wait() and interrupted else running.returncode
+            except KeyboardInterrupt:
+                interrupted = True
 
 
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned == 0:
-        return 0
+    if returned in (0, INTERRUPTED):
+        return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 
     last = Layout(results).last_results

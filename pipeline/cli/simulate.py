@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .numbers import Finite
+from .waiting import waiting
 
 if TYPE_CHECKING:
     from ..design_space import Fitted, Schedule
@@ -62,7 +63,8 @@ def simulate(
     _refuse_idle(schedule, commanded, results, model)
     _refuse_targets(schedule, out, picture)
     loaded = load_study(study)
-    setup, fit = loaded.setup, _fit(results, model, loaded)
+    with waiting("reading the model"):
+        setup, fit = loaded.setup, _fit(results, model, loaded)
     length, angle = head_length_m or setup.robot.head_length_m, math.radians(head_angle_deg or 0.0)
     if schedule is not None:
         from ..design_space import read_schedule  # noqa: PLC0415
@@ -74,7 +76,8 @@ def simulate(
         told = _made(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
             _say_steady(fit, setup, length, hz, angle)
-    run = _run(fit, setup, length, told, lasts)
+    with waiting("simulating (the first time on a machine the model is compiled)"):
+        run = _run(fit, setup, length, told, lasts)
     if schedule is not None or manoeuvre is not None:
         _say_path(run)
     _save(run, told, setup, length, out=out, picture=picture)
@@ -163,7 +166,8 @@ def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) ->
 def _say_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
     from ..design_space import Condition, steady_states  # noqa: PLC0415
 
-    found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
+    with waiting("looking for the steady state (the first time the model is compiled)", 20.0):
+        found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
     speed, radius = float(found.speed_m_s[0, 0]), float(found.radius_m[0, 0])
     turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"
     settled = f"steady: {speed:.3f} m/s, {turn}"

@@ -30,6 +30,7 @@ def stage_names() -> list[str]:
 def stage(ctx: click.Context, name: str, **options: object) -> None:
     """Run the stage NAME."""
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
+    logging.getLogger("pipeline").setLevel(logging.INFO)  # what a stage is at, for the run's line
     function = getattr(import_module(f"pipeline.stages.{name}"), name)
     takes = inspect.signature(function).parameters
     told = function(**{key: value for key, value in options.items() if key in takes})

@@ -1,6 +1,6 @@
 """Compiled fixed-step simulation and filtering of any state-space model and its effects."""
 
-from .kernel import LANES, Kernel, compiled
+from .kernel import LANES, Kernel, compiled, kernel_folder
 from .system import Effect, Parameter, Stage, System, effect_from_module
 from .vectors import prefer_widest
 
@@ -13,6 +13,7 @@ __all__ = [
     "System",
     "compiled",
     "effect_from_module",
+    "kernel_folder",
 ]
 
 prefer_widest()

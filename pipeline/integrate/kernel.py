@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from ..faults import fault
 from ..files import write_text
 from . import branchless
 from .dependence import RANDOM
@@ -87,7 +88,7 @@ def _loaded(system: System, general: bool) -> _Compiled:
         digest.update(Path(name).read_bytes())
     kind = "general" if general else "fast"
     name = f"bluekoi_{system.name}_{kind}_{digest.hexdigest()[:16]}"
-    path = _folder() / f"{name}.py"
+    path = kernel_folder() / f"{name}.py"
     if not path.exists():
         write_text(path, text)
     with _LOADING:
@@ -95,10 +96,19 @@ def _loaded(system: System, general: bool) -> _Compiled:
     return _Compiled(module.propagate, module.compiled_filter)
 
 
-def _folder() -> Path:
+def kernel_folder() -> Path:
+    """Folder for the models' compiled code: in BLUEKOI_CACHE, else in the user's cache.
+
+    Raises: Fault where there is none and none can be made.
+    """
     default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "bluekoi"
     folder = Path(os.environ.get("BLUEKOI_CACHE", default)) / "kernels"
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        expected = "a folder for compiled code that can be written to"
+        cure = "Name one in the environment: BLUEKOI_CACHE=FOLDER."
+        raise fault(folder, "", f"'{error.strerror}'", expected, cure) from error
     return folder
 
 

@@ -17,7 +17,7 @@ from .status import attempt
 
 def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
     """Write keypoints/ID.csv, its covariances and how it went."""
-    loaded, layout = load_study(study), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), Layout(results)
     trial = loaded.trial(trial_id)
     attempt(
         layout.detection(trial_id),

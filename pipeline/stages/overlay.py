@@ -18,7 +18,7 @@ def overlay(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> N
     import cv2  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
-    loaded, layout = load_study(study), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), Layout(results)
     attempt(
         results / "status" / "overlays" / f"{trial_id}.json",
         trial_id,

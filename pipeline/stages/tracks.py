@@ -32,7 +32,7 @@ CLEAR_BEAT = 1e-3
 
 def tracks(study: Path, results: Path, trial_id: str) -> None:
     """Write poses/ID.csv, tracks/ID.csv, steady/ID.csv and how the trial went."""
-    loaded, layout = load_study(study), Layout(results)
+    loaded, layout = load_study(study, only=trial_id), Layout(results)
     trial = loaded.trial(trial_id)
     attempt(
         layout.status(trial_id),

@@ -15,8 +15,12 @@ Rows = list[tuple[int, list[str]]]
 UNREADABLE = (OSError, UnicodeDecodeError, csv.Error)
 
 
-def read_trials(path: Path, findings: list[Finding]) -> list[Trial]:
-    """The good rows of a trials.csv; what is wrong with the others is told in `findings`."""
+def read_trials(path: Path, findings: list[Finding], *, only: str | None = None) -> list[Trial]:
+    """The good rows of a trials.csv; what is wrong with the others is told in `findings`.
+
+    only: this trial's rows alone, if there are any: to check a thousand takes longer than to read
+    one trial's keypoints.
+    """
     rows = _rows(path, findings)
     if not rows:
         return []
@@ -25,12 +29,20 @@ def read_trials(path: Path, findings: list[Finding]) -> list[Trial]:
     findings.extend(header)
     if header:
         return []
-    trials = [_trial(str(path), number, names, row, findings=findings) for number, row in rows[1:]]
+    of_trial = [row for row in rows[1:] if _name(names, row[1]) == only]
+    wanted = rows[1:] if only is None or not of_trial else of_trial
+    trials = [_trial(str(path), number, names, row, findings=findings) for number, row in wanted]
     known = [trial for trial in trials if trial is not None]
     findings.extend(_duplicates(str(path), known))
-    if known and all(trial.role == "held_out" for trial in known):
+    if only is None and known and all(trial.role == "held_out" for trial in known):
         findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
     return known
+
+
+def _name(names: list[str], row: list[str]) -> str | None:
+    """The trial_id of a row, where it has one."""
+    at = names.index("trial_id")
+    return row[at].strip() if at < len(row) else None
 
 
 def _rows(path: Path, findings: list[Finding]) -> Rows:

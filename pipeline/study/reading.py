@@ -10,8 +10,10 @@ from .types import Study, Trial
 from .yaml_file import read_setup
 
 
-def load_study(folder: str | Path) -> Study:
+def load_study(folder: str | Path, *, only: str | None = None) -> Study:
     """Study of a folder with study.yaml and trials.csv.
+
+    only: with this trial alone, for a stage of one trial of a study that was checked before.
 
     Raises: Fault with all that is wrong in both files at once. Files that the trials point to are
     not opened here: a broken recording stops only its own trial.
@@ -23,7 +25,7 @@ def load_study(folder: str | Path) -> Study:
         raise Fault(Finding(str(root), "", found, expected))
     findings: list[Finding] = []
     setup = read_setup(root / "study.yaml", findings)
-    trials = read_trials(root / "trials.csv", findings)
+    trials = read_trials(root / "trials.csv", findings, only=only)
     if findings or setup is None:
         raise Fault(findings)
     return Study(root=root.resolve(), setup=setup, trials=tuple(trials))

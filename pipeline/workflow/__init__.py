@@ -11,7 +11,8 @@ from typing import Any
 
 from ..faults import Fault, printable
 from .lock import forget_stale, hold, sweep
-from .plan import Plan, forget_lost, make_plan
+from .lost import forget_lost
+from .plan import Plan, make_plan
 from .progress import Progress, follow
 from .settings import check_settings
 

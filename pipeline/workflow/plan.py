@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-from ..faults import Fault, fault
-from ..files import read_json
+from ..faults import fault
 from ..study import Study, Trial, load_study
 from ..study.seal import seal_files
+from .contents import state_of, words_of
 from .provenance import PACKAGE, fingerprint
 
 RESULTS = (
@@ -71,6 +71,10 @@ class Plan:
             *self.overlays(),
         ]
 
+    def memory_mb(self, base: int, each: int) -> int:
+        """Memory to ask a cluster for, of a stage that holds all trials at once."""
+        return base + each * len(self.trials)
+
     def figures(self) -> list[str]:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]
@@ -97,6 +101,14 @@ class Plan:
     def _depth_given(self) -> bool:
         return "keypoint_depth_m" in self.study.setup.robot.model_fields_set
 
+    def _states(self, paths: list[str]) -> list[str]:
+        """What tells whether files of the study are the same; the demo's own are made by the run.
+
+        Snakemake looks whether a source is newer than what was made of it, so a file put in its
+        place with an older date (from an archive, by `cp -p`) would go unnoticed.
+        """
+        return [] if self.is_demo else [state_of(Path(path)) for path in paths]
+
     def _named(self, name: str) -> str:
         return str(self.folder / name)
 
@@ -115,19 +127,25 @@ class Plan:
         """Fingerprint of one figure's own file and of what it draws with."""
         return fingerprint("stages.figure", f"figures.{wildcards.figure}")
 
+    def figure_words(self, wildcards: Any) -> dict[str, str]:
+        """Title and caption of a figure, read from its file without running it."""
+        return words_of(PACKAGE / f"figures/{wildcards.figure}.py")
+
     def detection(self, wildcards: Any) -> str:
         """Fingerprint of what the detection of a trial depends on beside its source."""
         trial, setup = self.study.trial(wildcards.trial), self.study.setup
+        files = self._states(self.sources(wildcards))
         if not trial.reads_keypoints:
-            return _hash(_without(_row(trial), "role"), setup.model_dump(mode="json"))
+            return _hash(_without(_row(trial), "role"), setup.model_dump(mode="json"), files)
         row = {name: getattr(trial, name) for name in DETECTION_COLUMNS}
-        return _hash(row, setup.bodyparts)
+        return _hash(row, setup.bodyparts, files)
 
     def motion(self, wildcards: Any) -> str:
         """Fingerprint of what the pose and the track of a trial depend on beside detections."""
         setup = self.study.setup.model_dump(mode="json")
         row = _without(_row(self.study.trial(wildcards.trial)), "role")
-        return _hash(row, _without(setup, "detection"), self._depth_given)
+        log = self._states(self.motor(wildcards))
+        return _hash(row, _without(setup, "detection"), self._depth_given, log)
 
     def distances(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
@@ -184,37 +202,6 @@ def _prepare(results: Path) -> None:
     except OSError as error:
         found = f"'{error.strerror}'"
         raise fault(results, "", found, "a results folder that can be written to") from error
-
-
-def forget_lost(plan: Plan) -> list[Path]:
-    """Status files taken away because a result that they vouch for is gone or has another size.
-
-    A trial's job declares its status file alone, since a bad trial has no results to declare; so
-    a deleted or truncated result would not be missed otherwise.
-    """
-    lost = [path for path in _statuses(plan) if not _whole(plan.results, path)]
-    for path in lost:
-        path.unlink()
-    return lost
-
-
-def _statuses(plan: Plan) -> list[Path]:
-    status = plan.results / "status"
-    folders = (status / "keypoints", status, status / "overlays")
-    paths = [folder / f"{trial}.json" for folder in folders for trial in plan.trials]
-    return [path for path in paths if path.is_file()]
-
-
-def _whole(results: Path, status: Path) -> bool:
-    try:
-        products = read_json(status).get("products", {})
-    except Fault:
-        return False
-    return all(_size(results / name) == size for name, size in products.items())
-
-
-def _size(path: Path) -> int:
-    return path.stat().st_size if path.is_file() else -1
 
 
 def _row(trial: Trial) -> dict[str, Any]:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import re
+import signal
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from .remaining import Timing, duration
+from ..faults import printable
+from .remaining import Timing, duration, usual
 
 NOISE = {
     LogEvent.WORKFLOW_STARTED,
@@ -35,7 +39,14 @@ KILLED = (
     "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
     "done is kept. With `--cores 1` less memory is needed at once."
 )
+STOPPED = "Interrupted. What is done is kept; start again and it goes on."
 EVERY_S = 2.0
+TICK_S = 1.0
+QUIET_S = 30.0
+"""On a file, so long without a job that ends brings a line on the one that runs."""
+CLOCK_S = 2.0  # by so much a file system's clock may lag behind ours
+WIDEST = 60
+"""Characters of a stage's own last word."""
 
 
 class Hush(logging.Filter):
@@ -57,18 +68,36 @@ def _ours(record: logging.LogRecord) -> bool:
     return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
 
 
+def killed_by(text: str) -> str:
+    """Name of the signal that ended a command, by Snakemake's words on it; else nothing.
+
+    A stage that is killed leaves its shell, which returns 128 and the signal's number.
+    """
+    if found := re.search(r"died with <Signals\.(\w+)", text):
+        return found[1]
+    status = re.search(r"returned non-zero exit status (\d+)", text)
+    number = int(status[1]) - 128 if status else 0
+    return signal.Signals(number).name if number in set(signal.Signals) else ""
+
+
 class Progress(logging.Handler):
     """Log handler that turns Snakemake's events into short lines on `stream`.
 
-    On a terminal the line is rewritten in place; in a file a line comes every two seconds.
+    On a terminal the line is rewritten in place each second; in a file a line comes every two
+    seconds while jobs end, else every half minute. A stage that runs long is told with the last
+    line of its log.
     """
 
     def __init__(self, report: Path, stream: TextIO = sys.stderr) -> None:
         super().__init__(logging.INFO)
         self.report, self.stream = report, stream
         self.live = stream.isatty()
-        self.timing = Timing()
+        self.timing = Timing(usual(report.parent))
+        self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
+        self.stopped = False
+        self.over = threading.Event()
+        self.ticker = threading.Thread(target=self._tick, daemon=True)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Tell one event."""
@@ -76,21 +105,51 @@ class Progress(logging.Handler):
         if event == LogEvent.RUN_INFO and "stats" in found:
             self.timing.expect(found["stats"])
         elif event == LogEvent.JOB_INFO:
-            self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
-            self._line(_name(found), now=not self.live and self.last_s == 0.0)
+            self._start(found)
         elif event == LogEvent.JOB_FINISHED:
-            if done := self.timing.finish(found["job_id"], time.monotonic()):
-                ended = self.timing.done == self.timing.total
-                self._line(self.timing.running() or done, now=ended)
+            self._finish(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
-        elif signal := re.search(r"died with <Signals\.(\w+)", record.getMessage()):
-            self._say(KILLED.format(signal[1]))
+        elif name := killed_by(record.getMessage()):
+            self._killed(name)
         elif "cannot be locked" in record.getMessage():
             self._say(LOCKED)
         elif record.getMessage().startswith("Nothing to be done"):
             self._say("Everything is up to date.")
             self.farewell()
+
+    def _killed(self, name: str) -> None:
+        if name != "SIGINT":
+            self._say(KILLED.format(name))
+        elif not self.stopped:
+            self.stopped = True
+            self._say(STOPPED)
+
+    def _start(self, found: dict[str, Any]) -> None:
+        self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
+        if logs := found.get("log"):
+            self.logs[found["jobid"]] = (Path(logs[0]), time.time())
+        self._line(_name(found), now=not self.live and self.last_s == 0.0)
+        if not self.ticker.ident:
+            self.ticker.start()
+
+    def _finish(self, job: int) -> None:
+        self.logs.pop(job, None)
+        if done := self.timing.finish(job, time.monotonic()):
+            ended = self.timing.done == self.timing.total
+            self._line(self.timing.running() or done, now=ended)
+
+    def _tick(self) -> None:
+        """Tell of jobs that run long, until the run is over."""
+        while not self.over.wait(TICK_S):
+            with self.lock or threading.RLock():
+                self.still()
+
+    def still(self) -> None:
+        """Tell what runs, where nothing has been told for a while."""
+        silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
+        if silent and self.timing.started:
+            self._line(self.timing.running(), now=True)
 
     def _line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
@@ -100,11 +159,24 @@ class Progress(logging.Handler):
         left = self.timing.left_s(moment)
         ends = f"  about {duration(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
-        text = f"{head} {name}{ends}".rstrip()
+        text = f"{head} {name}{self._word()}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
         self.stream.flush()
 
+    def _word(self) -> str:
+        """Last line that a job that runs has written to its log, after a colon; or nothing."""
+        for path, since in reversed(self.logs.values()):
+            with contextlib.suppress(OSError):
+                if path.stat().st_mtime < since - CLOCK_S:
+                    continue  # of an earlier run
+                words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
+                if words:
+                    return f": {printable(words[-1])[:WIDEST]}"
+        return ""
+
     def _trouble(self, found: dict[str, Any]) -> None:
+        if self.stopped:
+            return  # a person stopped it: no stage is at fault
         paths = [Path(name) for name in found.get("log") or []]
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]
@@ -121,7 +193,8 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def farewell(self) -> None:
-        """Name the report, where there is one."""
+        """Name the report, where there is one; nothing more is told."""
+        self.over.set()
         if self.report.is_file():
             self._say(f"Report: {self.report}")
 

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
+
+OVERDUE = 1.2
+"""A single job that takes so many times what was foreseen ends the foretelling."""
 
 
 @dataclass
 class Timing:
-    """Jobs expected, running and done, by rule; times in s on one monotonic clock."""
+    """Jobs expected, running and done, by rule; times in s on one monotonic clock.
 
+    usual_s: what a job of a rule took an earlier run; stands in until one is done in this.
+    """
+
+    usual_s: Mapping[str, float] = field(default_factory=dict)
     waiting: dict[str, int] = field(default_factory=dict)
     started: dict[int, tuple[str, float]] = field(default_factory=dict)
     taken_s: dict[str, list[float]] = field(default_factory=dict)
@@ -51,20 +60,56 @@ class Timing:
     def left_s(self, now_s: float) -> float | None:
         """Seconds left: work left over the pace so far; None before anything is done.
 
-        A rule of which no job is done yet counts with the mean of all jobs done.
+        Also where a rule of one job alone takes longer than is known of it: nothing then tells how
+        long it still takes.
         """
         if self.done in (0, self.total):
             return None
         done_s = sum(sum(times) for times in self.taken_s.values())
         since = [(rule, now_s - start) for rule, start in self.started.values()]
+        if any(self._overdue(rule, spent) for rule, spent in since):
+            return None
         pace = (done_s + sum(s for _, s in since)) / max(now_s - self.began_s, 1e-9)
         left = sum(n * self._typical(rule) for rule, n in self.waiting.items())
         left += sum(max(self._typical(rule) - spent, 0.0) for rule, spent in since)
         return left / max(pace, 1e-9)
 
+    def _overdue(self, rule: str, spent_s: float) -> bool:
+        """Whether a job that is the only one of its kind runs longer than was foreseen."""
+        alone = not self.waiting.get(rule) and rule not in self.taken_s
+        return alone and spent_s > OVERDUE * self._typical(rule)
+
     def _typical(self, rule: str) -> float:
-        times = self.taken_s.get(rule) or [t for all_s in self.taken_s.values() for t in all_s]
-        return sum(times) / len(times)
+        """Mean of the jobs done; else what is usual at this run's pace; else the mean of all."""
+        if times := self.taken_s.get(rule):
+            return sum(times) / len(times)
+        every = [t for all_s in self.taken_s.values() for t in all_s]
+        usual = self.usual_s.get(rule)
+        return sum(every) / len(every) if usual is None else usual * self._slower()
+
+    def _slower(self) -> float:
+        """Time that jobs took over what was usual: another machine, or a busy one."""
+        both = [(sum(t) / len(t), self.usual_s[r]) for r, t in self.taken_s.items()
+                if self.usual_s.get(r)]  # fmt: skip
+        return sum(t for t, _ in both) / sum(u for _, u in both) if both else 1.0
+
+
+def usual(results: Path) -> dict[str, float]:
+    """Seconds that a job of each rule took the last time in this results folder.
+
+    From what Snakemake's `benchmark:` wrote; of rules with many jobs, of one of them.
+    """
+    return dict(_told(results / "benchmarks"))
+
+
+def _told(folder: Path) -> Iterator[tuple[str, float]]:
+    for one in sorted(folder.glob("*")):
+        path = one if one.suffix == ".tsv" else next(one.glob("*.tsv"), one)
+        try:
+            with path.open(newline="", encoding="utf-8") as lines:
+                yield one.stem, float(next(csv.DictReader(lines, delimiter="\t"))["s"])
+        except (OSError, StopIteration, KeyError, ValueError):
+            continue  # half-written by a run that was killed: it tells nothing
 
 
 def duration(seconds: float) -> str:

@@ -1,0 +1,56 @@
+"""Whoever waits longer than two seconds is told for what and how long still."""
+
+from __future__ import annotations
+
+import io
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from pipeline.cli import waiting
+from pipeline.cli.challenge import _teller
+from pipeline.cli.waiting import Wait
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_time_left_is_by_the_share_done_else_as_usual():
+    wait = Wait("writing", usual_s=30.0, since_s=0.0)
+    assert wait.line(10.0) == "writing: about 20 s left"
+    assert wait.line(40.0) == "writing: 40 s so far, longer than usual"
+    wait.share = 0.25
+    assert wait.line(40.0) == "writing: about 2 min left"
+
+
+def test_nothing_is_said_of_what_is_done_at_once():
+    with waiting.waiting("reading", stream=(stream := Terminal())):
+        pass
+    assert "reading" not in stream.getvalue()
+
+
+@pytest.mark.parametrize("kind", [Terminal, io.StringIO])
+def test_a_long_wait_is_told_and_the_line_taken_away(kind, monkeypatch):
+    monkeypatch.setattr(waiting, "FIRST_S", 0.05)
+    with waiting.waiting("writing 3 trials", stream=(stream := kind())) as wait:
+        wait.share = 0.5
+        deadline = time.monotonic() + 10
+        while "writing" not in stream.getvalue() and time.monotonic() < deadline:
+            time.sleep(0.01)
+    assert "writing 3 trials: about 5 s left" in stream.getvalue()
+    assert stream.getvalue().endswith("\r\x1b[K" if kind is Terminal else "left\n")
+
+
+def test_studies_of_a_challenge_are_counted_with_the_time_left(monkeypatch, capsys):
+    moments = iter((0.0, 60.0, 120.0))
+    clock = SimpleNamespace(monotonic=lambda: next(moments))
+    monkeypatch.setattr(sys.modules[_teller.__module__], "time", clock)
+    say = _teller()
+    say("S1", 1, 2)
+    say("S2", 2, 2)
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["   1/2  S1  about 60 s left", "   2/2  S2"]

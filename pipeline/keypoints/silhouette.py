@@ -23,7 +23,7 @@ from .outline.plane import Plane, plane_of
 from .outline.steadiness import camera_remarks
 from .outline.tracking import Fit, Scene, follow
 
-SAMPLES = (3, 5, 15)
+SAMPLES = (5, 15)
 WELL = 0.9
 TAUGHT = 0.6
 HALF_TAUGHT = 0.4

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
+
 import numpy as np
 
 from ..data import Float, Pose, Track
@@ -69,23 +72,34 @@ def _check(pose: Pose) -> None:
 
 
 def _most_likely(values: Float, cov: Float, grid: Grid, hz: float) -> tuple[Found, Found]:
-    """Chains of heading and position, both at rest in the first frame or both moving."""
+    """Chains of heading and position, both at rest in the first frame or both moving.
+
+    Both are tried with errors that last where either has them: with such errors a line can pass for
+    a start from rest, and without them no line would be as likely.
+    """
     speed = rough_speed(values[:, :2], cov[:, :2, :2], grid)
 
-    def tried(resting: bool) -> tuple[Found, Found]:
-        angle, place = (values[:, 2], cov[:, 2, 2]), (values[:, :2], cov[:, :2, :2])
-        heading = angle_chain(*angle, grid, speed=speed, flap_hz=hz, resting=resting)
+    def tried(resting: bool, lasting: Sequence[bool] = (False, False)) -> tuple[Found, Found]:
+        angle = partial(angle_chain, flap_hz=hz, resting=resting, lasting=lasting[0])
+        place = partial(planar_chain, flap_hz=hz, resting=resting, lasting=lasting[1])
+        heading = angle(values[:, 2], cov[:, 2, 2], grid, speed=speed)
         turn = smoothed(heading.chain, heading.used)
         std, rate_std = np.sqrt(turn.P[:, 0, 0]), np.sqrt(turn.P[:, 1, 1])
         going = Going(turn.x[:, 0], std, rate_std, speed)
-        return heading, planar_chain(*place, grid, going=going, flap_hz=hz, resting=resting)
+        return heading, place(values[:, :2], cov[:, :2, :2], grid, going=going)
 
     rest = tried(True)
-    costs = sum(found.cost for found in rest)
     if moving_cost(rest[1]) - rest[1].cost > SURELY_RESTS:
         return rest
-    moving = tried(False)
+    moving = tried(False, _lasts(rest))
+    if any(one and not own for one, own in zip(_lasts(moving), _lasts(rest), strict=True)):
+        rest = tried(True, _lasts(moving))
+    costs = sum(found.cost for found in rest)
     return moving if sum(found.cost for found in moving) < costs - SURELY_RESTS else rest
+
+
+def _lasts(both: tuple[Found, Found]) -> tuple[bool, bool]:
+    return both[0].lasts, both[1].lasts
 
 
 def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:

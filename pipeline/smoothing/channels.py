@@ -76,10 +76,12 @@ def angle_chain(
     speed: Float,
     flap_hz: float,
     resting: bool,
+    lasting: bool = False,
 ) -> Found:
     """Most likely chain of an angle (nodes,) [rad, unwrapped] with its variance, NaN unseen.
 
     speed: (nodes,) of the body, m/s. resting: whether it does not turn in the first frame.
+    lasting: try errors that last even where the noise left does not ask for them.
     """
     data = measured(angle[:, None], variance[:, None, None], grid)
     way = course(data, speed, np.zeros(len(speed)), resting=resting)
@@ -92,6 +94,7 @@ def angle_chain(
         H,
         lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, way),
         resting=resting,
+        lasting=lasting,
     )
 
 
@@ -103,10 +106,11 @@ def planar_chain(
     going: Going,
     flap_hz: float,
     resting: bool,
+    lasting: bool = False,
 ) -> Found:
     """Most likely chain of a position (nodes, 2) [m] with its covariance (nodes, 2, 2).
 
-    resting: whether it is at rest in the first frame.
+    resting: whether it is at rest in the first frame. lasting: as for `angle_chain`.
     """
     data = measured(xy, cov, grid)
     way = course(data, going.speed, going.slip, resting=resting)
@@ -116,6 +120,7 @@ def planar_chain(
         planar_measurement(going.theta, flap_hz),
         lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, way, going.theta),
         resting=resting,
+        lasting=lasting,
     )
 
 
@@ -138,6 +143,7 @@ def _found(
     matrices: Callable[[Float], tuple[Float, Float]],
     *,
     resting: bool,
+    lasting: bool,
 ) -> Found:
     """Most likely chain of these measurements, matrices (F, Q) given the noise."""
     m = data.z.shape[1]
@@ -166,9 +172,9 @@ def _found(
         starts=_starts(m, recoils, np.full(2, LIVELY)),
         livelier=_starts(m, recoils, np.maximum(top, LIVELY)),
     )
-    return (
-        found if found.logs[-1] > TOO_WHITE else _lasting(found, build, data, grid, spread=spread)
-    )
+    if found.logs[-1] > TOO_WHITE and not lasting:
+        return found
+    return _lasting(found, build, data, grid, spread=spread)
 
 
 def _lasting(
@@ -193,7 +199,7 @@ def _lasting(
     )
     if other.cost > found.cost - SURELY_LASTS:
         return found
-    return replace(other, shown=other.shown + float(np.exp(other.logs[-3])))
+    return replace(other, shown=other.shown + float(np.exp(other.logs[-3])), lasts=True)
 
 
 def _starts(m: int, recoils: int, lively: Float) -> list[Float]:

@@ -22,7 +22,8 @@ class Found:
     """Chain with its noise, the measurements of the first round and those that count in the end.
 
     logs: logarithms of the noise over its units; cost: what they and the outliers cost. shown:
-    variance of the measuring errors that show, white or lasting, over what is stated.
+    variance of the measuring errors that show, white or lasting, over what is stated. lasts:
+    whether some of them last.
     """
 
     chain: Chain
@@ -31,6 +32,7 @@ class Found:
     logs: Float
     cost: float
     shown: float
+    lasts: bool = False
 
 
 def most_likely(

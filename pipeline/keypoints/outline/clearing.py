@@ -6,14 +6,14 @@ over each frame, every pixel's median is taken over the frames in which the robo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numba
 import numpy as np
 import numpy.typing as npt
 
-from .background import Image, without_resident
+from .background import STRIP_ROWS, Image, without_resident
 from .learning import Lesson
 from .template import Template
 from .tracking import Fit, Scene
@@ -60,17 +60,16 @@ def cleared(lesson: Lesson, scene: Scene) -> Image | None:
     template = lesson.template
     masks = [mask_of(one, scene, template) for _, one in fits]
     cut = _around([place for place, _ in masks])
-    hidden = np.zeros((len(fits), *scene.floor[cut].shape), np.uint8)
-    for layer, (place, mask) in zip(hidden, masks, strict=True):
-        rows, columns = (
-            slice(p.start - c.start, p.stop - c.start) for p, c in zip(place, cut, strict=True)
-        )
-        layer[rows, columns] = mask
-    often = hidden.sum(axis=0, dtype=np.uint8)
+    often = np.zeros(scene.floor[cut].shape, np.uint8)
+    for place, mask in masks:
+        often[_within(place, cut)] += mask
     if often.size == 0 or int(often.max()) < 2:
         return None
     floor = scene.floor.copy()
-    _bare(np.stack([frame.luma[cut] for frame, _ in fits]), hidden, floor[cut])
+    for strip in _strips(cut):
+        _bare(
+            np.stack([frame.luma[strip] for frame, _ in fits]), _layers(masks, strip), floor[strip]
+        )
     never = often == len(fits)
     if never.any():
         bridged = without_resident(floor, 2 * float(template.half.max()) * scene.plane.px_per_m)
@@ -88,8 +87,30 @@ def _hull(ranges: Sequence[slice]) -> slice:
     return slice(min(r.start for r in ranges), max(r.stop for r in ranges))
 
 
-def _within(inner: slice, outer: slice) -> slice:
-    return slice(inner.start - outer.start, inner.stop - outer.start)
+def _within(inner: Cut, outer: Cut) -> Cut:
+    rows, columns = (
+        slice(i.start - o.start, i.stop - o.start) for i, o in zip(inner, outer, strict=True)
+    )
+    return rows, columns
+
+
+def _strips(cut: Cut) -> Iterator[Cut]:
+    """A cut in strips of rows: stacks of whole 4K pictures would be 80 MB."""
+    rows, columns = cut
+    for y in range(rows.start, rows.stop, STRIP_ROWS):
+        yield slice(y, min(y + STRIP_ROWS, rows.stop)), columns
+
+
+def _layers(masks: Sequence[tuple[Cut, Image]], strip: Cut) -> npt.NDArray[np.uint8]:
+    """Each mask's part in a strip that is as wide as all of them, (masks, rows, columns)."""
+    rows, columns = strip
+    layers = np.zeros((len(masks), rows.stop - rows.start, columns.stop - columns.start), np.uint8)
+    for layer, (place, mask) in zip(layers, masks, strict=True):
+        top, low = max(rows.start, place[0].start), min(rows.stop, place[0].stop)
+        if top < low:
+            own = slice(top, low), place[1]
+            layer[_within(own, strip)] = mask[_within(own, place)]
+    return layers
 
 
 @numba.njit(cache=True)

@@ -49,6 +49,15 @@ def test_what_is_no_video_is_told_so(tmp_path, content, message):
     assert "x.mp4" in str(caught.value)
 
 
+def test_a_codec_that_nobody_knows_is_told_so(tmp_path):
+    path = write_video(tmp_path / "odd.mp4", STEADY[:4])
+    data = path.read_bytes()
+    assert b"avc1" in data
+    path.write_bytes(data.replace(b"avc1", b"qqz9"))
+    with pytest.raises(Fault, match="no video stream that can be decoded"):
+        open_recording([path])
+
+
 def test_missing_file(tmp_path):
     with pytest.raises(Fault, match="no such file"):
         open_recording([tmp_path / "none.mp4"])

@@ -74,7 +74,7 @@ def opened(path: Path) -> Any:
     """
     try:
         container = av.open(str(path), options=UNDECODED, metadata_errors="replace")
-        if all(stream.width for stream in container.streams.video):
+        if all(s.codec_context is None or s.width for s in container.streams.video):
             return container
         container.close()
         return av.open(str(path), metadata_errors="replace")

@@ -168,7 +168,7 @@ def _curves(x: Sequence[Float]) -> list[Float]:
     """Chebyshev polynomials (n, degree + 1) of x over its range in all trials."""
     low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
     scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
-    return [np.polynomial.chebyshev.chebvander(v, DEGREE) for v in scaled]
+    return [np.asarray(np.polynomial.chebyshev.chebvander(v, DEGREE), float) for v in scaled]
 
 
 def foretold(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:

@@ -27,6 +27,10 @@ MOST_VARIABLES = 2
 """A channel's force is told to depend on at most so many variables, each of which foretells this
 share of all missing force beyond what those before it do.
 """
+OWN_SHARE, LEAST_CHANNEL = 0.3, 0.002
+"""A weak channel's best variable is told where it foretells this share of the channel's own force,
+which is at least that share of all.
+"""
 
 
 @dataclass(frozen=True)
@@ -145,11 +149,13 @@ def _added(
 ) -> dict[str, float]:  # fmt: skip
     """Variable -> share that it foretells beyond those before it, the best first."""
     adds: dict[str, float] = {}
+    own = sum(float(np.sum(y**2)) for y in force) / total
     while len(adds) < MOST_VARIABLES:
         shares = {name: float(foretold([v[name] for v in variables], force, parts).sum()) / total
                   for name in variables[0] if name not in adds}  # fmt: skip
         best = max(shares, key=lambda name: shares[name])
-        if shares[best] < LEAST_SHARE:
+        weak = not adds and own >= LEAST_CHANNEL and shares[best] >= OWN_SHARE * own
+        if shares[best] < LEAST_SHARE and not weak:
             break
         adds[best] = shares[best]
         force = unforetold([v[best] for v in variables], force)

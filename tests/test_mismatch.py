@@ -31,7 +31,7 @@ from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
-from pipeline.mismatch.search import held_shapes, screened, screened_shapes
+from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import mismatch_json, sentence
 from pipeline.model import plates
@@ -363,8 +363,11 @@ def test_a_shape_is_differenced_at_several_places(demo: tuple[Measured, Found]) 
     m, found = demo
     kernel, few = compiled(plates()), thin(m.series)
     before = found.choice.rounds[1].before
-    given = (kernel, few, before, found.baseline.base, ["lift_lag", "stall", "battery_sag"])
-    one, several = screened(*given), screened_shapes(*given)
+    names, base = ["lift_lag", "stall", "battery_sag"], found.baseline.base
+    bench = Bench(kernel, few, base, tuple(names), found.baseline.fit.free, lambda _: None)
+    predictor = filter_all(kernel, few, bench.points(before), before.noise)
+    one = screened(kernel, few, before, base, names, predictor=predictor)
+    several = bench.foretold(before, names, predictor)
     assert all(several[name].gain >= one[name].gain for name in one)
     assert several["battery_sag"] == one["battery_sag"]
     assert any(several[name].gain > one[name].gain for name in ("lift_lag", "stall"))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ..data import Float
 from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .judge import Trialled
-from .search import PASSES, try_effects
+from .search import PASSES, Foretold, free_shapes, screened, towards, try_effects
 
 Progress = Callable[[str], None]
 NOISE_ROUNDS = 4
@@ -32,6 +33,25 @@ class Bench:
         """Full parameter vectors of a model, one a trial."""
         free, values = model.fit.free, model.fit.values
         return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]
+
+    def foretold(
+        self, model: Trialled, candidates: Sequence[str], predictor: Sequence[Filtered]
+    ) -> dict[str, Foretold]:
+        """`screened`, with candidates that have a free shape differenced at several shapes, the
+        most promising of which is where their refit begins.
+        """
+        at = partial(screened, self.kernel, self.series, model, predictor=predictor)
+        told = at(self.base, candidates)
+        shaped = {c: shapes for c in candidates if (shapes := free_shapes(self.kernel, c))}
+        for end in ("lower", "upper") if shaped else ():
+            put = {c: {p.name: towards(p, end) for p in shaped[c]} for c in shaped}
+            moved = self.base.copy()
+            for name, value in (item for shape in put.values() for item in shape.items()):
+                moved[self.kernel.system.slot[name]] = value
+            for c, found in at(moved, list(shaped)).items():
+                if found.gain > told[c].gain:
+                    told[c] = Foretold(found.gain, {**found.start, **put[c]})
+        return told
 
     def refit(
         self, effects: Sequence[str], under: Trialled, start: Mapping[str, float] | None = None,

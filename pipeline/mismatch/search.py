@@ -155,40 +155,13 @@ def screened(
     return told
 
 
-def screened_shapes(
-    kernel: Kernel,
-    series: Sequence[Series],
-    current: Trialled,
-    base: Float,
-    candidates: Sequence[str],
-    *,
-    predictor: Sequence[Filtered] | None = None,
-) -> dict[str, Foretold]:
-    """`screened`, with candidates that have a free shape differenced at several shapes, the most
-    promising of which is where their refit begins.
-    """
-    told = screened(kernel, series, current, base, candidates, predictor=predictor)
-    shaped = {c: free_shapes(kernel, c) for c in candidates if free_shapes(kernel, c)}
-    for end in ("lower", "upper"):
-        moved, put = base.copy(), {}
-        for c, parameters in shaped.items():
-            put[c] = {p.name: _towards(p, end) for p in parameters}
-            for name, value in put[c].items():
-                moved[kernel.system.slot[name]] = value
-        there = screened(kernel, series, current, moved, list(shaped), predictor=predictor)
-        for c, found in there.items():
-            if found.gain > told[c].gain:
-                told[c] = Foretold(found.gain, {**found.start, **put[c]})
-    return told
-
-
 def free_shapes(kernel: Kernel, name: str) -> list[Parameter]:
     """A candidate's shapes of which nothing is known beforehand."""
     frees, strengths = candidate_frees(kernel.system, name)
     return [p for p in parameters_of(kernel, frees[strengths:]) if not np.isfinite(p.spread)]
 
 
-def _towards(parameter: Parameter, end: str) -> float:
+def towards(parameter: Parameter, end: str) -> float:
     """A value between a shape's start and a bound, halfway on a logarithmic scale."""
     bound = max(getattr(parameter, end), 0.1 * parameter.start)
     return float(np.sqrt(parameter.start * bound))

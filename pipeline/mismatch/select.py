@@ -18,7 +18,7 @@ from ..integrate.batch import each
 from .bench import Bench
 from .judge import Trialled, candidate_frees
 from .paying import pays
-from .search import Foretold, held_shapes, likeliest_start, screened_shapes, starts_of
+from .search import Foretold, held_shapes, likeliest_start, starts_of
 
 LEAST_FOR_SHAPE = 2.0
 WRONG = 5.0
@@ -142,7 +142,7 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     kernel, series = bench.kernel, bench.series
     predictor = filter_all(kernel, series, bench.points(before), before.noise)
     left = [c for c in bench.candidates if c not in before.effects]
-    told = screened_shapes(kernel, series, before, bench.base, left, predictor=predictor)
+    told = bench.foretold(before, left, predictor)
     names = _promising(kernel, told, tried, anyway=before.inflation > WRONG)
     bench.progress(f"refits with {', '.join(names)}")
     found = each(lambda name: _refit(bench, before, name, told[name], predictor), names)
@@ -173,8 +173,8 @@ def _settled(bench: Bench, before: Trialled, model: Trialled) -> Trialled:
     if np.isfinite(found.total):
         return found
     again = bench.followed(model.effects, before)
-    options = (bench.settled(again), again, model) if np.isfinite(again.total) else (model,)
-    return next(m for m in (*options, model) if np.isfinite(m.total))
+    options = (bench.settled(again), again) if np.isfinite(again.total) else ()
+    return next((m for m in options if np.isfinite(m.total)), model)
 
 
 def _promising(

@@ -16,10 +16,10 @@ REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
 STRENGTHS = 4
 PARAMETERS = (
-    Parameter("by", "m", 0.003, -0.05, 0.05, "displacement to the left of the core"),
-    Parameter("bx", "m", 0.003, -0.05, 0.05, "displacement along the core"),
-    Parameter("bpsi", "rad", 0.01, -0.3, 0.3, "turn of the seen heading"),
-    Parameter("bphi", "rad", 0.01, -0.3, 0.3, "turn of the seen head angle"),
+    Parameter("by", "m", 0.003, -0.1, 0.1, "displacement to the left of the core"),
+    Parameter("bx", "m", 0.003, -0.1, 0.1, "displacement along the core"),
+    Parameter("bpsi", "rad", 0.01, -0.8, 0.8, "turn of the seen heading"),
+    Parameter("bphi", "rad", 0.01, -0.8, 0.8, "turn of the seen head angle"),
 )
 
 

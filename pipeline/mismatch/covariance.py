@@ -7,10 +7,13 @@ of it, divided by the inflation as elsewhere in the search.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..data import Float
 from ..fitting import (
+    Fit,
     Free,
     Spread,
     moving,
@@ -24,12 +27,29 @@ from .judge import Trialled, parameters_of
 from .search import held_shapes, with_starts
 
 
-def spread_of(bench: Bench, model: Trialled) -> Spread:
-    """`Spread` of a model's fitted numbers (p,), the doubt about its held shapes included."""
+def spread_of(bench: Bench, model: Trialled, aside: Mapping[str, float] | None = None) -> Spread:
+    """`Spread` of a model's fitted numbers (p,), the doubt about its held shapes included.
+
+    aside: label -> standard deviation of the side measurement that a number was taken from.
+    """
     found = model.fit
     move = moving(bench.kernel, found)
     between = _one_trial_s_own(model, move, spread_over_trials(found.normal, move))
-    return Spread(between.cov + _of_shapes(bench, model, move), between.freedom)
+    cov = between.cov + _of_shapes(bench, model, move) + _of_aside(found, move, aside or {})
+    return Spread(cov, between.freedom)
+
+
+def _of_aside(found: Fit, move: np.ndarray, aside: Mapping[str, float]) -> Float:
+    """Covariance (p, p) that numbers bring along which were taken from a side measurement."""
+    cov = np.zeros((len(move), len(move)))
+    H = found.normal.hessian.sum(axis=0)
+    taken = [i for i, free in enumerate(found.free) if free.label in aside and move[i]]
+    own = [i for i in np.flatnonzero(move).tolist() if i not in taken]
+    for i in taken:
+        along = np.zeros(len(move))
+        along[i], along[own] = 1.0, response(H, own, [i])[:, 0]
+        cov += aside[found.free[i].label] ** 2 * np.outer(along, along)
+    return cov
 
 
 def _one_trial_s_own(model: Trialled, move: np.ndarray, between: Spread) -> Spread:

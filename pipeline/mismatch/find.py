@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,36 +15,22 @@ from ..study import Study
 from ..tuning import Tuned, thin, tune
 from .bench import Bench
 from .covariance import spread_of
+from .direct import with_direct
 from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
-from .paying import pays
-from .select import Choice, Round, choose, one_round
+from .nameless import nameless, not_outdone, tells, without_proxies
+from .select import Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
 
-TELLING_SHARE = 0.3
-LEAST_PART = 0.1
-LEAST_NAMELESS = 5.0
-"""Nameless terms tell of something unexplained where they turn this share of the variance that
-looked random in a channel into law, and gain this part of what the strongest of the named causes
-gains (and over the inflation not less than the last number): a named law in another form than
-nature's leaves less.
-"""
-MOST_TERMS = 4
-CONTESTED = 4
-WEAK = 60.0
-CLEARLY = 5.0
-CLEARLY_PART = 0.15
-"""A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
-term: by `CLEARLY` over the inflation and by this part of its own gain.
-"""
 LAST_NOISE_ROUNDS = 10
 LEAST_UNIT = 0.1
 ASTRAY = 8.0
-"""A model whose numbers spread over trials this many times wider than they should does not describe
-them, whether or not a cause was found.
+"""A model whose coefficients spread over trials this many times wider than they should does not
+describe them, whether or not a cause was found; fewer than `TRIALS_FOR_ASTRAY` cannot tell.
 """
+TRIALS_FOR_ASTRAY = 12
 KINDS = ("physics", "measurement")
 
 
@@ -99,7 +85,7 @@ def find_mismatch(
     progress("terms without a name")
     choice = not_outdone(bench, choice)
     residual = nameless(bench, choice.chosen, choice.bare)
-    if _tells(choice, residual):
+    if tells(choice, residual):
         choice, residual = without_proxies(bench, choice, residual)
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
@@ -145,94 +131,27 @@ def _located(
     return forces, dependences(series, told, variables(series, forces, trials), units)
 
 
-def nameless(bench: Bench, model: Trialled, bare: Trialled, *, most: int = MOST_TERMS) -> Trialled:
-    """A model with the fewest nameless terms that pay beside its effects, one after the other."""
-    terms = _terms(bench)
-    for _ in range(most):
-        done: Round = one_round(terms, model, bare, tried=CONTESTED)
-        if done.best.effects == model.effects:
-            break
-        model = done.best
-    return model
-
-
-def _terms(bench: Bench) -> Bench:
-    effect = bench.kernel.system.effect("residual")
-    return replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
-
-
-def not_outdone(bench: Bench, choice: Choice) -> Choice:
-    """Choice without the weaker causes in whose place one nameless term does clearly better."""
-    for name in choice.chosen.effects:
-        chosen, before = choice.chosen, choice.without[name]
-        gain = chosen.total - before.total
-        if gain > WEAK * chosen.inflation:
-            continue
-        bench.progress(f"terms without a name in place of {name}")
-        best = one_round(_terms(bench), before, choice.bare, tried=CONTESTED).best
-        if best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
-            choice = _dropped(bench, choice, [name])
-    return choice
-
-
-def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[Choice, Trialled]:
-    """Choice and nameless model without the named causes that one more nameless term replaces.
-
-    Where something has no name, a candidate may have been picked up in its place: it stays only if
-    it pays beside the nameless terms as well. The weakest is tried first.
-    """
-    dropped: list[str] = []
-    for name in sorted(
-        choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
-    ):
-        bench.progress(f"{name} beside terms without a name")
-        bare = nameless(bench, bench.less(residual, [name]), choice.bare, most=1)
-        if not pays(bare, residual, choice.bare):
-            residual = bare
-            dropped.append(name)
-    return _dropped(bench, choice, dropped), residual
-
-
-def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
-    """Choice without some of its effects, the rest refitted."""
-    if not names:
-        return choice
-    kept = [e for e in choice.chosen.effects if e not in names]
-    chosen = bench.less(choice.chosen, names) if kept else choice.bare
-    return replace(choice, chosen=chosen, without={e: choice.without[e] for e in kept},
-                   places={e: choice.places[e] for e in kept})  # fmt: skip
-
-
 def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
-    if _tells(choice, residual) or (not chosen.effects and chosen.inflation > ASTRAY):
+    astray = astray_by(chosen) > 1.0 if chosen.effects else chosen.inflation > ASTRAY
+    if tells(choice, residual) or astray:
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
 
 
-def _tells(choice: Choice, residual: Trialled) -> bool:
-    """Whether nameless terms beside the chosen effects tell of something more than their form."""
-    chosen = choice.chosen
-    if residual.effects == chosen.effects:
-        return False
-    gain = residual.total - chosen.total
-    named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
-    enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
-    return enough and foretold_randomness(chosen, residual) > TELLING_SHARE
-
-
-def foretold_randomness(before: Trialled, after: Trialled) -> float:
-    """Largest share of a random state's variance that a larger model has turned into law."""
-    old, new = (m.noise.disturbance for m in (before, after))
-    return float(np.max(1.0 - (new / np.maximum(old, 1e-12))[old > 0] ** 2, initial=0.0))
+def astray_by(model: Trialled) -> float:
+    """How many times more than may be a model's coefficients spread over trials, 1 at least."""
+    many = len(model.worth) >= TRIALS_FOR_ASTRAY
+    return max(1.0, model.astray / ASTRAY) if many else 1.0
 
 
 def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     """A tried model with all of the noise fitted anew around it, and its covariance."""
     if not model.effects:
         return baseline
-    again = bench.renoised(model, rounds=LAST_NOISE_ROUNDS)
+    firm, aside = with_direct(bench, model)
+    again = firm.renoised(model, rounds=LAST_NOISE_ROUNDS)
     again = again if np.isfinite(again.total) else model
-    spread = spread_of(bench, again)
+    spread = spread_of(bench, again, aside)
     return Tuned(again.fit, again.noise, spread.cov, baseline.base, spread.freedom)

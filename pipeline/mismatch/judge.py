@@ -46,7 +46,8 @@ class Trialled:
     noise: the random part it was judged under. inflation: how many times wider its numbers spread
     over trials than one Fisher matrix says (1 where errors are as independent as modelled).
     p_value: effect -> probability that strengths as sure as these come of nothing. side: log
-    likelihood of the side measurements.
+    likelihood of the side measurements. astray: the inflation of the model's own coefficients
+    alone: where it is large they mean different things in different trials, whatever the effects.
     """
 
     effects: tuple[str, ...]
@@ -56,6 +57,7 @@ class Trialled:
     inflation: float
     p_value: Mapping[str, float]
     side: float = 0.0
+    astray: float = 1.0
 
     @property
     def total(self) -> float:
@@ -82,7 +84,8 @@ def trialled(
     wider = inflation(kernel, found)
     p_value = {name: p_value_of(kernel, found, name, wider) for name in effects}
     own = found.normal.log_likelihood if worth is None else worth
-    return Trialled(tuple(effects), found, own, noise, wider, p_value)
+    return Trialled(tuple(effects), found, own, noise, wider, p_value,
+                    astray=inflation(kernel, found, own=True))  # fmt: skip
 
 
 def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
@@ -112,16 +115,24 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     return float(f_distribution.sf(wald / len(own), len(own), PRIOR_FREEDOM + trials - 1))
 
 
-def inflation(kernel: Kernel, found: Fit) -> float:
+def inflation(kernel: Kernel, found: Fit, *, own: bool = False) -> float:
     """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix, both of the numbers
     that more than one trial tells of.
+
+    own: of the model's own coefficients alone, H being that left of them when the numbers of the
+    effects are free as well.
     """
     move = moving(kernel, found) & (telling(found.normal).sum(axis=0) > 1)
     if not move.any():
         return 1.0
     H = found.normal.hessian.sum(axis=0)[np.ix_(move, move)]
     C = jackknife_cov(found.normal, move)[np.ix_(move, move)]
-    return float(max(1.0, np.trace(H @ C) / max(int(move.sum()), 1)))
+    if own:
+        names = [free.name for free, moves in zip(found.free, move, strict=True) if moves]
+        kept = [i for i, name in enumerate(names) if "." not in name]
+        H = pseudo_inverse(pseudo_inverse(H)[np.ix_(kept, kept)])
+        C = C[np.ix_(kept, kept)]
+    return float(max(1.0, np.trace(H @ C) / max(len(H), 1)))
 
 
 def telling(normal: Normal) -> np.ndarray:

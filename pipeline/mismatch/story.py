@@ -13,7 +13,7 @@ from ..model import plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned, table
 from ..tuning.joint import BAND
-from .find import Found
+from .find import Found, astray_by
 from .judge import Trialled
 from .setting import CHANNELS, best_next_trial
 from .weighing import reliability, told_aside, weights
@@ -68,7 +68,7 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:
     """A chosen effect and its rivals for its place -> weights; what they lack of 1 is left for a
-    cause that is no candidate.
+    cause that is no candidate. A model that is astray in the end names nothing surely.
     """
     chosen, without = found.choice.chosen, found.choice.without[name]
     paths = reliability((chosen.total - without.total) / chosen.inflation)
@@ -79,7 +79,7 @@ def weights_in_place(found: Found, name: str) -> dict[str, float]:
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
     }
     shares = weights({**rivals, name: chosen}, inflation=chosen.inflation)
-    return {other: sure * share for other, share in shares.items()}
+    return {other: sure * share / astray_by(chosen) for other, share in shares.items()}
 
 
 def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
@@ -99,7 +99,7 @@ def as_normal(tuned: Tuned) -> list[float]:
 
 
 def _unexplained(found: Found) -> dict[str, Any]:
-    terms = [e.split(".", 1)[1] for e in found.residual.effects if e.startswith("residual.")]
+    terms = _terms(found)
     channels = sorted({c for t in terms for c in residual_channels(t)}, key=CHANNELS.index)
     told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
     first = told[0]
@@ -112,9 +112,15 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "parameters": _parameters(found, "residual"),
         "weight": reliability(gain / found.residual.inflation),
         "held_out_gain": gain,
-        "sentence": "A force is missing that none of the named causes explains well; it is "
-        f"modelled by a fitted residual term and depends most on {first.variable}.",
+        "sentence": "A force is missing that none of the named causes explains well; "
+        + ("it is modelled by a fitted residual term and" if terms else "what is lacking")
+        + f" depends most on {first.variable}.",
     }
+
+
+def _terms(found: Found) -> list[str]:
+    """Nameless terms beside the chosen effects."""
+    return [e.split(".", 1)[1] for e in found.residual.effects if e.startswith("residual.")]
 
 
 def rivals(found: Found) -> list[dict[str, Any]]:
@@ -196,14 +202,17 @@ def sentence(
         )
     if found.verdict == "none":
         return "Nothing beyond the noise: the model as it stands explains these recordings."
-    if found.verdict == "unexplained" and not found.residual.effects:
+    beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
+    if found.verdict == "unexplained" and not _terms(found):
+        chosen = found.choice.chosen
+        spread = chosen.astray if chosen.effects else chosen.inflation
         return (
-            "The model does not describe these trials, and they do not tell what it lacks: its "
-            f"numbers differ from trial to trial {found.choice.bare.inflation:.0f} times more than "
-            "their errors; film more trials, at other angles and powers."
+            f"The model{' with ' + beside if beside else ''} does not describe these trials, and "
+            f"they do not tell what it lacks{' besides' if beside else ''}: its numbers differ "
+            f"from trial to trial {spread:.0f} times more than their errors; film more trials, at "
+            "other angles and powers."
         )
     if found.verdict == "unexplained":
-        beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
         first = f"Physics left out: {beside}; and something else" if beside else "Something"
         return f"{first} is missing that no known cause explains; modelled as a residual, {proof}."
     names = " and ".join(_called(c) for c in told)

@@ -86,10 +86,11 @@ def _taken(setup: Setup, depth_m: float, std_m: float) -> bool:
 
 
 def _evidence(check: GeometryCheck) -> dict[str, Any]:
-    scale = next((e for e in check.estimates if e.suspect.name == "scale_error"), None)
+    pool = next((e for e in check.estimates if e.suspect.name == "scale_error"), None)
+    seen = 1 / (1 + pool.values[0]) if pool else None
     return {
-        "scale": 1 - scale.values[0] if scale else None,
-        "scale_std": scale.stds[0] if scale else None,
+        "scale": seen,
+        "scale_std": pool.stds[0] * seen**2 if pool and seen else None,
         "likely": check.outcome,
         "rivals": check.rivals,
         "sentence": check.sentence,

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Set up Slurm on this one machine (Debian or Ubuntu, as root) and run a small keypoint study
-# through it with config/profiles/slurm. Leaves Slurm running; stop it with `... stop`.
+# Set up Slurm on this one machine (Debian or Ubuntu, as root) and run the demo through it with
+# config/profiles/slurm, from rendered footage to the report. Leaves Slurm running; stop it with
+# `... stop`. `small` runs three keypoint trials in the demo's stead.
 #
 #   apt-get install slurm-wlm munge
 #   pip install 'bluekoi[slurm]'
-#   tests/cluster/slurm_on_one_machine.sh [all | start | run | stop]
+#   tests/cluster/slurm_on_one_machine.sh [all | start | demo | small | stop]
 #
 # No systemd, no database, no cgroups: loopback addresses, munge, proctrack/linuxproc, task/none,
 # select/cons_tres with cores and memory.
@@ -63,7 +64,17 @@ start() {
     exit 1
 }
 
-run_study() {
+through_slurm() {
+    "$PYTHON" -m snakemake --workflow-profile config/profiles/slurm --jobs 4 --cores "$(nproc)" \
+        --config "results=$WORK/results" "$@"
+}
+
+run_demo() {
+    through_slurm "demo_folder=$WORK/demo" && check "$(tail -n +2 "$WORK/demo/trials.csv" | wc -l)"
+    grep -q '"verdict"' "$WORK/results/mismatch.json" || { echo "no verdict" >&2; exit 1; }
+}
+
+run_small() {
     "$PYTHON" - "$WORK" <<'STUDY'
 import sys
 from dataclasses import replace
@@ -76,23 +87,24 @@ design, root = bare_design(), Path(sys.argv[1])
 plans = tuple(p for p in design.plans if p.trial_id in ("T09", "T10", "T11"))
 keypoint_study(replace(design, plans=plans), root / "study", root / "truth")
 STUDY
-    "$PYTHON" -m snakemake --workflow-profile config/profiles/slurm --jobs 4 --cores "$(nproc)" \
-        --config "study=$WORK/study" "results=$WORK/results"
+    through_slurm "study=$WORK/study" && check 3
 }
 
 check() {
-    local jobs
+    local trials=$1 jobs
     jobs=$(squeue --noheader --states=COMPLETED | wc -l)
     [ -s "$WORK/results/report.html" ] || { echo "no report.html" >&2; exit 1; }
-    [ "$(tail -n +2 "$WORK/results/steady.csv" | wc -l)" = 3 ] || { echo "not 3 trials" >&2; exit 1; }
+    [ "$(tail -n +2 "$WORK/results/steady.csv" | wc -l)" = "$trials" ] ||
+        { echo "not $trials trials" >&2; exit 1; }
     [ "$jobs" -gt 0 ] || { echo "nothing went through Slurm" >&2; exit 1; }
     echo "report at $WORK/results/report.html; $jobs jobs went through Slurm"
 }
 
 case "${1:-all}" in
     start) configure && start ;;
-    run) run_study && check ;;
+    demo) run_demo ;;
+    small) run_small ;;
     stop) stop ;;
-    all) configure && start && run_study && check ;;
-    *) echo "usage: $0 [all | start | run | stop]" >&2; exit 2 ;;
+    all) configure && start && run_demo ;;
+    *) echo "usage: $0 [all | start | demo | small | stop]" >&2; exit 2 ;;
 esac

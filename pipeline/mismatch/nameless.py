@@ -1,0 +1,113 @@
+"""Terms without a name beside the named causes: what they tell of, and which names they refute."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .bench import Bench
+from .judge import Trialled
+from .paying import pays
+from .select import Choice, Round, one_round
+
+TELLING_SHARE = 0.3
+LEAST_PART = 0.1
+LEAST_NAMELESS = 5.0
+"""Nameless terms tell of something unexplained where they turn this share of the variance that
+looked random in a channel into law, and gain this part of what the strongest of the named causes
+gains (and over the inflation not less than the last number): a named law in another form than
+nature's leaves less.
+"""
+PLAIN, PLAIN_SHARE = 12.0, 0.5
+"""So they do where they gain this much over the inflation and make law of this share, whatever the
+strongest named cause gains: beside a strong fin little else is a tenth of it.
+"""
+MOST_TERMS = 4
+CONTESTED = 4
+WEAK = 60.0
+CLEARLY = 5.0
+CLEARLY_PART = 0.15
+"""A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
+term: by `CLEARLY` over the inflation and by this part of its own gain.
+"""
+
+
+def nameless(bench: Bench, model: Trialled, bare: Trialled, *, most: int = MOST_TERMS) -> Trialled:
+    """A model with the fewest nameless terms that pay beside its effects, one after the other."""
+    terms = terms_of(bench)
+    for _ in range(most):
+        done: Round = one_round(terms, model, bare, tried=CONTESTED)
+        if done.best.effects == model.effects:
+            break
+        model = done.best
+    return model
+
+
+def terms_of(bench: Bench) -> Bench:
+    """The bench with all nameless terms, one by one, as candidates."""
+    effect = bench.kernel.system.effect("residual")
+    return replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
+
+
+def not_outdone(bench: Bench, choice: Choice) -> Choice:
+    """Choice without the weaker causes in whose place one nameless term does clearly better."""
+    for name in choice.chosen.effects:
+        chosen, before = choice.chosen, choice.without[name]
+        gain = chosen.total - before.total
+        if gain > WEAK * chosen.inflation:
+            continue
+        bench.progress(f"terms without a name in place of {name}")
+        best = one_round(terms_of(bench), before, choice.bare, tried=CONTESTED).best
+        if best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
+            choice = _dropped(bench, choice, [name])
+    return choice
+
+
+def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[Choice, Trialled]:
+    """Choice and nameless model without the named causes that one more nameless term replaces.
+
+    Where something has no name, a candidate may have been picked up in its place: it stays only if
+    it pays beside the nameless terms as well. The weakest is tried first.
+    """
+    dropped: list[str] = []
+    for name in sorted(
+        choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
+    ):
+        bench.progress(f"{name} beside terms without a name")
+        bare = nameless(bench, bench.less(residual, [name]), choice.bare, most=1)
+        if not pays(bare, residual, choice.bare):
+            residual = bare
+            dropped.append(name)
+    return _dropped(bench, choice, dropped), residual
+
+
+def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
+    """Choice without some of its effects, the rest refitted."""
+    if not names:
+        return choice
+    kept = [e for e in choice.chosen.effects if e not in names]
+    chosen = bench.less(choice.chosen, names) if kept else choice.bare
+    return replace(choice, chosen=chosen, without={e: choice.without[e] for e in kept},
+                   places={e: choice.places[e] for e in kept})  # fmt: skip
+
+
+def tells(choice: Choice, residual: Trialled) -> bool:
+    """Whether nameless terms beside the chosen effects tell of something more than their form."""
+    chosen = choice.chosen
+    if residual.effects == chosen.effects:
+        return False
+    gain = residual.total - chosen.total
+    named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
+    law = foretold_randomness(chosen, residual)
+    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE:
+        return True
+    enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
+    return enough and law > TELLING_SHARE
+
+
+def foretold_randomness(before: Trialled, after: Trialled) -> float:
+    """Largest share of a random state's variance that a larger model has turned into law."""
+    old, new = (m.noise.disturbance for m in (before, after))
+    return float(np.max(1.0 - (new / np.maximum(old, 1e-12))[old > 0] ** 2, initial=0.0))

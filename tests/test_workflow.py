@@ -474,6 +474,14 @@ def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
     assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
 
 
+def test_a_stage_that_a_library_ends_on_ctrl_c_is_not_blamed_either(tmp_path):
+    (tmp_path / "geometry.log").write_text("SystemError: in a callback\nKeyboardInterrupt\n")
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    found = {"rule_name": "geometry", "log": [tmp_path / "geometry.log"]}
+    progress.emit(record(logging.ERROR, "", event=LogEvent.JOB_ERROR, **found))
+    assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
+
+
 @pytest.mark.parametrize(("here", "limited"), [(True, False), (False, True)])
 def test_jobs_a_second_are_limited_on_a_cluster_only(*, here: bool, limited: bool) -> None:
     workflow = SimpleNamespace(

@@ -1,7 +1,8 @@
 """A tail that swims into its own advance.
 
-    dT = -k rho A f u        (thrust falls linearly with the advance ratio u / f)
+    dT = -k rho A f u ((1 - w) + w (u / f) / J_1),  J_1 = 0.15 m
 
+Thrust falls with the advance in one beat, u / f: linearly, and by its square in the part w.
 Vanishes at rest and with the tail at rest.
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
@@ -17,10 +18,11 @@ STATEMENT = "The faster the robot already swims, the less thrust a tail beat giv
 REGIME = "start-up against cruise: strong push at first, less at speed"
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 PARAMETERS = (
-    Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance in one beat"),
+    Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance, at 0.15 m"),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared", spread=0.4),
 )
 
 
-def thrust(rho: float, A: float, f: float, uc: float, k: float) -> tuple[float]:
+def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float) -> tuple[float]:
     """Change of thrust (N)."""
-    return (-k * rho * A * f * uc,)
+    return (-k * rho * A * uc * ((1.0 - w) * f + w * uc / 0.15),)

@@ -1,6 +1,8 @@
 """Drag of the waves that a robot close to the surface makes.
 
-    D = -k V^4 v_hat        (rises faster than speed squared below the hull speed)
+    D = -k V^4 ((1 - w) + w (V / V_1)^2) v_hat,  V_1 = 0.4 m/s
+
+It rises faster than speed squared below the hull speed; w is the part that grows as V^6.
 
 Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
 Hoerner (1965), ch. 11.
@@ -17,10 +19,13 @@ STATEMENT = (
 )
 REGIME = "the highest speeds: 100 % power"
 CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
-PARAMETERS = (Parameter("k", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 1 m/s"),)
+PARAMETERS = (
+    Parameter("k", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4"),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V^6", spread=0.4),
+)
 
 
-def force(uc: float, vc: float, V: float, k: float) -> tuple[float, float, float]:
+def force(uc: float, vc: float, V: float, k: float, w: float) -> tuple[float, float, float]:
     """Surge and sway (N)."""
-    s = -k * V * V * V
+    s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V)
     return s * uc, s * vc, 0.0

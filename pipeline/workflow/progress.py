@@ -121,7 +121,11 @@ class Progress(logging.Handler):
     def _killed(self, name: str) -> None:
         if name != "SIGINT":
             self._say(KILLED.format(name))
-        elif not self.stopped:
+        else:
+            self._interrupted()
+
+    def _interrupted(self) -> None:
+        if not self.stopped:
             self.stopped = True
             self._say(STOPPED)
 
@@ -180,6 +184,10 @@ class Progress(logging.Handler):
         paths = [Path(name) for name in found.get("log") or []]
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]
+        if any("KeyboardInterrupt" in line for line in lines[-12:]):
+            # caught by a library on the way, so that the stage ended with a status of its own
+            self._interrupted()
+            return
         shown = lines if found["rule_name"] == "outcome" else lines[-12:]
         if shown:
             self._say("\n".join(shown))

@@ -26,14 +26,16 @@ from pipeline.integrate import Kernel, compiled
 from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, weights
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
+from pipeline.mismatch.direct import with_direct
 from pipeline.mismatch.find import verdict_of
 from pipeline.mismatch.horizon import begun
-from pipeline.mismatch.judge import inflation, p_value_of
+from pipeline.mismatch.judge import Trialled, inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
+from pipeline.mismatch.nameless import tells
 from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.setting import held_out_trials
-from pipeline.mismatch.story import mismatch_json, sentence
+from pipeline.mismatch.story import causes, mismatch_json, sentence
 from pipeline.model import plates
 from pipeline.stages.mismatch import with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
@@ -393,3 +395,74 @@ def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) 
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
     assert fit_noise(kernel, few, wild, baseline.noise) is baseline.noise
+
+
+def test_a_model_astray_names_nothing_surely(demo: tuple[Measured, Found]) -> None:
+    _, found = demo
+    chosen = replace(found.choice.chosen, astray=16.0)
+    choice = replace(found.choice, chosen=chosen)
+    assert verdict_of(compiled(plates()), choice, chosen) == "unexplained"
+    lost = replace(found, choice=choice, residual=chosen, verdict="unexplained")
+    sure, unsure = ({c["name"]: c["weight"] for c in causes(f)} for f in (found, lost))
+    assert all(unsure[name] == pytest.approx(0.5 * weight) for name, weight in sure.items())
+    assert unsure["unexplained"] == pytest.approx(0.0, abs=1e-9)
+    said = sentence(lost, causes(lost), [])
+    assert "with tail_fin_lift (weight" in said
+    assert "16 times more than their errors" in said
+    few = replace(chosen, worth=chosen.worth[:9])
+    assert verdict_of(compiled(plates()), replace(choice, chosen=few), few) == "physics"
+
+
+def test_an_effect_that_one_trial_bends_does_not_lead_the_coefficients_astray() -> None:
+    """Two numbers that do not mix: how widely one spreads says nothing of the other."""
+    kernel, rng = compiled(plates()), np.random.default_rng(4)
+    said = rng.normal(size=(18, 2)) * [1.0, 8.0]
+    hessian = np.repeat(np.eye(2)[None], 18, axis=0)
+    values = said.mean(axis=0)
+    normal = Normal(hessian, said - values, np.zeros(18))
+    free = (Free("C_T"), Free("linear_yaw_damping.N_r"))
+    found = Fit(free, np.array([0.006, 0.03]), normal, "converged", 1)
+    assert inflation(kernel, found) > 15.0
+    assert inflation(kernel, found, own=True) < 2.5
+
+
+def test_plain_terms_without_a_name_tell_beside_a_strong_cause(
+    demo: tuple[Measured, Found],
+) -> None:
+    _, found = demo
+    chosen = found.choice.chosen
+
+    def beside(over: float, left: float) -> Trialled:
+        gain = over * chosen.inflation / len(chosen.worth)
+        noise = replace(chosen.noise, disturbance=left * chosen.noise.disturbance)
+        effects = (*chosen.effects, "residual.a8")
+        return replace(chosen, effects=effects, worth=chosen.worth + gain, noise=noise)
+
+    strong = chosen.total - min(m.total for m in found.choice.without.values())
+    assert 20.0 * chosen.inflation < 0.1 * strong
+    assert tells(found.choice, beside(20.0, 0.5))
+    assert not tells(found.choice, beside(20.0, 0.8))
+    assert not tells(found.choice, beside(6.0, 0.5))
+    assert not tells(found.choice, chosen)
+
+
+def test_a_scale_is_what_rigid_lengths_say_whatever_the_paths_say(
+    demo: tuple[Measured, Found],
+) -> None:
+    """Lengths 5 % too long, paths that know of nothing: the scale is 5 %, and as sure as they."""
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out][:6]
+    told = [replace(s, evidence={"scale": (0.05, 0.003 * len(few) ** 0.5)}) for s in few]
+    bench = Bench(compiled(plates()), told, found.baseline.base, (), found.baseline.fit.free,
+                  lambda _: None)  # fmt: skip
+    model = bench.refit((*found.choice.chosen.effects, "scale_error"), found.choice.chosen)
+    firm, aside = with_direct(bench, model)
+    assert aside == {"scale_error.k": pytest.approx(0.003)}
+    again = firm.refit(model.effects, model)
+    assert again.fit.by_label()["scale_error.k"] == pytest.approx(0.05, abs=2e-4)
+    k = [f.label for f in again.fit.free].index("scale_error.k")
+    wide, narrow = (spread_of(firm, again, a).cov for a in (aside, {}))
+    assert np.sqrt(wide[k, k] - narrow[k, k]) == pytest.approx(0.003)
+    assert np.all(np.diag(wide) >= np.diag(narrow))
+    faint = [replace(s, evidence={"scale": (0.005, 0.003 * len(few) ** 0.5)}) for s in few]
+    assert with_direct(replace(bench, series=faint), model)[1] == {}

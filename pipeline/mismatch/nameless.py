@@ -20,7 +20,7 @@ looked random in a channel into law, and gain this part of what the strongest of
 gains (and over the inflation not less than the last number): a named law in another form than
 nature's leaves less.
 """
-PLAIN, PLAIN_SHARE = 12.0, 0.5
+PLAIN, PLAIN_SHARE = 15.0, 0.5
 """So they do where they gain this much over the inflation and make law of this share, whatever the
 strongest named cause gains: beside a strong fin little else is a tenth of it.
 """

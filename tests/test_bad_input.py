@@ -69,9 +69,21 @@ def all_nan(path):
     path.write_text("\n".join([*lines[:3], *nan]))
 
 
+def reversed_rows(path):
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:3], *lines[:2:-1]]))
+
+
+def first_frame_twice(path):
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:4], *lines[3:]]))
+
+
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
+        (reversed_rows, ["keypoints/T10.csv, row 2 of the body", "Sort the rows"]),
+        (first_frame_twice, ["row 2 of the body", "frame 0 after 0"]),
         (only_two_parts, ["keypoints/T10.csv", "expected"]),
         (all_nan, ["keypoints/T10.csv", "expected"]),
         (lambda path: path.write_text(""), ["keypoints/T10.csv", "empty"]),
@@ -239,3 +251,17 @@ def test_a_misspelt_configuration_key_is_told_with_the_nearest(study, tmp_path):
     assert done.returncode == 1
     assert "configuration: result: found an unknown key" in done.stderr
     assert "Did you mean 'results'?" in done.stderr
+
+
+def test_a_picture_of_half_the_size_stops_its_trial(study, tmp_path):
+    path = study / "keypoints/T10.csv"
+    lines = path.read_text().splitlines()
+    names = lines[2].split(",")
+    cells = [[f"{float(c) / 2}" if n in "xy" else c for n, c in zip(names, row, strict=True)]
+             for row in (line.split(",") for line in lines[3:])]  # fmt: skip
+    path.write_text("\n".join([*lines[:3], *(",".join(row) for row in cells)]))
+    results = tmp_path / "results"
+    last = run_trials(study, results)
+    assert last.exit_code == 1
+    assert "times as long as stated, in all its parts" in last.output
+    assert_only_bad(results, "T10")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ import yaml
 from click.testing import CliRunner
 
 from pipeline.cli import main
-from pipeline.cli.run import _exit_code, command, workflow_folder
+from pipeline.cli.run import _exit_code, _went_wrong, command, workflow_folder
 from pipeline.faults import fault
 from pipeline.footage import encode
 from studies import edit_rows, small_study
@@ -100,6 +101,47 @@ def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     result = bluekoi("check", small_study(tmp_path / "study"))
     assert result.exit_code == 0
     assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
+
+
+def test_check_opens_what_a_run_would_open(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "motor/T09.csv").write_text("")
+    keypoints = (study / "keypoints/T10.csv").read_text().splitlines()
+    (study / "keypoints/T10.csv").write_text("\n".join(keypoints[2:]))
+    edit_rows(study, T11={"start_s": "100", "end_s": "200"})
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    for words in ("motor/T09.csv", "keypoints/T10.csv", "no frame in that part"):
+        assert words in result.output
+
+
+def test_check_tells_of_a_file_that_two_trials_take_whole(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_rows(study, T11={"source": "keypoints/T10.csv"})
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert "trial T11: found T10.csv, whole, as trial T10 has it" in result.output
+    edit_rows(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
+    assert bluekoi("check", study).exit_code == 0
+
+
+@pytest.mark.parametrize("cores", ["0", "-1", "two", "1.5"])
+def test_a_number_of_jobs_that_is_none_is_wrong_use(tmp_path, cores):
+    result = bluekoi("run", small_study(tmp_path / "study"), "--cores", cores)
+    assert result.exit_code == 2
+    assert "expected 1 or more, or 'all'" in result.output
+
+
+def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path):
+    status = tmp_path / "status"
+    (status / "keypoints").mkdir(parents=True)
+    bad, good = {"ok": False, "message": "no frames"}, {"ok": True, "message": ""}
+    (status / "keypoints/T1.json").write_text(json.dumps(bad))
+    (status / "keypoints/T2.json").write_text(json.dumps(bad))
+    (status / "T2.json").write_text(json.dumps(good))
+    (status / "T3.json").write_text(json.dumps(bad))
+    assert _went_wrong(tmp_path, {"T1", "T2"}) == ["T1: no frames"]
+    assert _went_wrong(tmp_path, None) == ["T1: no frames", "T3: no frames"]
 
 
 def test_check_names_missing_files(tmp_path):

@@ -149,3 +149,17 @@ def test_geometry_does_not_hang_on_smoothing_nor_tracks_on_the_check_of_distance
     assert "smoothing/chain.py" not in source_files("stages.geometry")
     assert "camera/geometry.py" not in source_files("stages.tracks")
     assert os.path.exists(ROOT / "pipeline/stages/geometry.py")
+
+
+@pytest.mark.parametrize("results", [".", "keypoints", "motor", "../linked"])
+def test_results_are_not_written_among_the_files_of_the_study(tmp_path, monkeypatch, results):
+    study = small_study(tmp_path / "study")
+    (tmp_path / "linked").symlink_to(study)
+    monkeypatch.chdir(tmp_path)
+    settings = {"study": "study", "demo_folder": "demo", "overlays": "none"}
+    before = {path: path.read_bytes() for path in study.rglob("*") if path.is_file()}
+    with pytest.raises(Fault, match="a folder of its own for the results"):
+        make_plan({**settings, "results": str(study / results)})
+    assert {path: path.read_bytes() for path in study.rglob("*") if path.is_file()} == before
+    for fine in (".", "study/results"):
+        make_plan({**settings, "results": fine})

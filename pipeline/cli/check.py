@@ -8,14 +8,67 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .waiting import waiting
+
 if TYPE_CHECKING:
     from ..faults import Finding
+    from ..study import Study, Trial
 
 
 def _in(study: Path, finding: Finding) -> Finding:
     """The finding with the study's folder before the bare name of its file."""
     bare = finding.file == Path(finding.file).name
     return replace(finding, file=str(study / finding.file)) if bare else finding
+
+
+def _unreadable(study: Study) -> list[Finding]:
+    """A finding for each source and motor log that a run could not read, and for shared sources."""
+    from ..faults import Fault  # noqa: PLC0415
+
+    found = _shared(study)
+    with waiting(f"opening the files of {len(study.trials)} trials") as wait:
+        for done, trial in enumerate(study.trials, 1):
+            try:
+                _read(study, trial)
+            except Fault as fault:
+                found += fault.findings
+            wait.share = done / len(study.trials)
+    return found
+
+
+def _shared(study: Study) -> list[Finding]:
+    """A finding for each file that two trials take whole."""
+    from ..faults import Finding  # noqa: PLC0415
+
+    found: list[Finding] = []
+    owner: dict[Path, str] = {}
+    whole = [t for t in study.trials if t.start_s is None and t.end_s is None]
+    for trial, path in ((t, p) for t in whole for p in study.paths(t)):
+        if (first := owner.setdefault(path, trial.trial_id)) != trial.trial_id:
+            name = f"{path.name}, whole, as trial {first} has it"
+            found.append(
+                Finding(
+                    str(study.root / "trials.csv"), f"trial {trial.trial_id}", name,
+                    "a file of its own, or a part of one by start_s and end_s",
+                )
+            )  # fmt: skip
+    return found
+
+
+def _read(study: Study, trial: Trial) -> None:
+    """Raises: Fault where a trial's motor log, keypoints or film cannot be read."""
+    if (log := study.motor_path(trial)) is not None:
+        from ..motor import flapping_from_log  # noqa: PLC0415
+
+        flapping_from_log(log)
+    if trial.reads_keypoints:
+        from ..keypoints import source  # noqa: PLC0415
+
+        source("deeplabcut").read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    else:
+        from ..footage import open_recording  # noqa: PLC0415
+
+        open_recording(study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s)
 
 
 @click.command()
@@ -35,6 +88,8 @@ def check(study: Path) -> None:
         pool_camera(loaded.setup)
     except Fault as found:
         raise Fault(_in(study, finding) for finding in found.findings) from found
+    if unreadable := _unreadable(loaded):
+        raise Fault(unreadable)
     filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
     conditions = len({trial.condition for trial in loaded.trials})
     click.echo(

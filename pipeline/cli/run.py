@@ -54,10 +54,19 @@ def _keys(further: tuple[str, ...]) -> tuple[list[str], list[str]]:
     return keys, rest
 
 
+def _jobs(_ctx: click.Context, _param: click.Parameter, value: str) -> str:
+    """How many jobs at once, as Snakemake takes it."""
+    if value == "all" or (value.isdecimal() and int(value) > 0):
+        return value
+    raise click.BadParameter(f"'{value}'; expected 1 or more, or 'all'.")
+
+
 @click.command()
 @click.argument("study", default="demo")
 @click.option("--results", type=click.Path(path_type=Path), help="Folder for the results.")
-@click.option("--cores", default="all", show_default=True, help="How many jobs at once.")
+@click.option(
+    "--cores", default="all", show_default=True, callback=_jobs, help="How many jobs at once."
+)
 @click.argument("further", nargs=-1, type=click.UNPROCESSED)
 @click.pass_context
 def run(
@@ -67,12 +76,18 @@ def run(
 
     FURTHER options go to Snakemake as they stand, after `--`.
     """
+    ids: set[str] | None = None
     if study != "demo":
         from ..study import load_study  # noqa: PLC0415
 
-        load_study(study)
+        ids = {trial.trial_id for trial in load_study(study).trials}
     returned = _returned(command(study, results, cores, further))
-    ctx.exit(_exit_code(returned, results or Path("results") / Path(study).resolve().name))
+    folder = results or Path("results") / Path(study).resolve().name
+    if returned == 0 and not {"-n", "--dry-run", "--dryrun"} & set(further):
+        bad = _went_wrong(folder, ids)
+        click.echo("".join(f"{line}\n" for line in bad), err=True, nl=False)
+        returned = SOME_TRIALS_BAD if bad else 0
+    ctx.exit(_exit_code(returned, folder))
 
 
 def _returned(words: list[str]) -> int:
@@ -89,9 +104,21 @@ def _returned(words: list[str]) -> int:
                 interrupted = True
 
 
+def _went_wrong(results: Path, ids: set[str] | None) -> list[str]:
+    """A line for each bad trial of a run that ended before its last word (`-- --until STAGE`)."""
+    from ..files import read_json  # noqa: PLC0415
+    from ..stages.outcome import complaint  # noqa: PLC0415
+
+    found = {p.stem: p for folder in ("status/keypoints", "status")
+             for p in sorted((results / folder).glob("*.json"))}  # fmt: skip
+    told = {name: complaint(read_json(path)) for name, path in found.items()
+            if ids is None or name in ids}  # fmt: skip
+    return [f"{name}: {text}" for name, text in sorted(told.items()) if text]
+
+
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned in (0, INTERRUPTED):
+    if returned in (0, SOME_TRIALS_BAD, INTERRUPTED):
         return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 

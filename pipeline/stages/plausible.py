@@ -16,6 +16,8 @@ from ..study import Study, Trial
 
 LENGTH_SHARE, LEAST_LENGTH_M = 0.25, 0.02
 """A rigid part may be off the trial's own scale by so much, the larger of share and length."""
+MOST_SCALE = 1.5
+"""All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
 HEAD_ANGLE_DEG = 25.0
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
@@ -43,6 +45,8 @@ def _lengths(
     seen = np.array([body.head_m, body.hinge_m, body.tail_m])
     said = np.array([trial.head_length_m, robot.hinge_to_com_m, robot.com_to_tail_base_m])
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
+    if not 1 / MOST_SCALE < scale < MOST_SCALE:
+        return [_size(place, study, scale)]
     off = np.abs(seen - scale * said)
     bad = off > np.maximum(LENGTH_SHARE * scale * said, LEAST_LENGTH_M)
     cure = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
@@ -53,6 +57,17 @@ def _lengths(
         for name, a, b, wrong in zip(names, seen, said, bad, strict=True)
         if wrong
     ]
+
+
+def _size(place: str, study: Study, scale: float) -> Finding:
+    return Finding(
+        str(study.root / "study.yaml"),
+        place,
+        f"a robot {scale:.2f} times as long as stated, in all its parts",
+        "the lengths under robot, and head_length_m",
+        "Are the keypoints of a picture of another size than the pool's corners, or is the pool's "
+        "size wrong?",
+    )
 
 
 def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:

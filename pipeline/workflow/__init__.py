@@ -11,7 +11,7 @@ from typing import Any
 
 from ..faults import Fault, printable
 from .lock import forget_stale, hold, sweep
-from .lost import forget_lost
+from .lost import forget_lost, lost
 from .plan import Plan, make_plan
 from .progress import Progress, follow
 from .settings import check_settings
@@ -36,6 +36,12 @@ def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         forget_stale(Path(".snakemake") / "locks", plan.results)
         sweep(plan.results)
         forget_lost(plan)
+    elif workflow.output_settings.dryrun and (again := lost(plan)):
+        names = ", ".join(sorted({path.stem for path in again}))
+        sys.stderr.write(
+            f"Beside what follows, results of {names} that were taken away or cut short are made "
+            "anew, and all that depends on them.\n"
+        )
     return plan
 
 

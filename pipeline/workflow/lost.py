@@ -15,10 +15,15 @@ def forget_lost(plan: Plan) -> list[Path]:
     A trial's job declares its status file alone, since a bad trial has no results to declare; so
     a deleted or truncated result would not be missed otherwise.
     """
-    lost = [path for path in _statuses(plan) if not _whole(plan.results, path)]
-    for path in lost:
+    found = lost(plan)
+    for path in found:
         path.unlink()
-    return lost
+    return found
+
+
+def lost(plan: Plan) -> list[Path]:
+    """Status files that vouch for a result that is gone or has another size."""
+    return [path for path in _statuses(plan) if not _whole(plan.results, path)]
 
 
 def _statuses(plan: Plan) -> list[Path]:

@@ -24,6 +24,10 @@ RESULTS = (
     "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
     "mismatch.json", "report.html",
 )  # fmt: skip
+FOLDERS = (
+    "benchmarks", "figures", "keypoints", "logs", "overlays", "poses", "simulations", "status",
+    "steady", "tracks",
+)  # fmt: skip
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 
 
@@ -176,8 +180,24 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
         _lay_out_demo(folder)
     study = load_study(folder)
     results = Path(settings["results"] or Path("results") / folder.resolve().name)
+    _check_apart(study, results)
     _prepare(results)
     return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
+
+
+def _check_apart(study: Study, results: Path) -> None:
+    """Raises: Fault where results would be written among, or over, files of the study."""
+    logs = (study.motor_path(trial) for trial in study.trials)
+    own = [study.root / "study.yaml", *(p for t in study.trials for p in study.paths(t)),
+           *(log for log in logs if log)]  # fmt: skip
+    here = results.resolve()
+    for path in own:
+        for at in (path.absolute(), path.resolve()):
+            if at.is_relative_to(here) and {at.relative_to(here).parts[0]} <= {*FOLDERS, at.name}:
+                raise fault(
+                    results, "", f"a folder that holds {path.name}, a file of the study",
+                    "a folder of its own for the results", "Name another one with --results.",
+                )  # fmt: skip
 
 
 def _lay_out_demo(folder: Path) -> None:
@@ -195,6 +215,8 @@ def _lay_out_demo(folder: Path) -> None:
 
 
 def _prepare(results: Path) -> None:
+    if results.is_file():
+        raise fault(results, "", "a file", "a folder for the results")
     try:
         results.mkdir(parents=True, exist_ok=True)
         (probe := results / ".writable").touch()

@@ -35,7 +35,7 @@ def read_csv(path: Path) -> Table:
     who = header.get("individuals", [""] * width)
     labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
     index = ["/".join(cell.strip() for cell in row[:first]) for _, row in body]
-    return assemble(path, labels, values[:, [i - first for i in kept]], frame_numbers(index))
+    return assemble(path, labels, values[:, [i - first for i in kept]], frame_numbers(index, path))
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:

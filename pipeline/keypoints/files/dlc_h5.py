@@ -40,7 +40,7 @@ def read_h5(path: Path) -> Table:
     named = [_named(labels[i]) for i in kept]
     if not named:
         raise fault(path, "columns", "no x and y", "DeepLabCut's columns")
-    return assemble(path, named, values[:, kept], frame_numbers(index))
+    return assemble(path, named, values[:, kept], frame_numbers(index, path))
 
 
 def _named(label: Sequence[str]) -> tuple[str, str, str]:

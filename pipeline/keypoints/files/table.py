@@ -76,19 +76,34 @@ def _cleaned(xy: Float, likelihood: Float) -> tuple[Float, Float]:
     return xy, np.where(seen, certain, 0.0)
 
 
-def frame_numbers(index: Sequence[str]) -> Float:
+def frame_numbers(index: Sequence[str], path: Path) -> Float:
     """Frame numbers of an index of numbers or of picture paths; the row's place where neither.
 
     Picture paths count by the last number in their name, if that number grows from row to row.
+
+    Raises: Fault where plain numbers do not grow: rows doubled, or in another order.
     """
     found = [re.findall(r"\d+", re.split(r"[\\/]", text)[-1]) for text in index]
     try:
         numbers = np.array([float(text) for text in index])
     except ValueError:
         numbers = np.array([float(f[-1]) if f else np.nan for f in found])
+    else:
+        _check_order(path, numbers)
     if len(numbers) and np.all(np.isfinite(numbers)) and np.all(np.diff(numbers) > 0):
         return numbers
     return np.arange(len(index), dtype=float)
+
+
+def _check_order(path: Path, numbers: Float) -> None:
+    back = np.flatnonzero(np.diff(numbers) <= 0)
+    if len(back) and np.ptp(numbers) > 0:
+        k = int(back[0])
+        raise fault(
+            path, f"row {k + 2} of the body", f"frame {numbers[k + 1]:g} after {numbers[k]:g}",
+            "frame numbers that grow from row to row",
+            "Sort the rows by their first column and leave each frame once.",
+        )  # fmt: skip
 
 
 def to_keypoints(

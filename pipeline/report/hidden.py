@@ -196,7 +196,7 @@ def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
 def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """What else was sealed, key and value, cut short where it is long."""
     rest = {key: value for key, value in truth.items() if key not in READ}
-    rows = list(_flat("", rest))
+    rows = list(_flat("", rest)) if rest else []
     yield from rows[:MOST_ROWS]
     if len(rows) > MOST_ROWS:
         yield "...", f"{len(rows) - MOST_ROWS} more entries in the sealed file"

@@ -41,16 +41,20 @@ def _floor(campaign: Campaign) -> str:
 
 
 def which_trials(campaign: Campaign) -> dict[str, str]:
-    """Heading, caption of the table and a sentence: on which trials the errors are told."""
+    """Heading, caption of the table, sentence: on which trials, and stretch: how long the errors
+    are told for.
+    """
     names = ", ".join(judged_on(campaign))
+    stretch = ((campaign.mismatch or {}).get("held_out") or {}).get("stretch_s")
+    told = {"stretch": f"over stretches of {float(stretch):.1f} s, each" if stretch else ""}
     if none_held_out(campaign):
-        return {
+        return told | {
             "heading": "Does it help where it was fitted?",
             "caption": "Errors on the trials that were fitted",
             "sentence": f"No trial was held out, the study is too small for it: {names} were fitted"
             " as well, so that smaller errors are no proof.",
         }
-    return {
+    return told | {
         "heading": "Does it help where it was not fitted?",
         "caption": "Errors on held-out trials",
         "sentence": f"Held out: {names}.",

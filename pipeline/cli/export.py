@@ -48,12 +48,12 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
     with waiting("reading results"):
         campaign = load_campaign(folder, load_study(study))
     chosen = _chosen(campaign, trials, folder)
+    if campaign.coefficients:
+        _write_coefficients(campaign.coefficients, target / "coefficients.csv")
     with waiting(f"writing {len(chosen)} trials") as wait:
         for done, name in enumerate(chosen, 1):
             write_netcdf(campaign, name, target / f"{name}.nc")
             wait.share = done / len(chosen)
-    if campaign.coefficients:
-        _write_coefficients(campaign.coefficients, target / "coefficients.csv")
     click.echo(f"{len(chosen)} trials written to {target}")
 
 

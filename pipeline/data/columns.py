@@ -29,7 +29,7 @@ def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise fault(path, "", f"an unreadable file ({error})", "a csv file") from error
+        raise fault(path, "", f"an unreadable file ({error})", "a csv file in UTF-8") from error
     lines = [(i, line) for i, line in enumerate(text.splitlines(), start=1) if line.strip()]
     if not lines:
         raise fault(path, "", "an empty file", f"a csv with columns {', '.join(required)}")

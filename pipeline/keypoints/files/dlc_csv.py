@@ -44,7 +44,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
         with path.open(encoding="utf-8-sig", newline="") as lines:
             rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise fault(path, "", f"no readable csv ({error})", "a DeepLabCut csv") from error
+        raise fault(path, "", f"no readable csv ({error})", "a DeepLabCut csv in UTF-8") from error
     if not rows:
         raise fault(path, "", "an empty file", "a DeepLabCut csv")
     return rows

@@ -45,7 +45,7 @@ def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
     except ValidationError as error:
         findings.extend(explain(str(path), error, Setup))
     except RecursionError:
-        findings.append(Finding(str(path), "", "values nested without end", "plain yaml in UTF-8"))
+        findings.append(Finding(str(path), "", "values nested without end", "plain yaml"))
     return None
 
 
@@ -70,7 +70,7 @@ def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
         return None
     except UNREADABLE as error:
         reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
-        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "plain yaml in UTF-8"))
+        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "yaml in UTF-8"))
         return None
     if not isinstance(content, dict):
         found = "an empty file" if content is None else brief(content)

@@ -27,12 +27,12 @@ from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliabil
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.direct import with_direct
-from pipeline.mismatch.find import verdict_of
+from pipeline.mismatch.find import KINDS, verdict_of
 from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import Trialled, inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
-from pipeline.mismatch.nameless import tells
+from pipeline.mismatch.nameless import dropped, tells, without_proxies
 from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, sentence
@@ -432,17 +432,20 @@ def test_plain_terms_without_a_name_tell_beside_a_strong_cause(
     _, found = demo
     chosen = found.choice.chosen
 
-    def beside(over: float, left: float) -> Trialled:
+    def beside(over: float, left: float, chance: float = 1e-7) -> Trialled:
         gain = over * chosen.inflation / len(chosen.worth)
         noise = replace(chosen.noise, disturbance=left * chosen.noise.disturbance)
         effects = (*chosen.effects, "residual.a8")
-        return replace(chosen, effects=effects, worth=chosen.worth + gain, noise=noise)
+        p_value = {**chosen.p_value, "residual.a8": chance}
+        return replace(chosen, effects=effects, worth=chosen.worth + gain, noise=noise,
+                       p_value=p_value)  # fmt: skip
 
     strong = chosen.total - min(m.total for m in found.choice.without.values())
     assert 20.0 * chosen.inflation < 0.1 * strong
     assert tells(found.choice, beside(20.0, 0.5))
     assert not tells(found.choice, beside(20.0, 0.8))
     assert not tells(found.choice, beside(6.0, 0.5))
+    assert not tells(found.choice, beside(20.0, 0.5, chance=1e-5))
     assert not tells(found.choice, chosen)
 
 
@@ -466,3 +469,35 @@ def test_a_scale_is_what_rigid_lengths_say_whatever_the_paths_say(
     assert np.all(np.diag(wide) >= np.diag(narrow))
     faint = [replace(s, evidence={"scale": (0.005, 0.003 * len(few) ** 0.5)}) for s in few]
     assert with_direct(replace(bench, series=faint), model)[1] == {}
+
+
+def test_what_is_dropped_leaves_the_rest_refitted_and_weighed_anew(
+    demo: tuple[Measured, Found],
+) -> None:
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
+    bench = Bench(compiled(plates()), few, found.baseline.base, names, found.baseline.fit.free,
+                  lambda _: None)  # fmt: skip
+    left = dropped(bench, found.choice, ["linear_yaw_damping"])
+    assert left.chosen.effects == ("tail_fin_lift",)
+    assert left.without["tail_fin_lift"].effects == ()
+    assert left.chosen.total > left.without["tail_fin_lift"].total
+    assert left.places["tail_fin_lift"].before.effects == ()
+    none = dropped(bench, found.choice, list(found.choice.chosen.effects))
+    assert none.chosen is found.choice.bare
+    assert not none.without
+
+
+def test_a_name_that_a_nameless_term_replaces_goes(demo: tuple[Measured, Found]) -> None:
+    """`residual.c1` is a moment by the yaw rate, as the damping is."""
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
+    bench = Bench(compiled(plates()), few, found.baseline.base, names, found.baseline.fit.free,
+                  lambda _: None)  # fmt: skip
+    chosen = found.choice.chosen
+    residual = bench.settled(bench.refit((*chosen.effects, "residual.c1"), chosen))
+    left, beside = without_proxies(bench, found.choice, residual)
+    assert left.chosen.effects == ("tail_fin_lift",)
+    assert beside.effects == ("tail_fin_lift", "residual.c1")

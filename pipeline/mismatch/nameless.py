@@ -10,7 +10,7 @@ import numpy as np
 from .bench import Bench
 from .judge import Trialled
 from .paying import pays
-from .select import Choice, Round, one_round
+from .select import Choice, Round, one_round, places_of
 
 TELLING_SHARE = 0.3
 LEAST_PART = 0.1
@@ -20,9 +20,11 @@ looked random in a channel into law, and gain this part of what the strongest of
 gains (and over the inflation not less than the last number): a named law in another form than
 nature's leaves less.
 """
-PLAIN, PLAIN_SHARE = 15.0, 0.5
-"""So they do where they gain this much over the inflation and make law of this share, whatever the
-strongest named cause gains: beside a strong fin little else is a tenth of it.
+PLAIN, PLAIN_SHARE, PLAIN_CHANCE = 15.0, 0.5, 2e-6
+"""So they do where they gain this much over the inflation, make law of this share, and the surest
+of them has no larger p value, whatever the strongest named cause gains: beside a strong fin little
+else is a tenth of it. Lasting errors of a detector, 0.2 mm of path, passed for a force without the
+p value.
 """
 MOST_TERMS = 4
 CONTESTED = 4
@@ -61,7 +63,7 @@ def not_outdone(bench: Bench, choice: Choice) -> Choice:
         bench.progress(f"terms without a name in place of {name}")
         best = one_round(terms_of(bench), before, choice.bare, tried=CONTESTED).best
         if best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
-            choice = _dropped(bench, choice, [name])
+            choice = dropped(bench, choice, [name])
     return choice
 
 
@@ -71,7 +73,7 @@ def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[C
     Where something has no name, a candidate may have been picked up in its place: it stays only if
     it pays beside the nameless terms as well. The weakest is tried first.
     """
-    dropped: list[str] = []
+    idle: list[str] = []
     for name in sorted(
         choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
     ):
@@ -79,18 +81,25 @@ def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[C
         bare = nameless(bench, bench.less(residual, [name]), choice.bare, most=1)
         if not pays(bare, residual, choice.bare):
             residual = bare
-            dropped.append(name)
-    return _dropped(bench, choice, dropped), residual
+            idle.append(name)
+    return dropped(bench, choice, idle), residual
 
 
-def _dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
-    """Choice without some of its effects, the rest refitted."""
+def dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
+    """Choice without some of its effects: the rest refitted under all of its own noise, and each
+    against its rivals anew.
+    """
     if not names:
         return choice
     kept = [e for e in choice.chosen.effects if e not in names]
-    chosen = bench.less(choice.chosen, names) if kept else choice.bare
-    return replace(choice, chosen=chosen, without={e: choice.without[e] for e in kept},
-                   places={e: choice.places[e] for e in kept})  # fmt: skip
+    if not kept:
+        return replace(choice, chosen=choice.bare, without={}, places={})
+    less = bench.less(choice.chosen, names)
+    again = bench.renoised(less)
+    chosen = again if np.isfinite(again.total) else less
+    without = {e: bench.less(chosen, [e]) for e in kept}
+    places = places_of(bench, chosen, without, choice.bare, choice.rounds)
+    return replace(choice, chosen=chosen, without=without, places=places)
 
 
 def tells(choice: Choice, residual: Trialled) -> bool:
@@ -101,7 +110,8 @@ def tells(choice: Choice, residual: Trialled) -> bool:
     gain = residual.total - chosen.total
     named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
     law = foretold_randomness(chosen, residual)
-    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE:
+    chance = min(residual.p_value[e] for e in residual.effects if e not in chosen.effects)
+    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and chance < PLAIN_CHANCE:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and law > TELLING_SHARE

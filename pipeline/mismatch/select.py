@@ -91,14 +91,14 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         if frozenset(current.effects) in seen:
             break
         seen.add(frozenset(current.effects))
-    places = _places(bench, current, without, bare, rounds)
+    places = places_of(bench, current, without, bare, rounds)
     for _ in range(MOST_CAUSES):
         outdone = [e for e in current.effects if _outdone(places[e], current)]
         if not outdone:
             break
         rounds.append(places[outdone[0]])
         current, without = pruned(bench, _instead(places[outdone[0]], current), bare)
-        places = _places(bench, current, without, bare, rounds)
+        places = places_of(bench, current, without, bare, rounds)
     return Choice(bare, current, tuple(rounds), without, places)
 
 
@@ -221,7 +221,7 @@ def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dic
         model = max((without[e] for e in idle), key=lambda t: t.total)
 
 
-def _places(
+def places_of(
     bench: Bench, chosen: Trialled, without: Mapping[str, Trialled], bare: Trialled,
     rounds: Sequence[Round],
 ) -> dict[str, Round]:  # fmt: skip

@@ -70,7 +70,8 @@ through_slurm() {
 }
 
 run_demo() {
-    through_slurm "demo_folder=$WORK/demo" && check "$(tail -n +2 "$WORK/demo/trials.csv" | wc -l)"
+    through_slurm "demo_folder=$WORK/demo"
+    check "$(tail -n +2 "$WORK/demo/trials.csv" | wc -l)"
     grep -q '"verdict"' "$WORK/results/mismatch.json" || { echo "no verdict" >&2; exit 1; }
 }
 
@@ -87,7 +88,8 @@ design, root = bare_design(), Path(sys.argv[1])
 plans = tuple(p for p in design.plans if p.trial_id in ("T09", "T10", "T11"))
 keypoint_study(replace(design, plans=plans), root / "study", root / "truth")
 STUDY
-    through_slurm "study=$WORK/study" && check 3
+    through_slurm "study=$WORK/study"
+    check 3
 }
 
 check() {
@@ -101,10 +103,17 @@ check() {
 }
 
 case "${1:-all}" in
-    start) configure && start ;;
+    start)
+        configure
+        start
+        ;;
     demo) run_demo ;;
     small) run_small ;;
     stop) stop ;;
-    all) configure && start && run_demo ;;
+    all)
+        configure
+        start
+        run_demo
+        ;;
     *) echo "usage: $0 [all | start | demo | small | stop]" >&2; exit 2 ;;
 esac

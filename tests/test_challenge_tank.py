@@ -97,7 +97,7 @@ def test_forms_said_to_be_the_candidates_law_are(name, number, setup):
     laws = with_effect(Laws(), one, effect_of(name).usual)
     values = laws._asdict()
     told = {k: values[field] * factor for k, (field, factor) in one.form.told_as.items()}
-    told |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0},
+    told |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0, "w": 0.0},
              "lift_lag": {"s": laws.lag_lengths}, "tail_fin_lift": {"b": 0.0, "p": 0.0},
              "crossflow_drag": {"q": 0.0, "w": 0.0}}.get(name, {})  # fmt: skip
     if name == "thrust_loss_with_speed":

@@ -48,6 +48,15 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
     return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
 
 
+def _bench(demo: tuple[Measured, Found]) -> Bench:
+    """What the search of the demo shared: the trials it fitted, all candidates."""
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
+    return Bench(compiled(plates()), few, found.baseline.base, names, found.baseline.fit.free,
+                 lambda _: None)  # fmt: skip
+
+
 def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:
     m, found = demo
     told = plain(mismatch_json(found, m.study, m.series))
@@ -227,10 +236,8 @@ def test_reliability_is_what_96_concealed_studies_showed(
 
 def test_a_held_shape_widens_what_is_said_of_a_strength(demo: tuple[Measured, Found]) -> None:
     """A fin whose spread along the body is held: its area could be another, C_T could not."""
-    m, found = demo
-    few = [s for s in thin(m.series) if s.name not in found.held_out]
-    bench = Bench(compiled(plates()), few, found.baseline.base, (), found.baseline.fit.free,
-                  lambda _: None)  # fmt: skip
+    _, found = demo
+    bench = _bench(demo)
     model = bench.settled(bench.refit(found.choice.chosen.effects, found.choice.bare))
     assert set(held_shapes(bench.kernel, model)) == {"tail_fin_lift.b", "tail_fin_lift.p"}
     names = [f.name for f in model.fit.free]
@@ -474,11 +481,8 @@ def test_a_scale_is_what_rigid_lengths_say_whatever_the_paths_say(
 def test_what_is_dropped_leaves_the_rest_refitted_and_weighed_anew(
     demo: tuple[Measured, Found],
 ) -> None:
-    m, found = demo
-    few = [s for s in thin(m.series) if s.name not in found.held_out]
-    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
-    bench = Bench(compiled(plates()), few, found.baseline.base, names, found.baseline.fit.free,
-                  lambda _: None)  # fmt: skip
+    _, found = demo
+    bench = _bench(demo)
     left = dropped(bench, found.choice, ["linear_yaw_damping"])
     assert left.chosen.effects == ("tail_fin_lift",)
     assert left.without["tail_fin_lift"].effects == ()
@@ -491,11 +495,8 @@ def test_what_is_dropped_leaves_the_rest_refitted_and_weighed_anew(
 
 def test_a_name_that_a_nameless_term_replaces_goes(demo: tuple[Measured, Found]) -> None:
     """`residual.c1` is a moment by the yaw rate, as the damping is."""
-    m, found = demo
-    few = [s for s in thin(m.series) if s.name not in found.held_out]
-    names = tuple(e.name for e in plates().effects if e.kind in KINDS)
-    bench = Bench(compiled(plates()), few, found.baseline.base, names, found.baseline.fit.free,
-                  lambda _: None)  # fmt: skip
+    _, found = demo
+    bench = _bench(demo)
     chosen = found.choice.chosen
     residual = bench.settled(bench.refit((*chosen.effects, "residual.c1"), chosen))
     left, beside = without_proxies(bench, found.choice, residual)

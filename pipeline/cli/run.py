@@ -83,10 +83,10 @@ def run(
         ids = {trial.trial_id for trial in load_study(study).trials}
     returned = _returned(command(study, results, cores, further))
     folder = results or Path("results") / Path(study).resolve().name
-    if returned == 0 and not {"-n", "--dry-run", "--dryrun"} & set(further):
-        bad = _went_wrong(folder, ids)
-        click.echo("".join(f"{line}\n" for line in bad), err=True, nl=False)
-        returned = SOME_TRIALS_BAD if bad else 0
+    dry = {"-n", "--dry-run", "--dryrun"} & set(further)
+    if returned == 0 and not dry and (bad := _went_wrong(folder, ids)):
+        click.echo("\n".join(bad), err=True)
+        ctx.exit(SOME_TRIALS_BAD)
     ctx.exit(_exit_code(returned, folder))
 
 
@@ -118,7 +118,7 @@ def _went_wrong(results: Path, ids: set[str] | None) -> list[str]:
 
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned in (0, SOME_TRIALS_BAD, INTERRUPTED):
+    if returned in (0, INTERRUPTED):
         return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 

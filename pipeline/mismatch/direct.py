@@ -18,8 +18,8 @@ from .judge import Trialled
 from .paying import TOLD_ASIDE
 
 FIRM = 0.02
-"""Share of its deviation that a side measurement is given in the last fit: the paths then move the
-number by less than a thousandth.
+"""Share of its deviation that a side measurement is given in the last fit, in which the paths then
+have no weight worth naming beside it.
 """
 
 

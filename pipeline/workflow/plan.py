@@ -193,7 +193,7 @@ def _check_apart(study: Study, results: Path) -> None:
     here = results.resolve()
     for path in own:
         for at in (path.absolute(), path.resolve()):
-            if at.is_relative_to(here) and {at.relative_to(here).parts[0]} <= {*FOLDERS, at.name}:
+            if at.is_relative_to(here) and at.relative_to(here).parts[0] in (*FOLDERS, at.name):
                 raise fault(
                     results, "", f"a folder that holds {path.name}, a file of the study",
                     "a folder of its own for the results", "Name another one with --results.",

@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+STOPPED = "Interrupted. What is done is kept; start again and it goes on."
+
 
 @dataclass(frozen=True)
 class Finding:

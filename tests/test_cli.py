@@ -15,7 +15,7 @@ import yaml
 from click.testing import CliRunner
 
 from pipeline.cli import main
-from pipeline.cli.run import _exit_code, _went_wrong, command, workflow_folder
+from pipeline.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
 from pipeline.faults import fault
 from pipeline.footage import encode
 from studies import edit_rows, small_study
@@ -217,6 +217,12 @@ def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
     keys = ['study="lab"', 'results="out"', "overlays=none", "demo_folder=d", "x=1"]
     assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
     assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
+
+
+def test_bad_trials_are_looked_for_where_the_results_are():
+    assert _folder("labs/koi", None, ()) == Path("results/koi")
+    assert _folder("labs/koi", Path("out"), ("--dry-run",)) == Path("out")
+    assert _folder("labs/koi", None, ("--config", "results=there", "x=1")) == Path("there")
 
 
 @pytest.mark.parametrize(

@@ -399,6 +399,19 @@ def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home):
     assert home.planned()["tracks"] == 1
 
 
+@pytest.mark.parametrize("after_s", [1.2, 2.0, 2.6])
+def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, after_s):
+    command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
+    run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
+                           stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
+    time.sleep(after_s)
+    os.killpg(run.pid, signal.SIGINT)
+    said = run.communicate(timeout=120)[1].decode()
+    assert run.returncode in (0, 130), said
+    assert said.count("Interrupted.") == (run.returncode == 130)
+    assert "Traceback" not in said
+
+
 @pytest.mark.long
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
 def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_next_run(
@@ -425,13 +438,26 @@ def record(level, message, **more):
     return made
 
 
-def test_snakemake_keeps_its_own_words_until_the_run_begins():
-    hush = Hush()
+def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
+    hush = Hush(Progress(tmp_path / "report.html", io.StringIO()))
     lint = record(logging.INFO, "your workflow is in a good condition")
     assert hush.filter(lint)
     assert not hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
     assert not hush.filter(record(logging.INFO, "Select jobs to execute..."))
     assert hush.filter(record(logging.ERROR, "MissingInputException"))
+
+
+def test_a_run_interrupted_while_it_plans_is_told_in_one_line_without_a_traceback(tmp_path):
+    progress = Progress(tmp_path / "report.html", stream := io.StringIO())
+    hush = Hush(progress)
+    hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
+    loop = "Traceback (most recent call last):\nRuntimeError: Cannot close a running event loop"
+    assert hush.filter(record(logging.ERROR, loop))
+    stop = record(logging.ERROR, loop.replace("RuntimeError", "KeyboardInterrupt\n\nRuntimeError"))
+    progress.emit(stop)
+    assert not hush.filter(stop)
+    assert not hush.filter(record(logging.ERROR, loop))
+    assert stream.getvalue().count("Interrupted. What is done is kept") == 1
 
 
 def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import click
 
+from .start import INTERRUPTED
+
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
-INTERRUPTED = 130
 
 
 def workflow_folder() -> Path:
@@ -26,7 +27,7 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
     values = {"study": study} | ({"results": str(results)} if results else {})
     keys, rest = _keys(further)
     return [
-        *(sys.executable, "-m", "snakemake", "--snakefile", str(home / "Snakefile")),
+        *(sys.executable, "-m", "pipeline.cli.start", "--snakefile", str(home / "Snakefile")),
         *("--workflow-profile", str(home / "config" / "profiles" / "default")),
         *("--cores", cores, "--config"),
         *(f"{key}={json.dumps(value)}" for key, value in values.items()),
@@ -82,12 +83,18 @@ def run(
 
         ids = {trial.trial_id for trial in load_study(study).trials}
     returned = _returned(command(study, results, cores, further))
-    folder = results or Path("results") / Path(study).resolve().name
+    folder = _folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)
     if returned == 0 and not dry and (bad := _went_wrong(folder, ids)):
         click.echo("\n".join(bad), err=True)
         ctx.exit(SOME_TRIALS_BAD)
     ctx.exit(_exit_code(returned, folder))
+
+
+def _folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
+    """Where the results are, given as an option, as a key of Snakemake's or not at all."""
+    named = [key.partition("=")[2] for key in _keys(further)[0] if key.startswith("results=")]
+    return Path(named[-1]) if named else results or Path("results") / Path(study).resolve().name
 
 
 def _returned(words: list[str]) -> int:

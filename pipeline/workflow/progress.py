@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from ..faults import printable
+from ..faults import STOPPED, printable
 from .remaining import Timing, duration, usual
 
 NOISE = {
@@ -39,7 +39,8 @@ KILLED = (
     "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
     "done is kept. With `--cores 1` less memory is needed at once."
 )
-STOPPED = "Interrupted. What is done is kept; start again and it goes on."
+TRACEBACK = "Traceback (most recent call last)"
+BY_HAND = ("KeyboardInterrupt", "CancelledError")
 EVERY_S = 2.0
 TICK_S = 1.0
 QUIET_S = 30.0
@@ -54,18 +55,31 @@ class Hush(logging.Filter):
 
     begun = False
 
+    def __init__(self, progress: Progress) -> None:
+        super().__init__()
+        self.progress = progress
+
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether Snakemake's own text of this record is shown."""
         event = getattr(record, "event", None)
         first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
         self.begun = self.begun or first
         quiet = event in NOISE or record.levelno < logging.WARNING or _ours(record)
-        return not (self.begun and quiet)
+        return not (self.begun and (quiet or self._of_the_stop(record)))
+
+    def _of_the_stop(self, record: logging.LogRecord) -> bool:
+        """Whether a fault is told that is only Snakemake's way of being interrupted."""
+        text = record.getMessage()
+        return TRACEBACK in text and (self.progress.stopped or _by_hand(text))
 
 
 def _ours(record: logging.LogRecord) -> bool:
     text = record.getMessage()
     return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
+
+
+def _by_hand(text: str) -> bool:
+    return any(name in text for name in BY_HAND)
 
 
 def killed_by(text: str) -> str:
@@ -114,6 +128,8 @@ class Progress(logging.Handler):
             self._killed(name)
         elif "cannot be locked" in record.getMessage():
             self._say(LOCKED)
+        elif TRACEBACK in record.getMessage() and _by_hand(record.getMessage()):
+            self._interrupted()
         elif record.getMessage().startswith("Nothing to be done"):
             self._say("Everything is up to date.")
             self.farewell()
@@ -184,7 +200,7 @@ class Progress(logging.Handler):
         paths = [Path(name) for name in found.get("log") or []]
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]
-        if any("KeyboardInterrupt" in line for line in lines[-12:]):
+        if _by_hand("\n".join(lines[-12:])):
             # caught by a library on the way, so that the stage ended with a status of its own
             self._interrupted()
             return
@@ -222,6 +238,6 @@ def follow(workflow: Any, report: Path) -> Progress:
         logger = logging.getLogger("snakemake.logging")
         for handler in logger.handlers:
             if handler.name == "DefaultStreamHandler":
-                handler.addFilter(Hush())
+                handler.addFilter(Hush(progress))
         logger.addHandler(progress)
     return progress

@@ -1,0 +1,45 @@
+"""Snakemake as `bluekoi run` starts it: Ctrl-C ends it in one line, whatever it is at.
+
+By itself it shows a traceback when it is interrupted while it plans, or when a thread of its own
+is still at work as it tears down.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+
+from ..faults import STOPPED
+
+INTERRUPTED = 130
+
+
+def main() -> None:
+    """Run Snakemake on the words of the command line.
+
+    Raises SystemExit as Snakemake does, with 130 where it was interrupted.
+    """
+    of_threads = threading.excepthook
+    threading.excepthook = lambda fault: None if _told() else of_threads(fault)
+    try:
+        from snakemake.cli import main as snakemake  # noqa: PLC0415
+
+        snakemake()
+    except KeyboardInterrupt:
+        if not _told():
+            sys.stderr.write(f"\n{STOPPED}\n")
+        raise SystemExit(INTERRUPTED) from None
+
+
+def _told() -> bool:
+    """Whether the line of progress has told already that the run was interrupted."""
+    return any(getattr(handler, "stopped", False) for handler in _snakemakes_handlers())
+
+
+def _snakemakes_handlers() -> list[logging.Handler]:
+    return logging.getLogger("snakemake.logging").handlers
+
+
+if __name__ == "__main__":
+    main()

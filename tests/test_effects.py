@@ -11,6 +11,7 @@ import pytest
 from pipeline import effects, measurement
 from pipeline.integrate import Effect
 from pipeline.model import TABLE_1, effect_names, plates, simulate
+from pipeline.model.equations import flow
 from robots import SETUP
 
 CONTRACT = {
@@ -117,7 +118,8 @@ def call(
         "rho": 1000.0, "A": 0.0083, "A_ref": 0.0083, "span": 0.069, "length": 0.33, "h": 0.12,
         "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
         "x": 0.1, "y": 0.2,
-        "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "V": float(np.hypot(u, v)),
+        "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
+        "V": float(np.hypot(u, v)),
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "T": 0.0, "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
     } | {p.name: p.start for p in effect.parameters} | given  # fmt: skip
@@ -167,3 +169,21 @@ def test_crossflow_drag_of_a_deep_tail() -> None:
     added = np.subtract(call(effect, "force", motion, w=2.0), call(effect, "force", motion, w=0.0))
     Y = -0.5 * 1000 * 0.5 * 2 * 0.069 * 0.07 * (0.2 - 0.206 * 0.5) ** 2
     assert added == pytest.approx([0.0, Y, -0.206 * Y])
+
+
+def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it() -> None:
+    eddy = plates().effect("pool_gyre").hooks["water"]
+    place, psi, step = np.array([0.7, 1.1]), 0.6, 1e-6
+    along, left = np.array([np.cos(psi), np.sin(psi)]), np.array([-np.sin(psi), np.cos(psi)])
+    ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5)[:2]
+                     for k in (1, -1))  # fmt: skip
+    turning = (np.subtract(ahead, behind) / (2 * step)) @ left
+    assert eddy(*place, psi, 2.6, 1.6, 0.02, 1.0, 0.5)[2:] == pytest.approx(
+        (turning, 0.5 * turning), rel=1e-6
+    )
+
+
+def test_water_that_turns_with_the_robot_damps_nothing_and_meets_the_plate_at_its_arm() -> None:
+    w, arm = 0.3, 0.1
+    rc, rd, uh, vh = flow(arm, 0.4, 0.0, 0.0, w, 1.0, 0.0, 0.0, 0.0, w, w)[4:8]
+    assert (rc, rd, uh, vh) == (0.0, 0.0, 0.0, -arm * w)  # r l itself the paper leaves out

@@ -35,7 +35,7 @@ def force(
     x_tail: float,
     l_tail: float,
     vc: float,
-    r: float,
+    rc: float,
     C: float,
     q: float,
     w: float,
@@ -44,14 +44,14 @@ def force(
     middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
     k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831
     xa, xb, xc, xd = middle - ga * half, middle - gb * half, middle + gb * half, middle + ga * half
-    va, vb, vm, vd, ve = vc + xa * r, vc + xb * r, vc + middle * r, vc + xc * r, vc + xd * r
+    va, vb, vm, vd, ve = vc + xa * rc, vc + xb * rc, vc + middle * rc, vc + xc * rc, vc + xd * rc
     Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * abs(va)
     Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * abs(vb)
     Ym = k * 0.5688888888888889 * vm * abs(vm)
     Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * abs(vd)
     Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * abs(ve)
     xt = -x_tail - 0.5 * l_tail
-    vt = vc + xt * r
+    vt = vc + xt * rc
     Yt = -0.5 * rho * C * span * l_tail * w * vt * abs(vt)
     N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
     return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

@@ -21,6 +21,6 @@ CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
 PARAMETERS = (Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 1 rad/s"),)
 
 
-def force(r: float, N_r: float) -> tuple[float, float, float]:
+def force(rc: float, N_r: float) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    return 0.0, 0.0, -N_r * r
+    return 0.0, 0.0, -N_r * rc

@@ -36,11 +36,11 @@ PARAMETERS = (
 
 
 def force(
-    rho: float, uc: float, vc: float, r: float, S: float, a: float, b: float, p: float
+    rho: float, uc: float, vc: float, rc: float, S: float, a: float, b: float, p: float
 ) -> tuple[float, float, float]:
     """Surge, sway (N) and yaw (N m) of the fin."""
     front, rear = a - b, a + b
-    wf, wr = vc - front * r, vc - rear * r
+    wf, wr = vc - front * rc, vc - rear * rc
     k = -0.25 * rho * S
     Yf = k * math.sqrt(uc * uc + p * wf * wf + 1e-12) * wf
     Yr = k * math.sqrt(uc * uc + p * wr * wr + 1e-12) * wr

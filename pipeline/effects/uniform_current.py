@@ -24,6 +24,6 @@ PARAMETERS = (
 )
 
 
-def water(c_x: float, c_y: float) -> tuple[float, float]:
-    """Velocity of the water in the pool frame (m/s)."""
-    return c_x, c_y
+def water(c_x: float, c_y: float) -> tuple[float, float, float, float]:
+    """Velocity of the water in the pool frame (m/s); it does not turn (rad/s)."""
+    return c_x, c_y, 0.0, 0.0

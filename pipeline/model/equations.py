@@ -38,19 +38,31 @@ def head(phi: float) -> tuple[float, float]:
 
 
 def flow(
-    psi: float, u: float, v: float, cphi: float, sphi: float, wx: float, wy: float
-) -> tuple[float, float, float, float, float, float, float]:
-    """Directions and velocities relative to the water (wx, wy), m/s.
+    l: float,
+    psi: float,
+    u: float,
+    v: float,
+    r: float,
+    cphi: float,
+    sphi: float,
+    wx: float,
+    wy: float,
+    wr: float,
+    wd: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:
+    """Directions and velocities relative to water that moves with (wx, wy), m/s, and turns a line
+    along the core at wr, rad/s; the head plate, a distance l ahead, meets the water there.
 
-    Out: cos and sin of psi, velocity along and across the core, along and across the head plate,
-    speed.
+    Out: cos and sin of psi, velocity along and across the core, yaw rate, velocity along and across
+    the head plate, speed.
     """
     s, c = sin_cos(psi)
     uc = u - (wx * c + wy * s)
     vc = v - (wy * c - wx * s)
-    uh = uc * cphi - vc * sphi
-    vh = uc * sphi + vc * cphi
-    return c, s, uc, vc, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
+    vl = vc - l * wr
+    uh = uc * cphi - vl * sphi
+    vh = uc * sphi + vl * cphi
+    return c, s, uc, vc, r - wr, r - wd, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
 
 
 def thrust(rho: float, A: float, f: float, C_T: float) -> tuple[float]:
@@ -76,7 +88,7 @@ def force(
     rho: float,
     A: float,
     l: float,
-    r: float,
+    rd: float,
     uh: float,
     vh: float,
     cphi: float,
@@ -89,9 +101,10 @@ def force(
 ) -> tuple[float, float, float]:
     """Surge and sway force (N) in the core's frame and yaw moment (N m).
 
-    M = q C_Ma sin 2 alpha - C_Md r |r|  (4, 7);  moment M + N l, N = Re[(L + D) conj(n)]  (8)
+    M = q C_Ma sin 2 alpha - C_Md r |r|  (4, 7), r against the water;
+    moment M + N l, N = Re[(L + D) conj(n)]  (8)
     """
-    M = 0.5 * rho * A * C_Ma * (-2.0 * uh * vh) - C_Md * r * abs(r)
+    M = 0.5 * rho * A * C_Ma * (-2.0 * uh * vh) - C_Md * rd * abs(rd)
     return T + Xh * cphi + Yh * sphi, Yh * cphi - Xh * sphi, M + Yh * l
 
 

@@ -22,9 +22,9 @@ COEFFICIENTS = (
 STAGES = (
     Stage("clock", ("clock_rate",), equations.clock, open=True),
     Stage("drive", ("phi", "f"), equations.drive, open=True),
-    Stage("water", ("wx", "wy"), None, open=True),
+    Stage("water", ("wx", "wy", "wr", "wd"), None, open=True),
     Stage("head", ("cphi", "sphi"), equations.head),
-    Stage("flow", ("cpsi", "spsi", "uc", "vc", "uh", "vh", "V"), equations.flow),
+    Stage("flow", ("cpsi", "spsi", "uc", "vc", "rc", "rd", "uh", "vh", "V"), equations.flow),
     Stage("thrust", ("T",), equations.thrust, open=True),
     Stage("plate", ("Xh", "Yh"), equations.plate, open=True),
     Stage("force", ("X", "Y", "N"), equations.force, open=True),

@@ -27,6 +27,7 @@ class Parameter:
 
     spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
     it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
+    tries: further values from which a fit may begin, where its likelihood has several hills.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Parameter:
     upper: float
     meaning: str
     spread: float = math.inf
+    tries: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ..data import Float
 from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .judge import Trialled
-from .search import PASSES, Foretold, free_shapes, screened, towards, try_effects
+from .search import PASSES, Foretold, free_shapes, further, screened, try_effects
 
 Progress = Callable[[str], None]
 NOISE_ROUNDS = 4
@@ -42,13 +42,16 @@ class Bench:
         """
         at = partial(screened, self.kernel, self.series, model, predictor=predictor)
         told = at(self.base, candidates)
-        shaped = {c: shapes for c in candidates if (shapes := free_shapes(self.kernel, c))}
-        for end in ("lower", "upper") if shaped else ():
-            put = {c: {p.name: towards(p, end) for p in shaped[c]} for c in shaped}
+        shaped = {c: {p.name: further(p) for p in shapes} for c in candidates
+                  if (shapes := free_shapes(self.kernel, c))}  # fmt: skip
+        for k in range(max((len(v) for s in shaped.values() for v in s.values()), default=0)):
+            put = {c: {name: values[k] for name, values in shape.items() if k < len(values)}
+                   for c, shape in shaped.items()}  # fmt: skip
+            put = {c: shape for c, shape in put.items() if shape}
             moved = self.base.copy()
             for name, value in (item for shape in put.values() for item in shape.items()):
                 moved[self.kernel.system.slot[name]] = value
-            for c, found in at(moved, list(shaped)).items():
+            for c, found in at(moved, list(put)).items():
                 if found.gain > told[c].gain:
                     told[c] = Foretold(found.gain, {**found.start, **put[c]})
         return told

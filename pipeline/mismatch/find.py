@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Steady
 from ..fitting import Series
 from ..integrate import Kernel, compiled
-from ..model import plates
+from ..model import is_nameless, plates
 from ..study import Study
 from ..tuning import Tuned, thin, tune
 from .bench import Bench
@@ -20,9 +20,10 @@ from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
-from .nameless import nameless, not_outdone, tells, without_proxies
+from .nameless import nameless, nameless_gain, not_outdone, tells, without_proxies
 from .select import Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
+from .swinging import beside_a_swing, of_time, only_swings, swings
 
 LAST_NOISE_ROUNDS = 10
 LEAST_UNIT = 0.1
@@ -39,7 +40,8 @@ class Found:
     """Everything the search found; `story.mismatch_json` tells it.
 
     verdict; choice: the search on the trials to fit; baseline and extended: tuned models on these;
-    residual: nameless terms beside what was chosen; forces, dependences: what is lacking without
+    residual: nameless terms beside what was chosen; nameless_gain: held-out log likelihood that
+    all without a name gains, over the inflation; forces, dependences: what is lacking without
     the additions, on all trials; errors: those of `baseline` and `extended` on the held-out trials;
     floor_m: path error that a true model would have there; horizon_s: how long a free run bears.
     """
@@ -49,6 +51,7 @@ class Found:
     baseline: Tuned
     extended: Tuned
     residual: Trialled
+    nameless_gain: float
     forces: Sequence[MissingForce]
     dependences: Sequence[Dependence]
     held_out: Sequence[str]
@@ -85,8 +88,14 @@ def find_mismatch(
     progress("terms without a name")
     choice = not_outdone(bench, choice)
     residual = nameless(bench, choice.chosen, choice.bare)
+    swing = 0.0
+    if tells(choice, residual) and swings(residual.fit.free):
+        swing = nameless_gain(choice, residual)
+        bench, choice, residual = beside_a_swing(bench, choice, residual)
     if tells(choice, residual):
         choice, residual = without_proxies(bench, choice, residual)
+    elif swings(bench.coefficients):
+        residual = choice.chosen
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
@@ -99,6 +108,7 @@ def find_mismatch(
     }  # fmt: skip
     return Found(
         verdict=verdict, choice=choice, baseline=baseline, extended=extended, residual=residual,
+        nameless_gain=swing + nameless_gain(choice, residual),
         forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
         floor_m=paths.floor_m, horizon_s=paths.horizon_s,
     )  # fmt: skip
@@ -115,11 +125,11 @@ def _located(
     the filter needs in their stead.
     """
     free = extended.fit.free
-    nameless = any(f.name.startswith("residual.") for f in free)
+    nameless = any(is_nameless(f.name) for f in free)
     full = extended.trial_values(kernel, series)
     values = [v.copy() for v in full]
     for f in free:
-        if f.name.startswith("residual.") or ("." in f.name and not nameless):
+        if is_nameless(f.name) or ("." in f.name and not nameless):
             for v in values:
                 v[kernel.system.slot[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
@@ -128,14 +138,15 @@ def _located(
     units = np.maximum(extended.noise.disturbance, LEAST_UNIT * baseline.noise.disturbance)[:count]
     pushes = added_force(kernel, series, full, values, extended.noise)
     told = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
-    return forces, dependences(series, told, variables(series, forces, trials), units)
+    found = dependences(series, told, variables(series, forces, trials), units)
+    return forces, of_time(series, told, found, units) if only_swings(free) else found
 
 
 def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
     astray = astray_by(chosen) > 1.0 if chosen.effects else chosen.inflation > ASTRAY
-    if tells(choice, residual) or astray:
+    if tells(choice, residual) or astray or swings(residual.fit.free):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
 
@@ -148,7 +159,7 @@ def astray_by(model: Trialled) -> float:
 
 def retuned(bench: Bench, baseline: Tuned, model: Trialled) -> Tuned:
     """A tried model with all of the noise fitted anew around it, and its covariance."""
-    if not model.effects:
+    if len(model.fit.free) == len(baseline.fit.free):
         return baseline
     firm, aside = with_direct(bench, model)
     again = firm.renoised(model, rounds=LAST_NOISE_ROUNDS)

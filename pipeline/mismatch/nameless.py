@@ -50,7 +50,8 @@ def nameless(bench: Bench, model: Trialled, bare: Trialled, *, most: int = MOST_
 def terms_of(bench: Bench) -> Bench:
     """The bench with all nameless terms, one by one, as candidates."""
     effect = bench.kernel.system.effect("residual")
-    return replace(bench, candidates=tuple(f"residual.{p.name}" for p in effect.parameters))
+    terms = tuple(f"residual.{p.name}" for p in effect.parameters)
+    return replace(bench, candidates=(*terms, "sloshing"))
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:
@@ -115,6 +116,13 @@ def tells(choice: Choice, residual: Trialled) -> bool:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and law > TELLING_SHARE
+
+
+def nameless_gain(choice: Choice, residual: Trialled) -> float:
+    """Held-out log likelihood that nameless terms gain beside the chosen effects, in
+    inflations.
+    """
+    return (residual.total - choice.chosen.total) / residual.inflation
 
 
 def foretold_randomness(before: Trialled, after: Trialled) -> float:

@@ -161,10 +161,12 @@ def free_shapes(kernel: Kernel, name: str) -> list[Parameter]:
     return [p for p in parameters_of(kernel, frees[strengths:]) if not np.isfinite(p.spread)]
 
 
-def towards(parameter: Parameter, end: str) -> float:
-    """A value between a shape's start and a bound, halfway on a logarithmic scale."""
-    bound = max(getattr(parameter, end), 0.1 * parameter.start)
-    return float(np.sqrt(parameter.start * bound))
+def further(parameter: Parameter) -> tuple[float, ...]:
+    """Values at which a free shape is tried beside its start: its own, or two between the start and
+    its bounds, halfway on a logarithmic scale.
+    """
+    bounds = (max(bound, 0.1 * parameter.start) for bound in (parameter.lower, parameter.upper))
+    return parameter.tries or tuple(float(np.sqrt(parameter.start * bound)) for bound in bounds)
 
 
 def _step_gain(normal: Normal) -> tuple[Float, float]:

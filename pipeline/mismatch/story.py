@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series, trial_values
 from ..integrate import compiled
-from ..model import plates, residual_channels
+from ..model import is_nameless, plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned, table
 from ..tuning.joint import BAND
@@ -100,27 +100,40 @@ def as_normal(tuned: Tuned) -> list[float]:
 
 def _unexplained(found: Found) -> dict[str, Any]:
     terms = _terms(found)
-    channels = sorted({c for t in terms for c in residual_channels(t)}, key=CHANNELS.index)
+    channels = sorted({c for t in terms for c in _channels(t)}, key=CHANNELS.index)
     told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
     first = told[0]
-    gain = found.residual.total - found.choice.chosen.total
     return {
         "name": "unexplained",
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {first.variable}",
-        "parameters": _parameters(found, "residual"),
-        "weight": reliability(gain / found.residual.inflation),
-        "held_out_gain": gain,
+        "parameters": _parameters(found, "residual") | _parameters(found, "sloshing"),
+        "weight": reliability(found.nameless_gain),
+        "held_out_gain": found.nameless_gain * found.residual.inflation,
         "sentence": "A force is missing that none of the named causes explains well; "
-        + ("it is modelled by a fitted residual term and" if terms else "what is lacking")
+        + _modelled_by(terms)
         + f" depends most on {first.variable}.",
     }
 
 
 def _terms(found: Found) -> list[str]:
-    """Nameless terms beside the chosen effects."""
-    return [e.split(".", 1)[1] for e in found.residual.effects if e.startswith("residual.")]
+    """Labels of the nameless terms in the extended model."""
+    return [f.name for f in found.extended.fit.free if is_nameless(f.name)]
+
+
+def _channels(term: str) -> tuple[str, ...]:
+    effect, number = term.split(".", 1)
+    return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
+
+
+def _modelled_by(terms: Sequence[str]) -> str:
+    """How what has no name is modelled, up to the words on what it depends on."""
+    if not terms:
+        return "what is lacking"
+    if all(term.startswith("sloshing.") for term in terms):
+        return "it is modelled as water that swings to and fro and"
+    return "it is modelled by a fitted residual term and"
 
 
 def rivals(found: Found) -> list[dict[str, Any]]:

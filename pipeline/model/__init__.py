@@ -1,6 +1,6 @@
 """The two-plate model: Eqs. 1 to 8, the effects that may be added, and simulations of both."""
 
-from .plates import COEFFICIENTS, OBSERVATIONS, effect_names, plates
+from .plates import COEFFICIENTS, OBSERVATIONS, effect_names, is_nameless, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
 from .residual import channels as residual_channels
 from .simulation import Simulation, constants, simulate, simulate_at, steady_turn
@@ -15,6 +15,7 @@ __all__ = [
     "Simulation",
     "constants",
     "effect_names",
+    "is_nameless",
     "plates",
     "residual_channels",
     "simulate",

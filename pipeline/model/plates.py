@@ -8,7 +8,7 @@ from importlib import import_module
 
 from .. import effects, measurement
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
-from . import disturbance, equations, residual, tracking_error
+from . import disturbance, equations, residual, sloshing, tracking_error
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -52,12 +52,17 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
     """Random water and tracking errors, nameless residual, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, residual] + [
+    modules = [disturbance, tracking_error, residual, sloshing] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)
     ]
     return tuple(effect_from_module(module, STAGES) for module in modules)
+
+
+def is_nameless(label: str) -> bool:
+    """Whether an effect, one term of it or one of its numbers is of those without a name."""
+    return label.split(".", maxsplit=1)[0] in {"residual", "sloshing"}
 
 
 @lru_cache(maxsize=1)

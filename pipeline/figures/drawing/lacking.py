@@ -12,7 +12,7 @@ from ...campaign import Campaign
 from ...data import Float, Track
 from ...integrate import LANES, compiled
 from ...integrate.batch import propagate
-from ...model import constants, plates
+from ...model import constants, is_nameless, plates
 
 CHANNELS = ("surge", "sway", "yaw")
 KEYS = {"surge": "surge_N", "sway": "sway_N", "yaw": "yaw_Nm"}
@@ -101,10 +101,10 @@ def put_in_its_place(campaign: Campaign, one: Lacking) -> Float:
 
 def _without_additions(told: Mapping[str, Any]) -> dict[str, Any]:
     """A fit without its effects; where something has no name, without the nameless terms alone."""
-    nameless = any(label.startswith("residual.") for label in told)
+    nameless = any(is_nameless(label) for label in told)
     return {
         label: cell for label, cell in told.items()
-        if "." not in label or (nameless and not label.startswith("residual."))
+        if "." not in label or (nameless and not is_nameless(label))
     }  # fmt: skip
 
 

@@ -1,0 +1,97 @@
+"""Water that swings: without a name, yet modelled, and what is hidden beside it is found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from measured import measured
+from pipeline.files import plain
+from pipeline.fitting import Free, Series, shoot
+from pipeline.integrate import Parameter, compiled
+from pipeline.mismatch import find_mismatch
+from pipeline.mismatch.locate import Dependence
+from pipeline.mismatch.search import further
+from pipeline.mismatch.story import mismatch_json
+from pipeline.mismatch.swinging import of_time, only_swings, swings
+from pipeline.model import is_nameless, plates
+from pipeline.synthetic.design import demo_design
+from pipeline.tuning import Tuned
+
+SWING = {"sx": 0.03, "cx": -0.01, "W": 2.6}
+
+
+def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(tmp_path: Path) -> None:
+    m = measured(demo_design(), tmp_path)
+    unswung = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
+    series = swung(m.series, unswung.extended)
+    found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, m.study, series))
+    assert told["verdict"] == "unexplained"
+    assert "tail_fin_lift" in {c["name"] for c in told["causes"]}
+    cause = next(c for c in told["causes"] if c["name"] == "unexplained")
+    assert "swings to and fro" in cause["sentence"]
+    assert "time_s" in cause["sentence"]
+    assert cause["channels"] == ["surge", "sway"]
+    numbers = {k: v["value"] for k, v in cause["parameters"].items()}
+    assert numbers["W"] == pytest.approx(SWING["W"], abs=0.03)
+    assert numbers["sx"] == pytest.approx(SWING["sx"], abs=0.004)
+    assert numbers["cx"] == pytest.approx(SWING["cx"], abs=0.004)
+    held = told["held_out"]
+    assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
+    assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
+
+
+def swung(series: Sequence[Series], model: Tuned) -> list[Series]:
+    """The trials as they would have been had the water swung: each path changed by what a swing
+    changes in a simulation of `model` from the same start.
+    """
+    kernel = compiled(plates())
+    still = model.trial_values(kernel, series)
+    moved = [with_numbers(v, {f"sloshing.{k}": x for k, x in SWING.items()}) for v in still]
+    begun = [replace(s, mean=shot.start)
+             for s, shot in zip(series, shoot(kernel, series, still), strict=True)]  # fmt: skip
+    both = [shoot(kernel, begun, values, iterations=0) for values in (still, moved)]
+    return [replace(s, seen=s.seen + b.observed - a.observed)
+            for s, a, b in zip(series, *both, strict=True)]  # fmt: skip
+
+
+def with_numbers(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
+    out = values.copy()
+    for name, value in numbers.items():
+        out[plates().slot[name]] = value
+    return out
+
+
+def test_a_free_shape_is_tried_between_its_start_and_its_bounds_or_at_its_own_values() -> None:
+    plain_shape = Parameter("s", "1", 2.0, 0.5, 8.0, "a shape")
+    assert further(plain_shape) == pytest.approx((1.0, 4.0))
+    assert further(replace(plain_shape, tries=(3.0, 5.0, 7.0))) == (3.0, 5.0, 7.0)
+
+
+def test_a_swing_pushes_by_the_clock_however_fast_in_its_own_channels() -> None:
+    t = np.linspace(0.0, 10.0, 101)
+    push = np.column_stack([3 * np.sin(2.6 * t), np.sin(2.6 * t), 5 * np.sin(2.6 * t)])
+    told = [Dependence(c, v, 0.01, (), 0.01) for c in range(3) for v in ("time_s", "speed_m_s")]
+    none = np.zeros(1)
+    one = Series("T1", "", "", t, none, none, none, none, none, none)
+    found = {(d.channel, d.variable): d for d in of_time([one], [push], told, np.ones(3))}
+    assert found[0, "time_s"].adds == pytest.approx(0.9)
+    assert found[1, "time_s"].adds == pytest.approx(0.1)
+    assert found[2, "time_s"].adds == found[0, "speed_m_s"].adds == 0.0
+    assert found[0, "time_s"].trials == ("T1",)
+
+
+def test_what_has_no_name_is_told_from_what_has() -> None:
+    swing, term, named = (Free(n) for n in ("sloshing.W", "residual.b7", "pool_gyre.G"))
+    assert [is_nameless(f.name) for f in (swing, term, named, Free("C_T"))] == [
+        True, True, False, False,
+    ]  # fmt: skip
+    assert swings([named, swing])
+    assert not swings([named, term])
+    assert only_swings([named, swing])
+    assert not only_swings([swing, term])

@@ -137,7 +137,7 @@ def _outside(camera: PoolCamera, positions: Positions, margin_m: float = 0.05) -
     length, width = camera.pool_size_m
     low, high = -margin_m, np.array([length, width]) + margin_m
     beyond = np.any((positions.xy_m < low) | (positions.xy_m > high), axis=2) & trusted
-    share = beyond.sum() / max(1, trusted.sum())
+    share = float(beyond.sum()) / max(1, int(trusted.sum()))
     if share <= 0.01:
         return ()
     return (

@@ -34,8 +34,10 @@ from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_proxies
 from pipeline.mismatch.search import held_shapes, screened
+from pipeline.mismatch.select import _outdone
 from pipeline.mismatch.setting import held_out_trials
-from pipeline.mismatch.story import causes, mismatch_json, sentence
+from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
+from pipeline.mismatch.weighing import SELDOM
 from pipeline.model import plates
 from pipeline.stages.mismatch import with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
@@ -402,6 +404,37 @@ def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) 
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
     assert fit_noise(kernel, few, wild, baseline.noise) is baseline.noise
+
+
+def test_a_nameless_term_that_does_as_well_is_told_as_a_rival(
+    demo: tuple[Measured, Found],
+) -> None:
+    _, found = demo
+    name = found.choice.chosen.effects[0]
+    alone = weights_in_place(found, name)
+    level = replace(found, choice=replace(found.choice, ahead={name: SELDOM}))
+    shared = weights_in_place(level, name)
+    assert shared["unexplained"] == pytest.approx(shared[name])
+    assert shared[name] == pytest.approx(alone[name] / (1.0 + alone[name] / sum(alone.values())))
+    assert sum(shared.values()) == pytest.approx(sum(alone.values()))
+    told = [r for r in rivals(level) if r["name"] == "unexplained"]
+    assert len(told) == 1
+    assert "without a name" in told[0]["how_to_tell_apart"]
+
+
+def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measured, Found]) -> None:
+    _, found = demo
+    chosen, name = found.choice.chosen, found.choice.chosen.effects[0]
+    better = replace(
+        chosen,
+        effects=("stall",),
+        worth=chosen.worth + 10 * chosen.inflation,
+        p_value={"stall": 0.5},
+    )
+    place = replace(found.choice.places[name], tried=(better,))
+    assert not _outdone(place, chosen)
+    sure = replace(better, p_value={"stall": 1e-4})
+    assert _outdone(replace(place, tried=(sure,)), chosen)
 
 
 def test_a_model_astray_names_nothing_surely(demo: tuple[Measured, Found]) -> None:

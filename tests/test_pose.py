@@ -152,6 +152,36 @@ def test_a_confident_wrong_point_is_left_out(part):
     assert any("left out in 10 frames" in remark for remark in pose.remarks)
 
 
+@pytest.mark.parametrize("stated", [True, False])
+@pytest.mark.parametrize("aside_m", [0.008, -0.014])
+def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(aside_m, stated):
+    expected = truth(phi=0.0)
+    given = positions(expected, 0.0012, stated=stated)
+    psi = expected[:, 2]
+    beside = aside_m * np.column_stack([-np.sin(psi), np.cos(psi)])
+    xy = given.xy_m.copy()
+    xy[:, PARTS.index("core_center")] += beside
+    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    bend = np.unwrap(pose.values[:, 2]) - psi
+    bend -= 2 * np.pi * np.round(np.median(bend) / (2 * np.pi))
+    # least squares turn the axis of hinge, core centre and tail base (40, 0 and -171 mm) by
+    # aside * 43.7 mm / 25 130 mm2
+    assert np.median(bend) == pytest.approx(aside_m * 0.0437 / 0.02513, abs=0.002)
+    assert np.std(bend) < 0.012
+    assert any("core_center" in r and "marked beside" in r for r in pose.remarks)
+    assert not any("left out" in r for r in pose.remarks)
+
+
+def test_a_point_that_wanders_is_not_taken_for_one_beside_its_place():
+    expected = truth()
+    given = positions(expected, 0.0012)
+    xy = given.xy_m.copy()
+    xy[:, PARTS.index("core_center")] += np.random.default_rng(3).normal(0, 0.02, (300, 2))
+    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    assert not any("marked beside" in r for r in pose.remarks)
+    assert any("left out" in r for r in pose.remarks)
+
+
 def test_a_trial_without_a_head_is_a_fault():
     given = positions(truth(n=50))
     likelihood = given.likelihood.copy()

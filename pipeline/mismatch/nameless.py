@@ -55,16 +55,22 @@ def terms_of(bench: Bench) -> Bench:
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:
-    """Choice without the weaker causes in whose place one nameless term does clearly better."""
+    """Choice without the weaker causes in whose place one nameless term does clearly better; of the
+    others it tells how far one is ahead.
+    """
     for name in choice.chosen.effects:
         chosen, before = choice.chosen, choice.without[name]
         gain = chosen.total - before.total
         if gain > WEAK * chosen.inflation:
             continue
         bench.progress(f"terms without a name in place of {name}")
-        best = one_round(terms_of(bench), before, choice.bare, tried=CONTESTED).best
-        if best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
+        tried = one_round(terms_of(bench), before, choice.bare, tried=CONTESTED)
+        if tried.best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
             choice = dropped(bench, choice, [name])
+            continue
+        best = max((t.total for t in tried.tried), default=-np.inf)
+        ahead = (best - chosen.total) / chosen.inflation
+        choice = replace(choice, ahead={**choice.ahead, name: ahead})
     return choice
 
 

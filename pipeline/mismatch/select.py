@@ -7,7 +7,7 @@ that lacks something takes its lack for noise.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -30,6 +30,7 @@ CONTENDERS = 3
 PART_OF_BEST = 0.3
 """Of those that gained at least this part of the best's gain so many are settled."""
 OPENINGS = 2
+UNLIKELY = 0.01
 MOST_CAUSES = 4
 MOST_ROUNDS = 8
 
@@ -59,7 +60,9 @@ class Choice:
 
     bare: the model without effects; chosen: with those that pay; rounds: how it got there;
     without: chosen effect -> the model without it; places: chosen effect -> the round in which it
-    competes for its place beside all the others that are chosen.
+    competes for its place beside all the others that are chosen; ahead: chosen effect -> by how
+    much the best term without a name does better in its place, in held-out log likelihood over the
+    inflation, where one was tried.
     """
 
     bare: Trialled
@@ -67,6 +70,7 @@ class Choice:
     rounds: tuple[Round, ...]
     without: Mapping[str, Trialled]
     places: Mapping[str, Round]
+    ahead: Mapping[str, float] = field(default_factory=dict)
 
 
 def choose(bench: Bench, bare: Trialled) -> Choice:
@@ -126,8 +130,12 @@ def two_at_once(
 
 
 def _outdone(place: Round, chosen: Trialled) -> bool:
-    """Whether a rival does clearly better than the chosen effect in its place."""
-    rivals = [t.total for t in place.tried if t.effects[-1] not in chosen.effects]
+    """Whether a rival does clearly better than the chosen effect in its place, one whose strength
+    is not likely nothing.
+    """
+    rivals = [t.total for t in place.tried
+              if t.effects[-1] not in chosen.effects
+              and t.p_value[t.effects[-1]] < UNLIKELY]  # fmt: skip
     return max(rivals, default=-np.inf) > chosen.total + chosen.inflation
 
 

@@ -16,7 +16,7 @@ from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
 from .setting import CHANNELS, best_next_trial
-from .weighing import reliability, told_aside, weights
+from .weighing import beside_nameless, reliability, told_aside, weights
 
 RIVAL_WEIGHT = 0.02
 SURE = 0.8
@@ -79,6 +79,8 @@ def weights_in_place(found: Found, name: str) -> dict[str, float]:
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
     }
     shares = weights({**rivals, name: chosen}, inflation=chosen.inflation)
+    if not _terms(found):
+        shares = beside_nameless(shares, name, found.choice.ahead.get(name, -np.inf))
     return {other: sure * share / astray_by(chosen) for other, share in shares.items()}
 
 
@@ -149,6 +151,12 @@ def rivals(found: Found) -> list[dict[str, Any]]:
 
 
 def _apart(name: str, other: str) -> str:
+    if other == "unexplained":
+        regime = plates().effect(name).regime or "all trials"
+        return (
+            f"a force without a name describes these trials about as well as {name}: film where "
+            f"{name} should be strongest ({regime}) and where it should vanish"
+        )
     first, second = plates().effect(name), plates().effect(other)
     return (
         f"{name} acts in {first.regime or 'all trials'}, "

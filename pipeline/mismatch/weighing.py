@@ -17,6 +17,12 @@ These two numbers are the logistic regression on the logarithm of that gain.
 CANDIDATES = 30
 """Causes tried beside the right one, about as many as there are files of them."""
 
+SELDOM = 2.0
+"""By this much log likelihood (over the inflation) a force without a name must be ahead of a named
+cause to be as likely: laws outside the list are seldom, and some nameless terms are nearly a
+candidate's own law.
+"""
+
 
 def reliability(gain: float) -> float:
     """Probability that a cause does not stand in for something that is no candidate, (0, 1).
@@ -42,3 +48,13 @@ def weights(models: Mapping[str, Trialled], *, inflation: float | None = None) -
     raw = {n: float(np.exp((t.total - best.total) / over)) for n, t in models.items()}
     total = sum(raw.values())
     return {name: value / total for name, value in raw.items()}
+
+
+def beside_nameless(shares: Mapping[str, float], name: str, ahead: float) -> dict[str, float]:
+    """Shares of a place with one for a force without a name, `unexplained`.
+
+    ahead: by how much the best nameless term does better than the cause `name` there, in held-out
+    log likelihood over the inflation; -inf where none was tried.
+    """
+    own = shares[name] * float(np.exp(min(ahead - SELDOM, 50.0)))
+    return {n: s / (1.0 + own) for n, s in shares.items()} | {"unexplained": own / (1.0 + own)}

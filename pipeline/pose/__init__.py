@@ -7,13 +7,15 @@ Core: hinge, core_center and tail_base lie on one axis. Head: head_tip and hinge
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..data import Float, Pose, Positions
 from ..faults import fault
 from ..study import Robot
 from .body import CONFIDENT, RIGID, Body, body_lengths, trusted_points
-from .fit import Fit, enough, with_noise, without_outliers
+from .fit import Fit, enough, marked_aside, with_noise, without_outliers
 
 OFF_LENGTH = 0.02
 LONG_GAP_S = 1.0
@@ -30,7 +32,8 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     seen together. Where the points carry no covariance it is estimated from how far they miss the
     rigid body. A frame that misses it by more than chance (1 in 100 000) loses its worst point. NaN
     where head_tip or two of the core's three points are not seen. cov (frames, 4, 4) is
-    independent from frame to frame.
+    independent from frame to frame. Points that are always marked beside their place, each by its
+    own, stay in every frame (`marked_aside`).
 
     Raises: Fault where no frame has enough points.
     """
@@ -39,13 +42,15 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     if not np.any(usable):
         raise _nothing_usable(positions, xy)
     body = body_lengths(xy, np.zeros_like(cov), robot, head_length_m)
-    cov = with_noise(xy, cov, body)
-    body = body_lengths(xy, cov, robot, head_length_m)
+    aside = marked_aside(xy, body)
+    cov = with_noise(xy, cov, replace(body, aside_m=aside))
+    body = replace(body_lengths(xy, cov, robot, head_length_m), aside_m=aside)
     fit, dropped = without_outliers(xy, cov, body)
     values, spread = _as_pose(fit)
     remarks = (
         *positions.remarks,
         *_length_remarks(body, robot, head_length_m),
+        *_aside_remarks(body),
         *_frame_remarks(positions.time_s, np.isfinite(values[:, 0]), dropped),
     )
     return Pose(positions.time_s, values, spread, remarks)
@@ -71,6 +76,17 @@ def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str
         f"{1000 * known:.1f} mm"
         for name, (found, known) in pairs.items()
         if abs(found / known - 1) > OFF_LENGTH
+    )
+
+
+def _aside_remarks(body: Body) -> tuple[str, ...]:
+    """A word on the point that is marked farthest from its place; which it is, none can tell."""
+    off = np.linalg.norm(body.aside_m, axis=1)
+    if not off.any():
+        return ()
+    return (
+        f"pose: the keypoints miss the rigid body steadily, {RIGID[int(np.argmax(off))]} by "
+        f"{1000 * off.max():.1f} mm: one of them is marked beside its place",
     )
 
 

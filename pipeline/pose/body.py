@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,11 +15,16 @@ CONFIDENT = 0.6
 
 @dataclass(frozen=True)
 class Body:
-    """Distances of one trial, m: hinge and tail base from centre of mass, head tip from hinge."""
+    """Distances of one trial, m: hinge and tail base from centre of mass, head tip from hinge.
+
+    aside_m: (4, 2), how far each of RIGID is marked beside its place, along and to the left of the
+    head (head tip) or of the core (the others).
+    """
 
     hinge_m: float
     tail_m: float
     head_m: float
+    aside_m: Float = field(default_factory=lambda: np.zeros((len(RIGID), 2)))
 
 
 def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float) -> Body:

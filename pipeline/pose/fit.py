@@ -14,6 +14,8 @@ ROUNDS = 6
 NOISE_ROUNDS = 12
 FALSE_ALARM = 1e-5
 SMALLEST_STD_M = 1e-6
+STEADY, LEAST_ASIDE = 2.0, 0.005
+LEAST_FRAMES = 20
 
 
 @dataclass(frozen=True)
@@ -117,13 +119,46 @@ def _model(state: Float, body: Body) -> tuple[Float, Float]:
     head = np.column_stack([np.cos(state[:, 3]), np.sin(state[:, 3])])
     along = np.array([body.hinge_m, body.hinge_m, 0.0, -body.tail_m])
     ahead = np.array([body.head_m, 0.0, 0.0, 0.0])
-    points = state[:, None, :2] + along[:, None] * core[:, None] + ahead[:, None] * head[:, None]
+    from_center = np.column_stack([along, np.zeros(4)])
+    from_hinge = np.column_stack([ahead, np.zeros(4)])
+    from_hinge[0] += body.aside_m[0]
+    from_center[1:] += body.aside_m[1:]
+    on_core, on_head = _in_pool(from_center, core), _in_pool(from_hinge, head)
     slope = np.zeros((len(state), 4, 2, 4))
     slope[:, :, 0, 0] = slope[:, :, 1, 1] = 1
-    turned = np.array([[0.0, 1.0], [-1.0, 0.0]])
-    slope[:, :, :, 2] = along[:, None] * (core @ turned)[:, None]
-    slope[:, :, :, 3] = ahead[:, None] * (head @ turned)[:, None]
-    return points, slope
+    turned = np.array([[0.0, 1.0], [-1.0, 0.0]])  # d/da of (cos a, sin a), rows times this
+    slope[:, :, :, 2] = on_core @ turned
+    slope[:, :, :, 3] = on_head @ turned
+    return state[:, None, :2] + on_core + on_head, slope
+
+
+def _in_pool(own: Float, axis: Float) -> Float:
+    """Points (frames, 4, 2) in the pool from those (4, 2) along and left of axes (frames, 2)."""
+    left = np.column_stack([-axis[:, 1], axis[:, 0]])
+    return own[:, :1] * axis[:, None] + own[:, 1:] * left[:, None]
+
+
+def marked_aside(xy: Float, body: Body) -> Float:
+    """How far each point is marked beside its place (4, 2), along and to the left of its part, m.
+
+    The median over all frames of what the points, all of one weight, miss the rigid body by; zero
+    unless one of them misses it steadily: by `STEADY` times as much as it varies, and by
+    `LEAST_ASIDE` of the body. A point left out of some frames and not of others would bend the pose
+    by turns.
+    """
+    fit = fitted(xy, np.broadcast_to(np.eye(2), (*xy.shape, 2)), body)
+    toward = np.column_stack([fit.state[:, 3], *[fit.state[:, 2]] * 3])
+    cos, sin = np.cos(toward), np.sin(toward)
+    x, y = fit.residual[:, :, 0], fit.residual[:, :, 1]
+    own = np.stack([cos * x + sin * y, cos * y - sin * x], axis=2)
+    seen = np.isfinite(own).all(axis=(1, 2))
+    if seen.sum() < LEAST_FRAMES:
+        return np.zeros((4, 2))
+    aside = np.median(own[seen], axis=0)
+    spread = 1.48 * np.median(np.abs(own[seen] - aside), axis=0)
+    least = LEAST_ASIDE * (body.hinge_m + body.tail_m)
+    steady = (np.abs(aside) > STEADY * spread) & (np.abs(aside) > least)
+    return aside if steady.any() else np.zeros((4, 2))
 
 
 def without_outliers(xy: Float, cov: Float, body: Body) -> tuple[Fit, int]:

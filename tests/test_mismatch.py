@@ -386,10 +386,10 @@ def test_a_shape_is_differenced_at_several_places(demo: tuple[Measured, Found]) 
 
 def test_a_model_that_describes_nothing_is_not_called_right(demo: tuple[Measured, Found]) -> None:
     _, found = demo
-    wrong = replace(found.choice.bare, inflation=30.0)
+    wrong = replace(found.choice.bare, inflation=6.0)
     choice = replace(found.choice, chosen=wrong, without={}, places={})
     assert verdict_of(compiled(plates()), choice, wrong) == "unexplained"
-    right = replace(wrong, inflation=2.0)
+    right = replace(wrong, inflation=4.0)
     assert verdict_of(compiled(plates()), replace(choice, chosen=right), right) == "none"
     said = sentence(replace(found, verdict="unexplained", choice=choice, residual=wrong), [], [])
     assert "they do not tell what it lacks" in said

@@ -21,7 +21,7 @@ from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
 from .nameless import nameless, nameless_gain, not_outdone, tells, without_proxies
-from .select import Choice, choose
+from .select import WRONG, Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
 from .swinging import beside_a_swing, of_time, only_swings, swings
 
@@ -145,7 +145,7 @@ def _located(
 def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
-    astray = astray_by(chosen) > 1.0 if chosen.effects else chosen.inflation > ASTRAY
+    astray = astray_by(chosen) > 1.0 if chosen.effects else chosen.inflation > WRONG
     if tells(choice, residual) or astray or swings(residual.fit.free):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"

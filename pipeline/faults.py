@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+INTERRUPTED = 130
 STOPPED = "Interrupted. What is done is kept; start again and it goes on."
 
 

@@ -10,7 +10,13 @@ from scipy.spatial.transform import Rotation
 
 from pipeline.camera.boards import Board, View, detect, read_board
 from pipeline.camera.bundle import fit_lens, parameters
-from pipeline.camera.calibrate import best_model, calibrate_files, calibrate_pictures
+from pipeline.camera.calibrate import (
+    best_model,
+    calibrate_files,
+    calibrate_pictures,
+    camera_section,
+    from_profile,
+)
 from pipeline.camera.judge import chosen, judged
 from pipeline.camera.lens import Lens, pixels
 from pipeline.camera.pictures import from_frames
@@ -274,4 +280,29 @@ def test_stretched_lens_modes_and_other_json_are_refused(tmp_path):
         read_profile(path)
     path.write_text("{}")
     with pytest.raises(Fault, match="not a lens profile"):
+        read_profile(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"camera_matrix": [[float("nan"), 0, 32], [0, 30, 24], [0, 0, 1]]}, "not all numbers"),
+        ({"camera_matrix": [[-30, 0, 32], [0, 30, 24], [0, 0, 1]]}, "not above 0"),
+        ({"camera_matrix": [[30, 0, 3], [0, 30, 24], [0, 0, 1]]}, "optical centre"),
+        ({"distortion_coeffs": [-2, 0, 0, 0]}, "folds over"),
+        ({"RMS_error": 35}, "corners miss by 35"),
+        ({"distortion_coeffs": [1, 2]}, "distortion_coeffs has 4 numbers"),
+    ],
+)
+def test_a_profile_that_cannot_be_right_is_refused(tmp_path, change, words):
+    lens = {
+        "camera_matrix": [[30, 0, 32], [0, 30, 24], [0, 0, 1]],
+        "distortion_coeffs": [0, 0, 0, 0],
+    }
+    path = tmp_path / "lens.json"
+    content = {"calib_dimension": {"w": 64, "h": 48}, "fisheye_params": lens}
+    path.write_text(json.dumps(content))
+    assert "nan" not in camera_section(from_profile(path))
+    path.write_text(json.dumps(content | {"fisheye_params": lens | change}))
+    with pytest.raises(Fault, match=words):
         read_profile(path)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from pipeline.camera import (
     Lens,
     PoolCamera,
+    as_filmed,
     camera_from_corners,
     jacobian,
     map_keypoints,
@@ -18,6 +19,7 @@ from pipeline.camera import (
     project,
     to_pool,
 )
+from pipeline.camera.corners import in_study
 from pipeline.camera.refraction import refracted, surface_share
 from pipeline.camera.resection import rectangle
 from pipeline.data import Keypoints
@@ -238,3 +240,21 @@ def test_keypoints_outside_the_pool_are_remarked():
         cov_px2=np.full((n, 1, 2, 2), np.nan),
     )
     assert "100 % of the confident keypoints" in map_keypoints(camera, keypoints, 0.04).remarks[0]
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (1066, 600), (2880, 1620)])
+def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
+    given = setup(overhead())
+    told = as_filmed(given, size)
+    assert told.camera.image_size_px == size
+    by_size, by_section = pool_camera(given, size), pool_camera(told)
+    points = np.column_stack([pool_points(), np.full(60, -0.04)])
+    np.testing.assert_allclose(project(by_section, points), project(by_size, points), atol=1e-6)
+    back = in_study(given, size, np.array(told.camera.pool_corners_px))
+    np.testing.assert_allclose(back, np.array(given.camera.pool_corners_px), atol=1e-9)
+    Setup.model_validate(told.model_dump())
+
+
+def test_a_film_of_another_shape_is_refused():
+    with pytest.raises(Fault, match="1440 x 1080"):
+        as_filmed(setup(overhead()), (1440, 1080))

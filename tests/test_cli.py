@@ -313,3 +313,45 @@ def test_calibrate_takes_a_missing_picture_as_a_fault(tmp_path):
     assert result.exit_code == 1
     assert "none.jpg" in result.output
     assert not (tmp_path / "c.yaml").exists()
+
+
+def test_pool_tells_corners_in_the_pixels_of_study_yaml(tmp_path):
+    study, frame = small_study(tmp_path / "study"), tmp_path / "frame.png"
+    cv2.imwrite(str(frame), np.full((720, 1280, 3), 90, np.uint8))
+    result = bluekoi("pool", study, frame, "--out", tmp_path / "pool.png")
+    assert result.exit_code == 0, result.output
+    assert "the frame has 1280 x 720 px, image_size_px says 1920 x 1080" in result.output
+
+
+def test_nothing_that_is_there_is_written_over(tmp_path):
+    study, frame = small_study(tmp_path / "study"), tmp_path / "frame.png"
+    cv2.imwrite(str(frame), np.full((1080, 1920, 3), 90, np.uint8))
+    before = {path: path.read_bytes() for path in (study / "study.yaml", frame)}
+    for arguments in (
+        ("calibrate", frame, "--out", study / "study.yaml"),
+        ("calibrate", frame, "--out", tmp_path / "frame.yaml"),
+        ("calibrate", frame, "--out", tmp_path / "o.png"),
+        ("pool", study, frame, "--out", frame),
+        ("pool", study, frame, "--out", study / "study.yaml"),
+    ):
+        result = bluekoi(*arguments)
+        assert result.exit_code == 1, arguments
+        assert "Nothing was written" in result.output
+    assert all(path.read_bytes() == content for path, content in before.items())
+    assert bluekoi("calibrate", frame, "--model", "plate").exit_code == 2
+
+
+def test_check_tells_of_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "videos").mkdir()
+    encode(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,
+           size=(640, 480))  # fmt: skip
+    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    path = study / "keypoints/T11.csv"
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    kept = [",".join("0" if i and i % 3 == 0 else c for i, c in enumerate(r)) for r in rows[3:]]
+    path.write_text("\n".join([*(",".join(r) for r in rows[:3]), *kept]) + "\n")
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert "the recording has 640 x 480" in result.output
+    assert "T11.csv: found 0 of" in result.output

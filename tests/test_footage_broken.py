@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 
 import av
+import numpy as np
 import pytest
 from gopro_files import with_lens_mode
 from test_footage import SIZE, STEADY, patched, picture, write_video
@@ -102,3 +103,23 @@ def test_few_frames_of_a_trimmed_film_leave_the_rest_as_it_was(tmp_path):
     film = frames(recording)
     assert len(list(film.spread(2))) == 2
     assert [frame.time_s for frame in film] == plain
+
+
+@pytest.mark.parametrize(("suffix", "codec"), [("mkv", "libx264"), ("avi", "mpeg4")])
+def test_a_cut_file_whose_index_lists_no_frames_is_counted(tmp_path, suffix, codec):
+    path, rng = tmp_path / f"film.{suffix}", np.random.default_rng(1)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=30)
+        stream.width, stream.height, stream.pix_fmt = 160, 120, "yuv420p"
+        for _ in range(60):
+            noise = rng.integers(0, 255, (120, 160, 3), dtype=np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(noise, format="rgb24")))
+        container.mux(stream.encode())
+    whole = open_recording([path])
+    assert (whole.frames_declared, whole.frames_present) == (60, 60)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    cut = open_recording([path])
+    assert cut.frames_declared == 60
+    assert 20 <= cut.frames_present <= 40
+    assert any("cut short" in remark for remark in cut.remarks)
+    assert len(list(frames(cut))) == cut.frames_present

@@ -39,6 +39,14 @@ class Calibration:
     compared: tuple[str, ...]
     remarks: tuple[str, ...]
 
+    @property
+    def quality(self) -> str:
+        """How well it fits, in words."""
+        told = f"{self.views} views, corner error {self.rms_px:.3f} px rms"
+        if not np.isfinite(self.held_out_px):
+            return told if np.isfinite(self.rms_px) else "no corner error stated"
+        return f"{told}, {self.held_out_px:.3f} px on views held out"
+
 
 def calibrate_files(
     images: Sequence[str | Path],
@@ -121,9 +129,12 @@ def camera_section(result: Calibration) -> str:
     lens, std = result.lens, result.lens_std
     rows = ", ".join("[" + ", ".join(f"{x:.6g}" for x in row) + "]" for row in lens.matrix)
     comments = [
-        f"{result.views} views, corner error {result.rms_px:.3f} px rms, "
-        f"{result.held_out_px:.3f} px on views held out",
-        "standard deviations: " + ", ".join(f"{value:.3g}" for value in std),
+        result.quality,
+        *(
+            ["standard deviations: " + ", ".join(f"{value:.3g}" for value in std)]
+            if np.isfinite(std).all()
+            else []
+        ),
         *(f"compared: {line}" for line in result.compared),
         *result.remarks,
         "add pool_corners_px: images of pool (0,0), (L,0), (L,W), (0,W); `bluekoi pool` helps",

@@ -42,6 +42,33 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     return camera_from_corners(lens, corners_px, corners_m, setup.water.refractive_index)
 
 
+def as_filmed(setup: Setup, size_px: tuple[int, int]) -> Setup:
+    """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
+
+    Raises: Fault where the recording is not the picture of study.yaml, scaled alike in both
+    directions.
+    """
+    scale, given = _scale(setup, size_px), setup.camera
+    if scale == 1.0:
+        return setup
+    corners = np.array(given.pool_corners_px, dtype=float) * scale + (scale - 1) / 2
+    changed: dict[str, object] = {
+        "pool_corners_px": tuple((float(u), float(v)) for u, v in corners),
+        "image_size_px": tuple(size_px),
+    }
+    if given.matrix is not None and given.image_size_px is not None:
+        matrix = np.array(given.matrix, dtype=float)
+        lens = Lens(given.model, matrix, np.zeros(4), given.image_size_px).scaled(scale)
+        changed["matrix"] = tuple(tuple(row) for row in lens.matrix.tolist())
+    return setup.model_copy(update={"camera": given.model_copy(update=changed)})
+
+
+def in_study(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
+    """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
+    scale = _scale(setup, size_px)
+    return (points_px - (scale - 1) / 2) / scale
+
+
 def camera_from_corners(
     lens: Lens, corners_px: Float, corners_m: Float, index: float
 ) -> PoolCamera:

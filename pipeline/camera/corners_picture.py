@@ -12,7 +12,7 @@ from ..data import Float
 from ..faults import Fault, fault
 from ..study import Setup
 from .boards import Grey
-from .corners import pool_camera
+from .corners import in_study, pool_camera
 from .edges import EDGES, Edge, find_edges, suggested_corners
 from .png import Picture, write_png
 from .pool import PoolCamera, project
@@ -27,7 +27,8 @@ class CornersCheck:
 
     suggested_px: (4, 2), NaN where two edges were not both found. offset_px, bend_px, share: (4,)
     mean offset of each pool edge, rms bend about a straight edge, part of the edge seen.
-    sentences: the same in words, the fault of corners that fit no camera among them.
+    sentences: the same in words, the fault of corners that fit no camera among them. fits: whether
+    they fit one. Corners are in the pixels of study.yaml, whatever the frame's size.
     """
 
     suggested_px: Float
@@ -35,6 +36,7 @@ class CornersCheck:
     bend_px: Float
     share: Float
     sentences: tuple[str, ...]
+    fits: bool = True
 
 
 def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> CornersCheck:
@@ -54,7 +56,8 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
         _draw_given(canvas, np.array(setup.camera.pool_corners_px, dtype=float))
         write_png(out, canvas)
         empty = np.full(4, np.nan)
-        return CornersCheck(np.full((4, 2), np.nan), empty, empty, np.zeros(4), (str(error),))
+        nowhere = np.full((4, 2), np.nan)
+        return CornersCheck(nowhere, empty, empty, np.zeros(4), (str(error),), fits=False)
     edges = find_edges(grey, camera)
     corners = suggested_corners(camera, edges)
     _draw_grid(canvas, camera)
@@ -63,12 +66,24 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
     _draw_given(canvas, camera.corners_px)
     _draw_better(canvas, corners)
     write_png(out, canvas)
+    told = in_study(setup, size, corners)
     return CornersCheck(
-        suggested_px=corners,
+        suggested_px=told,
         offset_px=np.array([(edge.start_px + edge.end_px) / 2 for edge in edges]),
         bend_px=np.array([edge.bend_px for edge in edges]),
         share=np.array([edge.share for edge in edges]),
-        sentences=_sentences(camera, edges, corners),
+        sentences=(*_other_size(setup, size), *_sentences(camera, edges, told)),
+    )
+
+
+def _other_size(setup: Setup, size: tuple[int, int]) -> tuple[str, ...]:
+    """A word on a frame that is the study's picture scaled."""
+    said = setup.camera.image_size_px
+    if said is None or tuple(said) == size:
+        return ()
+    return (
+        f"the frame has {size[0]} x {size[1]} px, image_size_px says {said[0]} x {said[1]}: "
+        "corners are told in the pixels of image_size_px, all else in those of the frame",
     )
 
 

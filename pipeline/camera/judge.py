@@ -94,26 +94,36 @@ def chosen(candidates: list[Judged]) -> Judged | None:
 
 def refusals(fit: Fitted, size_px: tuple[int, int]) -> list[str]:
     """Reasons, in words, why this lens cannot be right; empty where there is none."""
-    fx, fy, cx, cy = parameters(fit.lens)[:4]
-    width, height = size_px
-    std = np.sqrt(np.diag(fit.lens_cov))[:2] / [fx, fy]
+    std = np.sqrt(np.diag(fit.lens_cov))[:2] / parameters(fit.lens)[:2]
     tilts = tilts_deg(fit.poses)
     tilted = int(np.sum(tilts > FRONTAL_DEG))
-    off = max(abs(cx - (width - 1) / 2) / width, abs(cy - (height - 1) / 2) / height)
-    limit = width * LARGEST_RMS_SHARE
     checks = {
         f"only {len(fit.poses)} views; at least {FEWEST_VIEWS} are needed": len(fit.poses)
         < FEWEST_VIEWS,
+        f"the boards are seen frontally: {tilted} of {len(tilts)} tilted by more than "
+        f"{FRONTAL_DEG:.0f} degrees, which leaves the focal length open": tilted < FEWEST_TILTED,
+        f"the focal length is known to {100 * max(std):.1f} % only": max(std) > FOCAL_STD,
+    }
+    found = [reason for reason, applies in checks.items() if applies]
+    return [*found, *lens_refusals(fit.lens, size_px, fit.rms_px)]
+
+
+def lens_refusals(lens: Lens, size_px: tuple[int, int], rms_px: float) -> list[str]:
+    """Reasons, in words, why a lens with this corner error (NaN: not known) cannot be right."""
+    fx, fy, cx, cy = parameters(lens)[:4]
+    if not (np.isfinite([*lens.matrix.ravel(), *lens.distortion]).all() and min(fx, fy) > 0):
+        return ["focal lengths, centre and distortion are not all numbers, or not above 0"]
+    width, height = size_px
+    off = max(abs(cx - (width - 1) / 2) / width, abs(cy - (height - 1) / 2) / height)
+    limit = width * LARGEST_RMS_SHARE
+    checks = {
         f"focal lengths fx {fx:.0f} and fy {fy:.0f} lie more than 5 % apart": abs(fx / fy - 1)
         > FOCAL_APART,
         f"the optical centre ({cx:.0f}, {cy:.0f}) lies {100 * off:.0f} % off the middle": off
         > CENTRE_OFF,
         "the distortion is not monotonic inside the picture: it folds over "
-        f"{fold_radius_px(fit.lens):.0f} px from the centre": folds_inside(fit.lens),
-        f"the boards are seen frontally: {tilted} of {len(tilts)} tilted by more than "
-        f"{FRONTAL_DEG:.0f} degrees, which leaves the focal length open": tilted < FEWEST_TILTED,
-        f"the focal length is known to {100 * max(std):.1f} % only": max(std) > FOCAL_STD,
-        f"corners miss by {fit.rms_px:.2f} px rms, more than {limit:.2f}": fit.rms_px > limit,
+        f"{fold_radius_px(lens):.0f} px from the centre": folds_inside(lens),
+        f"corners miss by {rms_px:.2f} px rms, more than {limit:.2f}": rms_px > limit,
     }
     return [reason for reason, applies in checks.items() if applies]
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..faults import Fault, fault
+from ..faults import Fault, Finding, fault
 from ..files import read_json
+from .judge import lens_refusals
 from .lens import Lens
 
 STRETCHED = ("superview", "hyperview", "super", "hyper")
@@ -35,18 +36,29 @@ def read_profile(
     except (KeyError, TypeError, ValueError) as error:
         raise fault(
             path,
-            str(error),
-            "not a lens profile",
+            "",
+            f"not a lens profile ({_missing(error)})",
             "keys fisheye_params (camera_matrix, distortion_coeffs) and calib_dimension",
         ) from error
     _refuse_stretched(path, content)
     lens = Lens("fisheye", matrix, distortion, size)
+    if wrong := lens_refusals(lens, size, rms):
+        raise Fault(
+            Finding(str(path), "", reason, "a lens that can be right", "Take another profile.")
+            for reason in wrong
+        )
     if size_px is None or size_px == size:
         return lens, rms, count
     ratio = size_px[0] / size[0]
     if abs(size_px[1] / size[1] / ratio - 1) > SAME_SHAPE:
         raise _other_shape(path, size, size_px)
     return lens.scaled(ratio), rms * ratio, count
+
+
+def _missing(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"no key {error}"
+    return "camera_matrix is 3 x 3, distortion_coeffs has 4 numbers, w and h are whole numbers"
 
 
 def _refuse_stretched(path: str | Path, content: dict[str, Any]) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
 
 from ..faults import fault
 from ..files import read_json
@@ -36,14 +38,31 @@ def find(folder: Path, *, workers: int, again: bool, progress: Progress) -> int:
     todo = [n for n in names if again or not (results_of(folder, n) / "times.json").is_file()]
     parts = [todo[i::workers] for i in range(workers)]
     running = [_start(folder, part, workers) for part in parts if part]
-    done = 0
-    for process in running:
-        for line in process.stdout or ():
-            done += 1
-            progress(line.strip(), done, len(todo))
+    for done, line in enumerate(_lines(running), start=1):
+        progress(line.strip(), done, len(todo))
     for process in running:
         process.wait()
     return sum(not (results_of(folder, n) / "mismatch.json").is_file() for n in names)
+
+
+def _lines(running: Sequence[subprocess.Popen[str]]) -> Iterator[str]:
+    """Lines of all processes as they come."""
+    told: SimpleQueue[str | None] = SimpleQueue()
+
+    def follow(process: subprocess.Popen[str]) -> None:
+        for line in process.stdout or ():
+            told.put(line)
+        told.put(None)
+
+    for process in running:
+        Thread(target=follow, args=(process,), daemon=True).start()
+    open_yet = len(running)
+    while open_yet:
+        line = told.get()
+        if line is None:
+            open_yet -= 1
+        else:
+            yield line
 
 
 def _start(folder: Path, names: Sequence[str], workers: int) -> subprocess.Popen[str]:

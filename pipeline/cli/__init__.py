@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import click
 
-from ..faults import Fault, printable
+from ..faults import INTERRUPTED, Fault, printable
 from .camera import calibrate, pool
 from .challenge import challenge
 from .check import check
 from .design import design
 from .doctor import doctor
 from .export import export
-from .run import INTERRUPTED, run
+from .run import run
 from .simulate import simulate
 from .stage import stage
 

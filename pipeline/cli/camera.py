@@ -10,6 +10,8 @@ import click
 from .waiting import waiting
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..study import Study
 
 
@@ -21,7 +23,8 @@ PICTURE_S = 1.0  # a photograph of 12 megapixels, its share of the fits included
 @click.option("--pattern", default="9x6", show_default=True, help="Inner corners of the board.")
 @click.option("--square-mm", default=25.0, show_default=True, help="Side of a square.")
 @click.option("--board", default="chessboard", show_default=True, help="Kind of board.")
-@click.option("--model", default="auto", show_default=True, help="auto, pinhole or fisheye.")
+@click.option("--model", default="auto", show_default=True, help="Lens model.",
+              type=click.Choice(["auto", "pinhole", "fisheye"]))  # fmt: skip
 @click.option("--out", default="camera.yaml", show_default=True, type=click.Path(path_type=Path))
 def calibrate(
     *, images: tuple[Path, ...], pattern: str, square_mm: float, board: str, model: str, out: Path
@@ -32,17 +35,17 @@ def calibrate(
     """
     from ..camera.calibrate import calibrate_files  # noqa: PLC0415
 
+    _spare(out, (".yaml", ".yml"), images)
+    _spare(out.with_suffix(".png"), (".png",), images)
     with waiting(f"calibrating from {len(images)} files", PICTURE_S * len(images)):
         found = calibrate_files(
             images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
         )
     for remark in found.remarks:
         click.echo(remark)
-    click.echo(
-        f"{out}: {found.views} views, corner error {found.rms_px:.3f} px rms, "
-        f"{found.held_out_px:.3f} px on views held out"
-    )
-    click.echo(f"Drawn: {out.with_suffix('.png')}")
+    click.echo(f"{out}: {found.quality}")
+    if [image.suffix.lower() for image in images] != [".json"]:
+        click.echo(f"Drawn: {out.with_suffix('.png')}")
 
 
 @click.command()
@@ -50,7 +53,10 @@ def calibrate(
 @click.argument("frame", required=False, type=click.Path(path_type=Path))
 @click.option("--trial", "trial_id", help="Trial to take the frame from; else the first filmed.")
 @click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))
-def pool(study: Path, frame: Path | None, trial_id: str | None, out: Path) -> None:
+@click.pass_context
+def pool(
+    ctx: click.Context, study: Path, frame: Path | None, trial_id: str | None, out: Path
+) -> None:
     """Draw the pool corners of STUDY on FRAME, and say how well they fit the edges seen.
 
     FRAME is a picture or a video; without it the first frame of a trial. While study.yaml has no
@@ -60,6 +66,8 @@ def pool(study: Path, frame: Path | None, trial_id: str | None, out: Path) -> No
     from ..camera.rulers import ruled_picture  # noqa: PLC0415
     from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
 
+    _spare(out, (".png",), (frame,) if frame else ())
+    fits = True
     if lacks_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)
@@ -68,10 +76,28 @@ def pool(study: Path, frame: Path | None, trial_id: str | None, out: Path) -> No
         loaded = load_study(study)
         source, fps = (frame, None) if frame else _film(study, loaded, trial_id)
         picture = _picture(source, fps=fps)
-        sentences = pool_corners_picture(picture, loaded.setup, out).sentences
+        told = pool_corners_picture(picture, loaded.setup, out)
+        sentences, fits = told.sentences, told.fits
     for sentence in sentences:
         click.echo(sentence)
     click.echo(f"Drawn: {out}")
+    if not fits:
+        ctx.exit(1)
+
+
+def _spare(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None:
+    """Raises: Fault where writing `out` would cost an input or a study, or it is no such file."""
+    from ..faults import fault  # noqa: PLC0415
+
+    if out.suffix.lower() not in suffixes:
+        raise fault(out, "--out", f"a name that ends in '{out.suffix}'", f"{suffixes[0]}",
+                    "Nothing was written.")  # fmt: skip
+    if out.name == "study.yaml" and out.exists():
+        raise fault(out, "--out", "a study.yaml that is there already", "a file of its own",
+                    "Nothing was written: write camera.yaml and copy its section.")  # fmt: skip
+    if any(out.resolve() == path.resolve() for path in inputs):
+        raise fault(out, "--out", "a file that is read here", "another name",
+                    "Nothing was written.")  # fmt: skip
 
 
 def _film(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:

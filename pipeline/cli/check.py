@@ -11,8 +11,12 @@ import click
 from .waiting import waiting
 
 if TYPE_CHECKING:
+    from ..data import Keypoints
     from ..faults import Finding
     from ..study import Study, Trial
+
+CORE = ("hinge", "core_center", "tail_base")
+LEAST_FRAMES = 2
 
 
 def _in(study: Path, finding: Finding) -> Finding:
@@ -64,11 +68,32 @@ def _read(study: Study, trial: Trial) -> None:
     if trial.reads_keypoints:
         from ..keypoints import source  # noqa: PLC0415
 
-        source("deeplabcut").read(study.paths(trial)[0], trial, study.setup.bodyparts)
+        path = study.paths(trial)[0]
+        _seen(path, source("deeplabcut").read(path, trial, study.setup.bodyparts))
     else:
+        from ..camera import as_filmed  # noqa: PLC0415
         from ..footage import open_recording  # noqa: PLC0415
 
-        open_recording(study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s)
+        film = open_recording(
+            study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+        )
+        as_filmed(study.setup, film.size_px)
+
+
+def _seen(path: Path, found: Keypoints) -> None:
+    """Raises: Fault where fewer than `LEAST_FRAMES` frames show a head direction and a core."""
+    from ..faults import fault  # noqa: PLC0415
+    from ..pose.body import CONFIDENT  # noqa: PLC0415
+
+    sure = {name: found.likelihood[:, i] >= CONFIDENT for i, name in enumerate(found.names)}
+    core = sum(sure[name].astype(int) for name in CORE if name in sure)
+    frames = int((sure["head_tip"] & (core >= 2)).sum())
+    if frames < LEAST_FRAMES:
+        raise fault(
+            path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
+            f"{', '.join(CORE)} at likelihood {CONFIDENT} or more", f"{LEAST_FRAMES} at least",
+            "Are the likelihoods there, and are the names under bodyparts: the right ones?",
+        )  # fmt: skip
 
 
 @click.command()

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .start import INTERRUPTED
+from ..faults import INTERRUPTED
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3

@@ -10,9 +10,7 @@ import logging
 import sys
 import threading
 
-from ..faults import STOPPED
-
-INTERRUPTED = 130
+from ..faults import INTERRUPTED, STOPPED
 
 
 def main() -> None:

@@ -16,6 +16,8 @@ from .pictures import Luma, luma
 
 UNDECODED = {"skip_frame": "all"}
 LARGEST_SIDE_PX = 16384
+LEAST_LISTED = 0.5
+MOST_ROUNDED = 3  # frames that a duration in milliseconds and a mean rate may be off by
 REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
 
@@ -44,12 +46,12 @@ def probe(path: Path, boxes: Boxes | None) -> Probe:
     """
     with opened(path) as container:
         stream = video_stream(container, path)
-        declared, present = _counts(stream, path.stat().st_size)
+        fps = _rate(stream)
+        duration = _duration(container, stream, fps)
+        declared, present = _counts(stream, path, duration * fps)
         first = _first_picture(container, stream, path)
         rotation = round(first.rotation / 90.0) * 90 % 360
         keys = _key_stamps(stream, path.stat().st_size)
-        fps = _rate(stream)
-        duration = _duration(container, stream, fps)
         return Probe(
             size_px=(stream.width, stream.height),
             codec=stream.codec_context.name,
@@ -113,14 +115,35 @@ def _reason(error: Exception) -> str:
     return str(getattr(error, "strerror", None) or error).strip()
 
 
-def _counts(stream: Any, size: int) -> tuple[int, int]:
-    """Frames the index lists, and those whose bytes lie inside the file."""
+def _counts(stream: Any, path: Path, expected: float) -> tuple[int, int]:
+    """Frames the index lists, and those whose bytes lie inside the file.
+
+    expected: frames by duration and rate. Where the index lists too few (that of Matroska has
+    key frames alone, a cut AVI has none) the pictures are counted, none of them decoded, and
+    the header, or else `expected`, is what the file declares.
+    """
     entries = [(entry.pos, entry.size) for entry in stream.index_entries]
     declared = int(stream.frames) or len(entries)
-    if not entries:
-        return declared, declared
+    enough = (int(stream.frames) or LEAST_LISTED * expected) - MOST_ROUNDED
+    if not entries or len(entries) < enough:
+        present, expected = _counted(path), int(stream.frames) or expected
+        whole = present >= expected - MOST_ROUNDED
+        return (present if whole else round(expected)), present
+    size = path.stat().st_size
     lost = sum(1 for pos, length in entries if pos + length > size)
     return declared, declared - lost
+
+
+def _counted(path: Path) -> int:
+    """Pictures in a file, by reading through it to where it can no longer be read."""
+    found = 0
+    with opened(path) as container:
+        try:
+            for packet in container.demux(video_stream(container, path)):
+                found += packet.size > 0
+        except av.error.FFmpegError:
+            pass
+    return found
 
 
 def _key_stamps(stream: Any, size: int) -> tuple[int, ...]:

@@ -14,6 +14,8 @@ from .shaft import Shaft, shaft_motion
 
 COLUMNS = ("time_s", "angle_deg")
 LEAST_TURNS = 1.5
+MOST_TURN_DEG = 400.0
+"""A shaft angle that begins anew after more than this is not in degrees."""
 GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 
@@ -102,6 +104,10 @@ def _check_angles(path: str | Path, angle_deg: Float) -> None:
     if 5.0 < high - low < 6.4 and turns_over > 0:
         cure = "These look like radians: multiply the column by 180/pi."
         raise fault(path, "angle_deg", found, "degrees from 0 to 360", cure)
+    if high - low > MOST_TURN_DEG and turns_over > 0:
+        cure = "These look like a sensor's counts: multiply the column by 360 / counts a turn."
+        raise fault(path, "angle_deg", found + ", and then from the start", "degrees from 0 to 360",
+                    cure)  # fmt: skip
     if high - low < 30.0:
         cure = "The shaft never turned or the sensor is not connected: give flap_hz in trials.csv."
         raise fault(path, "angle_deg", found, "a shaft that turns", cure)

@@ -110,5 +110,6 @@ def _nothing_usable(positions: Positions, xy: Float) -> Exception:
         "",
         f"{seen} of {len(positions.time_s)} frames at likelihood {CONFIDENT} or more, never enough",
         "frames with head_tip and two of hinge, core_center, tail_base",
-        "Map other names under `bodyparts:` in study.yaml, or look at the detections' overlay.",
+        "In a film: is the robot whole, apart from the floor in brightness, and alone in view? In "
+        "a keypoint file: map other names under `bodyparts:` in study.yaml.",
     )

@@ -49,6 +49,7 @@ def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
 def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
     import cv2  # noqa: PLC0415  only where there is footage
 
+    from ..camera import as_filmed  # noqa: PLC0415
     from ..footage import frames, open_recording  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
@@ -61,7 +62,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     def film() -> Iterable[Frame]:
         return frames(recording, colour=colour)
 
-    found = detector.detect(film, study.setup, trial)
+    found = detector.detect(film, as_filmed(study.setup, recording.size_px), trial)
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
     return found, {
         "source": study.setup.detection.source,

@@ -11,7 +11,7 @@ import numpy as np
 from ..camera.corners import pool_camera
 from ..camera.pool import PoolCamera, map_keypoints
 from ..camera.uncertainty import calibration_at
-from ..data import Flapping, Keypoints, Positions, Track, write_pose, write_track
+from ..data import Flapping, Keypoints, Positions, Steady, Track, write_pose, write_track
 from ..faults import Fault, fault
 from ..files import read_json
 from ..keypoints.deeplabcut import read
@@ -28,6 +28,9 @@ from .status import attempt
 
 CLEAR_BEAT = 1e-3
 """Relative deviation of a tail beat that is there: noise alone gives ten times that."""
+
+WRONG_CLOCK = 0.01
+"""Tail beat and motor log this far apart make a steady speed doubtful, whoever of them is wrong."""
 
 
 def tracks(study: Path, results: Path, trial_id: str) -> None:
@@ -57,7 +60,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     if wrong := implausible(study, trial, positions, pose):
         raise Fault(wrong)
     track, shown = with_shown(pose, flapping.flap_hz)
-    steady = steady_state(track, flapping, trial.head_angle_rad)
+    steady = _doubted(steady_state(track, flapping, trial.head_angle_rad), flapping)
     write_pose(layout.pose(trial.trial_id), pose)
     whole = _with_calibration(with_unshown(track, pose, shown), camera, depth)
     write_track(layout.track(trial.trial_id), whole)
@@ -74,6 +77,15 @@ def _detections(path: Path, trial: Trial) -> Keypoints:
     """Keypoints as the stage before wrote them: our names, already cut to the part to use."""
     whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
     return read(path, whole, {})
+
+
+def _doubted(steady: Steady, flapping: Flapping) -> Steady:
+    """The steady state with a word on a clock that may be wrong, in front of any other."""
+    apart = abs(flapping.video_hz / flapping.flap_hz - 1) if flapping.flap_hz > 0 else 0.0
+    if flapping.agrees or apart < WRONG_CLOCK:
+        return steady
+    word = next((r for r in flapping.remarks if "tail beat" in r), "motor and tail beat disagree")
+    return replace(steady, reason="; ".join(filter(None, (word, steady.reason))))
 
 
 def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:

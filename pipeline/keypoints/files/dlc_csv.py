@@ -30,7 +30,7 @@ def read_csv(path: Path) -> Table:
     width = len(header["coords"])
     if not body:
         raise fault(path, "", "a header without a single frame", "a row a frame")
-    values = _values(path, body, first, width)
+    values = _values(path, body, first, header)
     kept = [i for i in range(first, width) if header["coords"][i] in COORDS]
     who = header.get("individuals", [""] * width)
     labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
@@ -62,7 +62,10 @@ def _header(
     missing = [name for name in ("scorer", "bodyparts", "coords") if name not in header]
     if missing:
         found = f"no row '{missing[0]}' in the header (row 1: {', '.join(rows[0][1])[:80]})"
-        raise fault(path, "header", found, EXPECTED)
+        other = next((c for c in ";\t" if len(rows[0][1]) == 1 and c in rows[0][1][0]), "")
+        name = {";": "semicolons", "\t": "tabs"}.get(other, "")
+        cure = f"The cells are separated by {name}: save it with commas." if other else ""
+        raise fault(path, "header", found, EXPECTED, cure)
     widths = {name: len(row) for name, row in header.items()}
     if len(set(widths.values())) > 1:
         raise fault(path, "header", f"rows of {sorted(set(widths.values()))} cells", EXPECTED)
@@ -70,8 +73,9 @@ def _header(
 
 
 def _values(
-    path: Path, body: list[tuple[int, list[str]]], first: int, width: int
+    path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
 ) -> npt.NDArray[np.float64]:
+    width = len(header["coords"])
     for number, row in body:
         if len(row) != width:
             cure = "Was the file cut while it was copied?"
@@ -81,14 +85,17 @@ def _values(
     try:
         return np.array([[float(cell or "nan") for cell in row[first:]] for _, row in body])
     except ValueError:
-        raise _wrong_cell(path, body, first) from None
+        raise _wrong_cell(path, body, first, header) from None
 
 
-def _wrong_cell(path: Path, body: list[tuple[int, list[str]]], first: int) -> Fault:
+def _wrong_cell(
+    path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
+) -> Fault:
     for number, row in body:
-        for cell in row[first:]:
+        for i, cell in enumerate(row[first:], start=first):
             try:
                 float(cell or "nan")
             except ValueError:
-                return fault(path, f"row {number}", f"'{cell[:60]}'", "a number or an empty cell")
+                place = f"row {number}, {header['bodyparts'][i]} {header['coords'][i]}"
+                return fault(path, place, f"'{cell[:60]}'", "a number or an empty cell")
     return fault(path, "", "a cell that is no number", "numbers")

@@ -17,6 +17,8 @@ from .noise import white_noise_px
 Float = npt.NDArray[np.float64]
 Column = tuple[str, str]
 LARGEST_PX = 1e6
+LONGEST_GAP = 20_000
+"""Frames that may be missing in one go: more than five minutes at 60 frames a second."""
 CORE_PARTS = ("hinge", "core_center", "tail_base")
 
 
@@ -81,7 +83,8 @@ def frame_numbers(index: Sequence[str], path: Path) -> Float:
 
     Picture paths count by the last number in their name, if that number grows from row to row.
 
-    Raises: Fault where plain numbers do not grow: rows doubled, or in another order.
+    Raises: Fault where plain numbers do not grow (rows doubled, or in another order), are no whole
+    numbers, or leave a gap that no recording has.
     """
     found = [re.findall(r"\d+", re.split(r"[\\/]", text)[-1]) for text in index]
     try:
@@ -96,6 +99,20 @@ def frame_numbers(index: Sequence[str], path: Path) -> Float:
 
 
 def _check_order(path: Path, numbers: Float) -> None:
+    odd = np.flatnonzero((numbers < 0) | (numbers != np.round(numbers)))
+    if len(odd):
+        k = int(odd[0])
+        raise fault(path, f"row {k + 1} of the body", f"frame {numbers[k]:g}",
+                    "whole numbers from 0 on in the first column")  # fmt: skip
+    wide = np.flatnonzero(np.diff(numbers) > LONGEST_GAP)
+    if len(wide):
+        k = int(wide[0])
+        raise fault(
+            path, f"row {k + 2} of the body",
+            f"frame {numbers[k + 1]:.0f} after {numbers[k]:.0f}",
+            f"frames of one trial, at most {LONGEST_GAP} missing between two of them",
+            "Is the frame number a slip of the pen?",
+        )  # fmt: skip
     back = np.flatnonzero(np.diff(numbers) <= 0)
     if len(back) and np.ptp(numbers) > 0:
         k = int(back[0])

@@ -111,8 +111,9 @@ def two_at_once(
 ) -> tuple[Round, Trialled, dict[str, Trialled]] | None:
     """Where a wrong model gains by no single effect: two of which each pays beside the other.
 
-    One of the best of the round is taken on trust, and a second is sought beside it. The round of
-    the second, the model, and what it is without each of its effects.
+    One of the best of the round is taken on trust, and so is what gains most beside it: only both
+    together, under noise of their own, show whether either is sure. The round of the second,
+    the model, and what it is without each of its effects.
     """
     if done.before.inflation < WRONG:
         return None
@@ -120,9 +121,9 @@ def two_at_once(
         if not np.isfinite(opening.total):
             continue
         second = one_round(bench, opening, bare)
-        if second.best.effects == opening.effects:
+        if not (second.tried and second.tried[0].total > opening.total):
             continue
-        model = shaped(bench, bench.renoised(second.best))
+        model = shaped(bench, bench.renoised(second.tried[0]))
         less = each(partial(bench.less, model), [[e] for e in model.effects])
         if all(np.isfinite(t.total) and pays(t, model, bare) for t in less):
             return second, model, dict(zip(model.effects, less, strict=True))

@@ -50,8 +50,18 @@ def _finding(path: str, model: type[BaseModel], item: dict[str, Any], prefix: st
     if item["type"] == "missing":
         thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
         return Finding(path, where, "nothing", thing)
-    message = item["msg"].removeprefix("Value error, ").removeprefix("Input should be ")
-    return Finding(path, where, brief(item["input"]), message)
+    return Finding(path, where, brief(item["input"]), _expected(item))
+
+
+def _expected(item: dict[str, Any]) -> str:
+    """What would have been right, in the words of a yaml file rather than Python's."""
+    limits = item.get("ctx", {})
+    if item["type"] in ("too_long", "too_short"):
+        count = limits.get("max_length", limits.get("min_length"))
+        return f"{count} entries, not {limits.get('actual_length')}"
+    if item["type"] in ("model_type", "dict_type", "model_attributes_type"):
+        return "keys with values below it"
+    return str(item["msg"]).removeprefix("Value error, ").removeprefix("Input should be ")
 
 
 def _siblings(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:

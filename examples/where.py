@@ -25,7 +25,8 @@ def shares(
     series = given.series
     forces = missing_force(given.kernel, series, values_of(given, model, series), noise)
     seen = [variables(s, f) for s, f in zip(series, forces, strict=True)]
-    found = dependences(series, forces, seen, noise.disturbance[: len(channels)])
+    pushes = [f.force for f in forces]
+    found = dependences(series, pushes, seen, noise.disturbance[: len(channels)])
     return [(channels[d.channel], d.variable, d.share) for d in found]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from pipeline.fitting import Series
 
@@ -102,3 +103,10 @@ def test_every_command_of_the_fish_robot_is_slower_at_the_edge(recordings):
     assert len(ratios) == 6
     assert max(ratios) < 1.0
     assert 0.75 < np.median(ratios) < 0.95
+
+
+def test_the_balls_command_tells_what_it_found(recordings):
+    result = CliRunner().invoke(balls.main, [str(recordings / "ball_drops")])
+    assert result.exit_code == 0, result.output
+    assert "`air_drag`" in result.output
+    assert "share foretold" in result.output

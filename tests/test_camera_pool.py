@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from pipeline.camera import (
     Lens,
     PoolCamera,
-    as_filmed,
     camera_from_corners,
     jacobian,
     map_keypoints,
@@ -19,12 +18,12 @@ from pipeline.camera import (
     project,
     to_pool,
 )
-from pipeline.camera.corners import in_study
 from pipeline.camera.refraction import refracted, surface_share
 from pipeline.camera.resection import rectangle
 from pipeline.data import Keypoints
 from pipeline.faults import Fault
 from pipeline.study import Setup
+from pipeline.study.filmed import as_filmed, in_study
 
 ROBOT = {
     "mass_kg": 0.68,

@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -133,6 +134,13 @@ def test_the_code_of_the_distances_checks_them_again_and_searches(home):
     assert found["geometry"] == found["mismatch"] == 1
     assert "tracks" not in found
     assert "tuning" not in found
+
+
+def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(home):
+    append(home.root / "pipeline/camera/resection.py", "\n# changed\n")
+    found = home.planned()
+    assert found["tracks"] == 3
+    assert "keypoints" not in found
 
 
 def test_a_depth_that_is_not_given_is_told_by_the_distances_before_the_tracks(home):
@@ -384,8 +392,16 @@ def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
     raise AssertionError(f"no stage {name} at work")
 
 
+@pytest.fixture
+def heeding_ctrl_c() -> Iterator[None]:
+    """What a shell starts in the background ignores Ctrl-C, and so does all that it starts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
-def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home):
+def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home, heeding_ctrl_c):
     edit_rows(home.study, T10={"head_length_m": "0.121"})
     command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
     run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
@@ -400,7 +416,7 @@ def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home):
 
 
 @pytest.mark.parametrize("after_s", [1.2, 2.0, 2.6])
-def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, after_s):
+def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, heeding_ctrl_c, after_s):
     command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
     run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip

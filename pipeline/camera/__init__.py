@@ -1,13 +1,12 @@
 """Lens, pose and refraction: from pixels to places in the pool, with covariance."""
 
-from .corners import as_filmed, camera_from_corners, pool_camera
+from .corners import camera_from_corners, pool_camera
 from .lens import Lens
 from .pool import PoolCamera, jacobian, map_keypoints, project, to_pool
 
 __all__ = [
     "Lens",
     "PoolCamera",
-    "as_filmed",
     "camera_from_corners",
     "jacobian",
     "map_keypoints",

@@ -9,6 +9,7 @@ import numpy as np
 from ..data import Float
 from ..faults import fault
 from ..study import Setup
+from ..study.filmed import scale_of
 from .lens import Lens
 from .plane import plane_camera
 from .pool import PoolCamera
@@ -28,7 +29,7 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
 
     Raises: Fault where the corners fit no pose; its cure says which order of corners would.
     """
-    given, scale = setup.camera, _scale(setup, size_px)
+    given, scale = setup.camera, scale_of(setup, size_px)
     corners_px = np.array(given.pool_corners_px, dtype=float)
     corners_px = corners_px * scale + (scale - 1) / 2
     corners_m = rectangle(setup.pool.length_m, setup.pool.width_m, given.pool_corners_height_m)
@@ -40,33 +41,6 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     matrix = np.array(given.matrix, dtype=float)
     lens = Lens(given.model, matrix, distortion, given.image_size_px).scaled(scale)
     return camera_from_corners(lens, corners_px, corners_m, setup.water.refractive_index)
-
-
-def as_filmed(setup: Setup, size_px: tuple[int, int]) -> Setup:
-    """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
-
-    Raises: Fault where the recording is not the picture of study.yaml, scaled alike in both
-    directions.
-    """
-    scale, given = _scale(setup, size_px), setup.camera
-    if scale == 1.0:
-        return setup
-    corners = np.array(given.pool_corners_px, dtype=float) * scale + (scale - 1) / 2
-    changed: dict[str, object] = {
-        "pool_corners_px": tuple((float(u), float(v)) for u, v in corners),
-        "image_size_px": tuple(size_px),
-    }
-    if given.matrix is not None and given.image_size_px is not None:
-        matrix = np.array(given.matrix, dtype=float)
-        lens = Lens(given.model, matrix, np.zeros(4), given.image_size_px).scaled(scale)
-        changed["matrix"] = tuple(tuple(row) for row in lens.matrix.tolist())
-    return setup.model_copy(update={"camera": given.model_copy(update=changed)})
-
-
-def in_study(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
-    """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
-    scale = _scale(setup, size_px)
-    return (points_px - (scale - 1) / 2) / scale
 
 
 def camera_from_corners(
@@ -128,24 +102,4 @@ def _doubts(camera: PoolCamera) -> tuple[str, ...]:
     return (
         f"the pool corners miss the best pose by {camera.rms_px:.1f} px rms "
         f"(about {1000 * scale * camera.rms_px:.0f} mm): look at them with `bluekoi pool`",
-    )
-
-
-def _scale(setup: Setup, size_px: tuple[int, int] | None) -> float:
-    """How many times larger the recording is than the picture study.yaml speaks of."""
-    declared = setup.camera.image_size_px
-    if size_px is None or declared is None or tuple(size_px) == tuple(declared):
-        return 1.0
-    ratios = [size_px[0] / declared[0], size_px[1] / declared[1]]
-    if abs(ratios[0] / ratios[1] - 1) < 0.002:
-        return float(np.mean(ratios))
-    turned = size_px[0] == declared[1] and size_px[1] == declared[0]
-    raise fault(
-        "study.yaml",
-        "camera.image_size_px",
-        f"{declared[0]} x {declared[1]}, but the recording has {size_px[0]} x {size_px[1]}",
-        "the recording's own size, or one scaled alike in both directions",
-        "The recording is turned by 90 degrees: calibrate and give the corners in turned frames."
-        if turned
-        else "Another field of view needs its own matrix and corners.",
     )

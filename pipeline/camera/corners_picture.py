@@ -11,8 +11,9 @@ import numpy as np
 from ..data import Float
 from ..faults import Fault, fault
 from ..study import Setup
+from ..study.filmed import in_study
 from .boards import Grey
-from .corners import in_study, pool_camera
+from .corners import pool_camera
 from .edges import EDGES, Edge, find_edges, suggested_corners
 from .png import Picture, write_png
 from .pool import PoolCamera, project

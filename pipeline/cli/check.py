@@ -71,8 +71,8 @@ def _read(study: Study, trial: Trial) -> None:
         path = study.paths(trial)[0]
         _seen(path, source("deeplabcut").read(path, trial, study.setup.bodyparts))
     else:
-        from ..camera import as_filmed  # noqa: PLC0415
         from ..footage import open_recording  # noqa: PLC0415
+        from ..study.filmed import as_filmed  # noqa: PLC0415
 
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s

@@ -7,6 +7,7 @@ is still at work as it tears down.
 from __future__ import annotations
 
 import logging
+import signal
 import sys
 import threading
 
@@ -23,7 +24,10 @@ def main() -> None:
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
 
-        snakemake()
+        try:
+            snakemake()
+        finally:  # all is done: a late Ctrl-C finds nothing to stop
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
     except KeyboardInterrupt:
         if not _told():
             sys.stderr.write(f"\n{STOPPED}\n")

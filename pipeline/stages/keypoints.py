@@ -49,8 +49,8 @@ def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
 def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
     import cv2  # noqa: PLC0415  only where there is footage
 
-    from ..camera import as_filmed  # noqa: PLC0415
     from ..footage import frames, open_recording  # noqa: PLC0415
+    from ..study.filmed import as_filmed  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
     detector = sources.source(study.setup.detection.source)

@@ -9,11 +9,12 @@ import pytest
 from exact_campaign import campaign
 
 from pipeline.camera import map_keypoints, pool_camera
-from pipeline.data import Flapping, Pose, Track
+from pipeline.data import Flapping, Pose, Steady, Track
 from pipeline.keypoints.deeplabcut import read
+from pipeline.motor import compare
 from pipeline.pose import rigid_pose
 from pipeline.stages.plausible import first_jump, implausible
-from pipeline.stages.tracks import _beat_elsewhere, flapping_of
+from pipeline.stages.tracks import _beat_elsewhere, _doubted, flapping_of
 from pipeline.stages.tuning import campaign_series
 from pipeline.study import load_study
 from studies import small_study
@@ -129,3 +130,17 @@ def _pose(track: Track) -> Pose:
     values = np.column_stack([track.x_m, track.y_m, track.heading_rad, track.head_angle_rad])
     cov = np.tile(np.diag([1e-6, 1e-6, 1e-5, 1e-5]), (len(values), 1, 1))
     return Pose(track.time_s, values, cov)
+
+
+SLOW = Steady(2.35, 0.24, 0.001, 0.4, 0.004, 40.0, 2.0, 4.0, "short_arc", "film for longer")
+
+
+@pytest.mark.parametrize(("apart", "doubted"), [(2.0, True), (1.02, True), (1.004, False)])
+def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doubted):
+    motor = Flapping(flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",))
+    found = compare(motor, (2.35 * apart, 0.001))
+    assert not found.agrees
+    reason = _doubted(SLOW, found).reason
+    assert ("clocks disagree" in reason) == doubted
+    assert reason.endswith(SLOW.reason)
+    assert _doubted(SLOW, motor) is SLOW

@@ -128,13 +128,11 @@ def camera_section(result: Calibration) -> str:
     """The `camera:` section of study.yaml, its quality in comments."""
     lens, std = result.lens, result.lens_std
     rows = ", ".join("[" + ", ".join(f"{x:.6g}" for x in row) + "]" for row in lens.matrix)
+    known = np.isfinite(std).all()
+    spread = ["standard deviations: " + ", ".join(f"{x:.3g}" for x in std)] if known else []
     comments = [
         result.quality,
-        *(
-            ["standard deviations: " + ", ".join(f"{value:.3g}" for value in std)]
-            if np.isfinite(std).all()
-            else []
-        ),
+        *spread,
         *(f"compared: {line}" for line in result.compared),
         *result.remarks,
         "add pool_corners_px: images of pool (0,0), (L,0), (L,W), (0,W); `bluekoi pool` helps",

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 from ..faults import fault
 from ..study import Setup
-from ..study.filmed import scale_of
+from ..study.filmed import as_filmed
 from .lens import Lens
 from .plane import plane_camera
 from .pool import PoolCamera
@@ -29,9 +29,8 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
 
     Raises: Fault where the corners fit no pose; its cure says which order of corners would.
     """
-    given, scale = setup.camera, scale_of(setup, size_px)
+    given = (as_filmed(setup, size_px) if size_px else setup).camera
     corners_px = np.array(given.pool_corners_px, dtype=float)
-    corners_px = corners_px * scale + (scale - 1) / 2
     corners_m = rectangle(setup.pool.length_m, setup.pool.width_m, given.pool_corners_height_m)
     if given.matrix is None:
         size = size_px or given.image_size_px
@@ -39,7 +38,7 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     assert given.image_size_px is not None
     distortion = np.array(given.distortion or np.zeros(4), dtype=float)
     matrix = np.array(given.matrix, dtype=float)
-    lens = Lens(given.model, matrix, distortion, given.image_size_px).scaled(scale)
+    lens = Lens(given.model, matrix, distortion, given.image_size_px)
     return camera_from_corners(lens, corners_px, corners_m, setup.water.refractive_index)
 
 

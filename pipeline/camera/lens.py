@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from ..data import Float
+from ..study.filmed import zoom
 
 MODELS = ("pinhole", "fisheye")
 STEP = 1e-7
@@ -45,9 +46,8 @@ class Lens:
 
     def scaled(self, factor: float) -> Lens:
         """The same lens on a picture `factor` times as large (pixel centres at whole numbers)."""
-        shift = np.array([[factor, 0, (factor - 1) / 2], [0, factor, (factor - 1) / 2], [0, 0, 1]])
         width, height = (round(factor * side) for side in self.size_px)
-        return Lens(self.model, shift @ self.matrix, self.distortion, (width, height))
+        return Lens(self.model, zoom(factor) @ self.matrix, self.distortion, (width, height))
 
 
 def pixels(lens: Lens, points: Float) -> Float:

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from ..faults import Finding
     from ..study import Study, Trial
 
-CORE = ("hinge", "core_center", "tail_base")
 LEAST_FRAMES = 2
 
 
@@ -82,16 +81,19 @@ def _read(study: Study, trial: Trial) -> None:
 
 def _seen(path: Path, found: Keypoints) -> None:
     """Raises: Fault where fewer than `LEAST_FRAMES` frames show a head direction and a core."""
-    from ..faults import fault  # noqa: PLC0415
-    from ..pose.body import CONFIDENT  # noqa: PLC0415
+    import numpy as np  # noqa: PLC0415
 
-    sure = {name: found.likelihood[:, i] >= CONFIDENT for i, name in enumerate(found.names)}
-    core = sum(sure[name].astype(int) for name in CORE if name in sure)
-    frames = int((sure["head_tip"] & (core >= 2)).sum())
+    from ..faults import fault  # noqa: PLC0415
+    from ..pose.body import CONFIDENT, RIGID  # noqa: PLC0415
+    from ..pose.fit import enough  # noqa: PLC0415
+
+    sure = dict(zip(found.names, found.likelihood.T >= CONFIDENT, strict=True))
+    never = np.zeros(len(found.time_s), dtype=bool)
+    frames = int(enough(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
     if frames < LEAST_FRAMES:
         raise fault(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(CORE)} at likelihood {CONFIDENT} or more", f"{LEAST_FRAMES} at least",
+            f"{', '.join(RIGID[1:])} at likelihood {CONFIDENT} or more", f"{LEAST_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip
 

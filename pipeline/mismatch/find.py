@@ -28,8 +28,9 @@ from .swinging import beside_a_swing, of_time, only_swings, swings
 LAST_NOISE_ROUNDS = 10
 LEAST_UNIT = 0.1
 ASTRAY = 8.0
-"""A model whose coefficients spread over trials this many times wider than they should does not
-describe them, whether or not a cause was found; fewer than `TRIALS_FOR_ASTRAY` cannot tell.
+"""A model with causes whose coefficients spread over trials this many times wider than they should
+does not describe them; fewer than `TRIALS_FOR_ASTRAY` cannot tell. Without a cause `WRONG` is the
+limit.
 """
 TRIALS_FOR_ASTRAY = 12
 KINDS = ("physics", "measurement")

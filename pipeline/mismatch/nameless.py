@@ -26,6 +26,7 @@ of them has no larger p value, whatever the strongest named cause gains: beside 
 else is a tenth of it. Lasting errors of a detector, 0.2 mm of path, passed for a force without the
 p value.
 """
+SWING = "sloshing"
 MOST_TERMS = 4
 CONTESTED = 4
 WEAK = 60.0
@@ -51,7 +52,7 @@ def terms_of(bench: Bench) -> Bench:
     """The bench with all nameless terms, one by one, as candidates."""
     effect = bench.kernel.system.effect("residual")
     terms = tuple(f"residual.{p.name}" for p in effect.parameters)
-    return replace(bench, candidates=(*terms, "sloshing"))
+    return replace(bench, candidates=(*terms, SWING))
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:
@@ -125,9 +126,7 @@ def tells(choice: Choice, residual: Trialled) -> bool:
 
 
 def nameless_gain(choice: Choice, residual: Trialled) -> float:
-    """Held-out log likelihood that nameless terms gain beside the chosen effects, in
-    inflations.
-    """
+    """Held-out log likelihood over the inflation that nameless terms gain beside the chosen."""
     return (residual.total - choice.chosen.total) / residual.inflation
 
 

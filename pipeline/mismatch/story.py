@@ -15,7 +15,9 @@ from ..tuning import Tuned, table
 from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
+from .nameless import SWING
 from .setting import CHANNELS, best_next_trial
+from .swinging import only_swings
 from .weighing import beside_nameless, reliability, told_aside, weights
 
 RIVAL_WEIGHT = 0.02
@@ -110,11 +112,11 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {first.variable}",
-        "parameters": _parameters(found, "residual") | _parameters(found, "sloshing"),
+        "parameters": _parameters(found, "residual") | _parameters(found, SWING),
         "weight": reliability(found.nameless_gain),
         "held_out_gain": found.nameless_gain * found.residual.inflation,
         "sentence": "A force is missing that none of the named causes explains well; "
-        + _modelled_by(terms)
+        + _modelled_by(found)
         + f" depends most on {first.variable}.",
     }
 
@@ -129,11 +131,11 @@ def _channels(term: str) -> tuple[str, ...]:
     return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
 
 
-def _modelled_by(terms: Sequence[str]) -> str:
+def _modelled_by(found: Found) -> str:
     """How what has no name is modelled, up to the words on what it depends on."""
-    if not terms:
+    if not _terms(found):
         return "what is lacking"
-    if all(term.startswith("sloshing.") for term in terms):
+    if only_swings(found.extended.fit.free):
         return "it is modelled as water that swings to and fro and"
     return "it is modelled by a fitted residual term and"
 

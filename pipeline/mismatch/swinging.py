@@ -16,11 +16,10 @@ from ..model import is_nameless, plates
 from .bench import Bench
 from .judge import Trialled, candidate_frees
 from .locate import Dependence
-from .nameless import nameless
+from .nameless import SWING, nameless
 from .select import Choice, choose
 from .setting import CHANNELS
 
-SWING = "sloshing"
 LEAST_CHANNEL = 0.02
 MANY = 4
 

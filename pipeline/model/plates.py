@@ -62,7 +62,12 @@ def all_effects() -> tuple[Effect, ...]:
 
 def is_nameless(label: str) -> bool:
     """Whether an effect, one term of it or one of its numbers is of those without a name."""
-    return label.split(".", maxsplit=1)[0] in {"residual", "sloshing"}
+    return label.split(".", maxsplit=1)[0] in _nameless()
+
+
+@lru_cache(maxsize=1)
+def _nameless() -> frozenset[str]:
+    return frozenset(effect.name for effect in all_effects() if effect.kind == residual.KIND)
 
 
 @lru_cache(maxsize=1)

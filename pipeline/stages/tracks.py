@@ -80,12 +80,13 @@ def _detections(path: Path, trial: Trial) -> Keypoints:
 
 
 def _doubted(steady: Steady, flapping: Flapping) -> Steady:
-    """The steady state with a word on a clock that may be wrong, in front of any other."""
+    """The steady state with the last remark on the flapping, where that is of clocks that disagree,
+    in front of any other reason.
+    """
     apart = abs(flapping.video_hz / flapping.flap_hz - 1) if flapping.flap_hz > 0 else 0.0
     if flapping.agrees or apart < WRONG_CLOCK:
         return steady
-    word = next((r for r in flapping.remarks if "tail beat" in r), "motor and tail beat disagree")
-    return replace(steady, reason="; ".join(filter(None, (word, steady.reason))))
+    return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
 
 
 def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:

@@ -29,9 +29,8 @@ def as_filmed(setup: Setup, size_px: tuple[int, int]) -> Setup:
         "image_size_px": tuple(size_px),
     }
     if given.matrix is not None:
-        shift = (scale - 1) / 2
-        zoom = np.array([[scale, 0, shift], [0, scale, shift], [0, 0, 1]])
-        changed["matrix"] = tuple(map(tuple, (zoom @ np.array(given.matrix, dtype=float)).tolist()))
+        matrix = zoom(scale) @ np.array(given.matrix, dtype=float)
+        changed["matrix"] = tuple(map(tuple, matrix.tolist()))
     return setup.model_copy(update={"camera": given.model_copy(update=changed)})
 
 
@@ -39,6 +38,15 @@ def in_study(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
     """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
     scale = scale_of(setup, size_px)
     return (points_px - (scale - 1) / 2) / scale
+
+
+def zoom(factor: float) -> Float:
+    """Pixels of a picture to those of one `factor` times as large, homogeneous (3, 3).
+
+    Pixel centres lie at whole numbers.
+    """
+    shift = (factor - 1) / 2
+    return np.array([[factor, 0, shift], [0, factor, shift], [0, 0, 1]])
 
 
 def scale_of(setup: Setup, size_px: tuple[int, int] | None) -> float:

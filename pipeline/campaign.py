@@ -59,6 +59,19 @@ class Campaign:
             if trial.trial_id not in done
         )
 
+    @property
+    def has_additions(self) -> bool:
+        """Whether the search put anything into the model: else before and after are one model."""
+        causes = (self.mismatch or {}).get("causes") or []
+        return any(cause.get("parameters") for cause in causes)
+
+    def models(self, trial_id: str) -> Mapping[str, Float]:
+        """Columns of a trial's model paths; those after only where they are another model's."""
+        columns = self.simulations.get(trial_id, {})
+        if self.has_additions:
+            return columns
+        return {name: c for name, c in columns.items() if not name.startswith("extended_")}
+
     def path_rmse_m(self, trial_id: str, prefix: str) -> float:
         """Root mean square distance of a simulated path to the track, at the track's times, m.
 

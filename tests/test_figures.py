@@ -283,3 +283,15 @@ def test_averages_stand_where_their_frames_are():
     assert np.abs(at).min() == 0
     np.testing.assert_allclose(mean, 10 * at, atol=1e-12)
     assert (std < 0.3).all()
+
+
+def test_errors_too_small_to_tell_of_are_hollow_whatever_they_explain(whole):
+    one = {**whole.geometry["estimates"][0], "share": 0.0002, "seen": False, "gain": 1e5}
+    small = Campaign(**{**whole.__dict__, "geometry": {**whole.geometry, "estimates": [one]}})
+    fills = {
+        name: figures.draw("geometry", given).axes[2].patches[0].get_facecolor()[:3]
+        for name, given in {"seen": whole, "small": small}.items()
+    }
+    assert fills["small"] == (1.0, 1.0, 1.0)
+    assert fills["seen"] != fills["small"]
+    assert "0.02 %" in texts(figures.draw("geometry", small))

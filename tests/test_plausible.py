@@ -55,6 +55,9 @@ def test_the_wrong_side_is_named(seen):
     (text,) = told(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
     assert "a head angle of 30 degrees" in text
     assert "expected head_angle_deg -30" in text
+    assert "mirror image: are x and y exchanged" in text
+    (text,) = told(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
+    assert "Is it another trial's row?" in text
 
 
 def test_exchanged_keypoints_are_named(seen):

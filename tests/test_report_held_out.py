@@ -7,6 +7,7 @@ from exact_campaign import campaign, searched
 
 from pipeline import figures
 from pipeline.campaign import Campaign
+from pipeline.data import Float
 from pipeline.report.page import page
 
 
@@ -50,6 +51,36 @@ def test_the_figure_says_which_trials_it_shows(small: Campaign, tmp_path) -> Non
     assert "(A) Errors of the model before" in figures.caption(name, small)
     figures.draw_file(name, small, tmp_path / "a.png", tmp_path / "a.pdf")
     assert b"too small to hold trials out" in (tmp_path / "a.png").read_bytes()
+
+
+def test_where_nothing_was_put_in_there_is_one_model(spared: Campaign) -> None:
+    mismatch = {**spared.mismatch, "verdict": "none", "causes": []}
+    spared = Campaign(**{**spared.__dict__, "simulations": as_measured(spared)})
+    none = Campaign(**{**spared.__dict__, "mismatch": mismatch})
+    assert figures.title("mismatch_held_out", none) == "Held-out trials and the model"
+    assert "Trials that no fit saw. Nothing was put" in figures.caption("mismatch_held_out", none)
+    assert legend("mismatch_held_out", spared) == ["measured", "before", "after"]
+    assert legend("mismatch_held_out", none) == ["measured", "model"]
+    assert "chosen" in legend("mismatch_candidates", spared)
+    assert "chosen" not in legend("mismatch_candidates", none)
+    assert len(legend("paths", spared)) == 3
+    assert legend("paths", none) == ["measured", "model, one coefficient set"]
+    assert 'class="after"' in page(spared, [], {})
+    assert 'class="after"' not in page(none, [], {})
+
+
+def as_measured(campaign: Campaign) -> dict[str, dict[str, Float]]:
+    """Model paths, both as measured."""
+    return {
+        name: {"time_s": track.time_s}
+        | {f"{k}_x_m": track.x_m for k in ("joint", "extended")}
+        | {f"{k}_y_m": track.y_m for k in ("joint", "extended")}
+        for name, track in campaign.tracks.items()
+    }
+
+
+def legend(name: str, campaign: Campaign) -> list[str]:
+    return [text.get_text() for text in figures.draw(name, campaign).legends[0].get_texts()]
 
 
 def test_trials_that_the_tuning_could_not_use_do_not_count(small: Campaign) -> None:

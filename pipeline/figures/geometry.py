@@ -21,10 +21,15 @@ CAPTION = (
     "The robot's head and core keep their lengths wherever it swims. A: by how much the measured "
     "lengths miss the stated ones, place by place; grey figures are standard deviations. B: what "
     "the error that explains them would do, on the same scale; blank where no error shows. "
-    "C: how much each possible error explains, fitted alone, in units of chi-squared (logarithmic)."
+    "C: how much each possible error explains, fitted alone, in units of chi-squared "
+    "(logarithmic), and by how much it would change lengths (rms). Hollow: by no more than 0.05 %, "
+    "which lasting errors of a detector may do: however many frames agree, it tells of nothing."
 )
 NEEDS = ("geometry",)
 SHOWN = 9
+SEEN = "#56B4E9"
+BESIDE = 6.0
+"""Room for the figure beside the longest bar, as a factor on the logarithmic axis."""
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -82,7 +87,7 @@ def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, na
 def _deviations(axes: Axes, grid: dict[str, Float]) -> None:
     x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
     for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
-        text = f"±{100 * grid['std'][row, column]:.2f}"
+        text = f"±{100 * grid['std'][row, column]:.2g}"
         axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5, color="#5b6570")
 
 
@@ -90,10 +95,14 @@ def _suspects(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     best = estimates[:SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
     names = [f"{_plain(one['name'])}: {', '.join(map(_plain, one['parameters']))}" for one in best]
-    axes.barh(range(len(best)), gains, left=1.0, color="#56B4E9", height=0.6)
+    fills = [SEEN if one["seen"] else "white" for one in best]
+    axes.barh(range(len(best)), gains, left=1.0, color=fills, edgecolor=SEEN, height=0.6)
+    for place, (one, gain) in enumerate(zip(best, gains, strict=True)):
+        axes.annotate(f"{100 * one['share']:.2g} %", (1.0 + gain, place), xytext=(3, 0),
+                      textcoords="offset points", va="center", fontsize=6.5)  # fmt: skip
     axes.set_yticks(range(len(best)), names, fontsize=7)
     axes.set_xscale("log")
-    axes.set_xlim(1, 1.5 * max(10.0, *gains))
+    axes.set_xlim(1, BESIDE * max(10.0, *gains))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("chi-squared explained alone")
 

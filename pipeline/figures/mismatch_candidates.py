@@ -21,6 +21,7 @@ CAPTION = (
 NEEDS = ("mismatch_detail",)
 MOST_ROUNDS = 3
 MOST_BARS = 16
+OTHER = "#9aa5af"
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -35,8 +36,14 @@ def draw(campaign: Campaign) -> Figure:
         letter(axes, "ABC"[i])
         _bars(axes, bars, chosen)
         axes.set_title(f"round {i + 1}")
-    key = [Patch(color=AFTER, label="chosen"), Patch(color="#9aa5af", label="refitted")]
-    key.append(Patch(fc="white", ec="#9aa5af", label="foretold only"))
+    shown = [bar for bars in rounds for bar in bars]
+    looks = (
+        (any(name in chosen for name, _, _ in shown), Patch(color=AFTER, label="chosen")),
+        (any(tried for _, _, tried in shown), Patch(color=OTHER, label="refitted")),
+        (not all(tried for _, _, tried in shown),
+         Patch(fc="white", ec=OTHER, label="foretold only")),
+    )  # fmt: skip
+    key = [patch for there, patch in looks if there]
     figure.legend(handles=key, loc="outside lower center", ncols=3)
     return figure
 
@@ -63,7 +70,7 @@ def _rounds(detail: Any) -> list[list[tuple[str, float, bool]]]:
 
 def _bars(axes: Axes, bars: list[tuple[str, float, bool]], chosen: set[str]) -> None:
     for place, (name, gain, refitted) in enumerate(bars):
-        colour = AFTER if name in chosen else "#9aa5af"
+        colour = AFTER if name in chosen else OTHER
         axes.barh(place, gain, color=colour if refitted else "white", edgecolor=colour, height=0.7)
         axes.annotate(
             f"{gain:.1f}",

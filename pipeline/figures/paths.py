@@ -23,6 +23,11 @@ CAPTION = (
 NEEDS = ("tracks",)
 COLUMNS = 6
 MOST = 60
+MODELS = {
+    "joint": (BEFORE, "--", "model, one coefficient set"),
+    "extended": (AFTER, "-", "model with what was left out"),
+}
+"""Prefix of a model's columns -> colour, dash, name."""
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -69,9 +74,9 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
     pool(axes, campaign.study, labels=False)
     axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.3)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
-    columns = campaign.simulations.get(trial.trial_id, {})
+    columns = campaign.models(trial.trial_id)
     words = []
-    for prefix, colour, dash in (("joint", BEFORE, "--"), ("extended", AFTER, "-")):
+    for prefix, (colour, dash, _) in MODELS.items():
         if f"{prefix}_x_m" in columns:
             axes.plot(
                 columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"], color=colour, ls=dash, lw=1.1
@@ -84,10 +89,12 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
 
 
 def _legend(campaign: Campaign) -> list[Line2D]:
-    lines = [Line2D([], [], color=MEASURED, label="measured")]
-    have = {name for columns in campaign.simulations.values() for name in columns}
-    if "joint_x_m" in have:
-        lines.append(Line2D([], [], color=BEFORE, ls="--", label="model, one coefficient set"))
-    if "extended_x_m" in have:
-        lines.append(Line2D([], [], color=AFTER, label="model with what was left out"))
-    return lines
+    have = {name for trial in campaign.simulations for name in campaign.models(trial)}
+    return [
+        Line2D([], [], color=MEASURED, label="measured"),
+        *(
+            Line2D([], [], color=colour, ls=dash, label=name)
+            for prefix, (colour, dash, name) in MODELS.items()
+            if f"{prefix}_x_m" in have
+        ),
+    ]

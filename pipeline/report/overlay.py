@@ -45,7 +45,7 @@ def trial_overlay(campaign: Campaign, trial_id: str, results: str | Path, path: 
     camera = pool_camera(study.setup, size)
     found = _keypoints(Path(results) / "keypoints" / f"{trial_id}.csv", trial)
     track = campaign.tracks[trial_id]
-    columns = campaign.simulations.get(trial_id, {})
+    columns = campaign.models(trial_id)
     scene = Scene(
         label=_label(trial),
         size_px=camera.size_px,
@@ -110,7 +110,8 @@ def paths(
 
     measured = seen(track.x_m, track.y_m)
     lines = [Line("measured path", track.time_s, measured, MEASURED, width_px=6)]
-    names = {"extended": ("model after", AFTER, False), "joint": ("model before", BEFORE, True)}
+    before = "model before" if "extended_x_m" in columns else "model"
+    names = {"extended": ("model after", AFTER, False), "joint": (before, BEFORE, True)}
     for prefix, (name, colour, dashed) in names.items():
         if f"{prefix}_x_m" in columns:
             way = seen(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"])

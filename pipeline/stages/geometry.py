@@ -110,6 +110,8 @@ def _row(estimate: Estimate) -> dict[str, Any]:
         "stds": estimate.stds,
         "gain": estimate.gain,
         "p_value": estimate.p_value,
+        "share": estimate.share,
+        "seen": estimate.seen,
         "text": estimate.text,
     }
 

@@ -80,7 +80,13 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
     if abs(apart) <= HEAD_ANGLE_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
-    cure = "It is core minus head direction, counter-clockwise positive. Is it another trial's row?"
+    mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= HEAD_ANGLE_DEG / 2
+    cure = "It is core minus head direction, counter-clockwise positive. " + (
+        "This is its mirror image: are x and y exchanged in the keypoint file, is the picture "
+        "mirrored, are the pool's corners in another order, or has the angle the wrong sign?"
+        if mirrored
+        else "Is it another trial's row?"
+    )
     return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", cure)]
 
 

@@ -28,7 +28,7 @@ from pipeline.fitting import (
 from pipeline.integrate import Kernel, System, compiled
 from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
 from pipeline.mismatch.search import candidate_frees, with_starts
-from pipeline.mismatch.select import one_round, pruned
+from pipeline.mismatch.select import in_place, one_round, pruned
 
 MOST_AT_ONCE = 4
 
@@ -89,11 +89,7 @@ class Outcome:
         By the inflation of the chosen model: that of a rival which bends the numbers to single
         trials would make all of them look alike.
         """
-        tried = {
-            t.effects[-1]: replace(t, inflation=self.chosen.inflation)
-            for t in self.choice.places[name].tried
-        }
-        return weights({k: t for k, t in tried.items() if np.isfinite(t.total)})
+        return weights(in_place(self.choice, name), self.chosen.inflation)
 
 
 def case(
@@ -179,9 +175,8 @@ def beside(given: Case, chosen: Trialled, names: Sequence[str]) -> dict[str, Bes
     named = tuple(e for e in chosen.effects if e not in names)
     before = chosen if named == chosen.effects else refitted(given, named, chosen)
     found = {"nothing": before, **{n: refitted(given, (*named, n), before) for n in names}}
-    usable = {n: replace(t, inflation=before.inflation) for n, t in found.items()
-              if np.isfinite(t.total)}  # fmt: skip
-    share = weights(usable)
+    usable = {n: t.total for n, t in found.items() if np.isfinite(t.total)}
+    share = weights(usable, before.inflation)
     rows = {n: Beside(t, t.total - before.total, share.get(n, 0.0)) for n, t in found.items()}
     return dict(sorted(rows.items(), key=lambda row: -row[1].gain))
 

@@ -70,12 +70,14 @@ def body(n: int, rng: np.random.Generator, *, tip_m: float = 0.12) -> np.ndarray
 def campaign(
     believed: PoolCamera, *, seed=1, noise_px=0.4, tip_m=0.12, depth_m=DEPTH_M, truth=TRUTH
 ) -> list[Positions]:
-    """Twelve trials seen by the true camera and mapped by the believed one."""
+    """Twelve trials seen by the true camera and mapped by the believed one; depth_m: of all points,
+    or of each (480,).
+    """
     rng = np.random.default_rng(seed)
     trials = []
     for _ in range(12):
         points = body(120, rng, tip_m=tip_m).reshape(-1, 2)
-        image = project(truth, np.column_stack([points, np.full(len(points), -depth_m)]))
+        image = project(truth, np.column_stack([points, np.broadcast_to(-depth_m, len(points))]))
         image = image + rng.normal(0, noise_px, image.shape)
         xy = to_pool(believed, image, DEPTH_M).reshape(120, 4, 2)
         ones = np.ones((120, 4))
@@ -145,6 +147,15 @@ def test_refraction_left_out_is_named_or_named_among_rivals():
     names = {found.outcome, *found.rivals}
     assert "uncorrected_refraction" in names
     assert names <= {"uncorrected_refraction", "keypoint_depth", "scale_error"}
+
+
+def test_a_robot_that_sinks_during_each_trial_is_no_error_of_scale():
+    deeper = np.repeat(DEPTH_M + 0.009 * np.arange(120) / 30, 4)
+    found = checked(TRUTH, depth_m=deeper)
+    assert found.outcome == "sinking"
+    assert found.rivals == ()
+    assert found.best.values[0] == pytest.approx(0.009, abs=3 * found.best.stds[0] + 2e-4)
+    assert found.best.stds[0] < 0.002
 
 
 def test_a_head_tip_marked_short_is_a_keypoint_bias_of_that_part():

@@ -217,8 +217,8 @@ def test_one_trial_alone_foretells_nothing_and_breaks_nothing(demo: tuple[Measur
 def test_weights_follow_the_worth_over_the_inflation(demo: tuple[Measured, Found]) -> None:
     _, found = demo
     best = found.choice.chosen
-    lower = replace(best, worth=best.worth - best.inflation / len(best.worth))
-    told = weights({"a": best, "b": best, "c": lower})
+    lower = best.total - best.inflation
+    told = weights({"a": best.total, "b": best.total, "c": lower}, best.inflation)
     assert told["a"] == told["b"] == pytest.approx(1 / (2 + np.exp(-1)))
     assert sum(told.values()) == pytest.approx(1)
 
@@ -435,6 +435,9 @@ def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measur
     assert not _outdone(place, chosen)
     sure = replace(better, p_value={"stall": 1e-4})
     assert _outdone(replace(place, tried=(sure,)), chosen)
+    doubtful = replace(found.choice, places={**found.choice.places, name: place})
+    told = weights_in_place(replace(found, choice=doubtful), name)
+    assert told["stall"] == told[name] > 0.1
 
 
 def test_a_model_astray_names_nothing_surely(demo: tuple[Measured, Found]) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
+from pipeline.fitting.resampling import LEAST_LEFT
 from pipeline.fitting.sandwich import _widened
 
 TRUTH = np.array([1.0, -0.5, 0.3])
@@ -150,3 +151,40 @@ def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
         same, white = spread_over_trials(normal, None, nothing), spread_over_trials(normal)
         assert same.cov == pytest.approx(white.cov)
         assert same.freedom == pytest.approx(white.freedom)
+
+
+def test_a_number_at_its_bound_widens_no_other():
+    """Two numbers of nearly one effect: the second held at its bound, the first is known well."""
+    rng = np.random.default_rng(5)
+    one = np.array([[100.0, 99.9], [99.9, 100.0]])
+    normal = Normal(np.repeat(one[None], 12, axis=0), rng.normal(0, 10, (12, 2)), np.zeros(12))
+    held = jackknife_cov(normal, np.array([True, False]))
+    alone = Normal(normal.hessian[:, :1, :1], normal.gradient[:, :1], normal.log_likelihood)
+    assert held[0, 0] == pytest.approx(jackknife_cov(alone)[0, 0])
+    assert held[1].tolist() == [0.0, 0.0]
+
+
+def test_a_direction_that_one_trial_alone_tells_of_does_not_blow_up():
+    """Ten trials tell of the first number, one of the second: its score is almost nothing."""
+    hessian = np.repeat(np.diag([10.0, 0.01])[None], 11, axis=0)
+    hessian[4] = np.diag([10.0, 100.0])
+    gradient = np.random.default_rng(3).normal(0, 10**0.5, (11, 2)) * [1.0, 0.1]
+    gradient[:, 1] -= gradient[:, 1].mean()
+    cov = jackknife_cov(Normal(hessian, gradient, np.zeros(11)))
+    scores = np.abs(gradient[:, 1])
+    left = np.array([max(1 - h / 100.1, LEAST_LEFT) for h in hessian[:, 1, 1]])
+    bound = np.sum((scores / left / 100.1) ** 2) + 0.25 / 100.1
+    assert cov[1, 1] <= 1.01 * bound
+    assert cov[0, 0] > 0.25 / 110
+
+
+def test_where_all_trials_tell_alike_the_jackknife_is_the_usual_one():
+    rng = np.random.default_rng(4)
+    root = rng.normal(size=(20, 3, 5))
+    hessian = root @ np.swapaxes(root, 1, 2)
+    gradient = rng.normal(size=(20, 3))
+    gradient -= gradient.mean(axis=0)
+    rest = np.linalg.inv(hessian.sum(axis=0) - hessian)
+    steps = np.einsum("tpq,tq->tp", rest, gradient)
+    usual = 19 / 20 * steps.T @ steps + 0.25 * np.linalg.inv(hessian.sum(axis=0))
+    assert jackknife_cov(Normal(hessian, gradient, np.zeros(20))) == pytest.approx(usual)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..faults import fault
-from ..study import Setup
+from ..study import Camera, Pool, Setup
 from ..study.filmed import as_filmed
 from .lens import Lens
 from .plane import plane_camera
@@ -30,16 +30,22 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     Raises: Fault where the corners fit no pose; its cure says which order of corners would.
     """
     given = (as_filmed(setup, size_px) if size_px else setup).camera
+    return camera_over(given, setup.pool, setup.water.refractive_index, size_px)
+
+
+def camera_over(
+    given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None
+) -> PoolCamera:
+    """`pool_camera` of a camera, a pool and a refractive index as stated."""
     corners_px = np.array(given.pool_corners_px, dtype=float)
-    corners_m = rectangle(setup.pool.length_m, setup.pool.width_m, given.pool_corners_height_m)
+    corners_m = rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
     if given.matrix is None:
-        size = size_px or given.image_size_px
-        return plane_camera(corners_px, corners_m, setup.water.refractive_index, size)
+        return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px)
     assert given.image_size_px is not None
     distortion = np.array(given.distortion or np.zeros(4), dtype=float)
     matrix = np.array(given.matrix, dtype=float)
     lens = Lens(given.model, matrix, distortion, given.image_size_px)
-    return camera_from_corners(lens, corners_px, corners_m, setup.water.refractive_index)
+    return camera_from_corners(lens, corners_px, corners_m, index)
 
 
 def camera_from_corners(

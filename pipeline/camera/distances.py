@@ -27,7 +27,8 @@ class Distances:
 
     front_m, back_m: (n, 2) ends in the pool frame. excess_m: (n,) measured minus known length,
     the share that noise adds (s^2 / 2L) removed. std_m, known_m: (n,). trial, pair: (n,) numbers.
-    bend_rad: (n,) head angle (core minus head) of the frame, for biased hinges.
+    bend_rad: (n,) head angle (core minus head) of the frame, for biased hinges. time_s: (n,) since
+    the trial's first frame.
     """
 
     front_m: Float
@@ -38,6 +39,7 @@ class Distances:
     trial: Float
     pair: Float
     bend_rad: Float
+    time_s: Float
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,7 @@ def _of_pair(
         "trial": np.full(n, float(labels[0])),
         "pair": np.full(n, float(labels[1])),
         "bend_rad": _bend(positions)[good],
+        "time_s": positions.time_s[good] - positions.time_s[0],
     }
 
 
@@ -138,6 +141,8 @@ def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float
             continue
         high, low = length(change(geometry, step)), length(change(geometry, -step))
         patterns[name] = np.nan_to_num(-(high - low) / (2 * step))
+    if "depth_m" in patterns:
+        patterns["sinks_m_s"] = patterns["depth_m"] * distances.time_s
     return patterns
 
 

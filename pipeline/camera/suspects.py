@@ -41,6 +41,7 @@ SUSPECTS = (
         "the camera has turned since the corners were taken by",
     ),
     Suspect("keypoint_depth", ("depth_m",), (0.02,), ("m",), "the keypoints lie deeper by"),
+    Suspect("sinking", ("sinks_m_s",), (0.01,), ("m/s",), "the robot sinks during each trial by"),
     Suspect(
         "uncorrected_refraction",
         ("refractive_index",),

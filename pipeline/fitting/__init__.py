@@ -12,7 +12,7 @@ from .normal import (
     trial_values,
 )
 from .paths import PathFit, fit_paths
-from .resampling import ensemble, jackknife_cov, moving
+from .resampling import ensemble, inverse_fisher, jackknife_cov, moving
 from .sandwich import Lasting, Spread, Told, spread_over_trials, without_bounds
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
@@ -37,6 +37,7 @@ __all__ = [
     "fit",
     "fit_noise",
     "fit_paths",
+    "inverse_fisher",
     "jackknife_cov",
     "log_likelihoods",
     "moving",

@@ -19,6 +19,12 @@ from .sandwich import Spread
 
 MANY = 1e6
 """Degrees of freedom that make Student's t the normal law."""
+LEAST_LEFT = 0.05
+"""Share of what is known of a direction that is left without one trial, at least. A trial that
+tells h of it has a score of variance h (1 - h) and so adds h / (1 - h) to the jackknife's: without
+end where no other trial tells of it, however well the model fits.
+"""
+ROUNDING = 1e-9
 
 
 def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
@@ -31,25 +37,38 @@ def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
     move = np.ones(p, dtype=bool) if moving is None else moving
     cov = np.zeros((p, p))
     if count < 2 or not move.any():
-        return pseudo_inverse(H.sum(axis=0))
-    total = H.sum(axis=0)
+        return inverse_fisher(normal, move)
     informed = np.einsum("tpp->tp", H).any(axis=1)
-    rest = _floor(total - H[informed], total)[:, move][:, :, move]
+    both = np.ix_(move, move)
+    total, own = H.sum(axis=0)[both], H[informed][:, move][:, :, move]
     # the sum of gradients is zero at the fit, so the rest's gradient is -g_t
-    spread = -np.einsum("tpq,tq->tp", pseudo_inverse(rest), g[informed][:, move])
+    spread = -np.einsum("tpq,tq->tp", _inverse_of_rest(total, own), g[informed][:, move])
     n = max(len(spread), 2)
     cov[np.ix_(move, move)] = (n - 1) / n * spread.T @ spread
-    return cov + _diagonal_floor(pseudo_inverse(H.sum(axis=0)), move)
+    # never less than a quarter of the naive variance: few trials may agree by chance
+    return cov + 0.25 * inverse_fisher(normal, move)
 
 
-def _floor(rest: Float, total: Float) -> Float:
-    """Fisher matrices (t, p, p) of the rest, kept invertible where one trial alone informs."""
-    return rest + 1e-3 * np.diag(np.diag(total))
+def inverse_fisher(normal: Normal, move: np.ndarray) -> Float:
+    """Inverse Fisher matrix (p, p) of the numbers that move, zero for those held at a bound."""
+    out = np.zeros((len(move), len(move)))
+    both = np.ix_(move, move)
+    out[both] = pseudo_inverse(normal.hessian.sum(axis=0)[both])
+    return out
 
 
-def _diagonal_floor(naive: Float, move: np.ndarray) -> Float:
-    """Never less than a quarter of the naive variance: few trials may agree by chance."""
-    return np.where(np.outer(move, move), 0.25 * naive, 0.0)
+def _inverse_of_rest(total: Float, own: Float) -> Float:
+    """Inverses (t, p, p) of what is left of a Fisher matrix (p, p) without each trial's own, but
+    `LEAST_LEFT` of every direction.
+    """
+    known = np.diag(total)
+    size = np.sqrt(np.where(known > 0, known, 1.0))
+    whole = total / np.outer(size, size) + ROUNDING * np.eye(len(total))
+    root = np.linalg.inv(np.linalg.cholesky(whole)) / size
+    left = np.eye(len(total)) - root @ own @ root.T
+    values, vectors = np.linalg.eigh(0.5 * (left + np.swapaxes(left, 1, 2)))
+    back = root.T @ vectors
+    return (back / np.maximum(values, LEAST_LEFT)[:, None, :]) @ np.swapaxes(back, 1, 2)
 
 
 def moving(kernel: Kernel, found: Fit) -> np.ndarray:

@@ -1,9 +1,10 @@
 """Lens distortion left over.
 
-    seen = true + k (rho^2 - q R^2) (true - c)
+    seen = true + k [(rho^2 - q Q) (true - c) + a]
 
-with rho the distance from the point below the camera and R that of the pool's corners: the camera's
-height was found from the corners and makes up for the error there, wholly where q = 1.
+with rho the distance from c, where the lens's axis meets the water: the camera's pose was found
+from the corners and makes up for part of the error, by Q and a. These and c are those of the
+study's own camera with another first coefficient (camera/displacement.py), where q = 1.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial distortion).
 """
@@ -22,14 +23,22 @@ CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
 EVIDENCE = {"lens": 1.0}
 PARAMETERS = (
     Parameter("k", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water"),
-    Parameter("q", "1", 0.5, 0.0, 1.5, "how far out it is made up for, squared", 0.25),
+    Parameter("q", "1", 1.0, 0.0, 2.0, "how far out it is made up for, squared", 0.25),
 )
 
 
 def observe(
-    x: float, y: float, x_cam: float, y_cam: float, k: float, q: float
+    x: float,
+    y: float,
+    x_lens: float,
+    y_lens: float,
+    Q_lens: float,
+    ax_lens: float,
+    ay_lens: float,
+    k: float,
+    q: float,
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
-    dx, dy = x - x_cam, y - y_cam
-    s = k * (dx * dx + dy * dy - q * (x_cam * x_cam + y_cam * y_cam))
-    return s * dx, s * dy, 0.0, 0.0
+    dx, dy = x - x_lens, y - y_lens
+    s = dx * dx + dy * dy - q * Q_lens
+    return k * (s * dx + ax_lens), k * (s * dy + ay_lens), 0.0, 0.0

@@ -1,7 +1,8 @@
 """Refraction at the surface not corrected, or for the wrong depth.
 
 Seen from a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears
-drawn in towards it, more so at the edge: seen = true - k (true - c) (1 + 0.1 rho^2 / m^2).
+drawn in towards it: seen = true - k (true - c) (1 + b rho^2), with b from the camera's height
+(camera/displacement.py).
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
 
@@ -22,9 +23,9 @@ PARAMETERS = (Parameter("k", "1", 0.005, -0.05, 0.05, "share by which positions 
 
 
 def observe(
-    x: float, y: float, x_cam: float, y_cam: float, k: float
+    x: float, y: float, x_cam: float, y_cam: float, bend: float, k: float
 ) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
     dx, dy = x - x_cam, y - y_cam
-    s = -k * (1.0 + 0.1 * (dx * dx + dy * dy))
+    s = -k * (1.0 + bend * (dx * dx + dy * dy))
     return s * dx, s * dy, 0.0, 0.0

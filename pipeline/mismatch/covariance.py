@@ -16,6 +16,7 @@ from ..fitting import (
     Fit,
     Free,
     Spread,
+    inverse_fisher,
     moving,
     normal_equations,
     pseudo_inverse,
@@ -58,7 +59,7 @@ def _one_trial_s_own(model: Trialled, move: np.ndarray, between: Spread) -> Spre
     """
     cov, freedom = between.cov.copy(), between.freedom.copy()
     own = np.flatnonzero(move & (freedom == 0))
-    pooled = model.inflation * np.diag(model.fit.naive_cov)
+    pooled = model.inflation * np.diag(inverse_fisher(model.fit.normal, move))
     cov[own, own] = np.maximum(cov[own, own], pooled[own])
     freedom[own] = max(len(model.fit.normal.hessian) - 1, 1)
     return Spread(cov, freedom)

@@ -20,7 +20,7 @@ from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
-from .nameless import nameless, nameless_gain, not_outdone, tells, without_proxies
+from .nameless import nameless, nameless_gain, not_outdone, only_form, tells, without_proxies
 from .select import WRONG, Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
 from .swinging import beside_a_swing, of_time, only_swings, swings
@@ -89,6 +89,8 @@ def find_mismatch(
     progress("terms without a name")
     choice = not_outdone(bench, choice)
     residual = nameless(bench, choice.chosen, choice.bare)
+    if tells(choice, residual) and only_form(bench, choice):
+        residual = choice.chosen
     swing = 0.0
     if tells(choice, residual) and swings(residual.fit.free):
         swing = nameless_gain(choice, residual)

@@ -21,6 +21,7 @@ from ..fitting import (
     Noise,
     Normal,
     Series,
+    inverse_fisher,
     jackknife_cov,
     log_likelihoods,
     moving,
@@ -104,11 +105,12 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     move = moving(kernel, found)
     move[own] = True
     s = found.values[own]
+    naive = inverse_fisher(found.normal, move)[np.ix_(own, own)]
     trials = int((np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0).any(axis=1).sum())
     if telling(found.normal)[:, own].any(axis=1).sum() == 1 and len(found.normal.hessian) > 1:
-        fisher = pseudo_inverse(found.naive_cov[np.ix_(own, own)]) / wider
+        fisher = pseudo_inverse(naive) / wider
         return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
-    pooled = wider * found.naive_cov[np.ix_(own, own)]
+    pooled = wider * naive
     between = jackknife_cov(found.normal, move)[np.ix_(own, own)]
     cov = (PRIOR_FREEDOM * pooled + (trials - 1) * between) / (PRIOR_FREEDOM + trials - 1)
     wald = max(float(s @ pseudo_inverse(cov) @ s), 0.0)

@@ -10,7 +10,8 @@ import numpy as np
 from .bench import Bench
 from .judge import Trialled
 from .paying import pays
-from .select import Choice, Round, one_round, places_of
+from .search import held_shapes
+from .select import Choice, Round, formed, one_round, places_of
 
 TELLING_SHARE = 0.3
 LEAST_PART = 0.1
@@ -123,6 +124,19 @@ def tells(choice: Choice, residual: Trialled) -> bool:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and law > TELLING_SHARE
+
+
+def only_form(bench: Bench, choice: Choice) -> bool:
+    """Whether nameless terms tell of nothing more once the forms of the named causes are free: what
+    they told of was a law in another form than the candidate's.
+    """
+    held = held_shapes(bench.kernel, choice.chosen)
+    if not held:
+        return False
+    free = formed(bench, choice.chosen, held)
+    if not np.isfinite(free.total) or free.total <= choice.chosen.total:
+        return False
+    return not tells(replace(choice, chosen=free), nameless(bench, free, choice.bare))
 
 
 def nameless_gain(choice: Choice, residual: Trialled) -> float:

@@ -134,10 +134,26 @@ def _outdone(place: Round, chosen: Trialled) -> bool:
     """Whether a rival does clearly better than the chosen effect in its place, one whose strength
     is not likely nothing.
     """
-    rivals = [t.total for t in place.tried
-              if t.effects[-1] not in chosen.effects
-              and t.p_value[t.effects[-1]] < UNLIKELY]  # fmt: skip
+    rivals = [t.total for t in place.tried if t.effects[-1] not in chosen.effects and is_sure(t)]
     return max(rivals, default=-np.inf) > chosen.total + chosen.inflation
+
+
+def in_place(choice: Choice, name: str) -> dict[str, float]:
+    """Held-out log likelihood of a chosen effect and of its rivals for its place. A rival whose
+    strength may be nothing is worth as much as the chosen effect at most, however well it does.
+    """
+    chosen = choice.chosen
+    rivals = {
+        t.effects[-1]: t.total if is_sure(t) else min(t.total, chosen.total)
+        for t in choice.places[name].tried
+        if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
+    }
+    return {**rivals, name: chosen.total}
+
+
+def is_sure(model: Trialled) -> bool:
+    """Whether the strength of the effect added last is not likely nothing."""
+    return model.p_value[model.effects[-1]] < UNLIKELY
 
 
 def _instead(place: Round, chosen: Trialled) -> Trialled:
@@ -212,10 +228,15 @@ def shaped(bench: Bench, model: Trialled) -> Trialled:
     held = held_shapes(bench.kernel, model)
     if not held:
         return model
-    bench.progress(f"form of {', '.join(model.effects)}")
-    free = bench.settled(bench.refit(model.effects, model, {**model.fit.by_label(), **held}))
+    free = formed(bench, model, held)
     gain = (free.total - model.total) / free.inflation
     return free if gain > LEAST_FOR_SHAPE and free.inflation <= 2 * model.inflation else model
+
+
+def formed(bench: Bench, model: Trialled, held: Mapping[str, float]) -> Trialled:
+    """A model with these shapes of its effects free as well, under its own noise."""
+    bench.progress(f"form of {', '.join(model.effects)}")
+    return bench.settled(bench.refit(model.effects, model, {**model.fit.by_label(), **held}))
 
 
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:

@@ -16,6 +16,7 @@ from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
 from .nameless import SWING
+from .select import in_place
 from .setting import CHANNELS, best_next_trial
 from .swinging import only_swings
 from .weighing import beside_nameless, reliability, told_aside, weights
@@ -75,12 +76,7 @@ def weights_in_place(found: Found, name: str) -> dict[str, float]:
     chosen, without = found.choice.chosen, found.choice.without[name]
     paths = reliability((chosen.total - without.total) / chosen.inflation)
     sure = max(paths, told_aside(chosen.side - without.side))
-    rivals = {
-        t.effects[-1]: t
-        for t in found.choice.places[name].tried
-        if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
-    }
-    shares = weights({**rivals, name: chosen}, inflation=chosen.inflation)
+    shares = weights(in_place(found.choice, name), chosen.inflation)
     if not _terms(found):
         shares = beside_nameless(shares, name, found.choice.ahead.get(name, -np.inf))
     return {other: sure * share / astray_by(chosen) for other, share in shares.items()}

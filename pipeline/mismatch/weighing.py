@@ -6,8 +6,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .judge import Trialled
-
 HALF_SURE, STEEP = 6.0, 1.2
 """Softmax among the candidates knows of no law that is not among them: with it alone all weights
 were 1. In 96 concealed studies (seeds 11, 31, 1001 and 1002) 121 of 127 causes were true: 94 of 94
@@ -39,15 +37,12 @@ def told_aside(gain: float) -> float:
     return 1.0 / (1.0 + CANDIDATES * np.exp(-max(gain, 0.0)))
 
 
-def weights(models: Mapping[str, Trialled], *, inflation: float | None = None) -> dict[str, float]:
-    """Weights that sum to 1 from held-out log likelihoods over an inflation, that of the best model
-    unless another is given: one that explains nothing may gain by chance and be inflated hugely.
-    """
-    best = max(models.values(), key=lambda t: t.total)
-    over = best.inflation if inflation is None else inflation
-    raw = {n: float(np.exp((t.total - best.total) / over)) for n, t in models.items()}
-    total = sum(raw.values())
-    return {name: value / total for name, value in raw.items()}
+def weights(totals: Mapping[str, float], inflation: float) -> dict[str, float]:
+    """Weights that sum to 1 from held-out log likelihoods over an inflation."""
+    best = max(totals.values())
+    raw = {name: float(np.exp((total - best) / inflation)) for name, total in totals.items()}
+    whole = sum(raw.values())
+    return {name: value / whole for name, value in raw.items()}
 
 
 def beside_nameless(shares: Mapping[str, float], name: str, ahead: float) -> dict[str, float]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..camera import view
 from ..data import Float
 from ..integrate import LANES, compiled
 from ..integrate.batch import STEP_S, propagate
@@ -34,7 +35,7 @@ class Simulation:
 
 def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -> Float:
     """Constants of one trial in the order of `CONSTANTS`, (constants,)."""
-    robot, pool = setup.robot, setup.pool
+    robot, pool, seen = setup.robot, setup.pool, view(setup)
     values = {
         "rho": setup.water.density_kg_m3,
         "A": robot.head_area_m2(head_length_m),
@@ -50,8 +51,14 @@ def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -
         "l_tail": robot.tail_length_m,
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
-        "x_cam": 0.5 * pool.length_m,
-        "y_cam": 0.5 * pool.width_m,
+        "x_cam": seen.below_m[0],
+        "y_cam": seen.below_m[1],
+        "bend": seen.bend_1_m2,
+        "x_lens": seen.lens_m[0],
+        "y_lens": seen.lens_m[1],
+        "Q_lens": seen.lens_rest_m2,
+        "ax_lens": seen.lens_pull_m3[0],
+        "ay_lens": seen.lens_pull_m3[1],
         "psi0": heading_rad,
         "t_shift": NEVER_S,
     }

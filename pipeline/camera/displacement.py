@@ -1,0 +1,118 @@
+"""How a wrong lens and refraction not corrected move what is seen over the pool, in few numbers.
+
+What a model of such errors needs of a study's camera: where it stands, and how the pose, found from
+the corners under the wrong lens, makes up for part of the error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ..data import Float
+from ..study import Camera, Pool, Setup
+from .corners import camera_over
+from .distances import CHANGES, Geometry
+from .pool import PoolCamera, project, to_pool
+
+WATER = 1.333
+UNCORRECTED = 1.05
+"""A study with a smaller index leaves refraction out; with a larger one the depth may be wrong."""
+GRID, RADII = (12, 8), 50
+INSIDE = 0.08
+LEAST_FIELD = 1e-9
+
+
+@dataclass(frozen=True)
+class View:
+    """Numbers of a camera over a pool.
+
+    below_m: (x, y) under the camera. bend_1_m2: what is drawn in by refraction goes as
+    rho (1 + bend rho^2), rho from there. A wrong lens moves p by k ((r^2 - q Q)(p - c) + a), with
+    r = |p - c|, q near 1: lens_m is c, lens_rest_m2 is Q (where the pose makes up for it),
+    lens_pull_m3 is a.
+    """
+
+    below_m: tuple[float, float]
+    bend_1_m2: float
+    lens_m: tuple[float, float]
+    lens_rest_m2: float
+    lens_pull_m3: tuple[float, float]
+
+
+def view(setup: Setup) -> View:
+    """The numbers of a study's camera; those of one over the middle where no lens is stated."""
+    index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
+    return _view(setup.camera, setup.pool, index, depth_m)
+
+
+@lru_cache(maxsize=8)
+def _view(given: Camera, pool: Pool, index: float, depth_m: float) -> View:
+    middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
+    camera = camera_over(given, pool, index)
+    if camera.lens is None:
+        return View(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+    x, y, height = map(float, camera.center_m)
+    return View(
+        (x, y), _bend(index, height, float(np.hypot(*middle))), *_of_lens(camera, depth_m, middle)
+    )
+
+
+def _bend(index: float, height_m: float, reach_m: float) -> float:
+    """B of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
+
+    Snell's law, t = rho / H the tangent of the angle in air: in water it is
+    t / sqrt(n^2 + (n^2 - 1) t^2). Not corrected at all, t less that is seen too far out; corrected
+    for a wrong depth, that alone. Places are weighed by their area.
+    """
+    rho = np.linspace(0.0, reach_m, RADII)[1:]
+    t = rho / height_m
+    in_water = t / np.sqrt(WATER**2 + (WATER**2 - 1) * t**2)
+    drawn_in = t - in_water if index < UNCORRECTED else in_water
+    design = np.column_stack([rho, rho**3]) * np.sqrt(rho)[:, None]
+    first, third = np.linalg.lstsq(design, drawn_in * np.sqrt(rho), rcond=None)[0]
+    return float(third / first)
+
+
+def _of_lens(
+    camera: PoolCamera, depth_m: float, middle: tuple[float, float]
+) -> tuple[tuple[float, float], float, tuple[float, float]]:
+    """c, Q and a of `View` from the displacements that a small error of the lens makes."""
+    length, width = camera.pool_size_m
+    x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
+                         for side, n in zip((length, width), GRID, strict=True)))  # fmt: skip
+    places = np.column_stack([x.ravel(), y.ravel()])
+    moved = _moved(camera, places, depth_m)
+    seen = np.isfinite(moved).all(axis=1)
+    rest = float(np.dot(middle, middle))
+    size = float(np.abs(moved[seen]).max(initial=0.0))
+    if size < LEAST_FIELD:
+        return middle, rest, (0.0, 0.0)
+    target = np.ravel(moved[seen] / size)
+
+    def shape(numbers: Float) -> Float:
+        cx, cy, made_up, ax, ay = numbers
+        off = places[seen] - np.array([cx, cy])
+        model = (np.sum(off**2, axis=1) - made_up)[:, None] * off + np.array([ax, ay])
+        return np.ravel(model)
+
+    start = np.array([*middle, rest, 0.0, 0.0])
+    first = shape(start)
+    k = float(first @ target) / float(first @ first)
+    found = least_squares(lambda n: n[0] * shape(n[1:]) - target, np.array([k, *start])).x
+    cx, cy, rest, ax, ay = map(float, found[1:])
+    return (cx, cy), rest, (ax, ay)
+
+
+def _moved(camera: PoolCamera, places: Float, depth_m: float) -> Float:
+    """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
+    depth = np.full(len(places), depth_m)
+    pixels = project(camera, np.column_stack([places, -depth]))
+    change, step = CHANGES["k1"]
+    high, low = (
+        to_pool(change(Geometry(camera, depth_m), s).camera, pixels, depth) for s in (step, -step)
+    )
+    return (high - low) / (2 * step)

@@ -1,0 +1,85 @@
+"""Wrong lens, refraction left out, wrong depth: what they do over the pool, by exact optics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool, view
+from pipeline.camera.resection import rectangle
+from pipeline.measurement import lens_error, uncorrected_refraction
+from pipeline.model import simulation
+from pipeline.study import Setup
+from robots import SETUP
+
+DEPTH_M, WATER = 0.06, 1.333
+CORNERS_M = rectangle(2.6, 1.6, 0.0)
+PLACES = np.array([(x, y) for x in np.linspace(0.2, 2.4, 12) for y in np.linspace(0.2, 1.4, 7)])
+
+
+def lens(k1: float = -0.06) -> Lens:
+    matrix = np.array([[916.0, 0, 958], [0, 917, 544], [0, 0, 1]])
+    return Lens("pinhole", matrix, np.array([k1, 0.012, 4e-4, -3e-4, -0.002]), (1920, 1080))
+
+
+def camera(index: float = WATER) -> PoolCamera:
+    """2 m up, a hand off the middle, leaning by two degrees."""
+    turn = Rotation.from_rotvec([0.03, -0.02, 0.01]).as_matrix() @ np.diag([1.0, -1.0, -1.0])
+    shift = -turn @ np.array([1.4, 0.75, 2.0])
+    blank = PoolCamera(lens().size_px, np.zeros((4, 2)), CORNERS_M, index, np.zeros((4, 2)), 1.0,
+                       lens(), turn, shift)  # fmt: skip
+    return camera_from_corners(lens(), project(blank, CORNERS_M), CORNERS_M, index)
+
+
+def stated(*, k1: float = -0.06, index: float = WATER) -> Setup:
+    given = {
+        "image_size_px": [1920, 1080],
+        "matrix": lens().matrix.tolist(),
+        "distortion": lens(k1).distortion.tolist(),
+        "pool_corners_px": camera().corners_px.tolist(),
+    }
+    told = SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
+    told["robot"]["keypoint_depth_m"] = DEPTH_M
+    return Setup.model_validate(told)
+
+
+def fitted(observe, constants: dict[str, float], k: float, seen: np.ndarray) -> np.ndarray:
+    """Displacements by an effect at the strength that comes nearest to those seen."""
+    unit = np.array([observe(x, y, **constants, k=k)[:2] for x, y in PLACES])
+    return unit * np.sum(unit * seen) / np.sum(unit * unit)
+
+
+def named(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
+    given = simulation.constants(setup, 0.12)
+    return {name: float(given[simulation.CONSTANTS.index(name)]) for name in names}
+
+
+def share_left(model: np.ndarray, seen: np.ndarray) -> float:
+    return float(np.sqrt(np.sum((model - seen) ** 2) / np.sum(seen**2)))
+
+
+@pytest.mark.parametrize("off", [-0.05, 0.03])
+def test_a_wrong_lens_moves_places_as_its_candidate_says(off):
+    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
+    wrong = camera_from_corners(lens(-0.06 + off), camera().corners_px, CORNERS_M, WATER)
+    seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
+    given = named(stated(k1=-0.06 + off), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))
+    assert share_left(fitted(lens_error.observe, given | {"q": 1.0}, 0.01, seen), seen) < 0.06
+
+
+@pytest.mark.parametrize("index", [1.0, WATER])
+def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_says(index):
+    """Left out: index 1 is stated. Else the keypoints lie 30 mm deeper than stated."""
+    depth = DEPTH_M + (0.0 if index == 1.0 else 0.03)
+    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -depth)]))
+    seen = to_pool(camera(index), pixels, DEPTH_M) - PLACES
+    given = named(stated(index=index), ("x_cam", "y_cam", "bend"))
+    assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
+    assert share_left(fitted(uncorrected_refraction.observe, given, 0.01, seen), seen) < 0.03
+
+
+def test_a_homography_is_taken_for_a_camera_over_the_middle():
+    assert view(SETUP).below_m == (1.3, 0.8)
+    assert view(SETUP).bend_1_m2 == 0.0
+    assert view(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)

@@ -74,6 +74,11 @@ def reversed_rows(path):
     path.write_text("\n".join([*lines[:3], *lines[:2:-1]]))
 
 
+def an_open_quote(path):
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:3], f'"{lines[3]}', *lines[4:]]))
+
+
 def first_frame_twice(path):
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:4], *lines[3:]]))
@@ -82,8 +87,9 @@ def first_frame_twice(path):
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (reversed_rows, ["keypoints/T10.csv: row 2 of the body", "Sort the rows"]),
-        (first_frame_twice, ["row 2 of the body", "frame 0 after 0"]),
+        (reversed_rows, ["keypoints/T10.csv: row 5: found frame", "Sort the rows"]),
+        (first_frame_twice, ["row 5: ", "frame 0 after 0"]),
+        (an_open_quote, ["keypoints/T10.csv: row 4", "quotation mark that is not closed"]),
         (only_two_parts, ["keypoints/T10.csv", "expected"]),
         (all_nan, ["keypoints/T10.csv", "expected"]),
         (lambda path: path.write_text(""), ["keypoints/T10.csv", "empty"]),

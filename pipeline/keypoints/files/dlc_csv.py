@@ -35,7 +35,9 @@ def read_csv(path: Path) -> Table:
     who = header.get("individuals", [""] * width)
     labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
     index = ["/".join(cell.strip() for cell in row[:first]) for _, row in body]
-    return assemble(path, labels, values[:, [i - first for i in kept]], frame_numbers(index, path))
+    lines = [number for number, _ in body]
+    frame = frame_numbers(index, path, lines)
+    return assemble(path, labels, values[:, [i - first for i in kept]], frame, lines)
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
@@ -47,6 +49,10 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
         raise fault(path, "", f"no readable csv ({error})", "a DeepLabCut csv in UTF-8") from error
     if not rows:
         raise fault(path, "", "an empty file", "a DeepLabCut csv")
+    for number, row in rows:
+        if any("\n" in cell for cell in row):
+            raise fault(path, f"row {number}", "a quotation mark that is not closed in its row",
+                        "a row a frame", "Take the mark out, or close it.")  # fmt: skip
     return rows
 
 

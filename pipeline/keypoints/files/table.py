@@ -37,8 +37,16 @@ class Table:
     remarks: tuple[str, ...] = ()
 
 
-def assemble(path: Path, labels: Sequence[tuple[str, ...]], values: Float, frame: Float) -> Table:
+def assemble(
+    path: Path,
+    labels: Sequence[tuple[str, ...]],
+    values: Float,
+    frame: Float,
+    lines: Sequence[int] | None = None,
+) -> Table:
     """Table of raw columns: each label (individual, part, coordinate), values (rows, columns).
+
+    lines: line number of each row in a file of text.
 
     Positions are taken by name, in whatever order the columns stand. A position that is missing,
     infinite, or 0, 0 with likelihood 0 is not seen, whatever likelihood the file gives it.
@@ -58,16 +66,20 @@ def assemble(path: Path, labels: Sequence[tuple[str, ...]], values: Float, frame
     for i, column in enumerate(columns):
         if (*column, "likelihood") in place:
             likelihood[:, i] = values[:, place[(*column, "likelihood")]]
-    _check_pixels(path, xy)
+    _check_pixels(path, xy, lines)
     return Table(columns, frame, *_cleaned(xy, likelihood))
 
 
-def _check_pixels(path: Path, xy: Float) -> None:
+def _row(k: int, lines: Sequence[int] | None) -> str:
+    """Where the k-th row stands: its line in a file of text, else its place among the rows."""
+    return f"row {k + 1} of the table" if lines is None else f"row {lines[k]}"
+
+
+def _check_pixels(path: Path, xy: Float, lines: Sequence[int] | None) -> None:
     rows = np.nonzero(np.any(np.abs(xy) > LARGEST_PX, axis=(1, 2)) & np.isfinite(xy).all((1, 2)))[0]
     if len(rows):
-        raise fault(
-            path, f"row {rows[0] + 1} of the body", f"{np.abs(xy[rows[0]]).max():g}", "pixels"
-        )
+        k = int(rows[0])
+        raise fault(path, _row(k, lines), f"{np.abs(xy[k]).max():g}", "pixels")
 
 
 def _cleaned(xy: Float, likelihood: Float) -> tuple[Float, Float]:
@@ -78,10 +90,11 @@ def _cleaned(xy: Float, likelihood: Float) -> tuple[Float, Float]:
     return xy, np.where(seen, certain, 0.0)
 
 
-def frame_numbers(index: Sequence[str], path: Path) -> Float:
+def frame_numbers(index: Sequence[str], path: Path, lines: Sequence[int] | None = None) -> Float:
     """Frame numbers of an index of numbers or of picture paths; the row's place where neither.
 
     Picture paths count by the last number in their name, if that number grows from row to row.
+    lines: see `assemble`.
 
     Raises: Fault where plain numbers do not grow (rows doubled, or in another order), are no whole
     numbers, or leave a gap that no recording has.
@@ -92,23 +105,23 @@ def frame_numbers(index: Sequence[str], path: Path) -> Float:
     except ValueError:
         numbers = np.array([float(f[-1]) if f else np.nan for f in found])
     else:
-        _check_order(path, numbers)
+        _check_order(path, numbers, lines)
     if len(numbers) and np.all(np.isfinite(numbers)) and np.all(np.diff(numbers) > 0):
         return numbers
     return np.arange(len(index), dtype=float)
 
 
-def _check_order(path: Path, numbers: Float) -> None:
+def _check_order(path: Path, numbers: Float, lines: Sequence[int] | None) -> None:
     odd = np.flatnonzero((numbers < 0) | (numbers != np.round(numbers)))
     if len(odd):
         k = int(odd[0])
-        raise fault(path, f"row {k + 1} of the body", f"frame {numbers[k]:g}",
+        raise fault(path, _row(k, lines), f"frame {numbers[k]:g}",
                     "whole numbers from 0 on in the first column")  # fmt: skip
     wide = np.flatnonzero(np.diff(numbers) > LONGEST_GAP)
     if len(wide):
         k = int(wide[0])
         raise fault(
-            path, f"row {k + 2} of the body",
+            path, _row(k + 1, lines),
             f"frame {numbers[k + 1]:.0f} after {numbers[k]:.0f}",
             f"frames of one trial, at most {LONGEST_GAP} missing between two of them",
             "Is the frame number a slip of the pen?",
@@ -117,7 +130,7 @@ def _check_order(path: Path, numbers: Float) -> None:
     if len(back) and np.ptp(numbers) > 0:
         k = int(back[0])
         raise fault(
-            path, f"row {k + 2} of the body", f"frame {numbers[k + 1]:g} after {numbers[k]:g}",
+            path, _row(k + 1, lines), f"frame {numbers[k + 1]:g} after {numbers[k]:g}",
             "frame numbers that grow from row to row",
             "Sort the rows by their first column and leave each frame once.",
         )  # fmt: skip

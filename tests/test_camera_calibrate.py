@@ -21,6 +21,7 @@ from pipeline.camera.judge import chosen, judged
 from pipeline.camera.lens import Lens, pixels
 from pipeline.camera.pictures import from_frames
 from pipeline.camera.profile import read_profile
+from pipeline.camera.zoom import zoomed_views
 from pipeline.data import Frame
 from pipeline.faults import Fault
 
@@ -147,6 +148,25 @@ def test_a_lens_that_folds_inside_the_picture_is_refused():
     middle[:, 3:5] = rng.uniform([-0.12, -0.08], [-0.08, -0.05], (16, 2))
     found = judged(views_of(lens, middle, 0.05, rng), "pinhole", 4, SIZE)
     assert any("not monotonic inside the picture" in reason for reason in found.refusals)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_zooms_in_one_set_are_told(seed):
+    """Eight of twenty views through a lens of six per cent more focal length."""
+    rng = np.random.default_rng(900 + seed)
+    longer = Lens("pinhole", np.diag([1.06, 1.06, 1]) @ PINHOLE.matrix, PINHOLE.distortion, SIZE)
+    longer.matrix[:2, 2] = PINHOLE.matrix[:2, 2]
+    where = poses(20, rng)
+    views = views_of(PINHOLE, where[:12], 0.2, rng) + views_of(longer, where[12:], 0.2, rng)
+    found = judged(views, "pinhole", 4, SIZE)
+    assert "two focal lengths" in zoomed_views(found.fit, list(found.views))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_one_zoom_is_not_taken_for_two(seed):
+    rng = np.random.default_rng(100 + seed)
+    found = judged(views_of(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, SIZE)
+    assert zoomed_views(found.fit, list(found.views)) == ""
 
 
 def test_a_view_grossly_off_is_left_out_and_named():

@@ -237,6 +237,26 @@ def _jackknife(parts: _Parts) -> Float:
     return np.asarray(shifts.T @ shifts * (len(own) - 1) / len(own))
 
 
+def focal_shifts(fitted: Fitted, views: list[View]) -> tuple[Float, Float]:
+    """By how much each view alone would lengthen both focal lengths, and how well it can tell.
+
+    Shares (views,) and their standard deviations (views,), to first order, the view's own pose
+    following, by the misses of all views as white noise.
+    """
+    state, given = parameters(fitted.lens), _problem(fitted.lens, views)
+    misses = _misses(state, fitted.poses, given)
+    parts = _normal_parts(state, fitted.poses, given, misses)
+    along = np.zeros(len(state))
+    along[:2] = state[:2]
+    turned = np.linalg.solve(parts.pose, np.swapaxes(parts.cross, 1, 2) @ along[:, None])[:, :, 0]
+    told = np.einsum("p,vpq,q->v", along, parts.lens, along)
+    told -= np.einsum("vp,vp->v", np.einsum("vpi,p->vi", parts.cross, along), turned)
+    pull = parts.lens_pull @ along - np.einsum("vi,vi->v", parts.pose_pull, turned)
+    noise = float(np.mean(misses**2))
+    told = np.maximum(told, 1e-12)
+    return pull / told, np.sqrt(noise / told)
+
+
 def _damped(matrices: Float, damping: float) -> Float:
     diagonal = np.einsum("vii->vi", matrices)
     return matrices + (damping * diagonal + 1e-30)[:, :, None] * np.eye(matrices.shape[1])

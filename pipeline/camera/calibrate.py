@@ -17,6 +17,7 @@ from .judge import CANDIDATES, Judged, chosen, coverage, judged
 from .lens import MODELS, Lens
 from .pictures import find_views, grey_pictures
 from .profile import read_profile
+from .zoom import zoomed_views
 
 GOOD_COVERAGE = 0.6
 HELD_OUT_RATIO = 1.2
@@ -173,6 +174,8 @@ def _result(
         )
     if best.held_out_px > HELD_OUT_RATIO * best.fit.rms_px:
         remarks.append("views held out fit worse than those used: take more views")
+    if zoomed := zoomed_views(best.fit, list(best.views)):
+        remarks.append(zoomed)
     return Calibration(
         lens=best.fit.lens,
         lens_std=np.sqrt(np.diag(best.fit.lens_cov)),

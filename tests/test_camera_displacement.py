@@ -6,8 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool, view
+from pipeline.camera import (
+    Lens,
+    PoolCamera,
+    camera_from_corners,
+    pool_camera,
+    project,
+    to_pool,
+    view,
+)
 from pipeline.camera.resection import rectangle
+from pipeline.faults import Fault
 from pipeline.measurement import lens_error, uncorrected_refraction
 from pipeline.model import simulation
 from pipeline.study import Setup
@@ -83,3 +92,12 @@ def test_a_homography_is_taken_for_a_camera_over_the_middle():
     assert view(SETUP).below_m == (1.3, 0.8)
     assert view(SETUP).bend_1_m2 == 0.0
     assert view(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
+
+
+def test_corners_that_fit_no_pose_stop_no_simulation():
+    setup = stated()
+    a, b, c, d = setup.camera.pool_corners_px
+    crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
+    with pytest.raises(Fault):
+        pool_camera(setup.model_copy(update={"camera": crossed}))
+    assert view(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..data import Float
+from ..faults import Fault
 from ..study import Camera, Pool, Setup
 from .corners import camera_over
 from .distances import CHANGES, Geometry
@@ -44,7 +45,9 @@ class View:
 
 
 def view(setup: Setup) -> View:
-    """The numbers of a study's camera; those of one over the middle where no lens is stated."""
+    """The numbers of a study's camera; those of one over the middle where no lens is stated or the
+    corners fit no pose (which the stages that need a pose tell).
+    """
     index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
     return _view(setup.camera, setup.pool, index, depth_m)
 
@@ -52,9 +55,13 @@ def view(setup: Setup) -> View:
 @lru_cache(maxsize=8)
 def _view(given: Camera, pool: Pool, index: float, depth_m: float) -> View:
     middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
-    camera = camera_over(given, pool, index)
+    above = View(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+    try:
+        camera = camera_over(given, pool, index)
+    except Fault:
+        return above
     if camera.lens is None:
-        return View(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+        return above
     x, y, height = map(float, camera.center_m)
     return View(
         (x, y), _bend(index, height, float(np.hypot(*middle))), *_of_lens(camera, depth_m, middle)
@@ -62,7 +69,7 @@ def _view(given: Camera, pool: Pool, index: float, depth_m: float) -> View:
 
 
 def _bend(index: float, height_m: float, reach_m: float) -> float:
-    """B of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
+    """The b of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
 
     Snell's law, t = rho / H the tangent of the angle in air: in water it is
     t / sqrt(n^2 + (n^2 - 1) t^2). Not corrected at all, t less that is seen too far out; corrected
@@ -80,7 +87,9 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
 def _of_lens(
     camera: PoolCamera, depth_m: float, middle: tuple[float, float]
 ) -> tuple[tuple[float, float], float, tuple[float, float]]:
-    """c, Q and a of `View` from the displacements that a small error of the lens makes."""
+    """c, Q and a of `View` from the displacements that a small error of the lens makes; those of a
+    lens over the middle where they come out outside the pool.
+    """
     length, width = camera.pool_size_m
     x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
                          for side, n in zip((length, width), GRID, strict=True)))  # fmt: skip
@@ -103,8 +112,10 @@ def _of_lens(
     first = shape(start)
     k = float(first @ target) / float(first @ first)
     found = least_squares(lambda n: n[0] * shape(n[1:]) - target, np.array([k, *start])).x
-    cx, cy, rest, ax, ay = map(float, found[1:])
-    return (cx, cy), rest, (ax, ay)
+    cx, cy, made_up, ax, ay = map(float, found[1:])
+    if not np.hypot(cx - middle[0], cy - middle[1]) < np.hypot(*middle):
+        return middle, rest, (0.0, 0.0)
+    return (cx, cy), made_up, (ax, ay)
 
 
 def _moved(camera: PoolCamera, places: Float, depth_m: float) -> Float:

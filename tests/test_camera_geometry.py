@@ -132,6 +132,18 @@ def test_a_wrong_distortion_is_a_lens_error():
     assert found.best.values[1] == pytest.approx(-0.048, abs=0.02)
 
 
+def test_a_lens_far_off_is_followed_to_its_error_and_is_none_of_scale():
+    """k1 off by 0.2: by patterns of first order its focal length would be off implausibly."""
+    wrong = Lens("pinhole", LENS.matrix, np.add(LENS.distortion, [0.2, 0, 0, 0, 0]), LENS.size_px)
+    believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
+    found = checked(believed)
+    assert found.outcome == "lens_error"
+    assert found.rivals == ()
+    focal, k1 = found.best.values
+    assert abs(focal) < 0.08
+    assert k1 == pytest.approx(-0.2, abs=0.02)
+
+
 def test_a_camera_turned_after_the_corners_were_taken_is_a_camera_shift():
     turn = Rotation.from_rotvec([0.012, -0.008, 0]).as_matrix()
     moved = replace(TRUTH, rotation=turn @ TRUTH.rotation, translation=turn @ TRUTH.translation)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -144,6 +144,28 @@ def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float
     if "depth_m" in patterns:
         patterns["sinks_m_s"] = patterns["depth_m"] * distances.time_s
     return patterns
+
+
+def without_error(
+    geometry: Geometry, distances: Distances, errors: Mapping[str, float]
+) -> tuple[Geometry, Distances]:
+    """Geometry and distances as they would be without errors of the camera, however large.
+
+    errors: parameter -> true value minus value used.
+    """
+    changed = geometry
+    for name, value in errors.items():
+        changed = CHANGES[name][0](changed, value)
+    depth = np.full(len(distances.front_m), -geometry.depth_m)
+    front, back = (
+        to_pool(changed.camera, project(geometry.camera, np.column_stack([end, depth])),
+                changed.depth_m)
+        for end in (distances.front_m, distances.back_m)
+    )  # fmt: skip
+    before = np.linalg.norm(distances.front_m - distances.back_m, axis=1)
+    grown = np.nan_to_num(np.linalg.norm(front - back, axis=1) - before)
+    return changed, replace(distances, front_m=front, back_m=back,
+                            excess_m=distances.excess_m + grown)  # fmt: skip
 
 
 def keypoint_patterns(distances: Distances) -> dict[str, Float]:

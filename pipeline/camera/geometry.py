@@ -7,19 +7,29 @@ everywhere. Which error bends them is told by the pattern over the pool.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..data import Float, Positions
+from ..faults import Fault
 from ..study import Robot
 from .distance_map import DistanceMap, distance_map
-from .distances import Distances, Geometry, camera_patterns, keypoint_patterns, rigid_distances
+from .distances import (
+    Distances,
+    Geometry,
+    camera_patterns,
+    keypoint_patterns,
+    rigid_distances,
+    without_error,
+)
 from .pool import PoolCamera
 from .suspects import SUSPECTS, Estimate, Suspect, estimate
 
 FALSE_ALARM = 0.001
 RIVAL_MARGIN = 6.0
+FOLLOWED = 4
+"""Steps by which a large error of the lens is followed; the gain is that of the one before last."""
 
 
 @dataclass(frozen=True)
@@ -59,13 +69,10 @@ def check_geometry(
 
     Raises: Fault where no rigid pair is ever seen.
     """
-    distances = rigid_distances(trials, head_lengths_m, robot)
-    patterns = {
-        **camera_patterns(Geometry(camera, depth_m), distances),
-        **keypoint_patterns(distances),
-    }
+    distances, geometry = rigid_distances(trials, head_lengths_m, robot), Geometry(camera, depth_m)
+    patterns = {**camera_patterns(geometry, distances), **keypoint_patterns(distances)}
     fits = [
-        estimate(suspect, patterns, distances)
+        _followed(estimate(suspect, patterns, distances), geometry, distances)
         for suspect in SUSPECTS
         if set(suspect.parameters) <= set(patterns)
     ]
@@ -89,6 +96,27 @@ def check_geometry(
         mean_excess_std=std,
         map=distance_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
     )
+
+
+def _followed(first: Estimate, geometry: Geometry, distances: Distances) -> Estimate:
+    """The estimate of a wrong lens by Gauss and Newton's steps, where the first step is
+    implausibly large: patterns of first order are those of small errors.
+    """
+    if first.plausible or first.suspect.name != "lens_error":
+        return first
+    found, names = first, first.suspect.parameters
+    for _ in range(FOLLOWED):
+        errors = dict(zip(names, found.values, strict=True))
+        try:
+            there, rest = without_error(geometry, distances, errors)
+            patterns = camera_patterns(there, rest)
+        except Fault:  # the corners fit no pose under such a lens
+            return first
+        design = np.column_stack([patterns[name] for name in names])
+        whole = replace(rest, excess_m=rest.excess_m + design @ np.array(found.values))
+        gain = float(np.sum((distances.excess_m**2 - rest.excess_m**2) / distances.std_m**2))
+        found = replace(estimate(first.suspect, patterns, whole), gain=gain)
+    return found if found.gain > first.gain else first
 
 
 def estimate_depth(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import importlib.util
 import sys
+from importlib.metadata import version
 
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ from pipeline.faults import Fault
 from studies import small_study
 
 HAS_MOVEMENT = importlib.util.find_spec("movement") is not None
+SINGULAR = not HAS_MOVEMENT or tuple(map(int, version("movement").split(".")[:2])) >= (0, 17)
+"""Before 0.17 movement called its dimensions keypoints and individuals."""
 
 
 def test_without_xarray_it_says_what_to_install(monkeypatch):
@@ -83,9 +86,11 @@ def test_movement_reads_it_and_agrees_about_the_velocity(tmp_path):
     made = campaign()
     name = next(iter(made.tracks))
     write_netcdf(made, name, tmp_path / "one.nc")
-    with xarray.open_dataset(tmp_path / "one.nc") as read:
+    with xarray.open_dataset(tmp_path / "one.nc") as written:
+        parts, animals = ("keypoint", "individual") if SINGULAR else ("keypoints", "individuals")
+        read = written.rename(keypoint=parts, individual=animals) if not SINGULAR else written
         ValidPosesInputs.validate(read)
-        velocity = compute_velocity(read.position).sel(keypoint="core_center")
+        velocity = compute_velocity(read.position).sel({parts: "core_center"})
         speed = np.linalg.norm(velocity.values[2:-2, :, 0], axis=1)
     assert speed == pytest.approx(made.tracks[name].speed_m_s[2:-2], abs=2e-3)
 

@@ -28,6 +28,7 @@ CAPTION = (
 NEEDS = ("geometry",)
 SHOWN = 9
 SEEN = "#56B4E9"
+LEAST_TOLD = 0.01
 BESIDE = 6.0
 """Room for the figure beside the longest bar, as a factor on the logarithmic axis."""
 
@@ -87,7 +88,8 @@ def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, na
 def _deviations(axes: Axes, grid: dict[str, Float]) -> None:
     x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
     for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
-        text = f"±{100 * grid['std'][row, column]:.2g}"
+        std = 100 * grid["std"][row, column]
+        text = f"±{std:.2f}" if std >= LEAST_TOLD else f"<{LEAST_TOLD}"
         axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5, color="#5b6570")
 
 
@@ -108,4 +110,4 @@ def _suspects(axes: Axes, estimates: list[dict[str, Any]]) -> None:
 
 
 def _plain(name: str) -> str:
-    return name.removesuffix("_m").removesuffix("_rad").replace("_", " ")
+    return name.removesuffix("_m_s").removesuffix("_m").removesuffix("_rad").replace("_", " ")

@@ -209,6 +209,38 @@ def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert found[-1] == "--dry-run"
 
 
+def test_folders_keep_the_letters_they_are_named_with():
+    words = command("studé x", Path("/lab/res é out"), "2", ())
+    assert 'study="studé x"' in words
+    assert 'results="/lab/res é out"' in words
+
+
+@pytest.mark.parametrize("words", [["run", ""], ["run", "study", "--results", ""]])
+def test_an_empty_name_is_no_folder(words):
+    found = CliRunner().invoke(main, words)
+    assert found.exit_code == 2
+    assert "is empty; expected a folder" in found.output
+
+
+def test_a_request_to_terminate_is_handed_on_and_waited_for():
+    """The child says when it is there, and again when it is asked to end."""
+    child = (
+        "import signal, sys, time; signal.signal(signal.SIGTERM, "
+        "lambda *_: (print('asked', flush=True), sys.exit(1))); "
+        "print('there', flush=True); time.sleep(60)"
+    )
+    parent = (
+        "import sys; from pipeline.cli.run import _returned; "
+        f"sys.exit(_returned([sys.executable, '-c', {child!r}]))"
+    )
+    with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as run:
+        assert run.stdout is not None
+        assert run.stdout.readline() == "there\n"
+        run.terminate()
+        assert run.stdout.readline() == "asked\n"
+        assert run.wait() == 143
+
+
 def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
     given = ("--dry-run", "--config", "overlays=none", "demo_folder=d", "--quiet", "-C", "x=1")
     words = command("lab", Path("out"), "2", given)

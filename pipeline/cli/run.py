@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -13,6 +15,7 @@ from ..faults import INTERRUPTED
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
+TERMINATED = 128 + signal.SIGTERM
 
 
 def workflow_folder() -> Path:
@@ -30,7 +33,7 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
         *(sys.executable, "-m", "pipeline.cli.start", "--snakefile", str(home / "Snakefile")),
         *("--workflow-profile", str(home / "config" / "profiles" / "default")),
         *("--cores", cores, "--config"),
-        *(f"{key}={json.dumps(value)}" for key, value in values.items()),
+        *(f"{key}={json.dumps(value, ensure_ascii=False)}" for key, value in values.items()),
         *keys,
         *rest,
     ]
@@ -62,9 +65,22 @@ def _jobs(_ctx: click.Context, _param: click.Parameter, value: str) -> str:
     raise click.BadParameter(f"'{value}'; expected 1 or more, or 'all'.")
 
 
+class Named(click.Path):
+    """A path that is not empty, as that of a shell's variable that was never set is."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path.
+
+        Raises: click.BadParameter where it is empty.
+        """
+        if value == "":
+            self.fail("is empty; expected a folder. Is a variable not set?", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 @click.command()
-@click.argument("study", default="demo")
-@click.option("--results", type=click.Path(path_type=Path), help="Folder for the results.")
+@click.argument("study", default="demo", type=Named(path_type=str))
+@click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
 @click.option(
     "--cores", default="all", show_default=True, callback=_jobs, help="How many jobs at once."
 )
@@ -98,17 +114,29 @@ def _folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
 
 
 def _returned(words: list[str]) -> int:
-    """Exit code of a command, 130 where it was interrupted from the keyboard.
+    """Exit code of a command, 130 where it was interrupted, 143 where it was asked to terminate.
 
-    Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed.
+    Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed. A request to
+    terminate (a supervisor's, `kill`) reaches this process alone and is handed on to Snakemake,
+    which ends after the jobs at work.
     """
-    interrupted = False
+    stopped = 0
     with subprocess.Popen(words) as running:  # noqa: S603
-        while True:
-            try:
-                return INTERRUPTED if running.wait() and interrupted else running.returncode
-            except KeyboardInterrupt:
-                interrupted = True
+
+        def terminate(*_: object) -> None:
+            nonlocal stopped
+            stopped = TERMINATED
+            running.terminate()
+
+        before = signal.signal(signal.SIGTERM, terminate)
+        try:
+            while True:
+                try:
+                    return stopped if running.wait() and stopped else running.returncode
+                except KeyboardInterrupt:
+                    stopped = INTERRUPTED
+        finally:
+            signal.signal(signal.SIGTERM, before)
 
 
 def _went_wrong(results: Path, ids: set[str] | None) -> list[str]:
@@ -125,7 +153,7 @@ def _went_wrong(results: Path, ids: set[str] | None) -> list[str]:
 
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned in (0, INTERRUPTED):
+    if returned in (0, INTERRUPTED, TERMINATED):
         return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 

@@ -55,7 +55,9 @@ def _rows(path: Path, findings: list[Finding]) -> Rows:
         findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
         return []
     except UNREADABLE as error:
-        findings.append(Finding(str(path), "", f"no readable csv ({error})", "a csv file in UTF-8"))
+        cure = "Save it as CSV UTF-8." if isinstance(error, UnicodeDecodeError) else ""
+        found = f"no readable csv ({error})"
+        findings.append(Finding(str(path), "", found, "a csv file in UTF-8", cure))
         return []
     if len(rows) < 2:
         found = "a header without rows" if rows else "an empty file"

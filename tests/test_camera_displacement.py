@@ -13,8 +13,8 @@ from pipeline.camera import (
     pool_camera,
     project,
     to_pool,
-    view,
 )
+from pipeline.camera.displacement import view
 from pipeline.camera.resection import rectangle
 from pipeline.faults import Fault
 from pipeline.measurement import lens_error, uncorrected_refraction

@@ -1,19 +1,16 @@
 """Lens, pose and refraction: from pixels to places in the pool, with covariance."""
 
 from .corners import camera_from_corners, pool_camera
-from .displacement import View, view
 from .lens import Lens
 from .pool import PoolCamera, jacobian, map_keypoints, project, to_pool
 
 __all__ = [
     "Lens",
     "PoolCamera",
-    "View",
     "camera_from_corners",
     "jacobian",
     "map_keypoints",
     "pool_camera",
     "project",
     "to_pool",
-    "view",
 ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..camera import view
+from ..camera.displacement import view
 from ..data import Float
 from ..integrate import LANES, compiled
 from ..integrate.batch import STEP_S, propagate

@@ -65,7 +65,7 @@ class Campaign:
         causes = (self.mismatch or {}).get("causes") or []
         return any(cause.get("parameters") for cause in causes)
 
-    def models(self, trial_id: str) -> Mapping[str, Float]:
+    def model_columns(self, trial_id: str) -> Mapping[str, Float]:
         """Columns of a trial's model paths; those after only where they are another model's."""
         columns = self.simulations.get(trial_id, {})
         if self.has_additions:

@@ -17,11 +17,11 @@ from pipeline.camera.calibrate import (
     camera_section,
     from_profile,
 )
+from pipeline.camera.focal_groups import two_focal_lengths
 from pipeline.camera.judge import chosen, judged
 from pipeline.camera.lens import Lens, pixels
 from pipeline.camera.pictures import from_frames
 from pipeline.camera.profile import read_profile
-from pipeline.camera.zoom import zoomed_views
 from pipeline.data import Frame
 from pipeline.faults import Fault
 
@@ -159,14 +159,14 @@ def test_two_zooms_in_one_set_are_told(seed):
     where = poses(20, rng)
     views = views_of(PINHOLE, where[:12], 0.2, rng) + views_of(longer, where[12:], 0.2, rng)
     found = judged(views, "pinhole", 4, SIZE)
-    assert "two focal lengths" in zoomed_views(found.fit, list(found.views))
+    assert "two focal lengths" in two_focal_lengths(found.fit, list(found.views))
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_one_zoom_is_not_taken_for_two(seed):
     rng = np.random.default_rng(100 + seed)
     found = judged(views_of(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, SIZE)
-    assert zoomed_views(found.fit, list(found.views)) == ""
+    assert two_focal_lengths(found.fit, list(found.views)) == ""
 
 
 def test_a_view_grossly_off_is_left_out_and_named():

@@ -14,7 +14,7 @@ from pipeline.camera import (
     project,
     to_pool,
 )
-from pipeline.camera.displacement import view
+from pipeline.camera.displacement import error_forms
 from pipeline.camera.resection import rectangle
 from pipeline.faults import Fault
 from pipeline.measurement import lens_error, uncorrected_refraction
@@ -89,9 +89,9 @@ def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_sa
 
 
 def test_a_homography_is_taken_for_a_camera_over_the_middle():
-    assert view(SETUP).below_m == (1.3, 0.8)
-    assert view(SETUP).bend_1_m2 == 0.0
-    assert view(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
+    assert error_forms(SETUP).below_m == (1.3, 0.8)
+    assert error_forms(SETUP).bend_1_m2 == 0.0
+    assert error_forms(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
 
 
 def test_corners_that_fit_no_pose_stop_no_simulation():
@@ -100,4 +100,4 @@ def test_corners_that_fit_no_pose_stop_no_simulation():
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
     with pytest.raises(Fault):
         pool_camera(setup.model_copy(update={"camera": crossed}))
-    assert view(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)
+    assert error_forms(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)

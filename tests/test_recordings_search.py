@@ -19,11 +19,16 @@ yaw_reading = import_module("examples.yaw_coastdown.reading")
 balls = import_module("examples.ball_drops.__main__")
 balls_errors = import_module("examples.ball_drops.errors")
 balls_reading = import_module("examples.ball_drops.reading")
+fish = import_module("examples.robotic_fish.__main__")
+fish_errors = import_module("examples.robotic_fish.errors")
+fish_reading = import_module("examples.robotic_fish.reading")
 pendulum = import_module("examples.pendulum.__main__")
 pool_edge = import_module("examples.fish_robot_pool.edge")
 pool_reading = import_module("examples.fish_robot_pool.reading")
 pendulum_laws = import_module("examples.pendulum.laws")
 pendulum_reading = import_module("examples.pendulum.reading")
+ship = import_module("examples.ship_zigzag.__main__")
+ship_reading = import_module("examples.ship_zigzag.reading")
 
 pytestmark = pytest.mark.recordings
 
@@ -110,3 +115,26 @@ def test_the_balls_command_tells_what_it_found(recordings):
     assert result.exit_code == 0, result.output
     assert "`air_drag`" in result.output
     assert "share foretold" in result.output
+
+
+def test_the_fish_is_foretold_better_than_its_repeats_repeat_one_another(recordings):
+    told = fish_reading.read_folder(recordings / "robotic_fish")
+    given = fish.case_of(told)
+    outcome = engine.investigate(given)
+    named = {"tail_fin_lift", "tail_side_force", "keypoint_bias", "tail_drive"}
+    assert set(outcome.chosen.effects) == named
+    assert outcome.weights("tail_drive")["tail_drive"] > 0.95
+    errors = fish_errors.left_out(given, outcome.chosen, [fish_reading.series(r) for r in told],
+                                  [np.inf])[np.inf]  # fmt: skip
+    assert fish_errors.total(errors) < fish_errors.total(fish_errors.repeatability(told)) < 0.008
+
+
+def test_the_ship_lacks_its_loss_of_speed_and_is_foretold_a_minute_ahead(recordings):
+    trials = ship_reading.read_folder(recordings / "ship_zigzag")
+    given = engine.case(ship.SYSTEM, trials, ship_reading.FIRST_NOISE)
+    outcome = engine.searched_on(given, engine.investigate(given))
+    laws = {"speed_loss", "slipstream", "rudder_drag", "crossflow_drag", "drift_and_turn"}
+    assert laws <= set(outcome.chosen.effects)
+    assert all(outcome.weights(name)[name] > 0.95 for name in laws)
+    ahead = [f.path_rms for one in ship.left_out(given, outcome.chosen) for f in one.minutes]
+    assert ship.rms(ahead) < 2.5  # 5.1 by the linear ship

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
-from pipeline.fitting.resampling import LEAST_LEFT
+from pipeline.fitting.resampling import LEAST_LEFT, RIDGE
 from pipeline.fitting.sandwich import _widened
 
 TRUTH = np.array([1.0, -0.5, 0.3])
@@ -184,7 +184,8 @@ def test_where_all_trials_tell_alike_the_jackknife_is_the_usual_one():
     hessian = root @ np.swapaxes(root, 1, 2)
     gradient = rng.normal(size=(20, 3))
     gradient -= gradient.mean(axis=0)
-    rest = np.linalg.inv(hessian.sum(axis=0) - hessian)
+    ridge = RIDGE * np.diag(np.diag(hessian.sum(axis=0)))
+    rest = np.linalg.inv(hessian.sum(axis=0) + ridge - hessian)
     steps = np.einsum("tpq,tq->tp", rest, gradient)
     usual = 19 / 20 * steps.T @ steps + 0.25 * np.linalg.inv(hessian.sum(axis=0))
     assert jackknife_cov(Normal(hessian, gradient, np.zeros(20))) == pytest.approx(usual)

@@ -13,11 +13,11 @@ from ..faults import Fault, Finding, fault
 from ..files import write_text
 from .boards import Grey, View, read_board
 from .calibration_picture import draw_calibration
+from .focal_groups import two_focal_lengths
 from .judge import CANDIDATES, Judged, chosen, coverage, judged
 from .lens import MODELS, Lens
 from .pictures import find_views, grey_pictures
 from .profile import read_profile
-from .zoom import zoomed_views
 
 GOOD_COVERAGE = 0.6
 HELD_OUT_RATIO = 1.2
@@ -174,8 +174,8 @@ def _result(
         )
     if best.held_out_px > HELD_OUT_RATIO * best.fit.rms_px:
         remarks.append("views held out fit worse than those used: take more views")
-    if zoomed := zoomed_views(best.fit, list(best.views)):
-        remarks.append(zoomed)
+    if two := two_focal_lengths(best.fit, list(best.views)):
+        remarks.append(two)
     return Calibration(
         lens=best.fit.lens,
         lens_std=np.sqrt(np.diag(best.fit.lens_cov)),

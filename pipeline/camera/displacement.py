@@ -16,8 +16,8 @@ from ..data import Float
 from ..faults import Fault
 from ..study import Camera, Pool, Setup
 from .corners import camera_over
-from .distances import CHANGES, Geometry
-from .pool import PoolCamera, project, to_pool
+from .distances import CHANGES, Geometry, pixels_of
+from .pool import PoolCamera, to_pool
 
 WATER = 1.333
 UNCORRECTED = 1.05
@@ -28,8 +28,8 @@ LEAST_FIELD = 1e-9
 
 
 @dataclass(frozen=True)
-class View:
-    """Numbers of a camera over a pool.
+class ErrorForms:
+    """Numbers that the forms of a camera's errors over a pool depend on.
 
     below_m: (x, y) under the camera. bend_1_m2: what is drawn in by refraction goes as
     rho (1 + bend rho^2), rho from there. A wrong lens moves p by k ((r^2 - q Q)(p - c) + a), with
@@ -44,18 +44,18 @@ class View:
     lens_pull_m3: tuple[float, float]
 
 
-def view(setup: Setup) -> View:
+def error_forms(setup: Setup) -> ErrorForms:
     """The numbers of a study's camera; those of one over the middle where no lens is stated or the
     corners fit no pose (which the stages that need a pose tell).
     """
     index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
-    return _view(setup.camera, setup.pool, index, depth_m)
+    return _error_forms(setup.camera, setup.pool, index, depth_m)
 
 
 @lru_cache(maxsize=8)
-def _view(given: Camera, pool: Pool, index: float, depth_m: float) -> View:
+def _error_forms(given: Camera, pool: Pool, index: float, depth_m: float) -> ErrorForms:
     middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
-    above = View(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+    above = ErrorForms(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
     try:
         camera = camera_over(given, pool, index)
     except Fault:
@@ -63,7 +63,7 @@ def _view(given: Camera, pool: Pool, index: float, depth_m: float) -> View:
     if camera.lens is None:
         return above
     x, y, height = map(float, camera.center_m)
-    return View(
+    return ErrorForms(
         (x, y), _bend(index, height, float(np.hypot(*middle))), *_of_lens(camera, depth_m, middle)
     )
 
@@ -87,8 +87,8 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
 def _of_lens(
     camera: PoolCamera, depth_m: float, middle: tuple[float, float]
 ) -> tuple[tuple[float, float], float, tuple[float, float]]:
-    """c, Q and a of `View` from the displacements that a small error of the lens makes; those of a
-    lens over the middle where they come out outside the pool.
+    """c, Q and a of `ErrorForms` from the displacements that a small error of the lens makes; those
+    of a lens over the middle where they come out outside the pool.
     """
     length, width = camera.pool_size_m
     x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
@@ -120,10 +120,7 @@ def _of_lens(
 
 def _moved(camera: PoolCamera, places: Float, depth_m: float) -> Float:
     """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
-    depth = np.full(len(places), depth_m)
-    pixels = project(camera, np.column_stack([places, -depth]))
-    change, step = CHANGES["k1"]
-    high, low = (
-        to_pool(change(Geometry(camera, depth_m), s).camera, pixels, depth) for s in (step, -step)
-    )
+    geometry, (change, step) = Geometry(camera, depth_m), CHANGES["k1"]
+    pixels = pixels_of(geometry, places)
+    high, low = (to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
     return (high - low) / (2 * step)

@@ -119,17 +119,19 @@ def _bend(positions: Positions) -> Float:
     return np.nan_to_num(angle)
 
 
+def pixels_of(geometry: Geometry, places_m: Float) -> Float:
+    """Pixels (n, 2) of places (n, 2) at the keypoints' depth."""
+    depth = np.full(len(places_m), -geometry.depth_m)
+    return project(geometry.camera, np.column_stack([places_m, depth]))
+
+
 def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
 
     A parameter's error is true value minus value used; where it changes the lens or the pool, the
     pose is found anew from the same corner pixels, as it was when the error was made.
     """
-    depth = np.full(len(distances.front_m), -geometry.depth_m)
-    ends = [
-        project(geometry.camera, np.column_stack([end, depth]))
-        for end in (distances.front_m, distances.back_m)
-    ]
+    ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
 
     def length(changed: Geometry) -> Float:
         front, back = (to_pool(changed.camera, uv, changed.depth_m) for uv in ends)
@@ -156,12 +158,10 @@ def without_error(
     changed = geometry
     for name, value in errors.items():
         changed = CHANGES[name][0](changed, value)
-    depth = np.full(len(distances.front_m), -geometry.depth_m)
     front, back = (
-        to_pool(changed.camera, project(geometry.camera, np.column_stack([end, depth])),
-                changed.depth_m)
+        to_pool(changed.camera, pixels_of(geometry, end), changed.depth_m)
         for end in (distances.front_m, distances.back_m)
-    )  # fmt: skip
+    )
     before = np.linalg.norm(distances.front_m - distances.back_m, axis=1)
     grown = np.nan_to_num(np.linalg.norm(front - back, axis=1) - before)
     return changed, replace(distances, front_m=front, back_m=back,

@@ -65,7 +65,7 @@ def check_geometry(
     would pass by chance once in 1000 over all suspects, and when it changes lengths by more than a
     detector's own lasting errors may. Nothing less than that is reported. A suspect that would
     have to be implausibly large (a focal length off by a third) is named only where no other is
-    sure.
+    sure; a lens is first followed beyond small errors.
 
     Raises: Fault where no rigid pair is ever seen.
     """

@@ -101,7 +101,7 @@ def _seen(path: Path, found: Keypoints) -> None:
 @click.command()
 @click.argument("study", type=click.Path(path_type=Path))
 def check(study: Path) -> None:
-    """Tell everything that is wrong with STUDY, a folder with study.yaml and trials.csv."""
+    """Tell all that is wrong in the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..camera import pool_camera  # noqa: PLC0415
     from ..faults import Fault  # noqa: PLC0415
     from ..keypoints import source  # noqa: PLC0415

@@ -74,7 +74,7 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
     pool(axes, campaign.study, labels=False)
     axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.3)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
-    columns = campaign.models(trial.trial_id)
+    columns = campaign.model_columns(trial.trial_id)
     words = []
     for prefix, (colour, dash, _) in MODELS.items():
         if f"{prefix}_x_m" in columns:
@@ -89,7 +89,7 @@ def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
 
 
 def _legend(campaign: Campaign) -> list[Line2D]:
-    have = {name for trial in campaign.simulations for name in campaign.models(trial)}
+    have = {name for trial in campaign.simulations for name in campaign.model_columns(trial)}
     return [
         Line2D([], [], color=MEASURED, label="measured"),
         *(

@@ -156,7 +156,8 @@ def log_likelihoods(
     out = np.array([f.log_likelihood + 0.5 * float(np.sum(f.innovations**2)) for f in predictor])
     for t, one in enumerate(series):
         error = np.nan_to_num(one.seen - seen[t, : len(one.times), :, 0])
-        out[t] -= 0.5 * float(np.sum((predictor[t].roots @ error[:, :, None]) ** 2))
+        with np.errstate(over="ignore"):
+            out[t] -= 0.5 * float(np.sum((predictor[t].roots @ error[:, :, None]) ** 2))
     return out
 
 

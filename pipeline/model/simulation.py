@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..camera.displacement import view
+from ..camera.displacement import error_forms
 from ..data import Float
 from ..integrate import LANES, compiled
 from ..integrate.batch import STEP_S, propagate
@@ -35,7 +35,7 @@ class Simulation:
 
 def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -> Float:
     """Constants of one trial in the order of `CONSTANTS`, (constants,)."""
-    robot, pool, seen = setup.robot, setup.pool, view(setup)
+    robot, pool, seen = setup.robot, setup.pool, error_forms(setup)
     values = {
         "rho": setup.water.density_kg_m3,
         "A": robot.head_area_m2(head_length_m),

@@ -45,7 +45,7 @@ def trial_overlay(campaign: Campaign, trial_id: str, results: str | Path, path: 
     camera = pool_camera(study.setup, size)
     found = _keypoints(Path(results) / "keypoints" / f"{trial_id}.csv", trial)
     track = campaign.tracks[trial_id]
-    columns = campaign.models(trial_id)
+    columns = campaign.model_columns(trial_id)
     scene = Scene(
         label=_label(trial),
         size_px=camera.size_px,

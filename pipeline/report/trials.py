@@ -122,7 +122,7 @@ def _lines(campaign: Campaign, trial_id: str) -> tuple[tuple[str, str], ...]:
     track = campaign.tracks.get(trial_id)
     if track is None:
         return ()
-    columns = campaign.models(trial_id)
+    columns = campaign.model_columns(trial_id)
     found = [("measured", track.x_m, track.y_m)]
     for prefix, name in (("extended", "after"), ("joint", "before")):
         if f"{prefix}_x_m" in columns:

@@ -14,7 +14,7 @@ from pipeline.camera import (
     project,
     to_pool,
 )
-from pipeline.camera.displacement import error_forms
+from pipeline.camera.displacement import error_forms, lens_strength
 from pipeline.camera.resection import rectangle
 from pipeline.faults import Fault
 from pipeline.measurement import lens_error, uncorrected_refraction
@@ -75,6 +75,18 @@ def test_a_wrong_lens_moves_places_as_its_candidate_says(off):
     seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
     given = named(stated(k1=-0.06 + off), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))
     assert share_left(fitted(lens_error.observe, given | {"q": 1.0}, 0.01, seen), seen) < 0.06
+
+
+@pytest.mark.parametrize("off", [-0.05, 0.03])
+def test_the_strength_of_a_lens_error_is_that_of_the_displacements_it_makes(off):
+    setup = stated(k1=-0.06 + off)
+    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
+    wrong = camera_from_corners(lens(-0.06 + off), camera().corners_px, CORNERS_M, WATER)
+    seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
+    given = named(setup, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")) | {"q": 1.0}
+    strength = lens_strength(setup, {"k1": -off})
+    told = np.array([lens_error.observe(x, y, **given, k=strength)[:2] for x, y in PLACES])
+    assert share_left(told, seen) < 0.08
 
 
 @pytest.mark.parametrize("index", [1.0, WATER])

@@ -10,6 +10,7 @@ import pytest
 from scipy.stats import beta
 
 from measured import Measured, measured
+from pipeline.camera.displacement import lens_strength
 from pipeline.faults import Fault
 from pipeline.files import plain
 from pipeline.fitting import (
@@ -39,7 +40,7 @@ from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
 from pipeline.model import plates
-from pipeline.stages.mismatch import with_rigid_distances
+from pipeline.stages.mismatch import rigid_evidence, with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
 from pipeline.tuning import thin, tune
 
@@ -287,7 +288,7 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
 def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) -> None:
     m, _ = demo
     told = with_rigid_distances(
-        m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"}
+        m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"}, m.study.setup
     )
     values = np.array([s.evidence["scale"] for s in told])
     assert values[:, 0] == pytest.approx(0.02)
@@ -304,7 +305,8 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
     demo: tuple[Measured, Found], geometry: dict[str, object]
 ) -> None:
     m, _ = demo
-    assert all("scale" not in s.evidence for s in with_rigid_distances(m.series, geometry))
+    told = with_rigid_distances(m.series, geometry, m.study.setup)
+    assert all("scale" not in s.evidence for s in told)
 
 
 @pytest.mark.parametrize(
@@ -312,16 +314,32 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
     [("nothing", [], {"scale": 0.014, "lens": 0.0, "bend": 0.0}),
      ("uncorrected_refraction", [], {"scale": 0.014, "lens": 0.0, "bend": -0.014}),
      ("uncorrected_refraction", ["scale_error"], {"scale": 0.014}),
-     ("lens_error", [], {})],
+     ("lens_error", ["scale_error"], {})],
 )  # fmt: skip
 def test_the_pattern_of_rigid_distances_is_evidence(
     demo: tuple[Measured, Found], likely: str, rivals: list[str], told: dict[str, float]
 ) -> None:
     m, _ = demo
     geometry = {"scale": 1.014, "scale_std": 0.0004, "likely": likely, "rivals": rivals}
-    for one in with_rigid_distances(m.series, geometry):
+    for one in with_rigid_distances(m.series, geometry, m.study.setup):
         found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
         assert found == pytest.approx(told)
+
+
+@pytest.mark.parametrize(("p_value", "sureness"), [(1e-13, 7.44), (0.0, 14.9)])
+def test_a_lens_that_the_rigid_distances_find_wrong_is_evidence_as_sure_as_its_chance(
+    demo: tuple[Measured, Found], p_value: float, sureness: float
+) -> None:
+    m, _ = demo
+    estimate = {"name": "lens_error", "parameters": ["focal", "k1"], "values": [0.0, -0.05],
+                "p_value": p_value}  # fmt: skip
+    geometry = {"scale": 1.03, "scale_std": 0.002, "likely": "lens_error", "rivals": [],
+                "estimates": [estimate]}  # fmt: skip
+    told = rigid_evidence(geometry, m.study.setup)
+    assert list(told) == ["lens"]
+    strength, std = told["lens"]
+    assert strength == pytest.approx(lens_strength(m.study.setup, {"k1": -0.05}))
+    assert std == pytest.approx(np.hypot(strength / sureness, 0.0005), rel=0.01)
 
 
 def test_the_sentence_says_on_which_trials(demo: tuple[Measured, Found]) -> None:

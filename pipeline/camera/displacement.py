@@ -6,6 +6,7 @@ the corners under the wrong lens, makes up for part of the error.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -90,10 +91,7 @@ def _of_lens(
     """c, Q and a of `ErrorForms` from the displacements that a small error of the lens makes; those
     of a lens over the middle where they come out outside the pool.
     """
-    length, width = camera.pool_size_m
-    x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
-                         for side, n in zip((length, width), GRID, strict=True)))  # fmt: skip
-    places = np.column_stack([x.ravel(), y.ravel()])
+    places = _places(camera)
     moved = _moved(camera, places, depth_m)
     seen = np.isfinite(moved).all(axis=1)
     rest = float(np.dot(middle, middle))
@@ -116,6 +114,33 @@ def _of_lens(
     if not np.hypot(cx - middle[0], cy - middle[1]) < np.hypot(*middle):
         return middle, rest, (0.0, 0.0)
     return (cx, cy), made_up, (ax, ay)
+
+
+def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
+    """Strength of `measurement/lens_error.py` at q = 1 that moves places as errors of a
+    camera do.
+
+    errors: parameter of `CHANGES` -> true value minus value used. Raises: Fault where the study's
+    corners fit no pose.
+    """
+    used = Geometry(camera_over(setup.camera, setup.pool, setup.water.refractive_index),
+                    setup.robot.keypoint_depth_m)  # fmt: skip
+    true = used
+    for name, value in errors.items():
+        true = CHANGES[name][0](true, value)
+    places, forms = _places(used.camera), error_forms(setup)
+    moved = to_pool(used.camera, pixels_of(true, places), used.depth_m) - places
+    off = places - np.array(forms.lens_m)
+    shape = (np.sum(off**2, axis=1) - forms.lens_rest_m2)[:, None] * off + forms.lens_pull_m3
+    seen = np.isfinite(moved).all(axis=1)
+    return float(np.sum(shape[seen] * moved[seen]) / np.sum(shape[seen] ** 2))
+
+
+def _places(camera: PoolCamera) -> Float:
+    """Places (n, 2) all over a pool."""
+    x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
+                         for side, n in zip(camera.pool_size_m, GRID, strict=True)))  # fmt: skip
+    return np.column_stack([x.ravel(), y.ravel()])
 
 
 def _moved(camera: PoolCamera, places: Float, depth_m: float) -> Float:

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
+from ..camera.displacement import lens_strength
 from ..campaign import load_campaign
 from ..data import Flapping, read_columns, write_columns
 from ..files import write_json
@@ -20,7 +22,7 @@ from ..mismatch.details import details
 from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
-from ..study import load_study
+from ..study import Setup, load_study
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -29,6 +31,7 @@ SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
 BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
+LEAST_CHANCE = 1e-50
 LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (camera/suspects.py) is seen
 
 log = logging.getLogger(__name__)
@@ -41,7 +44,7 @@ def mismatch(study: Path, results: Path) -> None:
     flapping = campaign_flapping(campaign)
     series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
     spared = held_out_trials(loaded, [s.name for s in series])
-    series = with_rigid_distances(series, campaign.geometry or {},
+    series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup,
                                   fitted=len(series) - len(spared))  # fmt: skip
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
@@ -66,23 +69,45 @@ def with_clock(series: Series, flapping: Flapping) -> Series:
 
 
 def with_rigid_distances(
-    series: Sequence[Series], geometry: Mapping[str, Any], *, fitted: int | None = None
-) -> list[Series]:
-    """Series with what rigid distances say as evidence, one measurement shared by all: the scale;
-    that light is not bent, or how much; that the lens is right. The last two only where one outcome
-    alone explains the pattern over the pool. fitted: trials that are not held out, whose shares
-    make up the measurement.
+    series: Sequence[Series], geometry: Mapping[str, Any], setup: Setup, *,
+    fitted: int | None = None,
+) -> list[Series]:  # fmt: skip
+    """Series with what rigid distances say as evidence, one measurement shared by all trials.
+
+    fitted: trials that are not held out, whose shares make up the measurement.
     """
-    scale, std = geometry.get("scale"), geometry.get("scale_std")
-    if scale is None or not std or geometry.get("likely") not in SPEAKS_OF_SCALE:
-        return list(series)
-    told = {"scale": (scale - 1.0, float(np.hypot(std, LENGTH_STD)))}
-    if not geometry.get("rivals"):
-        told["lens"] = (0.0, LENS_STD)
-        if geometry["likely"] in STRAIGHT:
-            told["bend"] = (0.0, BEND_STD)
-        elif geometry["likely"] == "uncorrected_refraction":
-            told["bend"] = (1.0 - scale, BEND_STD)
+    told = rigid_evidence(geometry, setup)
     count = max(len(series) if fitted is None else fitted, 1)
-    shared = {name: (value, by * count**0.5) for name, (value, by) in told.items()}
+    shared = {name: (value, std * count**0.5) for name, (value, std) in told.items()}
     return [replace(s, evidence=s.evidence | shared) for s in series]
+
+
+def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
+    """Side measurement -> value and deviation by the check of rigid distances: the scale; that
+    light is not bent, or how much; that the lens is right, or how wrong. The last two only where
+    one outcome alone explains the pattern over the pool.
+    """
+    scale, std, likely = (geometry.get(key) for key in ("scale", "scale_std", "likely"))
+    if scale is None or not std:
+        return {}
+    alone = not geometry.get("rivals")
+    if likely == "lens_error" and alone:
+        return {"lens": _wrong_lens(geometry, setup)}
+    if likely not in SPEAKS_OF_SCALE:
+        return {}
+    told = {"scale": (scale - 1.0, float(np.hypot(std, LENGTH_STD)))}
+    if alone:
+        told["lens"] = (0.0, LENS_STD)
+        if likely in STRAIGHT:
+            told["bend"] = (0.0, BEND_STD)
+        elif likely == "uncorrected_refraction":
+            told["bend"] = (1.0 - scale, BEND_STD)
+    return told
+
+
+def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> tuple[float, float]:
+    """Strength of `measurement/lens_error.py` that the pattern tells of, as sure as its chance."""
+    one = next(e for e in geometry["estimates"] if e["name"] == "lens_error")
+    strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
+    sureness = float(norm.isf(0.5 * max(one["p_value"], LEAST_CHANCE)))
+    return strength, float(np.hypot(strength / sureness, LENS_STD))

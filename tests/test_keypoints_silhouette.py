@@ -93,6 +93,24 @@ def test_middle_step_is_found_to_a_third_of_a_pixel(name):
     assert np.all(np.median(off, axis=0) < 0.5)
 
 
+def test_a_second_robot_in_the_picture_is_told():
+    """The film laid over itself turned by half a turn: two dark bodies of one shape."""
+    film, setup, trial, truth = rendered("middle", LEFT)
+    both = [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
+    found = silhouette.detect(lambda: both, setup, trial)
+    assert sum("second body of the robot's shape" in remark for remark in found.remarks) == 1
+    turned = np.array(film[0].luma.shape[::-1]) - 1 - truth
+    off = np.minimum(errors(found, truth), errors(found, turned))
+    assert np.nanmedian(off) < 1.0  # it is one of the two that is followed
+
+
+@pytest.mark.parametrize("step", ["middle", "second_body", "hand"])
+def test_one_robot_is_not_taken_for_two(step):
+    film, setup, trial, _ = rendered(step, LEFT)
+    found = silhouette.detect(lambda: film, setup, trial)
+    assert not any("second body" in remark for remark in found.remarks)
+
+
 def test_stated_covariances_have_the_right_width():
     square = []
     for name in (STRAIGHT, LEFT, RIGHT):

@@ -15,6 +15,7 @@ import numpy as np
 from ..data import PARTS, Frame, Keypoints
 from ..faults import fault
 from ..study import Setup, Trial
+from .outline.alike import alike_remark
 from .outline.background import median, noise_level, sample, without_resident
 from .outline.clearing import cleared
 from .outline.learning import Lesson, learn
@@ -52,7 +53,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
         times, fits = follow(film, scene, lesson.template)
     if not times:
         raise fault(trial.source, "", "no frames", "frames between start_s and end_s")
-    remarks = (*remarks, *_lost(times, fits))
+    remarks = (*remarks, *alike_remark(lesson, scene), *_lost(times, fits))
     return keypoints_of(times, fits, scene, lesson.template, remarks)
 
 

@@ -1,0 +1,48 @@
+"""Whether a second body of the robot's shape is in the picture: points might be of either."""
+
+from __future__ import annotations
+
+import math
+
+from .background import Image
+from .learning import Lesson
+from .search import Blob, blobs, poses_of
+from .template import Template
+from .tracking import Fit, Scene, fitted, good, plausible, reaches
+
+LEAST_FRAMES = 2
+
+
+def alike_remark(lesson: Lesson, scene: Scene) -> tuple[str, ...]:
+    """A remark where some of the pictures that taught the outline show it at a second place."""
+    found = [
+        (frame.time_s, second)
+        for frame, one in lesson.samples
+        if (second := _second(frame.luma, scene, lesson.template, one))
+    ]
+    if len(found) < LEAST_FRAMES:
+        return ()
+    time_s, (x, y, *_) = found[0][0], found[0][1].pose.tolist()
+    return (
+        f"a second body of the robot's shape in {len(found)} of {len(lesson.samples)} pictures "
+        f"looked at (at {time_s:.2f} s near x {x:.2f} m, y {y:.2f} m): the path may be of either",
+    )
+
+
+def _second(luma: Image, scene: Scene, template: Template, one: Fit) -> Fit | None:
+    """A good fit to a blob that lies a body's length from the robot."""
+    apart = template.head_m + template.core_m
+    shape, steps = template.shape(), reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
+    for blob in blobs((luma, scene.floor), scene.plane, scene.noise, template.area_m2):
+        if _distance(blob, one) > apart and plausible(blob, template):
+            tried = [fitted(luma, scene, shape, pose, steps)
+                     for pose in poses_of(blob, template, scene.head_angle_rad)]  # fmt: skip
+            best = max(tried, key=lambda fit: fit.support[2])
+            if good(best, scene):
+                return best
+    return None
+
+
+def _distance(blob: Blob, one: Fit) -> float:
+    x, y = blob.outline_m.mean(axis=0) - one.pose[:2]
+    return math.hypot(x, y)

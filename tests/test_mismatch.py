@@ -43,6 +43,7 @@ from pipeline.model import plates
 from pipeline.stages.mismatch import rigid_evidence, with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
 from pipeline.tuning import thin, tune
+from pipeline.tuning.identify import profile
 
 
 @pytest.fixture(scope="module")
@@ -324,6 +325,17 @@ def test_the_pattern_of_rigid_distances_is_evidence(
     for one in with_rigid_distances(m.series, geometry, m.study.setup):
         found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
         assert found == pytest.approx(told)
+
+
+def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
+    demo: tuple[Measured, Found],
+) -> None:
+    m, found = demo
+    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    for index in range(len(found.baseline.fit.free)):
+        told = profile(few, found.baseline, index)
+        assert np.all(told.lost > -0.05)
+        assert np.all(np.diff(told.lost[told.values < found.baseline.fit.values[index]]) < 0)
 
 
 @pytest.mark.parametrize(("p_value", "sureness"), [(1e-13, 7.44), (0.0, 14.9)])

@@ -12,13 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Free, Series, fit
-from ..integrate import Kernel, compiled
+from ..fitting import Series, filter_all, fit
+from ..integrate import compiled
 from ..model import plates
 from .bounds import sides
 from .joint import BAND, OPEN, Tuned
 
-POINTS = (-2.5, -1.25, 1.25, 2.5)
+POINTS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
 QUANTILE_95 = 1.92
 """Half of the 95 % quantile of chi squared with one degree of freedom."""
@@ -110,7 +110,10 @@ def _told(tuned: Tuned, direction: Float, naive: float) -> Combination:
 
 
 def profile(series: Sequence[Series], tuned: Tuned, index: int) -> Profile:
-    """Profile of one of the joint fit's free numbers, under the joint fit's noise."""
+    """Profile of one of the joint fit's free numbers, under the joint fit's noise and the gains of
+    its filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification,
+    1999, 7.2), which it need not be when the gains of a model that lacks something move with it.
+    """
     kernel, found = compiled(plates()), tuned.fit
     held = found.free[index]
     parameter = plates().parameters[plates().slot[held.name]]
@@ -119,27 +122,16 @@ def profile(series: Sequence[Series], tuned: Tuned, index: int) -> Profile:
     values = np.clip(found.values[index] + unit * np.array(POINTS), parameter.lower,
                      parameter.upper)  # fmt: skip
     free = [f for i, f in enumerate(found.free) if i != index]
-    lost = np.array([
-        found.log_likelihood - _held_at(kernel, series, tuned, held=held, value=v, free=free)
-        for v in values
-    ])  # fmt: skip
+    predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+
+    def likelihood(value: float) -> float:
+        base = tuned.base.copy()
+        base[kernel.system.slot[held.name]] = value
+        return fit(kernel, series, base, free, tuned.noise, start=found.by_label(), iterations=12,
+                   tolerance=3e-2, predictor=predictor).log_likelihood  # fmt: skip
+
+    lost = found.log_likelihood - np.array([likelihood(value) for value in values])
     return Profile(values, lost, *_bounds(found.values[index], values, lost))
-
-
-def _held_at(
-    kernel: Kernel,
-    series: Sequence[Series],
-    tuned: Tuned,
-    *,
-    held: Free,
-    value: float,
-    free: Sequence[Free],
-) -> float:
-    base = tuned.base.copy()
-    base[kernel.system.slot[held.name]] = value
-    again = fit(kernel, series, base, free, tuned.noise, start=tuned.fit.by_label(),
-                iterations=12, tolerance=3e-2)  # fmt: skip
-    return again.log_likelihood
 
 
 def _bounds(best: float, values: Float, lost: Float) -> tuple[float | None, float | None]:

@@ -2,7 +2,9 @@
 (speed, yaw rate, x, y, heading), also where errors last from frame to frame, and the time that a
 campaign takes.
 
-    python benchmarks/smoothing.py [--trials 6]
+    python benchmarks/smoothing.py [--trials 6] [--seed 3] [--widths]
+
+With --widths the rivals are left out, so that many trials can be run.
 """
 
 from __future__ import annotations
@@ -66,19 +68,22 @@ def seen_lasting(truth: motions.Motion, rng: np.random.Generator, seen: motions.
     return motions.lasting_noise(stated, motions.observe(truth, rng, clean), rng, 0.6)
 
 
-def compare(seen: motions.Seen, frames: int, trials: int, *, lasting: bool) -> dict:
-    """Per motion: ours and each rival's errors at its best single setting over all motions, and at
-    the setting best for that motion alone (which nobody who does not know the truth can choose)."""
-    rng = np.random.default_rng(3)
-    t = motions.times(frames)
+def made(seen: motions.Seen, frames: int, trials: int, *, lasting: bool, seed: int) -> dict:
+    """Motion -> its trials, (truth, pose seen)."""
+    rng, t = np.random.default_rng(seed), motions.times(frames)
     look = seen_lasting if lasting else motions.observe
-    cases = {
+    return {
         name: [(truth := make(t), look(truth, rng, seen)) for _ in range(trials)]
         for name, make in motions.MOTIONS.items()
     }
+
+
+def compare(cases: dict, hz: float, frames: int) -> dict:
+    """Per motion: ours and each rival's errors at its best single setting over all motions, and at
+    the setting best for that motion alone (which nobody who does not know the truth can choose)."""
     result: dict = {"ours": {}, "pulls": {}, "rivals": {}}
     for name, case in cases.items():
-        result["ours"][name], result["pulls"][name] = ours(case, seen.hz)
+        result["ours"][name], result["pulls"][name] = ours(case, hz)
     for rival, (method, settings) in rivals.settings(frames).items():
         table = np.array(
             [
@@ -142,9 +147,17 @@ def campaign(trials: int = 66) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--trials", type=int, default=6)
-    trials = parser.parse_args().trials
+    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--widths", action="store_true")
+    given = parser.parse_args()
     for label, (seen, frames) in CONDITIONS.items():
-        show(label, compare(seen, frames, trials, lasting="last" in label))
+        cases = made(seen, frames, given.trials, lasting="last" in label, seed=given.seed)
+        if given.widths:
+            pulls = [p for case in cases.values() for p in ours(case, seen.hz)[1]]
+            width = " ".join(f"{rms([p[i] for p in pulls]):.2f}" for i in range(5))
+            print(f"{label}: width {width} ({len(pulls)} runs)", flush=True)
+        else:
+            show(label, compare(cases, seen.hz, frames))
     print(f"\n66 trials of 240 frames: {campaign():.1f} s of one core")
 
 

@@ -10,21 +10,22 @@ from .search import Blob, blobs, poses_of
 from .template import Template
 from .tracking import Fit, Scene, fitted, good, plausible, reaches
 
-LEAST_FRAMES = 2
+LOOKED_AT, LEAST_FRAMES = 3, 2
 
 
 def alike_remark(lesson: Lesson, scene: Scene) -> tuple[str, ...]:
-    """A remark where some of the pictures that taught the outline show it at a second place."""
+    """A remark where most of a few pictures that taught the outline show it at a second place."""
+    pictures = lesson.samples[:: math.ceil(lesson.frames / LOOKED_AT)]
     found = [
         (frame.time_s, second)
-        for frame, one in lesson.samples
+        for frame, one in pictures
         if (second := _second(frame.luma, scene, lesson.template, one))
     ]
     if len(found) < LEAST_FRAMES:
         return ()
     time_s, (x, y, *_) = found[0][0], found[0][1].pose.tolist()
     return (
-        f"a second body of the robot's shape in {len(found)} of {len(lesson.samples)} pictures "
+        f"a second body of the robot's shape in {len(found)} of {len(pictures)} pictures "
         f"looked at (at {time_s:.2f} s near x {x:.2f} m, y {y:.2f} m): the path may be of either",
     )
 

@@ -3,38 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from .background import Image
 from .learning import Lesson
-from .search import Blob, blobs, poses_of
+from .search import Blob, poses_of
 from .template import Template
 from .tracking import Fit, Scene, fitted, good, plausible, reaches
 
-LOOKED_AT, LEAST_FRAMES = 3, 2
+LEAST_FRAMES = 2
 
 
 def alike_remark(lesson: Lesson, scene: Scene) -> tuple[str, ...]:
-    """A remark where most of a few pictures that taught the outline show it at a second place."""
-    pictures = lesson.samples[:: math.ceil(lesson.frames / LOOKED_AT)]
+    """A remark where some of the pictures that taught the outline show it at a second place."""
+    pictures = zip(lesson.samples, lesson.blobs, strict=True)
     found = [
         (frame.time_s, second)
-        for frame, one in pictures
-        if (second := _second(frame.luma, scene, lesson.template, one))
+        for (frame, one), seen in pictures
+        if (second := _second(frame.luma, seen, scene, lesson.template, one))
     ]
     if len(found) < LEAST_FRAMES:
         return ()
     time_s, (x, y, *_) = found[0][0], found[0][1].pose.tolist()
     return (
-        f"a second body of the robot's shape in {len(found)} of {len(pictures)} pictures "
+        f"a second body of the robot's shape in {len(found)} of {lesson.frames} pictures "
         f"looked at (at {time_s:.2f} s near x {x:.2f} m, y {y:.2f} m): the path may be of either",
     )
 
 
-def _second(luma: Image, scene: Scene, template: Template, one: Fit) -> Fit | None:
+def _second(
+    luma: Image, seen: Sequence[Blob], scene: Scene, template: Template, one: Fit
+) -> Fit | None:
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_m + template.core_m
     shape, steps = template.shape(), reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
-    for blob in blobs((luma, scene.floor), scene.plane, scene.noise, template.area_m2):
+    for blob in seen:
         if _distance(blob, one) > apart and plausible(blob, template):
             tried = [fitted(luma, scene, shape, pose, steps)
                      for pose in poses_of(blob, template, scene.head_angle_rad)]  # fmt: skip

@@ -30,11 +30,15 @@ SLIDES_M = ((0.0,), (-0.03, 0.0, 0.03), (-0.05, -0.025, 0.0, 0.025, 0.05))
 
 @dataclass(frozen=True)
 class Lesson:
-    """A learned template, the frames it was learned from with their fits, how well it fits them."""
+    """A learned template, the frames it was learned from with their fits, how well it fits them.
+
+    blobs: what differs from the background in each of these frames.
+    """
 
     template: Template
     samples: tuple[tuple[Frame, Fit], ...]
     support: float
+    blobs: tuple[Sequence[Blob], ...] = ()
 
     @property
     def frames(self) -> int:
@@ -70,7 +74,10 @@ def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) ->
         lessons.append(_taught(_better_half(starts) if lessons else starts, scene, known))
         if lessons[-1].support > WELL:
             break
-    return max(lessons, key=lambda one: one.worth, default=None)
+    if not lessons:
+        return None
+    lesson, at = max(lessons, key=lambda one: one.worth), {f.time_s: found for f, found in seen}
+    return replace(lesson, blobs=tuple(at[f.time_s] for f, _ in lesson.samples))
 
 
 def anew(template: Template, robot: Robot, trial: Trial) -> Template:

@@ -66,7 +66,14 @@ def test_where_nothing_was_put_in_there_is_one_model(spared: Campaign) -> None:
     assert len(legend("paths", spared)) == 3
     assert legend("paths", none) == ["measured", "model, one coefficient set"]
     assert 'class="after"' in page(spared, [], {})
-    assert 'class="after"' not in page(none, [], {})
+    text = page(none, [], {})
+    assert 'class="after"' not in text
+    assert "before and after" not in text
+    assert "model before" not in text
+    assert "path error before" not in text
+    assert "How large are the errors where it was not fitted?" in text
+    row = text[text.index("path, rms (mm)") :]
+    assert row[: row.index("</tr>")].count("<td") == 2  # the model and the floor
 
 
 def as_measured(campaign: Campaign) -> dict[str, dict[str, Float]]:

@@ -84,6 +84,8 @@ def _story(campaign: Campaign) -> dict[str, Any]:
         "candidates": story.candidates(campaign),
         "held_out": proof.held_out(campaign),
         "proof": proof.which_trials(campaign),
+        "proof_columns": proof.columns(campaign),
+        "with_additions": campaign.has_additions,
         "shifts": tables.shifts(campaign),
     }
 

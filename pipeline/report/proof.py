@@ -1,4 +1,4 @@
-"""What the search bought: errors before and after, and on which trials."""
+"""What the search bought: errors before and after, or of the one model, and on which trials."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ from .numbers import number
 from .story import Row
 
 
+def columns(campaign: Campaign) -> list[str]:
+    """Heads of the table of `held_out`."""
+    models = ["before", "after"] if campaign.has_additions else ["model"]
+    return ["error", *models, "noise floor"]
+
+
 def held_out(campaign: Campaign) -> list[Row]:
-    """Errors on held-out trials before and after, and the noise floor."""
+    """Errors on held-out trials before and after, or of the one model, and the noise floor."""
+    models = ("baseline", "extended") if campaign.has_additions else ("baseline",)
     found = (campaign.mismatch or {}).get("held_out") or {}
     rows = [
         ("path, rms (mm)", "path_rmse_m", 1000.0),
@@ -22,10 +29,7 @@ def held_out(campaign: Campaign) -> list[Row]:
         Row(
             label,
             (
-                *(
-                    _scaled(campaign.held_out_error(k, key), factor)
-                    for k in ("baseline", "extended")
-                ),
+                *(_scaled(campaign.held_out_error(model, key), factor) for model in models),
                 _floor(campaign) if key == "path_rmse_m" else "",
             ),
         )
@@ -46,16 +50,17 @@ def which_trials(campaign: Campaign) -> dict[str, str]:
     """
     names = ", ".join(judged_on(campaign))
     stretch = ((campaign.mismatch or {}).get("held_out") or {}).get("stretch_s")
+    what = "Does it help" if campaign.has_additions else "How large are the errors"
     told = {"stretch": f"over stretches of {float(stretch):.1f} s, each" if stretch else ""}
     if none_held_out(campaign):
         return told | {
-            "heading": "Does it help where it was fitted?",
+            "heading": f"{what} where it was fitted?",
             "caption": "Errors on the trials that were fitted",
             "sentence": f"No trial was held out, the study is too small for it: {names} were fitted"
             " as well, so that smaller errors are no proof.",
         }
     return told | {
-        "heading": "Does it help where it was not fitted?",
+        "heading": f"{what} where it was not fitted?",
         "caption": "Errors on held-out trials",
         "sentence": f"Held out: {names}.",
     }

@@ -100,12 +100,13 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
     if tightest:
         lengths = tightest.radius_m / body
         out.append((f"{tightest.radius_m:.3f} m", f"tightest steady turn, {lengths:.2f} BL"))
-    known = [campaign.held_out_error(k, "path_rmse_m") for k in ("baseline", "extended")]
-    known = [value for value in known if math.isfinite(value)]
-    if campaign.mismatch and campaign.mismatch.get("verdict") != "none" and len(known) == 2:
-        text = f"{1000 * known[0]:.1f} → {1000 * known[1]:.1f} mm"
+    models = ("baseline", "extended") if campaign.has_additions else ("baseline",)
+    when = ", before and after" if campaign.has_additions else ""
+    known = [1000 * campaign.held_out_error(k, "path_rmse_m") for k in models]
+    if all(math.isfinite(value) for value in known):
         which = "the fitted trials" if none_held_out(campaign) else "held-out trials"
-        out.append((text, f"path error on {which}, before and after"))
+        text = " → ".join(f"{value:.1f}" for value in known)
+        out.append((f"{text} mm", f"path error on {which}{when}"))
     return out
 
 

@@ -97,11 +97,12 @@ def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[Cell, ...]:
         Cell(f"{value:g}", f"{value}")
         for value in (trial.power_pct, trial.head_angle_deg, trial.head_length_m)
     ]
+    models = ("joint", "extended") if campaign.has_additions else ("joint",)
     if not done:
-        return (*given, *(Cell("–", "") for _ in range(6)))
+        return (*given, *(Cell("–", "") for _ in range(4 + len(models))))
     row = campaign.steady[trial.trial_id]
     radius = "straight" if math.isinf(row.radius_m) else measured(row.radius_m, row.radius_std_m)
-    errors = [1000 * campaign.path_rmse_m(trial.trial_id, k) for k in ("joint", "extended")]
+    errors = [1000 * campaign.path_rmse_m(trial.trial_id, model) for model in models]
     return (
         *given,
         Cell(number(row.flap_hz), _key(row.flap_hz)),

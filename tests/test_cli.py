@@ -215,7 +215,9 @@ def test_folders_keep_the_letters_they_are_named_with():
     assert 'results="/lab/res é out"' in words
 
 
-@pytest.mark.parametrize("words", [["run", ""], ["run", "study", "--results", ""]])
+@pytest.mark.parametrize(
+    "words", [["run", ""], ["run", "study", "--results", ""], ["check", ""], ["export", ""]]
+)
 def test_an_empty_name_is_no_folder(words):
     found = CliRunner().invoke(main, words)
     assert found.exit_code == 2

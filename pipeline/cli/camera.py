@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .named import Named
 from .waiting import waiting
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def calibrate(
 
 
 @click.command()
-@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("study", type=Named(path_type=Path))
 @click.argument("frame", required=False, type=click.Path(path_type=Path))
 @click.option("--trial", "trial_id", help="Trial to take the frame from; else the first filmed.")
 @click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .named import Named
 from .waiting import waiting
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def _seen(path: Path, found: Keypoints) -> None:
 
 
 @click.command()
-@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("study", type=Named(path_type=Path))
 def check(study: Path) -> None:
     """Tell all that is wrong in the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..camera import pool_camera  # noqa: PLC0415

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from .named import Named
 from .waiting import waiting
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ INDIVIDUAL = "robot"
 
 
 @click.command()
-@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("study", type=Named(path_type=Path))
 @click.option("--results", type=click.Path(path_type=Path), help="Folder with the results.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
 @click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")

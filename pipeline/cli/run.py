@@ -7,11 +7,11 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..faults import INTERRUPTED
+from .named import Named
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
@@ -63,19 +63,6 @@ def _jobs(_ctx: click.Context, _param: click.Parameter, value: str) -> str:
     if value == "all" or (value.isdecimal() and int(value) > 0):
         return value
     raise click.BadParameter(f"'{value}'; expected 1 or more, or 'all'.")
-
-
-class Named(click.Path):
-    """A path that is not empty, as that of a shell's variable that was never set is."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path.
-
-        Raises: click.BadParameter where it is empty.
-        """
-        if value == "":
-            self.fail("is empty; expected a folder. Is a variable not set?", param, ctx)
-        return super().convert(value, param, ctx)
 
 
 @click.command()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from .named import Named
 from .numbers import Finite
 from .waiting import waiting
 
@@ -23,7 +24,7 @@ PICTURES = (".png", ".pdf", ".svg")
 
 
 @click.command()
-@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("study", type=Named(path_type=Path))
 @click.option("--flap-hz", type=Finite(0, 100), help="Flapping frequency.")
 @click.option("--power-pct", type=Finite(0, 300), help="Or motor power.")
 @click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")

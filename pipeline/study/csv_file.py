@@ -33,7 +33,11 @@ def read_trials(path: Path, findings: list[Finding], *, only: str | None = None)
     wanted = rows[1:] if only is None or not of_trial else of_trial
     trials = [_trial(str(path), number, names, row, findings=findings) for number, row in wanted]
     known = [trial for trial in trials if trial is not None]
-    findings.extend(_duplicates(str(path), known))
+    rows_of: dict[str, list[int]] = {}
+    for (number, _), trial in zip(wanted, trials, strict=True):
+        if trial is not None:
+            rows_of.setdefault(trial.trial_id.casefold(), []).append(number)
+    findings.extend(_duplicates(str(path), known, rows_of))
     if only is None and known and all(trial.role == "held_out" for trial in known):
         findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
     return known
@@ -124,15 +128,17 @@ def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
     return found
 
 
-def _duplicates(path: str, trials: list[Trial]) -> list[Finding]:
-    ids = [trial.trial_id for trial in trials]
-    folded = [name.casefold() for name in ids]
+def _duplicates(path: str, trials: list[Trial], rows_of: dict[str, list[int]]) -> list[Finding]:
+    """Each trial_id that stands in several rows. rows_of: their rows by folded name."""
+    again = {t.trial_id for t in trials if len(rows_of[t.trial_id.casefold()]) > 1}
+    expected = "each trial_id once (upper and lower case count as the same)"
     return [
         Finding(
             path,
             "trial_id",
-            f"'{name}' {folded.count(name.casefold())} times",
-            "each trial_id once (upper and lower case count as the same)",
+            f"'{name}' {len(rows)} times (rows {', '.join(map(str, rows))})",
+            expected,
         )
-        for name in sorted({n for n in ids if folded.count(n.casefold()) > 1})
+        for name in sorted(again)
+        if (rows := rows_of[name.casefold()])
     ]

@@ -27,17 +27,17 @@ def kept_lift(g: Laws, alpha: float) -> float:
     """Share of the lift kept at an angle of attack (rad).
 
     stall_law 0: logistic loss about the onset; 1: loss that grows with the square of the excess
-    (as of a separation point that walks forward), 2: a cosine step from the onset on.
+    over a range (as of a separation point that walks forward), 2: a cosine step from the onset on.
     """
     if g.stall == 0.0:
         return 1.0
     over = (abs(alpha) - g.stall_onset) / g.stall_width
     if g.stall_law == 0:
         return 1 - g.stall / (1 + math.exp(-2.5 * (over - 0.5)))
-    x = min(max(over, 0.0), 2.0)
+    x = min(max(over, 0.0), 1.0)
     if g.stall_law == 1:
-        return 1 - g.stall * min(x * x, 1.5)
-    return 1 - g.stall * 0.5 * (1 - math.cos(math.pi * min(x, 1.0)))
+        return 1 - g.stall * x * x
+    return 1 - g.stall * 0.5 * (1 - math.cos(math.pi * x))
 
 
 @njit(cache=True)

@@ -352,6 +352,8 @@ def test_a_lens_that_the_rigid_distances_find_wrong_is_evidence_as_sure_as_its_c
     strength, std = told["lens"]
     assert strength == pytest.approx(lens_strength(m.study.setup, {"k1": -0.05}))
     assert std == pytest.approx(np.hypot(strength / sureness, 0.0005), rel=0.01)
+    estimate["values"] = [-0.9, 0.0]  # no camera has such a lens
+    assert rigid_evidence(geometry, m.study.setup) == {}
 
 
 def test_the_sentence_says_on_which_trials(demo: tuple[Measured, Found]) -> None:

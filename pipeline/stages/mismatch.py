@@ -14,6 +14,7 @@ from scipy.stats import norm
 from ..camera.displacement import lens_strength
 from ..campaign import load_campaign
 from ..data import Flapping, read_columns, write_columns
+from ..faults import Fault
 from ..files import write_json
 from ..fitting import Series, shoot
 from ..integrate import compiled
@@ -92,7 +93,7 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
         return {}
     alone = not geometry.get("rivals")
     if likely == "lens_error" and alone:
-        return {"lens": _wrong_lens(geometry, setup)}
+        return _wrong_lens(geometry, setup)
     if likely not in SPEAKS_OF_SCALE:
         return {}
     told = {"scale": (scale - 1.0, float(np.hypot(std, LENGTH_STD)))}
@@ -105,9 +106,14 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
     return told
 
 
-def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> tuple[float, float]:
-    """Strength of `measurement/lens_error.py` that the pattern tells of, as sure as its chance."""
+def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
+    """Strength of `measurement/lens_error.py` that the pattern tells of, as sure as its chance;
+    nothing where no camera can have such a lens.
+    """
     one = next(e for e in geometry["estimates"] if e["name"] == "lens_error")
-    strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
+    try:
+        strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
+    except Fault:
+        return {}
     sureness = float(norm.isf(0.5 * max(one["p_value"], LEAST_CHANCE)))
-    return strength, float(np.hypot(strength / sureness, LENS_STD))
+    return {"lens": (strength, float(np.hypot(strength / sureness, LENS_STD)))}

@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign
+from ..data import Float
 from .numbers import number, unit
 from .story import Row
 
 LOST_AT_95 = 1.92
 """Log likelihood lost at the ends of a 95 % interval: half of chi squared of one degree."""
 WIDTH, HEIGHT, TOP = 100.0, 60.0, 6.0
+DRAWN = 41
+"""Points of a drawn profile."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
     lost = np.array([*one["lost"], 0.0], dtype=float)
     known = np.isfinite(at) & np.isfinite(lost)
     order = np.argsort(at[known])
-    at, lost = at[known][order], lost[known][order]
+    at, lost = _between(at[known][order], lost[known][order], float(best))
     span = float(np.ptp(at)) or 1.0
     x, y = WIDTH * (at - at[0]) / span, HEIGHT * (1.0 - np.clip(lost, 0.0, TOP) / TOP)
     low, high = (_missing(cell, side) for side in ("lower", "upper"))
@@ -69,6 +72,15 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
         f"{words} {unit(str(cell.get('unit', '')))}".replace(" –", ""),
         (number(at[0]), number(at[-1])),
     )
+
+
+def _between(at: Float, lost: Float, best: float) -> tuple[Float, Float]:
+    """Points (n,) of a smooth profile through those known: the root of what is lost goes along
+    straight lines, as it does for a parabola.
+    """
+    root = np.sqrt(np.maximum(lost, 0.0)) * np.sign(at - best)
+    every = np.union1d(at, np.linspace(at[0], at[-1], DRAWN))
+    return every, np.interp(every, at, root) ** 2
 
 
 def _identifiability(campaign: Campaign) -> Mapping[str, Any]:

@@ -91,6 +91,11 @@ class Campaign:
         found = float(np.sqrt(square[known].mean())) if enough else float("nan")
         return found if found < self.study.setup.pool.width_m else float("nan")
 
+    @property
+    def held_out_models(self) -> tuple[str, ...]:
+        """Models with errors on held-out trials: one alone where nothing was added to it."""
+        return ("baseline", "extended") if self.has_additions else ("baseline",)
+
     def held_out_error(self, model: str, key: str) -> float:
         """Error on held-out trials, from mismatch.json; NaN where none is told.
 

@@ -43,7 +43,7 @@ from pipeline.model import plates
 from pipeline.stages.mismatch import rigid_evidence, with_rigid_distances
 from pipeline.synthetic.design import bare_design, demo_design
 from pipeline.tuning import thin, tune
-from pipeline.tuning.identify import profile
+from pipeline.tuning.identify import profiles
 
 
 @pytest.fixture(scope="module")
@@ -332,10 +332,10 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
 ) -> None:
     m, found = demo
     few = [s for s in thin(m.series) if s.name not in found.held_out]
-    for index in range(len(found.baseline.fit.free)):
-        told = profile(few, found.baseline, index)
+    drawn = profiles(few, found.baseline)
+    for told, best in zip(drawn, found.baseline.fit.values, strict=True):
         assert np.all(told.lost > -0.05)
-        assert np.all(np.diff(told.lost[told.values < found.baseline.fit.values[index]]) < 0)
+        assert np.all(np.diff(told.lost[told.values < best]) < 0)
 
 
 @pytest.mark.parametrize(("p_value", "sureness"), [(1e-13, 7.44), (0.0, 14.9)])

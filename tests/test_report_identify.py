@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import exact_campaign as exact
+import numpy as np
 import pytest
 
 from pipeline.report import identify, tables
@@ -45,6 +46,22 @@ def test_profile_is_drawn_from_left_to_right_through_the_fit(campaign) -> None:
     assert one.value_x == pytest.approx(50.0)
     assert one.limit_y == pytest.approx(60 * (1 - 1.92 / 6))
     assert "no upper end" in one.interval
+
+
+def test_a_drawn_profile_is_a_smooth_curve_with_the_fit_at_its_bottom(campaign) -> None:
+    joint = campaign.coefficients["joint"]
+    best = joint["coefficients"]["C_T"]["value"]
+    values = [best * (1 + 0.1 * k) for k in (-2, -1, 1, 2)]
+    lost = [4.0, 1.0, 1.0, 4.0]
+    joint["identifiability"]["profiles"] = {
+        "C_T": {"values": values, "lost": lost, "lower": None, "upper": None}
+    }
+    (one,) = identify.profiles(campaign)
+    x, y = np.array([p.split(",") for p in one.points.split()], dtype=float).T
+    down = identify.HEIGHT * (1 - 4.0 * ((x - one.value_x) / (one.value_x)) ** 2 / identify.TOP)
+    assert y == pytest.approx(down, abs=0.5)
+    assert len(x) > 30
+    assert one.limit_y < y.max()  # what lies below the line is inside the interval
 
 
 def test_joint_table_has_the_interval_over_trials_and_the_naive_one(campaign) -> None:

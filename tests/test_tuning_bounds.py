@@ -183,22 +183,6 @@ def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> Non
     assert one.interval.startswith("its bound to 1.50")
 
 
-def test_a_drawn_profile_is_a_smooth_curve_with_the_fit_at_its_bottom(shown) -> None:
-    joint = shown.coefficients["joint"]
-    best = joint["coefficients"]["C_T"]["value"]
-    values = [best * (1 + 0.1 * k) for k in (-2, -1, 1, 2)]
-    lost = [4.0, 1.0, 1.0, 4.0]
-    joint["identifiability"]["profiles"] = {
-        "C_T": {"values": values, "lost": lost, "lower": None, "upper": None}
-    }
-    (one,) = identify.profiles(shown)
-    x, y = np.array([p.split(",") for p in one.points.split()], dtype=float).T
-    down = identify.HEIGHT * (1 - 4.0 * ((x - one.value_x) / (one.value_x)) ** 2 / identify.TOP)
-    assert y == pytest.approx(down, abs=0.5)
-    assert len(x) > 30
-    assert one.limit_y < y.max()  # what lies below the line is inside the interval
-
-
 def test_table_1_shows_the_interval_that_stands_in_the_file(shown) -> None:
     cells = shown.coefficients["paper_steps"]["75"]["coefficients"]
     low, high = cells["C_T"]["interval_95"]

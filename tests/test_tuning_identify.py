@@ -13,7 +13,7 @@ from pipeline.fitting.joint import AT_BOUND
 from pipeline.integrate import compiled
 from pipeline.model import plates
 from pipeline.tuning import Tuned, table, thin, tune
-from pipeline.tuning.identify import profile, sizes, spectrum
+from pipeline.tuning.identify import profiles, sizes, spectrum
 from pipeline.tuning.new_trial import best_new_trial, imaginable
 from pipeline.tuning.turns import open_without_turns, outcome
 from pipeline.tuning.words import undetermined
@@ -142,9 +142,10 @@ def test_what_one_trial_of_several_tells_is_to_be_swum_once_more(campaign) -> No
 
 def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(campaign) -> None:
     joint = tune(campaign)
+    drawn = profiles(campaign, joint)
     for name in ("C_T", "C_La"):
         index = NAMES.index(name)
-        found = profile(campaign, joint, index)
+        found = drawn[index]
         assert np.all(found.lost > -0.1)
         naive = np.sqrt(joint.fit.naive_cov[index, index])
         expected = 0.5 * ((found.values - joint.fit.values[index]) / naive) ** 2

@@ -17,7 +17,7 @@ from ..data import Float
 from ..faults import Fault
 from ..study import Camera, Pool, Setup
 from .corners import camera_over
-from .distances import CHANGES, Geometry, pixels_of
+from .distances import CHANGES, Geometry, pixels_of, with_errors
 from .pool import PoolCamera, to_pool
 
 WATER = 1.333
@@ -102,9 +102,7 @@ def _of_lens(
 
     def shape(numbers: Float) -> Float:
         cx, cy, made_up, ax, ay = numbers
-        off = places[seen] - np.array([cx, cy])
-        model = (np.sum(off**2, axis=1) - made_up)[:, None] * off + np.array([ax, ay])
-        return np.ravel(model)
+        return np.ravel(_lens_shape(places[seen], (cx, cy), made_up, (ax, ay)))
 
     start = np.array([*middle, rest, 0.0, 0.0])
     first = shape(start)
@@ -116,6 +114,15 @@ def _of_lens(
     return (cx, cy), made_up, (ax, ay)
 
 
+def _lens_shape(
+    places: Float, center: tuple[float, float], rest: float, pull: tuple[float, float]
+) -> Float:
+    """(r^2 - Q)(p - c) + a of `ErrorForms` at places p (n, 2)."""
+    off = places - np.array(center)
+    shape: Float = (np.sum(off**2, axis=1) - rest)[:, None] * off + np.array(pull)
+    return shape
+
+
 def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
     """Strength of `measurement/lens_error.py` at q = 1 that moves places as errors of a
     camera do.
@@ -125,13 +132,10 @@ def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
     """
     used = Geometry(camera_over(setup.camera, setup.pool, setup.water.refractive_index),
                     setup.robot.keypoint_depth_m)  # fmt: skip
-    true = used
-    for name, value in errors.items():
-        true = CHANGES[name][0](true, value)
     places, forms = _places(used.camera), error_forms(setup)
-    moved = to_pool(used.camera, pixels_of(true, places), used.depth_m) - places
-    off = places - np.array(forms.lens_m)
-    shape = (np.sum(off**2, axis=1) - forms.lens_rest_m2)[:, None] * off + forms.lens_pull_m3
+    pixels = pixels_of(with_errors(used, errors), places)
+    moved = to_pool(used.camera, pixels, used.depth_m) - places
+    shape = _lens_shape(places, forms.lens_m, forms.lens_rest_m2, forms.lens_pull_m3)
     seen = np.isfinite(moved).all(axis=1)
     return float(np.sum(shape[seen] * moved[seen]) / np.sum(shape[seen] ** 2))
 

@@ -148,6 +148,13 @@ def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float
     return patterns
 
 
+def with_errors(geometry: Geometry, errors: Mapping[str, float]) -> Geometry:
+    """A geometry changed by errors: parameter of `CHANGES` -> true value minus value used."""
+    for name, value in errors.items():
+        geometry = CHANGES[name][0](geometry, value)
+    return geometry
+
+
 def without_error(
     geometry: Geometry, distances: Distances, errors: Mapping[str, float]
 ) -> tuple[Geometry, Distances]:
@@ -155,9 +162,7 @@ def without_error(
 
     errors: parameter -> true value minus value used.
     """
-    changed = geometry
-    for name, value in errors.items():
-        changed = CHANGES[name][0](changed, value)
+    changed = with_errors(geometry, errors)
     front, back = (
         to_pool(changed.camera, pixels_of(geometry, end), changed.depth_m)
         for end in (distances.front_m, distances.back_m)

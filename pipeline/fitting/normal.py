@@ -139,6 +139,7 @@ def evidence_weights(system: System, name: str) -> Float:
     return weights
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def log_likelihoods(
     kernel: Kernel,
     series: Sequence[Series],
@@ -156,8 +157,7 @@ def log_likelihoods(
     out = np.array([f.log_likelihood + 0.5 * float(np.sum(f.innovations**2)) for f in predictor])
     for t, one in enumerate(series):
         error = np.nan_to_num(one.seen - seen[t, : len(one.times), :, 0])
-        with np.errstate(over="ignore"):
-            out[t] -= 0.5 * float(np.sum((predictor[t].roots @ error[:, :, None]) ** 2))
+        out[t] -= 0.5 * float(np.sum((predictor[t].roots @ error[:, :, None]) ** 2))
     return out
 
 

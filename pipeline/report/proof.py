@@ -18,7 +18,6 @@ def columns(campaign: Campaign) -> list[str]:
 
 def held_out(campaign: Campaign) -> list[Row]:
     """Errors on held-out trials before and after, or of the one model, and the noise floor."""
-    models = ("baseline", "extended") if campaign.has_additions else ("baseline",)
     found = (campaign.mismatch or {}).get("held_out") or {}
     rows = [
         ("path, rms (mm)", "path_rmse_m", 1000.0),
@@ -29,7 +28,10 @@ def held_out(campaign: Campaign) -> list[Row]:
         Row(
             label,
             (
-                *(_scaled(campaign.held_out_error(model, key), factor) for model in models),
+                *(
+                    _scaled(campaign.held_out_error(model, key), factor)
+                    for model in campaign.held_out_models
+                ),
                 _floor(campaign) if key == "path_rmse_m" else "",
             ),
         )

@@ -100,9 +100,8 @@ def numbers(campaign: Campaign) -> list[tuple[str, str]]:
     if tightest:
         lengths = tightest.radius_m / body
         out.append((f"{tightest.radius_m:.3f} m", f"tightest steady turn, {lengths:.2f} BL"))
-    models = ("baseline", "extended") if campaign.has_additions else ("baseline",)
     when = ", before and after" if campaign.has_additions else ""
-    known = [1000 * campaign.held_out_error(k, "path_rmse_m") for k in models]
+    known = [1000 * campaign.held_out_error(k, "path_rmse_m") for k in campaign.held_out_models]
     if all(math.isfinite(value) for value in known):
         which = "the fitted trials" if none_held_out(campaign) else "held-out trials"
         text = " → ".join(f"{value:.1f}" for value in known)

@@ -33,11 +33,9 @@ def read_trials(path: Path, findings: list[Finding], *, only: str | None = None)
     wanted = rows[1:] if only is None or not of_trial else of_trial
     trials = [_trial(str(path), number, names, row, findings=findings) for number, row in wanted]
     known = [trial for trial in trials if trial is not None]
-    rows_of: dict[str, list[int]] = {}
-    for (number, _), trial in zip(wanted, trials, strict=True):
-        if trial is not None:
-            rows_of.setdefault(trial.trial_id.casefold(), []).append(number)
-    findings.extend(_duplicates(str(path), known, rows_of))
+    ids = [(number, trial.trial_id)
+           for (number, _), trial in zip(wanted, trials, strict=True) if trial]  # fmt: skip
+    findings.extend(_duplicates(str(path), ids))
     if only is None and known and all(trial.role == "held_out" for trial in known):
         findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
     return known
@@ -128,9 +126,12 @@ def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
     return found
 
 
-def _duplicates(path: str, trials: list[Trial], rows_of: dict[str, list[int]]) -> list[Finding]:
-    """Each trial_id that stands in several rows. rows_of: their rows by folded name."""
-    again = {t.trial_id for t in trials if len(rows_of[t.trial_id.casefold()]) > 1}
+def _duplicates(path: str, ids: list[tuple[int, str]]) -> list[Finding]:
+    """Each trial_id that stands in several rows. ids: row number and trial_id."""
+    rows_of: dict[str, list[int]] = {}
+    for number, name in ids:
+        rows_of.setdefault(name.casefold(), []).append(number)
+    again = {name for _, name in ids if len(rows_of[name.casefold()]) > 1}
     expected = "each trial_id once (upper and lower case count as the same)"
     return [
         Finding(
@@ -140,5 +141,5 @@ def _duplicates(path: str, trials: list[Trial], rows_of: dict[str, list[int]]) -
             expected,
         )
         for name in sorted(again)
-        if (rows := rows_of[name.casefold()])
+        for rows in [rows_of[name.casefold()]]
     ]

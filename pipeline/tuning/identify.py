@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, filter_all, fit
+from ..fitting import Filtered, Series, filter_all, fit
 from ..integrate import compiled
 from ..model import plates
 from .bounds import sides
@@ -109,11 +109,20 @@ def _told(tuned: Tuned, direction: Float, naive: float) -> Combination:
     return Combination(direction, max(std, float(naive)), float(naive))
 
 
-def profile(series: Sequence[Series], tuned: Tuned, index: int) -> Profile:
-    """Profile of one of the joint fit's free numbers, under the joint fit's noise and the gains of
-    its filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification,
-    1999, 7.2), which it need not be when the gains of a model that lacks something move with it.
+def profiles(series: Sequence[Series], tuned: Tuned) -> list[Profile]:
+    """Profiles of the joint fit's free numbers, under the joint fit's noise and the gains of its
+    filter: as predictor of one form, the fit is the likeliest (Ljung, System Identification, 1999,
+    7.2), which it need not be when the gains of a model that lacks something move with it.
     """
+    kernel = compiled(plates())
+    predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+    return [_profile(series, tuned, index, predictor) for index in range(len(tuned.fit.free))]
+
+
+def _profile(
+    series: Sequence[Series], tuned: Tuned, index: int, predictor: Sequence[Filtered]
+) -> Profile:
+    """Profile of one free number, under held gains."""
     kernel, found = compiled(plates()), tuned.fit
     held = found.free[index]
     parameter = plates().parameters[plates().slot[held.name]]
@@ -122,7 +131,6 @@ def profile(series: Sequence[Series], tuned: Tuned, index: int) -> Profile:
     values = np.clip(found.values[index] + unit * np.array(POINTS), parameter.lower,
                      parameter.upper)  # fmt: skip
     free = [f for i, f in enumerate(found.free) if i != index]
-    predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
 
     def likelihood(value: float) -> float:
         base = tuned.base.copy()

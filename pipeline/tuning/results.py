@@ -13,7 +13,7 @@ from ..integrate import compiled
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
 from ..study import Study
 from .draws import drawn
-from .identify import profile, spectrum
+from .identify import profiles, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, untold, verdict
@@ -86,7 +86,6 @@ def straight_swimming(
 def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
     """Spectrum of combinations, the least determined first, and profiles by coefficient."""
     names = [f.label for f in joint.fit.free]
-    profiles = {name: profile(series, joint, i) for i, name in enumerate(names)}
     return {
         "spectrum": [
             told(names, one) | {"determined": not is_open(names, one, straight=straight(series))}
@@ -94,7 +93,7 @@ def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
         ],
         "profiles": {
             name: {"values": p.values, "lost": p.lost, "lower": p.lower, "upper": p.upper}
-            for name, p in profiles.items()
+            for name, p in zip(names, profiles(series, joint), strict=True)
         },
     }
 

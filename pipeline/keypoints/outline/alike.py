@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from .background import Image
 from .learning import Lesson
-from .search import Blob, poses_of
+from .search import Blob
 from .template import Template
-from .tracking import Fit, Scene, fitted, good, plausible, reaches
+from .tracking import Fit, Scene, found_among
 
 LEAST_FRAMES = 2
 
@@ -36,15 +36,8 @@ def _second(
 ) -> Fit | None:
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_m + template.core_m
-    shape, steps = template.shape(), reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
-    for blob in seen:
-        if _distance(blob, one) > apart and plausible(blob, template):
-            tried = [fitted(luma, scene, shape, pose, steps)
-                     for pose in poses_of(blob, template, scene.head_angle_rad)]  # fmt: skip
-            best = max(tried, key=lambda fit: fit.support[2])
-            if good(best, scene):
-                return best
-    return None
+    others = [blob for blob in seen if _distance(blob, one) > apart]
+    return found_among(others, luma, scene, template, template.shape())
 
 
 def _distance(blob: Blob, one: Fit) -> float:

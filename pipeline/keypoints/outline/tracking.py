@@ -106,10 +106,18 @@ def fitted(
 
 def found_anew(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
     """The best fit to any blob of a frame, either way round; None where none is good enough."""
+    seen = blobs((frame, scene.floor), scene.plane, scene.noise, template.area_m2)
+    return found_among(seen, frame, scene, template, shape)
+
+
+def found_among(
+    seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: Shape
+) -> Fit | None:
+    """The best fit to any of these blobs, either way round; None where none is good enough."""
     steps = reaches(scene, 0.022, 0.018, 0.014, 0.010, 0.008, 0.008)
     starts = [
         pose
-        for blob in blobs((frame, scene.floor), scene.plane, scene.noise, template.area_m2)
+        for blob in seen
         if plausible(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
     ]

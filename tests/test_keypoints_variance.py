@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from pipeline.keypoints.outline.variance import (
-    PATCHES,
     clues,
     kernels,
     usual_covariance,
@@ -38,8 +37,8 @@ def slopes() -> np.ndarray:
 
 def frames(variance: tuple[float, ...], rng: np.random.Generator, count: int):
     """Clues of frames whose offsets have these variances, and the pose errors (count, 5)."""
-    points, _ = outline()
-    known, slope = kernels(points, LENGTH_M), slopes()
+    points, normals = outline()
+    known, slope = kernels(points, normals, LENGTH_M), slopes()
     root = np.linalg.cholesky(np.tensordot(variance, known, axes=1) + 1e-9 * np.eye(len(points)))
     told, errors = [], []
     for _ in range(count):
@@ -66,8 +65,8 @@ def test_variances_and_covariance_are_those_put_in(variance):
 
 
 def test_the_algebra_is_that_of_whole_matrices():
-    points, _ = outline()
-    known, slope = kernels(points, LENGTH_M), slopes()
+    points, normals = outline()
+    known, slope = kernels(points, normals, LENGTH_M), slopes()
     rng = np.random.default_rng(1)
     seen = rng.random(len(points)) > 0.2
     weight, left = np.where(seen, 0.7, 0.0), np.where(seen, rng.normal(0, 0.1, len(points)), np.nan)
@@ -90,4 +89,4 @@ def test_no_variance_is_negative():
     found = variances(expected @ np.array([1.0, -0.3, 0.1]), expected)
     assert np.all(found >= 0)
     assert found.sum() > 0
-    assert len(found) == 1 + len(PATCHES)
+    assert len(found) == 3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
-from pipeline.data import Steady
+from pipeline.data import Steady, Track
 from pipeline.faults import Fault
 from pipeline.motor import flapping_given
 from pipeline.smoothing import smooth
@@ -108,6 +108,23 @@ def test_too_short_an_arc_is_named():
     assert found.quality == "short_arc"
     assert "film for longer" in found.reason
     assert found.radius_std_m > 0
+
+
+def test_a_longer_stretch_at_a_wider_tolerance_where_the_strictest_leaves_too_short_an_arc():
+    """Speed falls by 0.36 %/s: for 0.5 % it may be 1.4 s, 24 degrees of the turn, for 1 % 2.8 s."""
+    t = np.linspace(0.0, 6.4, 193)
+    speed = 0.171 * (1.0 - 0.0036 * (t - t[-1]))
+    rate = speed / 0.57
+    heading = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
+    known = {"speed_m_s": speed, "yaw_rate_rad_s": rate, "heading_rad": heading,
+             "x_m": 0.57 * np.sin(heading), "y_m": -0.57 * np.cos(heading),
+             "vx_m_s": speed * np.cos(heading), "vy_m_s": speed * np.sin(heading),
+             "head_angle_rad": np.full(len(t), 0.35)}  # fmt: skip
+    widths = {f"{name}_std": np.full(len(t), 1e-5) for name in known}
+    found = steady_state(Track(time_s=t, **known, **widths), flapping_given(2.36), 0.35)
+    assert found.quality == "good"
+    assert 2.4 < found.steady_to_s - found.steady_from_s < 2.8
+    assert found.radius_m == pytest.approx(0.57, rel=1e-3)
 
 
 def test_a_turn_that_tightens_is_not_steady():

@@ -21,7 +21,8 @@ from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
 from .nameless import nameless, nameless_gain, not_outdone, only_form, tells, without_proxies
-from .select import WRONG, Choice, choose
+from .paying import WRONG
+from .select import Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
 from .swinging import beside_a_swing, of_time, only_swings, swings
 

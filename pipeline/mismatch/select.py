@@ -17,14 +17,10 @@ from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
 from .judge import Trialled, candidate_frees
-from .paying import pays
+from .paying import WRONG, pays
 from .search import Foretold, held_shapes, likeliest_start, starts_of
 
 LEAST_FOR_SHAPE = 2.0
-WRONG = 5.0
-"""A model with this inflation or more does not describe its trials. Then a step from it foretells
-little, and two effects may have to be added at once for either to be seen.
-"""
 TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3
@@ -75,7 +71,7 @@ class Choice:
 
 def choose(bench: Bench, bare: Trialled) -> Choice:
     """Forward and back until nothing changes, then every chosen effect against its rivals."""
-    bare = current = bench.settled(bare)
+    bare = current = _settled(bench, bare, bare)
     rounds: list[Round] = []
     seen: set[frozenset[str]] = set()
     without: dict[str, Trialled] = {}

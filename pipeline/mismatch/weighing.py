@@ -27,7 +27,7 @@ def reliability(gain: float) -> float:
 
     g^b / (g^b + g_0^b), with g its held-out gain in log likelihood over the inflation.
     """
-    return 1.0 / (1.0 + (HALF_SURE / max(gain, 1e-9)) ** STEEP)
+    return 1.0 / (1.0 + (HALF_SURE / max(1e-9, gain)) ** STEEP)
 
 
 def told_aside(gain: float) -> float:

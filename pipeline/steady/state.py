@@ -24,6 +24,7 @@ EXTRAPOLATED = 1.2
 LEAST_WAY_M = 0.02
 LEAST_S = 0.7
 LEAST_FRAMES = 8
+SUFFICES = ("good", "straight")
 RADIUS_SHARE = 0.05
 """A radius known worse than this is told as too short an arc."""
 
@@ -40,14 +41,25 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     """Steady speed, radius and arc of a trial, with quality and what to try next.
 
     Speed: mean over the steady stretch, or v_inf of the start-up where it is not reached. Radius:
-    geometric circle through the smoothed positions of the stretch, inf for a straight run.
+    geometric circle through the smoothed positions of the stretch, inf for a straight run. The
+    strictest tolerance whose stretch suffices counts; the strictest where none does.
     """
     if len(track.time_s) < 8 or not np.isfinite(track.speed_m_s).all():
         return _no_data(flapping, "fewer than 8 frames: film for longer or check the detection")
     if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < LEAST_WAY_M:
         return _no_data(flapping, f"the robot moves less than {LEAST_WAY_M:g} m: did it start?")
     plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
-    stretch = _steady_stretch(track, plateau)
+    told = [
+        _over(track, flapping, head_angle_rad, plateau, stretch)
+        for stretch in _steady_stretches(track, plateau)
+    ]
+    return next((one for one in told if one.quality in SUFFICES), told[0])
+
+
+def _over(
+    track: Track, flapping: Flapping, head_angle_rad: float, plateau: Plateau, stretch: _Stretch
+) -> Steady:
+    """What one stretch tells."""
     at = stretch.frames
     speed, speed_std = (
         _mean_speed(track, at) if stretch.settled else _not_reached(track, at, plateau)
@@ -75,21 +87,23 @@ def _no_data(flapping: Flapping, reason: str) -> Steady:
     return Steady(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
 
 
-def _steady_stretch(track: Track, plateau: Plateau) -> _Stretch:
-    """Longest stretch up to the end over which speed and turning rate do not change.
-
-    The strictest tolerance that leaves a stretch counts.
+def _steady_stretches(track: Track, plateau: Plateau) -> list[_Stretch]:
+    """Longest stretch up to the end over which speed and turning rate do not change, for each
+    tolerance that leaves one, the strictest first; without any, the last part of the trial.
     """
     t = track.time_s
     span = float(t[-1] - t[0])
     latest = max(t[-1] - max(LEAST_S, 0.2 * span), t[0])
-    for tolerance in TOLERANCES:
-        for start in np.linspace(t[0], latest, 40):
-            at = slice(int(np.searchsorted(t, start)), len(t))
-            if at.stop - at.start >= LEAST_FRAMES and _does_not_change(track, at, tolerance):
-                return _Stretch(at, True)
+    starts = np.searchsorted(t, np.linspace(t[0], latest, 40)).tolist()
+    parts = [slice(start, len(t)) for start in starts if len(t) - start >= LEAST_FRAMES]
+    longest = [
+        next((at for at in parts if _does_not_change(track, at, tolerance)), None)
+        for tolerance in TOLERANCES
+    ]
+    if found := [_Stretch(at, True) for at in longest if at is not None]:
+        return found
     first = min(int(np.searchsorted(t, latest)), len(t) - LEAST_FRAMES)
-    return _Stretch(slice(first, len(t)), plateau.settled_s < t[-1])
+    return [_Stretch(slice(first, len(t)), plateau.settled_s < t[-1])]
 
 
 def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:

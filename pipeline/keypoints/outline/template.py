@@ -72,12 +72,12 @@ class Template:
         nose_once[0] = False
         return np.concatenate([head, nose_once, core, core]) & ~self.misled
 
-    def points(self, head_angle_rad: float) -> Float:
-        """Points (n, 2) of `shape`, head turned: hinge at 0, core along x."""
-        points, _, part, _ = self.shape()
+    def turned(self, head_angle_rad: float) -> tuple[Float, Float]:
+        """Points and normals (n, 2) of `shape`, head turned: hinge at 0, core along x."""
+        points, normals, part, _ = self.shape()
         c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
-        turned = points @ np.array([[c, -s], [s, c]]).T
-        return np.where((part == HEAD)[:, None], turned, points)
+        turn, head = np.array([[c, -s], [s, c]]).T, (part == HEAD)[:, None]
+        return np.where(head, points @ turn, points), np.where(head, normals @ turn, normals)
 
     def outline(self, head_angle_rad: float) -> Float:
         """Closed outline (n, 2) of head and core, hinge at 0, core along x: for comparing blobs."""

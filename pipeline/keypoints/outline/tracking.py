@@ -145,7 +145,7 @@ def follow(
 ) -> tuple[list[float], list[Fit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
     shape = template.shape()
-    known = kernels(template.points(scene.head_angle_rad), template.head_m + template.core_m)
+    known = kernels(*template.turned(scene.head_angle_rad), template.head_m + template.core_m)
     steps = reaches(scene, *STEPS_M)
     times: list[float] = []
     fits: list[Fit | None] = []

@@ -1,8 +1,9 @@
 """How wrong a fitted pose is, told by the offsets that it leaves along the outline.
 
-Offsets e of the outline's points have covariance V = sum of s_k K_k: noise of each point alone
-(K_0 = 1), and light and shadow that lie unevenly over patches of the picture, so that whole
-stretches of edge move together (K_k = exp(-(distance / scale_k)^2 / 2)). The fit takes A e for a
+Offsets e of the outline's points have covariance V = sum of s_k K_k: noise of each point alone (K_0
+= 1), and light and shadow that lie unevenly over the picture, so that whole stretches of edge move
+together: outwards or inwards (K_1 = exp(-(distance / scale_1)^2 / 2)), or one way, an edge with the
+one opposite (K_2 = n n' exp(-(distance / scale_2)^2 / 2), n the normals). The fit takes A e for a
 change of pose and leaves r = M e, M = 1 - X A. Since E[r' K_j r] = sum of tr(K_j M K_k M') s_k, the
 variances s_k follow from the offsets left, what the fit has swallowed included, and A V A' is the
 covariance of the pose. Source: quadratic unbiased estimation of variance components, C. R. Rao,
@@ -20,8 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 Float = npt.NDArray[np.float64]
-PATCHES = (0.045, 0.18)
-"""Scales of light's patches, as shares of head and core's length."""
+PATCH, DRIFT = 0.045, 0.11
+"""Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
 CLIPPED = 9.0
 
 
@@ -38,11 +39,13 @@ class Clues:
     spread: Float
 
 
-def kernels(points_m: Float, length_m: float) -> Float:
-    """Kernels (K, n, n) of outline points (n, 2) m of a body of a length: own noise, patches."""
-    apart = np.hypot(*(points_m[:, None] - points_m).transpose(2, 0, 1))
-    patches = [np.exp(-0.5 * (apart / (share * length_m)) ** 2) for share in PATCHES]
-    return np.stack([np.eye(len(points_m)), *patches])
+def kernels(points_m: Float, normals: Float, length_m: float) -> Float:
+    """Kernels (K, n, n) of outline points (n, 2) m with outward normals (n, 2), of a body of a
+    length: own noise, light that moves edges in or out, light that moves them one way.
+    """
+    apart = np.hypot(*(points_m[:, None] - points_m).transpose(2, 0, 1)) / length_m
+    patch, drift = (np.exp(-0.5 * (apart / scale) ** 2) for scale in (PATCH, DRIFT))
+    return np.stack([np.eye(len(points_m)), patch, drift * (normals @ normals.T)])
 
 
 def clues(found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float) -> Clues:

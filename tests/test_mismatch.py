@@ -35,7 +35,7 @@ from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_proxies
 from pipeline.mismatch.search import held_shapes, screened
-from pipeline.mismatch.select import _outdone
+from pipeline.mismatch.select import _outdone, _settled
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
@@ -425,6 +425,48 @@ def test_a_model_that_describes_nothing_is_not_called_right(demo: tuple[Measured
     assert verdict_of(compiled(plates()), replace(choice, chosen=right), right) == "none"
     said = sentence(replace(found, verdict="unexplained", choice=choice, residual=wrong), [], [])
     assert "they do not tell what it lacks" in said
+    assert "6 times more than their errors" in said
+
+
+def test_what_runs_away_has_numbers_that_can_be_read(demo: tuple[Measured, Found]) -> None:
+    m, found = demo
+    wild = replace(found.choice.bare, inflation=np.inf, worth=np.full_like(found.choice.bare.worth,
+                   -np.inf))  # fmt: skip
+    choice = replace(found.choice, bare=wild, chosen=wild, without={}, places={})
+    told = mismatch_json(replace(found, verdict="unexplained", choice=choice, residual=wild,
+                                 extended=found.baseline, nameless_gain=np.nan),
+                         m.study, m.series)  # fmt: skip
+    assert "differ from trial to trial at will" in told["sentence"]
+    assert [c["weight"] for c in told["causes"]] == [pytest.approx(0.0, abs=1e-6)]
+
+
+def test_a_model_that_runs_away_under_its_own_noise_begins_from_its_first_fit(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A robot without a fin and a stall, nine trials: the search had begun from nothing finite."""
+    _, found = demo
+    bench, first = _bench(demo), found.choice.bare
+    wild = replace(first, worth=np.full_like(first.worth, -np.inf))
+    monkeypatch.setattr(Bench, "settled", lambda *_: wild)
+    monkeypatch.setattr(Bench, "followed", lambda *_: wild)
+    assert _settled(bench, first, first) is first
+
+
+@pytest.mark.parametrize(
+    ("inflation", "gain", "p_value", "paying"),
+    [(6.7, 58.4, 6e-3, True), (31.6, 23.1, 2.6e-2, True), (31.6, 23.1, 6e-2, False),
+     (7.4, 6.1, 2.6e-2, False), (4.0, 58.4, 6e-3, False)],
+)  # fmt: skip
+def test_the_first_effect_beside_a_wrong_model_pays_by_its_gain(
+    demo: tuple[Measured, Found], inflation: float, gain: float, p_value: float, paying: bool
+) -> None:
+    """Fins of nine trials of a made robot: their strength differs by what is missing besides."""
+    _, found = demo
+    bare = replace(found.choice.bare, inflation=inflation)
+    worth = bare.worth + 4.0 * gain / len(bare.worth)
+    fin = replace(bare, effects=("tail_fin_lift",), inflation=4.0, worth=worth,
+                  p_value={"tail_fin_lift": p_value})  # fmt: skip
+    assert pays(bare, fin, bare) is paying
 
 
 def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:

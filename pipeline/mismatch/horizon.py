@@ -49,7 +49,7 @@ def path_errors(
     """`PathErrors` of models on trials, over stretches that the last of them, the best, bears.
 
     The floor is the error of the last model on data made by itself with its random forces and its
-    measuring noise: what remains where nothing is wrong.
+    measuring noise: what remains where nothing is wrong; NaN where that model runs away.
     """
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
@@ -60,7 +60,8 @@ def path_errors(
     still = stillness(kernel, last, own)
     floors = [_rmse(kernel, last, imitated(kernel, last, own, still, rng))
               for _ in range(FLOOR_DRAWS)]  # fmt: skip
-    return PathErrors(rmse, float(np.sqrt(np.mean(np.square(floors)))), horizon)
+    floor = float(np.sqrt(np.mean(np.square(floors))))
+    return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
 
 
 def bearable_s(study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Series]) -> float:

@@ -225,11 +225,11 @@ def sentence(
     if found.verdict == "unexplained" and not _terms(found):
         chosen = found.choice.chosen
         spread = chosen.astray if chosen.effects else chosen.inflation
+        far = f"{spread:.0f} times more than their errors" if np.isfinite(spread) else "at will"
         return (
             f"The model{' with ' + beside if beside else ''} does not describe these trials, and "
             f"they do not tell what it lacks{' besides' if beside else ''}: its numbers differ "
-            f"from trial to trial {spread:.0f} times more than their errors; film more trials, at "
-            "other angles and powers."
+            f"from trial to trial {far}; film more trials, at other angles and powers."
         )
     if found.verdict == "unexplained":
         first = f"Physics left out: {beside}; and something else" if beside else "Something"

@@ -34,6 +34,7 @@ from pipeline.mismatch.judge import Trialled, inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_proxies
+from pipeline.mismatch.paying import opens
 from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.select import _outdone, _settled
 from pipeline.mismatch.setting import held_out_trials
@@ -467,6 +468,20 @@ def test_the_first_effect_beside_a_wrong_model_pays_by_its_gain(
     fin = replace(bare, effects=("tail_fin_lift",), inflation=4.0, worth=worth,
                   p_value={"tail_fin_lift": p_value})  # fmt: skip
     assert pays(bare, fin, bare) is paying
+
+
+def test_both_of_two_beside_a_wrong_model_pay_by_their_gain(demo: tuple[Measured, Found]) -> None:
+    """A fin beside a stall, nine trials of a made robot: 25.8 over the inflation, p = 0.015."""
+    _, found = demo
+    bare = replace(found.choice.bare, inflation=15.8)
+    stall = replace(bare, effects=("stall",), inflation=6.8, p_value={"stall": 7e-11},
+                    worth=bare.worth + 560.0 / len(bare.worth))  # fmt: skip
+    both = replace(stall, effects=("stall", "tail_fin_lift"), inflation=7.3,
+                   p_value={"stall": 7e-11, "tail_fin_lift": 1.5e-2},
+                   worth=stall.worth + 25.8 * 7.3 / len(bare.worth))  # fmt: skip
+    assert opens(stall, both)
+    assert not pays(stall, both, bare)
+    assert not opens(replace(stall, inflation=4.9), both)
 
 
 def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:

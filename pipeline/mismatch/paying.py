@@ -29,8 +29,8 @@ little, two effects may have to be added at once for either to be seen, and the 
 that is true differs from trial to trial by what is missing besides.
 """
 FIRST, NOT_CHANCE = 12.0, 0.05
-"""So the first effect beside a wrong model pays by this gain over the inflation if it is not likely
-chance. In 101 concealed studies of nine trials the best candidate was always true above 8.
+"""So the first effects beside a wrong model pay by this gain over the inflation if they are not
+likely chance. In 101 concealed studies of nine trials the best candidate was always true above 8.
 """
 MOST_INFLATED, MUCH = 4.0, 0.2
 """An addition that spreads the numbers over trials this many times more than before explains
@@ -48,10 +48,21 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
     if after.side - before.side > TOLD_ASIDE and gain > 0:
         return True
     part = gain / max(after.total - (bare or before).total, 1e-9)
-    p_value = max((after.p_value[e] for e in after.effects if e not in before.effects), default=0.0)
+    p_value = _chance(before, after)
     if after.inflation > MOST_INFLATED * before.inflation and part < MUCH:
         return False
     worth = gain / after.inflation
-    if not before.effects and before.inflation > WRONG and worth > FIRST and p_value < NOT_CHANCE:
+    if not before.effects and opens(before, after):
         return True
     return any(worth > least and p_value < most and part > share for least, most, share in CLAIMS)
+
+
+def opens(before: Trialled, after: Trialled) -> bool:
+    """Whether an effect added to a wrong model pays as one of the first."""
+    worth = (after.total - before.total) / after.inflation
+    return before.inflation > WRONG and worth > FIRST and _chance(before, after) < NOT_CHANCE
+
+
+def _chance(before: Trialled, after: Trialled) -> float:
+    """The largest p value of the effects added."""
+    return max((after.p_value[e] for e in after.effects if e not in before.effects), default=0.0)

@@ -17,7 +17,7 @@ from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
 from .judge import Trialled, candidate_frees
-from .paying import WRONG, pays
+from .paying import WRONG, opens, pays
 from .search import Foretold, held_shapes, likeliest_start, starts_of
 
 LEAST_FOR_SHAPE = 2.0
@@ -121,7 +121,7 @@ def two_at_once(
             continue
         model = shaped(bench, bench.renoised(second.tried[0]))
         less = each(partial(bench.less, model), [[e] for e in model.effects])
-        if all(np.isfinite(t.total) and pays(t, model, bare) for t in less):
+        if all(np.isfinite(t.total) and (pays(t, model, bare) or opens(t, model)) for t in less):
             return second, model, dict(zip(model.effects, less, strict=True))
     return None
 

@@ -11,7 +11,7 @@ from .bench import Bench
 from .judge import Trialled
 from .paying import pays
 from .search import held_shapes
-from .select import Choice, Round, formed, one_round, places_of
+from .select import Choice, Round, fairly, formed, one_round, places_of
 
 TELLING_SHARE = 0.3
 LEAST_PART = 0.1
@@ -70,7 +70,7 @@ def not_outdone(bench: Bench, choice: Choice) -> Choice:
         if tried.best.total - chosen.total > max(CLEARLY * chosen.inflation, CLEARLY_PART * gain):
             choice = dropped(bench, choice, [name])
             continue
-        best = max((t.total for t in tried.tried), default=-np.inf)
+        best = max((fairly(t, chosen) for t in tried.tried), default=-np.inf)
         ahead = (best - chosen.total) / chosen.inflation
         choice = replace(choice, ahead={**choice.ahead, name: ahead})
     return choice

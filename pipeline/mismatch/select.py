@@ -135,16 +135,21 @@ def _outdone(place: Round, chosen: Trialled) -> bool:
 
 
 def in_place(choice: Choice, name: str) -> dict[str, float]:
-    """Held-out log likelihood of a chosen effect and of its rivals for its place. A rival whose
-    strength may be nothing is worth as much as the chosen effect at most, however well it does.
-    """
+    """Held-out log likelihood of a chosen effect and of its rivals for its place."""
     chosen = choice.chosen
     rivals = {
-        t.effects[-1]: t.total if is_sure(t) else min(t.total, chosen.total)
+        t.effects[-1]: fairly(t, chosen)
         for t in choice.places[name].tried
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
     }
     return {**rivals, name: chosen.total}
+
+
+def fairly(rival: Trialled, chosen: Trialled) -> float:
+    """Held-out log likelihood of a rival. One whose strength may be nothing is worth as much as the
+    chosen effect at most, however well it does.
+    """
+    return rival.total if is_sure(rival) else min(rival.total, chosen.total)
 
 
 def is_sure(model: Trialled) -> bool:

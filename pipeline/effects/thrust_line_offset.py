@@ -1,9 +1,11 @@
 """Thrust that misses the centre of mass when the head is turned.
 
-    N = T d sin(phi)
+    N = T d (sin(phi) + w (phi - sin(phi)))
 
-The head's mass swings to one side with phi, and with it the centre of mass. Vanishes with the
-head straight. Source: rigid-body statics; MODEL equations place T through the centre of mass.
+The head's mass swings to one side with phi, and with it the centre of mass: with sin(phi) about a
+hinge (w = 0); w is the part that grows with phi itself, as of a body that bends along an arc.
+Vanishes with the head straight. Source: rigid-body statics; MODEL equations place T through the
+centre of mass.
 """
 
 from __future__ import annotations
@@ -19,9 +21,10 @@ PARAMETERS = (
     Parameter(
         "d", "m", 0.003, -0.05, 0.05, "offset of the line of thrust at a head angle of 90 degrees"
     ),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows with the angle itself", spread=0.4),
 )
 
 
-def force(T: float, sphi: float, d: float) -> tuple[float, float, float]:
+def force(T: float, phi: float, sphi: float, d: float, w: float) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    return 0.0, 0.0, d * sphi * T
+    return 0.0, 0.0, T * d * (sphi + w * (phi - sphi))

@@ -121,7 +121,8 @@ def call(
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
         "V": float(np.hypot(u, v)),
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
-        "phi": 0.5, "T": 0.0, "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
+        "phi": 0.5, "T": 0.0,
+        "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
     } | {p.name: p.start for p in effect.parameters} | given  # fmt: skip
     function = effect.hooks[stage]
     names = inspect.signature(function).parameters

@@ -303,6 +303,12 @@ def test_stretched_lens_modes_and_other_json_are_refused(tmp_path):
         read_profile(path)
 
 
+def test_a_profile_is_of_a_fisheye_whatever_is_asked(tmp_path):
+    with pytest.raises(Fault, match="lens profiles are"):
+        calibrate_files([tmp_path / "lens.json"], model="pinhole", out=tmp_path / "camera.yaml")
+    assert not (tmp_path / "camera.yaml").exists()
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -12,6 +13,8 @@ from test_footage import SIZE, STEADY, patched, picture, write_video
 
 from pipeline.faults import Fault
 from pipeline.footage import encode, frames, open_recording
+from pipeline.stages.keypoints import unread
+from pipeline.study import Trial
 
 
 def test_cut_file_gives_its_readable_frames(tmp_path):
@@ -82,6 +85,21 @@ def test_trimmed_file_is_remarked(tmp_path):
     recording = open_recording([patched(path, b"elst", 12, start)])
     assert any("trimmed" in remark for remark in recording.remarks)
     assert 13 <= len(list(frames(recording))) <= 15
+
+
+def test_pictures_lost_in_the_midst_are_remarked():
+    trial = Trial(
+        trial_id="T01", source="a.mp4", power_pct=50, head_angle_deg=0, head_length_m=0.12
+    )
+    recording = SimpleNamespace(frames_present=90)
+    time_s = np.arange(90) / 30.0
+    assert unread(trial, recording, time_s) == ()
+    (remark,) = unread(trial, recording, np.delete(time_s, slice(56, 88)))
+    assert remark.startswith(
+        "32 of 90 frames could not be read, the longest hole 1.10 s after 1.83"
+    )
+    part = trial.model_copy(update={"end_s": 2.0})
+    assert unread(part, recording, time_s[:60]) == ()
 
 
 def test_failed_overlay_leaves_nothing(tmp_path):

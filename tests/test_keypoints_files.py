@@ -86,6 +86,13 @@ def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
     assert np.isnan(found.xy_px[2, 0]).all()
 
 
+def test_likelihoods_in_percent_are_told_with_their_row(tmp_path):
+    rows = table()
+    rows[4][3] = "92"
+    with pytest.raises(Fault, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
+        deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+
+
 def test_labels_without_likelihood_and_picture_paths(tmp_path):
     rows = table(likelihood=False)
     for i, row in enumerate(rows[3:]):

@@ -132,7 +132,7 @@ def test_any_bytes_are_a_literal_or_refused(content):
 
 def sleap_h5(path: Path, tracks: int = 1) -> Path:
     values = np.arange(tracks * 2 * 5 * 7, dtype=float).reshape(tracks, 2, 5, 7)
-    values[0, :, 2, 3] = np.nan
+    values[:1, :, 2, 3] = np.nan
     with h5py.File(path, "w") as file:
         file["tracks"] = values
         file["node_names"] = np.array(PARTS, dtype="S")
@@ -153,6 +153,11 @@ def test_sleap_is_told_from_deeplabcut(tmp_path):
 def test_sleap_of_two_tracks_takes_one_and_tells(tmp_path):
     found = deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=2), trial())
     assert any("fish" in remark for remark in found.remarks)
+
+
+def test_sleap_without_a_track_is_told_so(tmp_path):
+    with pytest.raises(Fault, match="no tracked animal"):
+        deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=0), trial())
 
 
 @pytest.mark.recordings

@@ -272,6 +272,11 @@ def test_speed_deviation_is_the_delta_method_far_from_rest_and_honest_at_rest():
     assert std[1] == pytest.approx(np.sqrt(np.trace(cov)), rel=1e-6)
 
 
+def test_speed_deviation_of_a_covariance_that_rounding_left_not_quite_positive():
+    _, (std,) = speed_and_std(np.array([[0.3, 0.0]]), np.array([[[4e-6, 2e-6], [2e-6, 9.99e-7]]]))
+    assert std == pytest.approx(2e-3, rel=1e-3)
+
+
 def test_head_never_seen_leaves_the_rest():
     pose = observe(line(times(60)), np.random.default_rng(13), FAST)
     values = pose.values.copy()

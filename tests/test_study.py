@@ -142,6 +142,7 @@ def test_all_faults_of_both_files_come_at_once(tmp_path):
         ("robot", {"yaw_inertia_kg_m2": 95.0}, "robot.yaw_inertia_kg_m2", "kg m2"),
         ("robot", {"body_length_m": 33.1}, "robot.body_length_m", "shorter than the pool"),
         ("robot", {"keypoint_depth_m": 0.9}, "robot.keypoint_depth_m", "within the water"),
+        ("camera", {"pool_corners_height_m": 50}, "camera.pool_corners_height_m", "Units are m"),
         ("camera", {"image_size_px": [1080, 1920]}, "camera.pool_corners_px", "width, then height"),
         (
             "camera",

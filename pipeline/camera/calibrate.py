@@ -71,6 +71,8 @@ def calibrate_files(
     if not paths:
         raise fault("calibrate", "", "no pictures", "photographs or videos of a board")
     if [path.suffix.lower() for path in paths] == [".json"]:
+        if model not in ("auto", "fisheye"):
+            raise fault("--model", "", f"'{model}'", "fisheye, as lens profiles are, or auto")
         result = from_profile(paths[0])
         write_text(out, camera_section(result))
         return result

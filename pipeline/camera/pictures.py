@@ -69,7 +69,8 @@ def find_views(
             "",
             f"{len(without)} pictures, none with the whole board",
             f"pictures of a board with {board.columns} x {board.rows} inner corners",
-            "Count inner corners, not squares: a board of 10 x 7 squares is --pattern 9x6.",
+            "Count inner corners, not squares: a board of 10 x 7 squares is --pattern 9x6 "
+            "(a charuco board's columns first).",
         )
     return views, without, size
 

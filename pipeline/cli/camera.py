@@ -75,6 +75,8 @@ def pool(
         sentences = ruled_picture(_picture(source or study / "trials.csv"), out)
     else:
         loaded = load_study(study)
+        if trial_id is not None:
+            loaded.trial(trial_id)
         source, fps = (frame, None) if frame else _film(study, loaded, trial_id)
         picture = _picture(source, fps=fps)
         told = pool_corners_picture(picture, loaded.setup, out)

@@ -77,7 +77,7 @@ def _read(study: Study, trial: Trial) -> None:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
         )
-        as_filmed(study.setup, film.size_px)
+        as_filmed(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
 
 
 def _seen(path: Path, found: Keypoints) -> None:

@@ -16,9 +16,20 @@ def speed_and_std(velocity: Float, cov: Float) -> tuple[Float, Float]:
     the delta method, v' C v / |v|^2; at rest it is the root mean square speed, trace C.
     """
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    root = np.linalg.cholesky(cov + 1e-30 * np.eye(2))
+    root = _root(cov)
     points = np.stack(np.meshgrid(_NODES, _NODES), -1).reshape(-1, 2)
     weights = np.outer(_WEIGHTS, _WEIGHTS).ravel() / _WEIGHTS.sum() ** 2
     tried = velocity[:, None] + np.einsum("nij,kj->nki", root, points)
     change = np.hypot(tried[..., 0], tried[..., 1]) - speed[:, None]
     return speed, np.sqrt(change**2 @ weights)
+
+
+def _root(cov: Float) -> Float:
+    """Cholesky's factors (n, 2, 2) of covariances (n, 2, 2), also where rounding leaves one that is
+    not quite positive.
+    """
+    root = np.zeros_like(cov)
+    root[:, 0, 0] = np.sqrt(np.maximum(cov[:, 0, 0], 1e-30))
+    root[:, 1, 0] = cov[:, 1, 0] / root[:, 0, 0]
+    root[:, 1, 1] = np.sqrt(np.maximum(cov[:, 1, 1] - root[:, 1, 0] ** 2, 1e-30))
+    return root

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import keypoints as sources
-from ..data import Frame, Keypoints
+from ..data import Float, Frame, Keypoints
 from ..faults import Fault, fault
 from ..keypoints.deeplabcut import write
 from ..study import Study, Trial, load_study, missing_of
 from .layout import Layout
 from .status import attempt
+
+LEAST_LOST = 3
 
 
 def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
@@ -63,6 +68,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
         return frames(recording, colour=colour)
 
     found = detector.detect(film, as_filmed(study.setup, recording.size_px), trial)
+    found = replace(found, remarks=(*found.remarks, *unread(trial, recording, found.time_s)))
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
     return found, {
         "source": study.setup.detection.source,
@@ -70,6 +76,22 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
         "size_px": list(recording.size_px),
         "cut_short": _cut_short(study, trial, recording) if short else "",
     }
+
+
+def unread(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
+    """A remark where pictures in the midst of a whole recording could not be read; time_s of those
+    that could.
+    """
+    lost = recording.frames_present - len(time_s)
+    whole = trial.start_s is None and trial.end_s is None
+    if not whole or lost < LEAST_LOST or len(time_s) < 2:
+        return ()
+    step = np.diff(time_s)
+    at = int(np.argmax(step))
+    return (
+        f"{lost} of {recording.frames_present} frames could not be read, the longest hole "
+        f"{step[at]:.2f} s after {time_s[at]:.2f} s: copy the file again from the card",
+    )
 
 
 def _cut_short(study: Study, trial: Trial, recording: Any) -> str:

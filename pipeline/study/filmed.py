@@ -14,13 +14,15 @@ from .types import Setup
 Float = npt.NDArray[np.float64]
 
 
-def as_filmed(setup: Setup, size_px: tuple[int, int]) -> Setup:
+def as_filmed(setup: Setup, size_px: tuple[int, int], name: str = "the recording") -> Setup:
     """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
+
+    name: of the recording, for the fault.
 
     Raises: Fault where the recording is not the picture of study.yaml, scaled alike in both
     directions.
     """
-    scale, given = scale_of(setup, size_px), setup.camera
+    scale, given = scale_of(setup, size_px, name), setup.camera
     if scale == 1.0:
         return setup
     corners = np.array(given.pool_corners_px, dtype=float) * scale + (scale - 1) / 2
@@ -49,7 +51,7 @@ def zoom(factor: float) -> Float:
     return np.array([[factor, 0, shift], [0, factor, shift], [0, 0, 1]])
 
 
-def scale_of(setup: Setup, size_px: tuple[int, int] | None) -> float:
+def scale_of(setup: Setup, size_px: tuple[int, int] | None, name: str = "the recording") -> float:
     """How many times larger the recording is than the picture study.yaml speaks of."""
     declared = setup.camera.image_size_px
     if size_px is None or declared is None or tuple(size_px) == tuple(declared):
@@ -61,7 +63,7 @@ def scale_of(setup: Setup, size_px: tuple[int, int] | None) -> float:
     raise fault(
         "study.yaml",
         "camera.image_size_px",
-        f"{declared[0]} x {declared[1]}, but the recording has {size_px[0]} x {size_px[1]}",
+        f"{declared[0]} x {declared[1]}, but {name} has {size_px[0]} x {size_px[1]}",
         "the recording's own size, or one scaled alike in both directions",
         "The recording is turned by 90 degrees: calibrate and give the corners in turned frames."
         if turned

@@ -67,7 +67,16 @@ def setup_problems(setup: Setup) -> list[Problem]:
         for key, limit, expected in limits
         if getattr(robot, key) >= limit
     ]
-    return [*too_large, *_unknown_parts(setup.bodyparts)]
+    return [*too_large, *_high_corners(setup), *_unknown_parts(setup.bodyparts)]
+
+
+def _high_corners(setup: Setup) -> list[Problem]:
+    """Marks of the corners further from the water than the pool is wide."""
+    height, width = setup.camera.pool_corners_height_m, setup.pool.width_m
+    if abs(height) < width:
+        return []
+    expected = f"a height above the water, less than the pool's width ({width:g} m)"
+    return [Problem("camera.pool_corners_height_m", f"{height:g}", expected, "Units are m.")]
 
 
 def _unknown_parts(bodyparts: Iterable[str]) -> list[Problem]:

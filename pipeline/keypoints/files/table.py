@@ -17,6 +17,7 @@ from .noise import white_noise_px
 Float = npt.NDArray[np.float64]
 Column = tuple[str, str]
 LARGEST_PX = 1e6
+LARGEST_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
 LONGEST_GAP = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
 CORE_PARTS = ("hinge", "core_center", "tail_base")
@@ -51,13 +52,16 @@ def assemble(
     Positions are taken by name, in whatever order the columns stand. A position that is missing,
     infinite, or 0, 0 with likelihood 0 is not seen, whatever likelihood the file gives it.
 
-    Raises: Fault where a coordinate is missing or doubled, or pixels are absurd.
+    Raises: Fault where a coordinate is missing or doubled, pixels are absurd, or likelihoods are
+    percentages.
     """
     place = {label: i for i, label in enumerate(labels)}
     if len(place) < len(labels):
         twice = next(label for label in labels if labels.count(label) > 1)
         raise fault(path, "header", f"column {' '.join(twice).strip()} twice", "each column once")
     columns = tuple(dict.fromkeys((who, part) for who, part, _ in labels))
+    if not columns:
+        raise fault(path, "", "no tracked animal", "keypoints of the robot")
     for who, part in columns:
         if (who, part, "x") not in place or (who, part, "y") not in place:
             raise fault(path, "header", f"part '{part}' without x or y", "columns x and y a part")
@@ -67,6 +71,7 @@ def assemble(
         if (*column, "likelihood") in place:
             likelihood[:, i] = values[:, place[(*column, "likelihood")]]
     _check_pixels(path, xy, lines)
+    _check_likelihood(path, likelihood, lines)
     return Table(columns, frame, *_cleaned(xy, likelihood))
 
 
@@ -80,6 +85,14 @@ def _check_pixels(path: Path, xy: Float, lines: Sequence[int] | None) -> None:
     if len(rows):
         k = int(rows[0])
         raise fault(path, _row(k, lines), f"{np.abs(xy[k]).max():g}", "pixels")
+
+
+def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None) -> None:
+    rows = np.nonzero(np.nan_to_num(likelihood, posinf=0.0).max(axis=1) > LARGEST_LIKELIHOOD)[0]
+    if len(rows):
+        k = int(rows[0])
+        found = f"a likelihood of {np.nanmax(likelihood[k]):g}"
+        raise fault(path, _row(k, lines), found, "0 to 1", "Divide percentages by 100.")
 
 
 def _cleaned(xy: Float, likelihood: Float) -> tuple[Float, Float]:

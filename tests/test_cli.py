@@ -103,6 +103,17 @@ def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
 
 
+def test_check_tells_of_corners_that_miss_the_best_pose(tmp_path):
+    study = small_study(tmp_path / "study")
+    setup = yaml.safe_load((study / "study.yaml").read_text())
+    setup["camera"]["pool_corners_px"][1][0] += 30.0
+    (study / "study.yaml").write_text(yaml.safe_dump(setup))
+    result = bluekoi("check", study)
+    assert result.exit_code == 0
+    assert "study.yaml: the pool corners miss the best pose by" in result.output
+    assert "nothing else wrong" in result.output
+
+
 def test_check_opens_what_a_run_would_open(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "motor/T09.csv").write_text("")
@@ -387,5 +398,5 @@ def test_check_tells_of_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_
     path.write_text("\n".join([*(",".join(r) for r in rows[:3]), *kept]) + "\n")
     result = bluekoi("check", study)
     assert result.exit_code == 1
-    assert "the recording has 640 x 480" in result.output
+    assert "but videos/T10.mp4 (trial T10) has 640 x 480" in result.output
     assert "T11.csv: found 0 of" in result.output

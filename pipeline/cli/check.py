@@ -113,14 +113,16 @@ def check(study: Path) -> None:
         raise Fault(missing)
     try:
         source(loaded.setup.detection.source)
-        pool_camera(loaded.setup)
+        remarks = pool_camera(loaded.setup).remarks
     except Fault as found:
         raise Fault(_in(study, finding) for finding in found.findings) from found
     if unreadable := _unreadable(loaded):
         raise Fault(unreadable)
     filmed = sum(not trial.reads_keypoints for trial in loaded.trials)
     conditions = len({trial.condition for trial in loaded.trials})
+    for remark in remarks:
+        click.echo(f"{study / 'study.yaml'}: {remark}")
     click.echo(
         f"{study}: {len(loaded.trials)} trials ({filmed} filmed, {len(loaded.trials) - filmed} "
-        f"keypoint files) in {conditions} conditions; nothing wrong."
+        f"keypoint files) in {conditions} conditions; nothing {'else ' if remarks else ''}wrong."
     )

@@ -35,7 +35,9 @@ from .writing import source
 __all__ = ["LANES", "Kernel", "compiled"]
 
 _LOADING = RLock()
-"""Held while a kernel is loaded, so that two threads do not compile the same."""
+"""Held while a kernel is written and loaded, so that two threads do not compile the same; nor may
+two of them parse Python at once (3.11: "AST constructor recursion depth mismatch").
+"""
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,12 @@ def compiled(system: System) -> Kernel:
 
 @lru_cache(maxsize=64)
 def _loaded(system: System, general: bool) -> _Compiled:
+    with _LOADING:
+        return _made(system, general)
+
+
+def _made(system: System, general: bool) -> _Compiled:
+    """A kernel written, where it was not yet, and loaded."""
     text = source(system, general=general)
     digest = hashlib.sha256(text.encode())
     for name in sorted(_files(system)):
@@ -91,8 +99,7 @@ def _loaded(system: System, general: bool) -> _Compiled:
     path = kernel_folder() / f"{name}.py"
     if not path.exists():
         write_text(path, text)
-    with _LOADING:
-        module = _load(name, path)
+    module = _load(name, path)
     return _Compiled(module.propagate, module.compiled_filter)
 
 

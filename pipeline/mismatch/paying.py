@@ -30,7 +30,9 @@ that is true differs from trial to trial by what is missing besides.
 """
 FIRST, NOT_CHANCE = 12.0, 0.05
 """So the first effects beside a wrong model pay by this gain over the inflation if they are not
-likely chance. In 101 concealed studies of nine trials the best candidate was always true above 8.
+likely chance. In 101 concealed studies of nine trials the best candidate was always true above 8;
+in 55 more three were false (24 to 76), which paid by their p value as well, and the three that paid
+by their gain alone were true.
 """
 MOST_INFLATED, MUCH = 4.0, 0.2
 """An addition that spreads the numbers over trials this many times more than before explains
@@ -48,12 +50,11 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
     if after.side - before.side > TOLD_ASIDE and gain > 0:
         return True
     part = gain / max(after.total - (bare or before).total, 1e-9)
-    p_value = _chance(before, after)
     if after.inflation > MOST_INFLATED * before.inflation and part < MUCH:
         return False
-    worth = gain / after.inflation
     if not before.effects and opens(before, after):
         return True
+    worth, p_value = gain / after.inflation, _chance(before, after)
     return any(worth > least and p_value < most and part > share for least, most, share in CLAIMS)
 
 

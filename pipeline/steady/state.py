@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
@@ -49,11 +51,12 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < LEAST_WAY_M:
         return _no_data(flapping, f"the robot moves less than {LEAST_WAY_M:g} m: did it start?")
     plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
-    told = [
+    told = (
         _over(track, flapping, head_angle_rad, plateau, stretch)
         for stretch in _steady_stretches(track, plateau)
-    ]
-    return next((one for one in told if one.quality in SUFFICES), told[0])
+    )
+    strictest = next(told)
+    return next((one for one in chain([strictest], told) if one.quality in SUFFICES), strictest)
 
 
 def _over(
@@ -87,7 +90,7 @@ def _no_data(flapping: Flapping, reason: str) -> Steady:
     return Steady(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
 
 
-def _steady_stretches(track: Track, plateau: Plateau) -> list[_Stretch]:
+def _steady_stretches(track: Track, plateau: Plateau) -> Iterator[_Stretch]:
     """Longest stretch up to the end over which speed and turning rate do not change, for each
     tolerance that leaves one, the strictest first; without any, the last part of the trial.
     """
@@ -96,14 +99,15 @@ def _steady_stretches(track: Track, plateau: Plateau) -> list[_Stretch]:
     latest = max(t[-1] - max(LEAST_S, 0.2 * span), t[0])
     starts = np.searchsorted(t, np.linspace(t[0], latest, 40)).tolist()
     parts = [slice(start, len(t)) for start in starts if len(t) - start >= LEAST_FRAMES]
-    longest = [
-        next((at for at in parts if _does_not_change(track, at, tolerance)), None)
-        for tolerance in TOLERANCES
-    ]
-    if found := [_Stretch(at, True) for at in longest if at is not None]:
-        return found
-    first = min(int(np.searchsorted(t, latest)), len(t) - LEAST_FRAMES)
-    return [_Stretch(slice(first, len(t)), plateau.settled_s < t[-1])]
+    steady = False
+    for tolerance in TOLERANCES:
+        at = next((part for part in parts if _does_not_change(track, part, tolerance)), None)
+        if at is not None:
+            steady = True
+            yield _Stretch(at, True)
+    if not steady:
+        first = min(int(np.searchsorted(t, latest)), len(t) - LEAST_FRAMES)
+        yield _Stretch(slice(first, len(t)), plateau.settled_s < t[-1])
 
 
 def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:

@@ -82,8 +82,7 @@ def learn(samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial) ->
 
 def anew(template: Template, robot: Robot, trial: Trial) -> Template:
     """Generic template of a learned one's width and grey level, its core as learned."""
-    skin = float(np.median(template.core_skin))
-    generic = first_template(robot, trial, float(template.half.max()), skin)
+    generic = first_template(robot, trial, float(template.half.max()), template.skin)
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 

@@ -7,6 +7,7 @@ Head: radii about a point on its axis, symmetric, in axes with the hinge at 0 an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +46,11 @@ class Template:
     core_skin: Float
     joint_m: float
     misled: npt.NDArray[np.bool_]
+
+    @cached_property
+    def skin(self) -> float:
+        """The core's usual grey level."""
+        return float(np.median(self.core_skin))
 
     @property
     def area_m2(self) -> float:

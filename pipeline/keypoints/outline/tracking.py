@@ -128,8 +128,7 @@ def found_among(
 
 def plausible(blob: Blob, template: Template) -> bool:
     """Whether a blob is of the robot's order of size and grey level."""
-    skin = float(np.median(template.core_skin))
-    if abs(blob.skin - skin) > 0.5 * abs(blob.contrast):
+    if abs(blob.skin - template.skin) > 0.5 * abs(blob.contrast):
         return False
     return 0.35 * template.area_m2 < blob.area_m2 < 4.0 * template.area_m2
 
@@ -182,12 +181,11 @@ def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
     base_m = np.array([x, y]) - template.core_m * back
     ends = scene.plane.pixels(np.stack([base_m, base_m - template.tail_m * back]))
     along = ends[1] - ends[0]
-    skin = float(np.median(template.core_skin))
     tail = trace(
         (frame, scene.floor),
         ends[0],
         math.atan2(along[1], along[0]),
         float(np.hypot(*along)),
-        skin,
+        template.skin,
     )
     return replace(one, tail=tail)

@@ -45,5 +45,6 @@ def measured(design: Design, folder: Path) -> Measured:
         out.steady[trial.trial_id] = steady_state(track, flapping, trial.head_angle_rad)
         out.flapping[trial.trial_id] = flapping
         one = trial_series(trial, study.setup, pose, track, flapping)
-        out.series.append(with_clock(one, flapping))
+        out.series.append(one)
+    out.series[:] = with_clock(out.series, out.flapping)
     return out

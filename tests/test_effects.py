@@ -10,7 +10,7 @@ import pytest
 
 from pipeline import effects, measurement
 from pipeline.integrate import Effect
-from pipeline.model import TABLE_1, effect_names, plates, simulate
+from pipeline.model import TABLE_1, effect_names, plates, residual, simulate
 from pipeline.model.equations import flow
 from robots import SETUP
 
@@ -116,6 +116,7 @@ def call(
     cphi, sphi = np.cos(0.5), np.sin(0.5)
     known = {
         "rho": 1000.0, "A": 0.0083, "A_ref": 0.0083, "span": 0.069, "length": 0.33, "h": 0.12,
+        "l": 0.1,
         "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
         "x": 0.1, "y": 0.2,
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
@@ -152,6 +153,58 @@ def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
     found = call(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]),
                  a=0.12, b=float(np.std(x)), p=0.0)  # fmt: skip
     assert found == pytest.approx([0.0, dY.sum(), -(x * dY).sum()])
+
+
+def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
+    """g = -1: lift alone, at a fin that moves by 0.4 m/s ahead and 0.25 m/s aside."""
+    motion = np.array([0.4, 0.1, -1.0])
+    X, Y, _ = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
+    lift = 0.5 * 1000 * 0.03 * np.hypot(0.4, 0.25) * 0.25
+    assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
+
+
+@pytest.mark.parametrize("p", [-0.8, 0.0, 4.0])
+@pytest.mark.parametrize("g", [-1.0, 0.5, 2.0])
+def test_a_fin_of_any_form_never_adds_power(p: float, g: float) -> None:
+    rng = np.random.default_rng(6)
+    for draw in rng.uniform(-1, 1, (200, 3)):
+        X, Y, N = call(plates().effect("tail_fin_lift"), "force", draw, p=p, g=g)
+        assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-9
+
+
+@pytest.mark.parametrize("name", ["viscous_drag", "wave_drag"])
+def test_drag_at_the_head_turns_the_robot_by_the_plate_s_arm(name: str) -> None:
+    """All of it at the head plate, 0.1 m ahead: moment 0.1 m times the side force."""
+    X, Y, N = call(plates().effect(name), "force", np.array([0.3, 0.1, 0.0]), h=1.0)
+    assert pytest.approx(1 / 3) == Y / X
+    assert pytest.approx(0.1 * Y) == N
+
+
+def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
+    """Missing frequency summed over the start: tau times f, for a ramp and a smooth step."""
+    spin_up, t = plates().effect("motor_spin_up").hooks["drive"], np.linspace(0, 1.2, 4001)
+    for q in (0.0, 0.5, 1.0):
+        missing = np.array([spin_up(one, 2.0, 1.0, 0.4, 1.0, q)[1] for one in t])
+        assert missing[0] == pytest.approx(-2.0)
+        assert np.trapezoid(missing, t) == pytest.approx(-2.0 * 0.4, rel=1e-6)
+
+
+def test_added_mass_without_its_munk_moment() -> None:
+    """Kirchhoff's -(A22 - A11) u v, given back where e = 0."""
+    added = plates().effect("added_mass").hooks["force"]
+    assert added(0.3, 0.1, 0.2, 0.25, 0.0) == pytest.approx((0, 0, (0.2 - 0.05) * 0.3 * 0.1))
+    assert added(0.3, 0.1, 0.2, 0.25, 1.0) == (0.0, 0.0, 0.0)
+
+
+def test_terms_of_heading_and_head_angle() -> None:
+    """c11 sin 2 psi + c12 cos 2 psi + c9 + c10 f in yaw, b8 u^2 sin phi in sway."""
+    none = {p.name: 0.0 for p in residual.PARAMETERS}
+    given = {"cpsi": np.cos(0.7), "spsi": np.sin(0.7), "phi": 0.5, "sphi": np.sin(0.5), "f": 4.0}
+    told = {"b8": 2.0, "c9": 0.1, "c10": 0.2, "c11": 0.3, "c12": 0.4}
+    X, Y, N = call(plates().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
+                   **none | given | told)  # fmt: skip
+    expected = 0.1 + 0.2 * 4 + 0.3 * np.sin(1.4) + 0.4 * np.cos(1.4)
+    assert pytest.approx((0.0, 2 * 0.09 * np.sin(0.5), expected)) == (X, Y, N)
 
 
 def test_crossflow_drag_of_a_tapering_body() -> None:

@@ -11,6 +11,7 @@ from scipy.stats import beta
 
 from measured import Measured, measured
 from pipeline.camera.displacement import lens_strength
+from pipeline.data import Flapping
 from pipeline.faults import Fault
 from pipeline.files import plain
 from pipeline.fitting import (
@@ -33,15 +34,20 @@ from pipeline.mismatch.horizon import begun
 from pipeline.mismatch.judge import Trialled, inflation, p_value_of
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
-from pipeline.mismatch.nameless import dropped, tells, without_proxies
+from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies
 from pipeline.mismatch.paying import opens
 from pipeline.mismatch.search import held_shapes, screened
-from pipeline.mismatch.select import _outdone, _settled
+from pipeline.mismatch.select import _level, _outdone, _settled
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
 from pipeline.model import plates
-from pipeline.stages.mismatch import rigid_evidence, with_rigid_distances
+from pipeline.stages.mismatch import (
+    CLOCK_STD,
+    rigid_evidence,
+    with_clock,
+    with_rigid_distances,
+)
 from pipeline.synthetic.design import bare_design, demo_design
 from pipeline.tuning import thin, tune
 from pipeline.tuning.identify import profiles
@@ -183,7 +189,7 @@ def test_shapes_known_beforehand_are_held_until_freeing_them_pays(
     _, found = demo
     kernel = compiled(plates())
     tried = next(t for t in found.choice.rounds[0].tried if t.effects == ("tail_fin_lift",))
-    assert set(held_shapes(kernel, tried)) == {"tail_fin_lift.b", "tail_fin_lift.p"}
+    assert set(held_shapes(kernel, tried)) == {f"tail_fin_lift.{shape}" for shape in "bpg"}
     free = {f.name for f in tried.fit.free}
     assert {"tail_fin_lift.S", "tail_fin_lift.a"} <= free
 
@@ -244,7 +250,7 @@ def test_a_held_shape_widens_what_is_said_of_a_strength(demo: tuple[Measured, Fo
     _, found = demo
     bench = _bench(demo)
     model = bench.settled(bench.refit(found.choice.chosen.effects, found.choice.bare))
-    assert set(held_shapes(bench.kernel, model)) == {"tail_fin_lift.b", "tail_fin_lift.p"}
+    assert set(held_shapes(bench.kernel, model)) == {f"tail_fin_lift.{k}" for k in "bpg"}
     names = [f.name for f in model.fit.free]
     wide = np.diag(spread_of(bench, model).cov)
     narrow = np.diag(spread_over_trials(model.fit.normal).cov)
@@ -509,6 +515,62 @@ def test_a_nameless_term_that_does_as_well_is_told_as_a_rival(
     told = [r for r in rivals(level) if r["name"] == "unexplained"]
     assert len(told) == 1
     assert "without a name" in told[0]["how_to_tell_apart"]
+
+
+def test_a_rival_close_behind_is_judged_as_the_chosen_was(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both gain 40 by noise of their own, which must not speak for the chosen one alone."""
+    _, found = demo
+    bench, chosen = _bench(demo), replace(found.choice.chosen, inflation=2.0)
+    name = chosen.effects[0]
+    count, rest = len(chosen.worth), tuple(e for e in chosen.effects if e != name)
+    own = replace(chosen, effects=(*rest, name), worth=chosen.worth - 40.0 / count)
+    near = replace(own, effects=(*rest, "trim_moment"), worth=own.worth - 8.0 / count)
+    sagging = replace(own.fit, free=(*own.fit.free, Free("battery_sag.k")),
+                      values=np.append(own.fit.values, 0.01))  # fmt: skip
+    far = replace(own, effects=(*rest, "battery_sag"), worth=own.worth - 30.0 / count, fit=sagging)
+    monkeypatch.setattr(Bench, "renoised", lambda _, model: replace(
+        model, worth=model.worth + 40.0 / count, inflation=10.0))  # fmt: skip
+    place = replace(found.choice.places[name], tried=(own, near, far))
+    told = {t.effects[-1]: t.total for t in _level(bench, name, place, chosen).tried}
+    assert told["trim_moment"] == pytest.approx(chosen.total - 8.0)
+    assert told["battery_sag"] == pytest.approx(far.total)
+    assert told[name] == pytest.approx(own.total)
+
+
+def test_a_further_cause_that_is_more_likely_another_goes(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, found = demo
+    choice, bench = found.choice, _bench(demo)
+    assert without_doubtful(bench, choice) is choice
+    name = choice.chosen.effects[1]
+    asked: list[str] = []
+    monkeypatch.setattr("pipeline.mismatch.nameless.dropped",
+                        lambda _bench, choice, names: asked.extend(names) or choice)  # fmt: skip
+    ahead = replace(choice, ahead={name: SELDOM + 3.0})
+    without_doubtful(bench, ahead)
+    assert asked == [name]
+
+
+def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> None:
+    """2.5 % slow in all trials; then 1, 4 and 8 % at three powers, as a supply that sags."""
+    none = np.zeros(1)
+    series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(9)]
+
+    def told(ratios: list[float]) -> list[tuple[float, float]]:
+        beats = {
+            s.name: Flapping(4.0, 0.0, "flap_hz", video_hz=4.0 * (1 + k), video_hz_std=0.002)
+            for s, k in zip(series, ratios, strict=True)
+        }
+        return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
+
+    for ratio, std in told([-0.025] * 9):
+        assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD), rel=0.02)
+    apart = told([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
+    together = np.mean([std for _, std in apart]) / 3  # of nine trials
+    assert together > np.std([-0.01, -0.04, -0.08])
 
 
 def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measured, Found]) -> None:

@@ -4,31 +4,53 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from measured import measured
+from measured import Measured, measured
 from pipeline.files import plain
 from pipeline.fitting import Free, Series, shoot
 from pipeline.integrate import Parameter, compiled
-from pipeline.mismatch import find_mismatch
+from pipeline.mismatch import Found, find_mismatch
 from pipeline.mismatch.locate import Dependence
 from pipeline.mismatch.search import further
 from pipeline.mismatch.story import mismatch_json
-from pipeline.mismatch.swinging import of_time, only_swings, swings
+from pipeline.mismatch.swinging import of_time, only_of_time, swings
 from pipeline.model import is_nameless, plates
 from pipeline.synthetic.design import demo_design
 from pipeline.tuning import Tuned
 
 SWING = {"sx": 0.03, "cx": -0.01, "W": 2.6}
+PULSE = {"s": 0.12, "c": 0.04, "W": 2.2}
 
 
-def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(tmp_path: Path) -> None:
-    m = measured(demo_design(), tmp_path)
-    unswung = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
-    series = swung(m.series, unswung.extended)
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
+    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
+    return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
+
+
+def test_a_thrust_that_comes_and_goes_is_found_with_its_rate(demo: tuple[Measured, Found]) -> None:
+    m, still = demo
+    series = swung(m.series, still.extended, "surging", PULSE)
+    found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, m.study, series))
+    assert told["verdict"] == "unexplained"
+    assert "tail_fin_lift" in {c["name"] for c in told["causes"]}
+    cause = next(c for c in told["causes"] if c["name"] == "unexplained")
+    numbers = {k: v["value"] for k, v in cause["parameters"].items()}
+    assert numbers["W"] == pytest.approx(PULSE["W"], abs=0.05)
+    assert numbers["s"] == pytest.approx(PULSE["s"], abs=0.02)
+    held = told["held_out"]
+    assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
+
+
+def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(
+    demo: tuple[Measured, Found],
+) -> None:
+    m, unswung = demo
+    series = swung(m.series, unswung.extended, "sloshing", SWING)
     found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
     told = plain(mismatch_json(found, m.study, series))
     assert told["verdict"] == "unexplained"
@@ -46,13 +68,15 @@ def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(tmp_path: Pa
     assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
 
 
-def swung(series: Sequence[Series], model: Tuned) -> list[Series]:
-    """The trials as they would have been had the water swung: each path changed by what a swing
+def swung(
+    series: Sequence[Series], model: Tuned, effect: str, numbers: dict[str, float]
+) -> list[Series]:
+    """The trials as they would have been had an effect been there: each path changed by what it
     changes in a simulation of `model` from the same start.
     """
     kernel = compiled(plates())
     still = model.trial_values(kernel, series)
-    moved = [with_numbers(v, {f"sloshing.{k}": x for k, x in SWING.items()}) for v in still]
+    moved = [with_numbers(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still]
     begun = [replace(s, mean=shot.start)
              for s, shot in zip(series, shoot(kernel, series, still), strict=True)]  # fmt: skip
     both = [shoot(kernel, begun, values, iterations=0) for values in (still, moved)]
@@ -79,11 +103,14 @@ def test_a_swing_pushes_by_the_clock_however_fast_in_its_own_channels() -> None:
     told = [Dependence(c, v, 0.01, (), 0.01) for c in range(3) for v in ("time_s", "speed_m_s")]
     none = np.zeros(1)
     one = Series("T1", "", "", t, none, none, none, none, none, none)
-    found = {(d.channel, d.variable): d for d in of_time([one], [push], told, np.ones(3))}
+    free = [Free("sloshing.W")]
+    found = {(d.channel, d.variable): d for d in of_time([one], [push], told, np.ones(3), free)}
     assert found[0, "time_s"].adds == pytest.approx(0.9)
     assert found[1, "time_s"].adds == pytest.approx(0.1)
     assert found[2, "time_s"].adds == found[0, "speed_m_s"].adds == 0.0
     assert found[0, "time_s"].trials == ("T1",)
+    thrust = of_time([one], [push], told, np.ones(3), [Free("surging.W")])
+    assert {(d.channel, d.variable) for d in thrust if d.adds > 0} == {(0, "time_s")}
 
 
 def test_what_has_no_name_is_told_from_what_has() -> None:
@@ -93,5 +120,5 @@ def test_what_has_no_name_is_told_from_what_has() -> None:
     ]  # fmt: skip
     assert swings([named, swing])
     assert not swings([named, term])
-    assert only_swings([named, swing])
-    assert not only_swings([swing, term])
+    assert only_of_time([named, swing])
+    assert not only_of_time([swing, term])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
+from pipeline.fitting import Lasting, Normal, jackknife_cov, scatter_cov, spread_over_trials
 from pipeline.fitting.resampling import LEAST_LEFT, RIDGE
 from pipeline.fitting.sandwich import _widened
 
@@ -151,6 +151,27 @@ def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
         same, white = spread_over_trials(normal, None, nothing), spread_over_trials(normal)
         assert same.cov == pytest.approx(white.cov)
         assert same.freedom == pytest.approx(white.freedom)
+
+
+def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known():
+    """Seven trials, white errors, two that tell ten times as much: 1 and the floor's 0.25 times.
+
+    The jackknife finds half as much again.
+    """
+    rng = np.random.default_rng(8)
+    size = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 10.0])
+    told = {scatter_cov: [], jackknife_cov: []}
+    for _ in range(400):
+        J = rng.normal(size=(7, 8, 3)) * size[:, None, None] ** 0.5
+        e = rng.normal(size=(7, 8))
+        H = np.einsum("tnp,tnq->tpq", J, J)
+        fit = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", J, e))
+        g = np.einsum("tnp,tn->tp", J, e - J @ fit)
+        for cov, found in told.items():
+            C = cov(Normal(H, g, np.zeros(7)), np.ones(3, dtype=bool))
+            found.append(np.trace(H.sum(axis=0) @ C) / 3)
+    assert np.mean(told[scatter_cov]) == pytest.approx(1.25, abs=0.08)
+    assert np.mean(told[jackknife_cov]) > 1.5 * 1.25
 
 
 def test_a_number_at_its_bound_widens_no_other():

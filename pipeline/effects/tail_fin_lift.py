@@ -5,9 +5,12 @@ speed v_a = v - a r and gives the side force of a thin wing at small angle. A lo
 another speed at each station; two stations at a - b and a + b have the same mean and spread:
 
     dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
+    dX = g dY w u / (u^2 + w^2)
 
 with S = C_La,fin x area. p = 0 is the wing's law at small angles; sideways flow that adds to the
-dynamic pressure, and the drag across the flow that comes with it, make it larger. It vanishes
+dynamic pressure, and the drag across the flow that comes with it, make it larger, a fin that stalls
+gently smaller. g is what of the force lies along the body: above 0 the drag that comes with lift,
+below 0 the pull of a rounded leading edge (-1 where all force stands across the flow). It vanishes
 without forward speed (p = 0) and is zero in straight swimming, which it makes stable.
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio).
@@ -31,17 +34,21 @@ PARAMETERS = (
     Parameter("S", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin"),
     Parameter("a", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass"),
     Parameter("b", "m", 0.03, 0.0, 0.09, "how far the fin spreads along the body", 0.02),
-    Parameter("p", "1", 0.2, 0.0, 4.0, "share of the sideways flow in the dynamic pressure", 0.4),
+    Parameter("p", "1", 0.2, -0.8, 4.0, "share of the sideways flow in the dynamic pressure", 0.4),
+    Parameter("g", "1", 0.0, -1.0, 2.0, "part of the force that lies along the body", 0.4),
 )
 
 
 def force(
-    rho: float, uc: float, vc: float, rc: float, S: float, a: float, b: float, p: float
-) -> tuple[float, float, float]:
+    rho: float, uc: float, vc: float, rc: float,
+    S: float, a: float, b: float, p: float, g: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge, sway (N) and yaw (N m) of the fin."""
     front, rear = a - b, a + b
     wf, wr = vc - front * rc, vc - rear * rc
     k = -0.25 * rho * S
-    Yf = k * math.sqrt(uc * uc + p * wf * wf + 1e-12) * wf
-    Yr = k * math.sqrt(uc * uc + p * wr * wr + 1e-12) * wr
-    return 0.0, Yf + Yr, -front * Yf - rear * Yr
+    Yf = k * math.sqrt(max(uc * uc + p * wf * wf, 0.0) + 1e-12) * wf
+    Yr = k * math.sqrt(max(uc * uc + p * wr * wr, 0.0) + 1e-12) * wr
+    Xf = Yf * wf / (uc * uc + wf * wf + 1e-12)
+    Xr = Yr * wr / (uc * uc + wr * wr + 1e-12)
+    return g * uc * (Xf + Xr), Yf + Yr, -front * Yf - rear * Yr

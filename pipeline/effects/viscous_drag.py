@@ -3,7 +3,9 @@
     D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
 
 Laminar (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^2 V^(-1/2); w is the part of it that
-grows as V, as where the flow creeps. Weaker than quadratic drag as speed grows; vanishes at rest.
+grows as V, as where the flow creeps. The part h of it acts at the head plate, a distance l ahead of
+the centre of mass, where the paper has all drag; the rest at the centre of mass. Weaker than
+quadratic drag as speed grows; vanishes at rest.
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
 """
 
@@ -24,10 +26,13 @@ CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
 PARAMETERS = (
     Parameter("k", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5"),
     Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V", spread=0.4),
+    Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
 )
 
 
-def force(uc: float, vc: float, V: float, k: float, w: float) -> tuple[float, float, float]:
-    """Surge and sway (N); no moment."""
+def force(
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+) -> tuple[float, float, float]:
+    """Surge and sway (N) and yaw (N m)."""
     s = -k * ((1.0 - w) * math.sqrt(V) + 0.5477225575051661 * w)
-    return s * uc, s * vc, 0.0
+    return s * uc, s * vc, h * l * s * vc

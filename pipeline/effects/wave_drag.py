@@ -2,7 +2,8 @@
 
     D = -k V^4 ((1 - w) + w (V / V_1)^2) v_hat,  V_1 = 0.4 m/s
 
-It rises faster than speed squared below the hull speed; w is the part that grows as V^6.
+It rises faster than speed squared below the hull speed; w is the part that grows as V^6. The part h
+acts at the head plate, a distance l ahead of the centre of mass, the rest at the centre of mass.
 
 Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
 Hoerner (1965), ch. 11.
@@ -22,10 +23,13 @@ CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
 PARAMETERS = (
     Parameter("k", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4"),
     Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V^6", spread=0.4),
+    Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
 )
 
 
-def force(uc: float, vc: float, V: float, k: float, w: float) -> tuple[float, float, float]:
-    """Surge and sway (N)."""
+def force(
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+) -> tuple[float, float, float]:
+    """Surge and sway (N) and yaw (N m)."""
     s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V)
-    return s * uc, s * vc, 0.0
+    return s * uc, s * vc, h * l * s * vc

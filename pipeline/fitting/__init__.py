@@ -12,7 +12,7 @@ from .normal import (
     trial_values,
 )
 from .paths import PathFit, fit_paths
-from .resampling import ensemble, inverse_fisher, jackknife_cov, moving
+from .resampling import ensemble, inverse_fisher, jackknife_cov, moving, scatter_cov
 from .sandwich import Lasting, Spread, Told, spread_over_trials, without_bounds
 from .series import Free, Noise, Series
 from .shooting import Shot, shoot
@@ -44,6 +44,7 @@ __all__ = [
     "normal_equations",
     "pseudo_inverse",
     "response",
+    "scatter_cov",
     "shoot",
     "side_log_likelihoods",
     "slots_by_name",

@@ -20,11 +20,19 @@ from .horizon import path_errors
 from .judge import Trialled, trialled
 from .jumps import jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
-from .nameless import nameless, nameless_gain, not_outdone, only_form, tells, without_proxies
+from .nameless import (
+    nameless,
+    nameless_gain,
+    not_outdone,
+    only_form,
+    tells,
+    without_doubtful,
+    without_proxies,
+)
 from .paying import WRONG
 from .select import Choice, choose
 from .setting import has_roles, held_out_trials, steady_errors, variables
-from .swinging import beside_a_swing, of_time, only_swings, swings
+from .swinging import beside_a_swing, of_time, only_of_time, swings
 
 LAST_NOISE_ROUNDS = 10
 LEAST_UNIT = 0.1
@@ -88,7 +96,7 @@ def find_mismatch(
     bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
     choice = choose(bench, trialled(kernel, (), baseline.fit, baseline.noise, train))
     progress("terms without a name")
-    choice = not_outdone(bench, choice)
+    choice = without_doubtful(bench, not_outdone(bench, choice))
     residual = nameless(bench, choice.chosen, choice.bare)
     if tells(choice, residual) and only_form(bench, choice):
         residual = choice.chosen
@@ -143,7 +151,7 @@ def _located(
     pushes = added_force(kernel, series, full, values, extended.noise)
     told = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     found = dependences(series, told, variables(series, forces, trials), units)
-    return forces, of_time(series, told, found, units) if only_swings(free) else found
+    return forces, of_time(series, told, found, units, free) if only_of_time(free) else found
 
 
 def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:

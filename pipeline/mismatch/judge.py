@@ -26,6 +26,7 @@ from ..fitting import (
     log_likelihoods,
     moving,
     pseudo_inverse,
+    scatter_cov,
     side_log_likelihoods,
     trial_values,
 )
@@ -119,7 +120,7 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
 
 def inflation(kernel: Kernel, found: Fit, *, own: bool = False) -> float:
     """Mean eigenvalue of H C, at least 1: C over trials, H the Fisher matrix, both of the numbers
-    that more than one trial tells of.
+    that more than one trial tells of. C without bias: few trials are no sign of a wrong model.
 
     own: of the model's own coefficients alone, H being that left of them when the numbers of the
     effects are free as well.
@@ -128,7 +129,7 @@ def inflation(kernel: Kernel, found: Fit, *, own: bool = False) -> float:
     if not move.any():
         return 1.0
     H = found.normal.hessian.sum(axis=0)[np.ix_(move, move)]
-    C = jackknife_cov(found.normal, move)[np.ix_(move, move)]
+    C = scatter_cov(found.normal, move)[np.ix_(move, move)]
     if own:
         names = [free.name for free, moves in zip(found.free, move, strict=True) if moves]
         kept = [i for i, name in enumerate(names) if "." not in name]

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from .bench import Bench
+from .forms import formed
 from .judge import Trialled
 from .paying import pays
 from .search import held_shapes
-from .select import Choice, Round, fairly, formed, one_round, places_of
+from .select import Choice, Round, fairly, in_place, one_round, places_of
+from .weighing import beside_nameless, reliability, told_aside, weights
 
 TELLING_SHARE = 0.3
 LEAST_PART = 0.1
@@ -27,12 +29,16 @@ of them has no larger p value, whatever the strongest named cause gains: beside 
 else is a tenth of it. Lasting errors of a detector, 0.2 mm of path, passed for a force without the
 p value.
 """
-SWING = "sloshing"
+SWING, PULSE = "sloshing", "surging"
 MOST_TERMS = 4
 CONTESTED = 4
 WEAK = 60.0
 CLEARLY = 5.0
 CLEARLY_PART = 0.15
+DOUBTFUL, UNLIKELY = 0.3, 0.1
+"""Beside other causes one of less weight than the first goes where another is likelier in its
+place, one of less than the second anyway.
+"""
 """A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
 term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
@@ -53,7 +59,7 @@ def terms_of(bench: Bench) -> Bench:
     """The bench with all nameless terms, one by one, as candidates."""
     effect = bench.kernel.system.effect("residual")
     terms = tuple(f"residual.{p.name}" for p in effect.parameters)
-    return replace(bench, candidates=(*terms, SWING))
+    return replace(bench, candidates=(*terms, SWING, PULSE))
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:
@@ -74,6 +80,33 @@ def not_outdone(bench: Bench, choice: Choice) -> Choice:
         ahead = (best - chosen.total) / chosen.inflation
         choice = replace(choice, ahead={**choice.ahead, name: ahead})
     return choice
+
+
+def without_doubtful(bench: Bench, choice: Choice) -> Choice:
+    """Choice without the causes beside others that are more likely something else, or nothing."""
+    for _ in choice.chosen.effects[1:]:
+        told = {name: shares_in_place(choice, name) for name in choice.chosen.effects}
+        name = min(told, key=lambda e: told[e][e])
+        own = told[name].pop(name)
+        if own > DOUBTFUL or (own > UNLIKELY and own >= max(told[name].values(), default=0.0)):
+            break
+        choice = dropped(bench, choice, [name])
+    return choice
+
+
+def shares_in_place(choice: Choice, name: str, *, beside: bool = True) -> dict[str, float]:
+    """A chosen effect and its rivals for its place -> weights; what they lack of 1 is left for a
+    cause that is no candidate.
+
+    beside: a force without a name is a rival as well, where one was tried.
+    """
+    chosen, without = choice.chosen, choice.without[name]
+    paths = reliability((chosen.total - without.total) / chosen.inflation)
+    sure = max(paths, told_aside(chosen.side - without.side))
+    shares = weights(in_place(choice, name), chosen.inflation)
+    if beside:
+        shares = beside_nameless(shares, name, choice.ahead.get(name, -np.inf))
+    return {other: sure * share for other, share in shares.items()}
 
 
 def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[Choice, Trialled]:

@@ -7,7 +7,7 @@ that lacks something takes its lack for noise.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -16,17 +16,23 @@ from ..fitting import Filtered, filter_all
 from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
+from .forms import formed, own_shapes, shaped
 from .judge import Trialled, candidate_frees
 from .paying import WRONG, opens, pays
-from .search import Foretold, held_shapes, likeliest_start, starts_of
+from .search import Foretold, likeliest_start, starts_of
 
-LEAST_FOR_SHAPE = 2.0
+LEAST_FOR_FORM = 3.0
 TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3
 """Of those that gained at least this part of the best's gain so many are settled."""
 OPENINGS = 2
 UNLIKELY = 0.01
+CLOSE = 6.0
+"""A rival that in its round was no further behind than this, in held-out log likelihood over the
+inflation, or whose law may have another form, is judged again as the chosen effect was: under all
+of its own noise, its forms free.
+"""
 MOST_CAUSES = 4
 MOST_ROUNDS = 8
 
@@ -80,14 +86,17 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         rounds.append(done)
         if len(current.effects) >= MOST_CAUSES:
             break
-        if done.best.effects == current.effects:
+        best = done.best
+        if best.effects == current.effects:
+            best = in_another_form(bench, done, bare) or best
+        if best.effects == current.effects:
             both = two_at_once(bench, done, bare)
             if not both:
                 break
             rounds.append(both[0])
             current, without = both[1:]
         else:
-            current, without = pruned(bench, shaped(bench, bench.renoised(done.best)), bare)
+            current, without = pruned(bench, shaped(bench, bench.renoised(best)), bare)
         if frozenset(current.effects) in seen:
             break
         seen.add(frozenset(current.effects))
@@ -100,6 +109,21 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         current, without = pruned(bench, _instead(places[outdone[0]], current), bare)
         places = places_of(bench, current, without, bare, rounds)
     return Choice(bare, current, tuple(rounds), without, places)
+
+
+def in_another_form(bench: Bench, done: Round, bare: Trialled) -> Trialled | None:
+    """Where nothing pays: a candidate that pays once its form is free, nature's law being another.
+
+    Of those that gained most and are not likely nothing, the first that does.
+    """
+    for one in done.tried[:CONTENDERS]:
+        held = own_shapes(bench.kernel, one)
+        gain = (one.total - done.before.total) / one.inflation
+        if held and gain > LEAST_FOR_FORM and is_sure(one):
+            free = formed(bench, one, held)
+            if np.isfinite(free.total) and pays(done.before, free, bare):
+                return free
+    return None
 
 
 def two_at_once(
@@ -222,24 +246,6 @@ def _has_shape(kernel: Kernel, name: str) -> bool:
     return len(frees) > strengths
 
 
-def shaped(bench: Bench, model: Trialled) -> Trialled:
-    """A model with the shapes of its effects free, where that pays: a law may have another form
-    than the candidate's, and what that leaves over must not pass for a further cause.
-    """
-    held = held_shapes(bench.kernel, model)
-    if not held:
-        return model
-    free = formed(bench, model, held)
-    gain = (free.total - model.total) / free.inflation
-    return free if gain > LEAST_FOR_SHAPE and free.inflation <= 2 * model.inflation else model
-
-
-def formed(bench: Bench, model: Trialled, held: Mapping[str, float]) -> Trialled:
-    """A model with these shapes of its effects free as well, under its own noise."""
-    bench.progress(f"form of {', '.join(model.effects)}")
-    return bench.settled(bench.refit(model.effects, model, {**model.fit.by_label(), **held}))
-
-
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:
     """A model without the effects that no longer pay, and what it is without each of the rest."""
     while True:
@@ -258,7 +264,33 @@ def places_of(
 ) -> dict[str, Round]:  # fmt: skip
     """Chosen effect -> the round in which it competes beside the others: an old one or a new."""
     before = {frozenset(r.before.effects): r for r in reversed(rounds)}
-    return {
+    found = {
         e: before.get(frozenset(without[e].effects)) or one_round(bench, without[e], bare)
         for e in chosen.effects
     }
+    return {e: _level(bench, e, place, chosen) for e, place in found.items()}
+
+
+def _level(bench: Bench, name: str, place: Round, chosen: Trialled) -> Round:
+    """A place whose close rivals are judged as the chosen effect: under all of their own noise.
+
+    Within the round both stood under noise that the model before had left to them; what the one
+    gains by noise of its own must not speak against the other.
+    """
+    own = next((t for t in place.tried if t.effects[-1] == name), None)
+    if own is None or not np.isfinite(own.total):
+        return place
+    near = own.total - CLOSE * own.inflation
+    part = place.before.total + PART_OF_BEST * (own.total - place.before.total)
+    close = [t for t in place.tried
+             if t.effects[-1] not in chosen.effects and t.total < chosen.total
+             and t.total > (min(near, part) if own_shapes(bench.kernel, t) else near)]  # fmt: skip
+    again = dict(zip((t.effects for t in close), each(partial(_anew, bench), close), strict=True))
+    tried = (max(t, again.get(t.effects, t), key=lambda one: one.total) for t in place.tried)
+    return replace(place, tried=tuple(sorted(tried, key=lambda t: -t.total)))
+
+
+def _anew(bench: Bench, model: Trialled) -> Trialled:
+    """A model under all of its own noise, its forms free where that pays."""
+    found = shaped(bench, bench.renoised(model))
+    return found if np.isfinite(found.total) else model

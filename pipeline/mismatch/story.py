@@ -15,11 +15,10 @@ from ..tuning import Tuned, table
 from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
-from .nameless import SWING
-from .select import in_place
+from .nameless import PULSE, SWING, shares_in_place
 from .setting import CHANNELS, best_next_trial
-from .swinging import only_swings
-from .weighing import beside_nameless, reliability, told_aside, weights
+from .swinging import only_of_time, swings
+from .weighing import reliability
 
 RIVAL_WEIGHT = 0.02
 SURE = 0.8
@@ -70,16 +69,9 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
 
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:
-    """A chosen effect and its rivals for its place -> weights; what they lack of 1 is left for a
-    cause that is no candidate. A model that is astray in the end names nothing surely.
-    """
-    chosen, without = found.choice.chosen, found.choice.without[name]
-    paths = reliability((chosen.total - without.total) / chosen.inflation)
-    sure = max(paths, told_aside(chosen.side - without.side))
-    shares = weights(in_place(found.choice, name), chosen.inflation)
-    if not _terms(found):
-        shares = beside_nameless(shares, name, found.choice.ahead.get(name, -np.inf))
-    return {other: sure * share / astray_by(chosen) for other, share in shares.items()}
+    """`shares_in_place`; a model that is astray in the end names nothing surely."""
+    told = shares_in_place(found.choice, name, beside=not _terms(found))
+    return {other: weight / astray_by(found.choice.chosen) for other, weight in told.items()}
 
 
 def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
@@ -108,7 +100,9 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {first.variable}",
-        "parameters": _parameters(found, "residual") | _parameters(found, SWING),
+        "parameters": _parameters(found, "residual")
+        | _parameters(found, SWING)
+        | _parameters(found, PULSE),
         "weight": reliability(found.nameless_gain),
         "held_out_gain": found.nameless_gain * found.residual.inflation,
         "sentence": "A force is missing that none of the named causes explains well; "
@@ -131,8 +125,10 @@ def _modelled_by(found: Found) -> str:
     """How what has no name is modelled, up to the words on what it depends on."""
     if not _terms(found):
         return "what is lacking"
-    if only_swings(found.extended.fit.free):
-        return "it is modelled as water that swings to and fro and"
+    free = found.extended.fit.free
+    if only_of_time(free):
+        what = "water that swings to and fro" if swings(free) else "thrust that comes and goes"
+        return f"it is modelled as {what} and"
     return "it is modelled by a fitted residual term and"
 
 

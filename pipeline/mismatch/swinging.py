@@ -16,10 +16,11 @@ from ..model import is_nameless, plates
 from .bench import Bench
 from .judge import Trialled, candidate_frees
 from .locate import Dependence
-from .nameless import SWING, nameless
+from .nameless import PULSE, SWING, nameless
 from .select import Choice, choose
 from .setting import CHANNELS
 
+OF_TIME = (SWING, PULSE)
 LEAST_CHANNEL = 0.02
 MANY = 4
 
@@ -43,18 +44,25 @@ def beside_a_swing(
 
 def swings(free: Sequence[Free]) -> bool:
     """Whether a swing is among the numbers of a model."""
-    return any(f.name.startswith(f"{SWING}.") for f in free)
+    return any(_of(f, SWING) for f in free)
+
+
+def _of(free: Free, name: str) -> bool:
+    return free.name.startswith(f"{name}.")
 
 
 def of_time(
-    series: Sequence[Series], forces: Sequence[Float], told: Sequence[Dependence], units: Float
-) -> list[Dependence]:
-    """`told` for a push that is a swing's: it depends on the time wholly, however fast it changes,
-    in the channels of the swing.
+    series: Sequence[Series], forces: Sequence[Float], told: Sequence[Dependence], units: Float,
+    free: Sequence[Free],
+) -> list[Dependence]:  # fmt: skip
+    """`told` for a push that is a swing's or a pulse's: it depends on the time wholly, however
+    fast it changes, in their channels.
 
     forces: (n, channels) of each trial; units (channels,): see `dependences`.
     """
-    own = [channel in plates().effect(SWING).channels for channel in CHANNELS]
+    present = [name for name in OF_TIME if any(_of(f, name) for f in free)]
+    own = [any(channel in plates().effect(name).channels for name in present)
+           for channel in CHANNELS]  # fmt: skip
     size = np.array([np.sum((f / units) ** 2, axis=0) * own for f in forces])
     share = size.sum(axis=0) / max(size.sum(), 1e-300)
     out = []
@@ -72,6 +80,7 @@ def of_time(
     return sorted(out, key=lambda d: -d.share)
 
 
-def only_swings(free: Sequence[Free]) -> bool:
-    """Whether a swing is all that has no name in a model."""
-    return swings(free) and all(f.name.startswith(f"{SWING}.") for f in free if is_nameless(f.name))
+def only_of_time(free: Sequence[Free]) -> bool:
+    """Whether what swings or pulses with the time is all that has no name in a model."""
+    own = [f for f in free if is_nameless(f.name)]
+    return bool(own) and all(any(_of(f, name) for name in OF_TIME) for f in own)

@@ -2,12 +2,13 @@
 
     surge: a1 u + a2 u^3 + a3 f u + a4 r^2 + a5 v^2 + a6 t u^2 + a7 f^2 sin^2 phi
            + (a8 B(0.2) + a9 B(0.3) + a10 B(0.4) + a11 B(0.5)) u / V
-    sway:  b1 v + b2 v |v| + b3 u v + b4 u r + b5 r + b6 r |r| + b7 f^2 sin phi
+    sway:  b1 v + b2 v |v| + b3 u v + b4 u r + b5 r + b6 r |r| + b7 f^2 sin phi + b8 u^2 sin phi
     yaw:   c1 r + c2 v + c3 u v + c4 u r + c5 v |v| + c6 u^2 sin phi + c7 f^2 sin phi
-           + c8 V^2 sin 4 alpha
+           + c8 V^2 sin 4 alpha + c9 + c10 f + c11 sin 2 psi + c12 cos 2 psi
     pool:  d1 (-x, -y) + d2 (1, 0) + d3 (0, 1) + d4 (x, -y) + d5 (-y, x)
 
-with x and y from the middle of the pool, alpha the angle of attack of the head, and the hump
+with x and y from the middle of the pool, alpha the angle of attack of the head, psi the core's
+heading, and the hump
 B(c) = 1 / (1 + ((V - c) / 0.06 m/s)^2)^2. Fitted where a mismatch fits none of the named causes;
 models it and says where it sits.
 """
@@ -21,8 +22,21 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "A force that none of the named causes explains."
 _TERMS = {
     "a": ("N s/m", "N s3/m3", "N s2/m", "N s2", "N s2/m2", "N s/m2", "N s2", "N", "N", "N", "N"),
-    "b": ("N s/m", "N s2/m2", "N s2/m2", "N s2/m", "N s", "N s2", "N s2"),
-    "c": ("N m s", "N s", "N s2/m", "N s2", "N s2/m", "N s2/m", "N m s2", "N s2/m"),
+    "b": ("N s/m", "N s2/m2", "N s2/m2", "N s2/m", "N s", "N s2", "N s2", "N s2/m2"),
+    "c": (
+        "N m s",
+        "N s",
+        "N s2/m",
+        "N s2",
+        "N s2/m",
+        "N s2/m",
+        "N m s2",
+        "N s2/m",
+        "N m",
+        "N m s",
+        "N m",
+        "N m",
+    ),
     "d": ("N/m", "N", "N", "N/m", "N/m"),
 }
 _WHERE = {"a": ("surge",), "b": ("sway",), "c": ("yaw",), "d": ("surge", "sway")}
@@ -46,7 +60,9 @@ def force(
     a1: float, a2: float, a3: float, a4: float, a5: float, a6: float, a7: float,
     a8: float, a9: float, a10: float, a11: float,
     b1: float, b2: float, b3: float, b4: float, b5: float, b6: float, b7: float,
+    b8: float,
     c1: float, c2: float, c3: float, c4: float, c5: float, c6: float, c7: float, c8: float,
+    c9: float, c10: float, c11: float, c12: float,
     d1: float, d2: float, d3: float, d4: float, d5: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
@@ -60,7 +76,8 @@ def force(
     X = (a1 * uc + a2 * uc * uc * uc + a3 * f * uc + a4 * r * r + a5 * vc * vc + a6 * t * uc * uc
          + a7 * jet * sphi + hump * uc / V)  # fmt: skip
     Y = (b1 * vc + b2 * vc * abs(vc) + b3 * uc * vc + b4 * uc * r + b5 * r + b6 * r * abs(r)
-         + b7 * jet)  # fmt: skip
+         + b7 * jet + b8 * uc * uc * sphi)  # fmt: skip
     N = (c1 * r + c2 * vc + c3 * uc * vc + c4 * uc * r + c5 * vc * abs(vc) + c6 * uc * uc * sphi
-         + c7 * jet + c8 * wave)  # fmt: skip
+         + c7 * jet + c8 * wave + c9 + c10 * f + 2.0 * c11 * spsi * cpsi
+         + c12 * (cpsi * cpsi - spsi * spsi))  # fmt: skip
     return X + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N

@@ -43,7 +43,7 @@ def mismatch(study: Path, results: Path) -> None:
     loaded = load_study(study)
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
-    series = [with_clock(s, flapping[s.name]) for s in campaign_series(campaign)]
+    series = with_clock(campaign_series(campaign), flapping)
     spared = held_out_trials(loaded, [s.name for s in series])
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup,
                                   fitted=len(series) - len(spared))  # fmt: skip
@@ -60,13 +60,22 @@ def mismatch(study: Path, results: Path) -> None:
     write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
 
 
-def with_clock(series: Series, flapping: Flapping) -> Series:
-    """Series with the tail beat seen against the motor log as evidence on the clock."""
-    video_hz, flap_hz, std_hz = flapping.video_hz, flapping.flap_hz, flapping.video_hz_std
-    if not (np.isfinite(video_hz) and flap_hz > 0):
-        return series
-    std = np.hypot(CLOCK_STD, (std_hz if np.isfinite(std_hz) else 0.0) / flap_hz)
-    return replace(series, evidence={"clock_ratio": (video_hz / flap_hz - 1, float(std))})
+def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> list[Series]:
+    """Series with the tail beat seen against the motor's as evidence on the clock.
+
+    A clock is wrong by one share in all trials. By how much more than their errors the ratios
+    differ (a supply that sags under load) is therefore an error that all of them share.
+    """
+    beats = {s.name: flapping[s.name] for s in series}
+    told = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
+            for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
+    ratio, own = np.array(list(told.values())).reshape(-1, 2).T
+    own = np.nan_to_num(own)
+    apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
+    std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * apart)
+    evidence = {name: {"clock_ratio": (float(r), float(s))}
+                for name, r, s in zip(told, ratio, std, strict=True)}  # fmt: skip
+    return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]
 
 
 def with_rigid_distances(

@@ -11,7 +11,7 @@ from ..faults import fault
 from ..study import Camera, Pool, Setup
 from ..study.filmed import as_filmed
 from .lens import Lens
-from .plane import plane_camera
+from .plane import ASSUMED_DEPTH_M, plane_camera
 from .pool import PoolCamera
 from .resection import PLACES, WRONG_SHARE, diagonal_px, fitting_order, pose, rectangle
 
@@ -30,17 +30,20 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     Raises: Fault where the corners fit no pose; its cure says which order of corners would.
     """
     given = (as_filmed(setup, size_px) if size_px else setup).camera
-    return camera_over(given, setup.pool, setup.water.refractive_index, size_px)
+    stated = "keypoint_depth_m" in setup.robot.model_fields_set
+    depth_m = setup.robot.keypoint_depth_m if stated else ASSUMED_DEPTH_M
+    return camera_over(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
 
 
 def camera_over(
-    given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None
-) -> PoolCamera:
+    given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None,
+    depth_m: float = ASSUMED_DEPTH_M,
+) -> PoolCamera:  # fmt: skip
     """`pool_camera` of a camera, a pool and a refractive index as stated."""
     corners_px = np.array(given.pool_corners_px, dtype=float)
     corners_m = rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
     if given.matrix is None:
-        return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px)
+        return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px, depth_m)
     assert given.image_size_px is not None
     distortion = np.array(given.distortion or np.zeros(4), dtype=float)
     matrix = np.array(given.matrix, dtype=float)

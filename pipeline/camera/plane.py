@@ -20,16 +20,17 @@ WRONG_SHARE = 0.04
 
 
 def plane_camera(
-    corners_px: Float, corners_m: Float, index: float, size_px: tuple[int, int] | None
-) -> PoolCamera:
+    corners_px: Float, corners_m: Float, index: float, size_px: tuple[int, int] | None,
+    depth_m: float = ASSUMED_DEPTH_M,
+) -> PoolCamera:  # fmt: skip
     """Camera that is only a homography, pixel to the plane of the corners, with its error bound.
 
-    The bound is the larger error over a grid of the pool for a point `ASSUMED_DEPTH_M` below the
-    corners' plane seen from `LOWEST_HEIGHT_M` above the pool's middle, plus that of a lens with
+    The bound is the larger error over a grid of the pool for a point `depth_m` below the corners'
+    plane seen from `LOWEST_HEIGHT_M` above the pool's middle, plus that of a lens with
     k1 = -0.2 (an action camera's wide mode) whose corners were fitted.
     """
     to_plane = through_four(corners_px, corners_m[:, :2])
-    depth, lens = depth_bound_m(corners_m, index), lens_bound_m(corners_m)
+    depth, lens = depth_bound_m(corners_m, index, depth_m), lens_bound_m(corners_m)
     size = size_px or _covering(corners_px)
     _check_order(corners_px, corners_m, size)
     return PoolCamera(
@@ -44,16 +45,16 @@ def plane_camera(
         remarks=(
             "camera without a matrix: mapped by homography from the pool corners alone, so "
             "refraction, the keypoints' depth and lens distortion are not corrected; places may "
-            f"be off by up to {1000 * depth:.0f} mm from depth ({1000 * ASSUMED_DEPTH_M:.0f} mm, "
+            f"be off by up to {1000 * depth:.0f} mm from depth ({1000 * depth_m:.0f} mm, "
             f"camera {LOWEST_HEIGHT_M:g} m up) and {1000 * lens:.0f} mm from an action camera's "
             "distortion: calibrate the camera",
         ),
     )
 
 
-def depth_bound_m(corners_m: Float, index: float) -> float:
-    """Largest error, m, of taking a point 0.05 m down for one on the surface, camera 1 m up."""
-    grid = _grid(corners_m, -ASSUMED_DEPTH_M)
+def depth_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
+    """Largest error, m, of taking a point so far down for one on the surface, camera 1 m up."""
+    grid = _grid(corners_m, -depth_m)
     middle = corners_m[:, :2].mean(axis=0)
     camera = np.array([*middle, LOWEST_HEIGHT_M])
     seen = seen_from(camera, grid, index)

@@ -47,8 +47,8 @@ def scatter_cov(normal: Normal, moving: np.ndarray) -> Float:
     With S_t the share that trial t has of the Fisher matrix H, its score is left with the variance
     S_t (1 - S_t) by a right model, so that sum u_t u_t', u_t = H^-1/2 (1 - S_t)^-1/2 g_t, is the
     inverse of H without bias (MacKinnon and White, J. Econometrics 29 (1985), 305: HC2). The
-    jackknife has (1 - S_t)^-1: where seven trials tell of six numbers it finds them to scatter 4
-    to 5 times too widely though nothing is wrong.
+    jackknife has (1 - S_t)^-1: in a null of seven trials, one of which tells most, it finds the
+    six numbers to spread 4.5 times as widely as they should, this 1.8 times.
     """
     spread = _spread(normal, moving, 0.5)
     return _cov(normal, moving, spread.T @ spread)
@@ -65,8 +65,8 @@ def _cov(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
 
 
 def _spread(normal: Normal, move: np.ndarray, power: float) -> Float:
-    """How far each informed trial moves the numbers that move (trials, moving); the rest's part of
-    the whole to the power -1: by being left out.
+    """How far the numbers that move go by each informed trial, (trials, moving): R (1 - S_t)^-power
+    R' g_t; with power 1 that is by leaving it out.
     """
     H, g = normal.hessian, normal.gradient
     if len(g) < 2 or not move.any():

@@ -35,12 +35,12 @@ CONTESTED = 4
 WEAK = 60.0
 CLEARLY = 5.0
 CLEARLY_PART = 0.15
+"""A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
+term: by `CLEARLY` over the inflation and by this part of its own gain.
+"""
 DOUBTFUL, UNLIKELY = 0.3, 0.1
 """Beside other causes one of less weight than the first goes where another is likelier in its
 place, one of less than the second anyway.
-"""
-"""A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
-term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
 
 

@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from measured import Measured, measured
+from pipeline.mismatch import Found, find_mismatch
+from pipeline.synthetic.design import demo_design
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -27,3 +31,10 @@ class Recordings:
 def recordings() -> Recordings:
     """Real recordings; a test that asks for a missing one is skipped with the reason."""
     return Recordings(Path(os.environ.get("BLUEKOI_RECORDINGS", ROOT.parent / "shared" / "data")))
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
+    """The demo's campaign from keypoints, and what the search finds in it."""
+    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
+    return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)

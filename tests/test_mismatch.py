@@ -48,15 +48,9 @@ from pipeline.stages.mismatch import (
     with_clock,
     with_rigid_distances,
 )
-from pipeline.synthetic.design import bare_design, demo_design
+from pipeline.synthetic.design import bare_design
 from pipeline.tuning import thin, tune
 from pipeline.tuning.identify import profiles
-
-
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
-    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
-    return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
 
 
 def _bench(demo: tuple[Measured, Found]) -> Bench:

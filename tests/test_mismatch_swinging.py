@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from measured import Measured, measured
+from measured import Measured
 from pipeline.files import plain
 from pipeline.fitting import Free, Series, shoot
 from pipeline.integrate import Parameter, compiled
@@ -18,54 +19,48 @@ from pipeline.mismatch.search import further
 from pipeline.mismatch.story import mismatch_json
 from pipeline.mismatch.swinging import of_time, only_of_time, swings
 from pipeline.model import is_nameless, plates
-from pipeline.synthetic.design import demo_design
 from pipeline.tuning import Tuned
 
 SWING = {"sx": 0.03, "cx": -0.01, "W": 2.6}
 PULSE = {"s": 0.12, "c": 0.04, "W": 2.2}
 
 
-@pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
-    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
-    return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
-
-
 def test_a_thrust_that_comes_and_goes_is_found_with_its_rate(demo: tuple[Measured, Found]) -> None:
-    m, still = demo
-    series = swung(m.series, still.extended, "surging", PULSE)
-    found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
-    told = plain(mismatch_json(found, m.study, series))
-    assert told["verdict"] == "unexplained"
-    assert "tail_fin_lift" in {c["name"] for c in told["causes"]}
-    cause = next(c for c in told["causes"] if c["name"] == "unexplained")
-    numbers = {k: v["value"] for k, v in cause["parameters"].items()}
+    _, numbers, held = told_beside_the_fin(demo, "surging", PULSE)
     assert numbers["W"] == pytest.approx(PULSE["W"], abs=0.05)
     assert numbers["s"] == pytest.approx(PULSE["s"], abs=0.02)
-    held = told["held_out"]
     assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
 
 
 def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(
     demo: tuple[Measured, Found],
 ) -> None:
-    m, unswung = demo
-    series = swung(m.series, unswung.extended, "sloshing", SWING)
+    cause, numbers, held = told_beside_the_fin(demo, "sloshing", SWING)
+    assert "swings to and fro" in cause["sentence"]
+    assert "time_s" in cause["sentence"]
+    assert cause["channels"] == ["surge", "sway"]
+    assert numbers["W"] == pytest.approx(SWING["W"], abs=0.03)
+    assert numbers["sx"] == pytest.approx(SWING["sx"], abs=0.004)
+    assert numbers["cx"] == pytest.approx(SWING["cx"], abs=0.004)
+    assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
+    assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
+
+
+def told_beside_the_fin(
+    demo: tuple[Measured, Found], effect: str, hidden: dict[str, float]
+) -> tuple[dict[str, Any], dict[str, float], dict[str, Any]]:
+    """What is told of the demo with an effect without a name in it: that cause, its numbers, the
+    held-out errors.
+    """
+    m, still = demo
+    series = swung(m.series, still.extended, effect, hidden)
     found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
     told = plain(mismatch_json(found, m.study, series))
     assert told["verdict"] == "unexplained"
     assert "tail_fin_lift" in {c["name"] for c in told["causes"]}
     cause = next(c for c in told["causes"] if c["name"] == "unexplained")
-    assert "swings to and fro" in cause["sentence"]
-    assert "time_s" in cause["sentence"]
-    assert cause["channels"] == ["surge", "sway"]
     numbers = {k: v["value"] for k, v in cause["parameters"].items()}
-    assert numbers["W"] == pytest.approx(SWING["W"], abs=0.03)
-    assert numbers["sx"] == pytest.approx(SWING["sx"], abs=0.004)
-    assert numbers["cx"] == pytest.approx(SWING["cx"], abs=0.004)
-    held = told["held_out"]
-    assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
-    assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
+    return cause, numbers, told["held_out"]
 
 
 def swung(

@@ -30,8 +30,7 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     Raises: Fault where the corners fit no pose; its cure says which order of corners would.
     """
     given = (as_filmed(setup, size_px) if size_px else setup).camera
-    stated = "keypoint_depth_m" in setup.robot.model_fields_set
-    depth_m = setup.robot.keypoint_depth_m if stated else ASSUMED_DEPTH_M
+    depth_m = setup.robot.keypoint_depth_m if setup.robot.depth_given else ASSUMED_DEPTH_M
     return camera_over(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
 
 

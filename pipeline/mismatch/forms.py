@@ -13,6 +13,7 @@ from .paying import WRONG
 from .search import held_shapes
 
 LEAST_FOR_SHAPE = 2.0
+"""Held-out log likelihood over the inflation for which shapes are freed."""
 
 
 def shaped(bench: Bench, model: Trialled) -> Trialled:

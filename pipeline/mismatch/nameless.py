@@ -38,7 +38,7 @@ CLEARLY_PART = 0.15
 """A named cause that gains less than `WEAK` over the inflation must not be outdone by one nameless
 term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
-DOUBTFUL, UNLIKELY = 0.3, 0.1
+DOUBTFUL, LEAST_WEIGHT = 0.3, 0.1
 """Beside other causes one of less weight than the first goes where another is likelier in its
 place, one of less than the second anyway.
 """
@@ -88,7 +88,7 @@ def without_doubtful(bench: Bench, choice: Choice) -> Choice:
         told = {name: shares_in_place(choice, name) for name in choice.chosen.effects}
         name = min(told, key=lambda e: told[e][e])
         own = told[name].pop(name)
-        if own > DOUBTFUL or (own > UNLIKELY and own >= max(told[name].values(), default=0.0)):
+        if own > DOUBTFUL or (own > LEAST_WEIGHT and own >= max(told[name].values(), default=0.0)):
             break
         choice = dropped(bench, choice, [name])
     return choice

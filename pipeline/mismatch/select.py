@@ -22,6 +22,7 @@ from .paying import WRONG, opens, pays
 from .search import Foretold, likeliest_start, starts_of
 
 LEAST_FOR_FORM = 3.0
+"""A candidate that gains this much over the inflation in its held form is tried in another."""
 TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3

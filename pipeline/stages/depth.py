@@ -12,11 +12,6 @@ def keypoint_depth(setup: Setup, layout: Layout) -> float:
 
     The usual one where they were not asked: the workflow asks them before the tracks.
     """
-    if depth_given(setup) or not layout.geometry.is_file():
+    if setup.robot.depth_given or not layout.geometry.is_file():
         return setup.robot.keypoint_depth_m
     return float(read_json(layout.geometry)["depth_m"])
-
-
-def depth_given(setup: Setup) -> bool:
-    """Whether study.yaml says how deep the keypoints lie."""
-    return "keypoint_depth_m" in setup.robot.model_fields_set

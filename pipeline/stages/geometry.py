@@ -15,7 +15,6 @@ from ..faults import Fault
 from ..files import read_json, write_json
 from ..keypoints.deeplabcut import read
 from ..study import Setup, Study, Trial, load_study
-from .depth import depth_given
 from .layout import Layout
 from .status import good_trials
 
@@ -58,7 +57,7 @@ def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
     return {
         **_evidence(check),
         "depth_m": depth,
-        "depth_given": depth_given(setup),
+        "depth_given": setup.robot.depth_given,
         "depth_estimate_m": found if std else None,
         "depth_estimate_std_m": std or None,
         "trials": len(trials),
@@ -82,7 +81,7 @@ def _placed(
 
 def _taken(setup: Setup, depth_m: float, std_m: float) -> bool:
     inside = 0 <= depth_m < setup.pool.depth_m
-    return not depth_given(setup) and 0 < std_m < USEFUL_DEPTH_STD_M and inside
+    return not setup.robot.depth_given and 0 < std_m < USEFUL_DEPTH_STD_M and inside
 
 
 def _evidence(check: GeometryCheck) -> dict[str, Any]:
@@ -124,7 +123,7 @@ def _unknown(setup: Setup, why: str) -> dict[str, Any]:
         "rivals": [],
         "sentence": f"the geometry could not be checked: {why}",
         "depth_m": setup.robot.keypoint_depth_m,
-        "depth_given": depth_given(setup),
+        "depth_given": setup.robot.depth_given,
         "estimates": [],
         "map": None,
     }

@@ -21,7 +21,7 @@ from ..smoothing import with_shown
 from ..smoothing.unshown import with_unshown
 from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
-from .depth import depth_given, keypoint_depth
+from .depth import keypoint_depth
 from .layout import Layout
 from .plausible import implausible
 from .status import attempt
@@ -66,7 +66,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     write_track(layout.track(trial.trial_id), whole)
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     remarks = [*detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
-    if not depth_given(study.setup):
+    if not study.setup.robot.depth_given:
         remarks.append(
             f"keypoints taken to lie {1000 * depth:.0f} mm deep; study.yaml says nothing"
         )

@@ -73,6 +73,11 @@ class Robot(_Section):
         refuse(robot_problems(self))
         return self
 
+    @property
+    def depth_given(self) -> bool:
+        """Whether study.yaml says how deep the keypoints lie."""
+        return "keypoint_depth_m" in self.model_fields_set
+
     def aerodynamic_arm_m(self, head_length_m: float) -> float:
         """Aerodynamic arm l, m, for head length h.
 

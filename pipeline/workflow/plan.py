@@ -95,15 +95,11 @@ class Plan:
 
     def depth(self) -> list[str]:
         """What tells the depth of the keypoints, where study.yaml does not."""
-        return [] if self._depth_given else [str(self.results / "geometry.json")]
+        return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
 
     def drawn_from(self, wildcards: Any) -> list[str]:
         """What a figure is drawn from beside the fits and the search."""
         return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
-
-    @property
-    def _depth_given(self) -> bool:
-        return "keypoint_depth_m" in self.study.setup.robot.model_fields_set
 
     def _states(self, paths: list[str]) -> list[str]:
         """What tells whether files of the study are the same; the demo's own are made by the run.
@@ -149,13 +145,13 @@ class Plan:
         setup = self.study.setup.model_dump(mode="json")
         row = _without(_row(self.study.trial(wildcards.trial)), "role")
         log = self._states(self.motor(wildcards))
-        return _hash(row, _without(setup, "detection"), self._depth_given, log)
+        return _hash(row, _without(setup, "detection"), self.study.setup.robot.depth_given, log)
 
     def distances(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
         heads = [(trial.trial_id, trial.head_length_m) for trial in self.study.trials]
         setup = self.study.setup.model_dump(mode="json")
-        return _hash(heads, _without(setup, "detection"), self._depth_given)
+        return _hash(heads, _without(setup, "detection"), self.study.setup.robot.depth_given)
 
     def fit(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""

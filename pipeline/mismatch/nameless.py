@@ -40,7 +40,7 @@ term: by `CLEARLY` over the inflation and by this part of its own gain.
 """
 DOUBTFUL, LEAST_WEIGHT = 0.3, 0.1
 """Beside other causes one of less weight than the first goes where another is likelier in its
-place, one of less than the second anyway.
+place, one of less than the second anyway; and so does one less likely than none of all candidates.
 """
 
 
@@ -88,7 +88,9 @@ def without_doubtful(bench: Bench, choice: Choice) -> Choice:
         told = {name: shares_in_place(choice, name) for name in choice.chosen.effects}
         name = min(told, key=lambda e: told[e][e])
         own = told[name].pop(name)
-        if own > DOUBTFUL or (own > LEAST_WEIGHT and own >= max(told[name].values(), default=0.0)):
+        others = told[name].values()
+        likeliest = own > LEAST_WEIGHT and own >= max(others, default=0.0)
+        if own >= 1.0 - own - sum(others) and (own > DOUBTFUL or likeliest):
             break
         choice = dropped(bench, choice, [name])
     return choice

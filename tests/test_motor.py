@@ -7,7 +7,16 @@ import pytest
 
 from pipeline.data import Flapping, Positions
 from pipeline.faults import Fault
-from pipeline.motor import compare, flapping_from_log, flapping_given, read_log, tail_beat
+from pipeline.motor import (
+    beat_lag,
+    clock_delay,
+    compare,
+    flapping_from_log,
+    flapping_given,
+    read_log,
+    tail_beat,
+)
+from pipeline.motor.shaft import wrapped
 
 
 def write_log(path, time_s, angle_deg, header="time_s,angle_deg"):
@@ -144,8 +153,12 @@ def test_rows_without_numbers_are_left_out(tmp_path):
 def beating(rng, hz, *, frames=180, fps=30000 / 1001, amplitude=0.35, noise=0.02, jitter=0.0):
     """Positions of a robot that turns slowly and beats its tail."""
     t = np.arange(frames) / fps + jitter * rng.uniform(-0.3, 0.3, frames) / fps
-    course, tail = 0.4 * t, amplitude * np.sin(2 * np.pi * hz * t + 0.7)
-    tail = tail + rng.normal(0, noise, frames)
+    return with_tail(t, amplitude * np.sin(2 * np.pi * hz * t + 0.7) + rng.normal(0, noise, frames))
+
+
+def with_tail(t, tail):
+    """Positions of a robot that turns slowly, with its tail at these angles."""
+    frames, course = len(t), 0.4 * t
     core = np.column_stack([1 + 0.2 * t, 0.8 + 0 * t])
     back = np.column_stack([np.cos(course), np.sin(course)])
     flick = np.column_stack([np.cos(course + tail), np.sin(course + tail)])
@@ -217,3 +230,33 @@ def test_clocks_that_disagree_are_told_with_the_ratio():
 def test_given_frequency():
     assert flapping_given(2.5).flap_hz == 2.5
     assert flapping_given(2.5).source == "flap_hz"
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.14, -0.35])
+def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay_s):
+    """A tail 0.7 rad behind its shaft; the log's time is the video's plus the delay."""
+    rng = np.random.default_rng(31)
+    told = []
+    for k, hz in enumerate([1.8, 3.0, 4.2, 5.6] * 2):
+        first, log_s = rng.uniform(0, 2 * np.pi), np.arange(0, 6, 0.005)
+        shaft = first + 2 * np.pi * hz * (log_s - delay_s)
+        angle = (np.degrees(shaft) + 0.3 * rng.standard_normal(len(log_s))) % 360
+        flapping = flapping_from_log(write_log(tmp_path / f"{k}.csv", log_s, angle))
+        video = np.arange(180) / 29.97
+        beat = 0.3 * np.cos(first + 2 * np.pi * hz * video - 0.7)
+        lag, std = beat_lag(with_tail(video, beat + 0.02 * rng.standard_normal(180)), flapping)
+        assert std < 0.05
+        assert wrapped(lag - (0.7 - 2 * np.pi * hz * delay_s)) == pytest.approx(0, abs=5 * std)
+        told.append((flapping.flap_hz, lag, std))
+    value, std = clock_delay(*np.array(told).T)
+    assert value == pytest.approx(delay_s, abs=0.01)
+    assert std == pytest.approx(0.03, abs=0.01)
+
+
+def test_phases_that_do_not_hang_together_tell_of_no_delay():
+    rng = np.random.default_rng(32)
+    hz, std = np.repeat([1.8, 3.0, 4.2, 5.6], 6), np.full(24, 0.02)
+    assert clock_delay(hz, rng.uniform(-np.pi, np.pi, 24), std) is None
+    assert clock_delay(hz[:4], np.zeros(4), std[:4]) is None
+    alike = np.full(24, 3.0)
+    assert clock_delay(alike, np.full(24, 0.3), std) is None

@@ -70,7 +70,7 @@ _OTHERS = (
            {"moment": constant_moment}, (("N_0", "N m", 0.05, -5.0, 5.0, "moment"),)),
     effect("gyro_bias", "The gyro does not read zero at rest.", {"observe": offset},
            (("b", "rad/s", 0.01, -0.2, 0.2, "reading at rest"),), kind="measurement",
-           evidence={"compass": 1.0}),
+           evidence={"compass": {"b": 1.0}}),
     effect("gyro_scale", "The gyro reads all rates too large or too small.", {"observe": scaled},
            (("k", "1", 0.02, -0.3, 0.3, "share read too much"),), kind="measurement"),
 )  # fmt: skip

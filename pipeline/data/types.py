@@ -145,6 +145,8 @@ class Flapping:
 
     source: `motor_log`, `flap_hz` (given in trials.csv), `video` or `nominal`. video_hz: tail-beat
     frequency seen in the keypoints, NaN where it cannot be seen. agrees: the two within 3 sigma.
+    phase_rad: the shaft's phase at `time_s`, rising. beat_lag_rad: by how much the tail beat in the
+    video is behind the log's shaft at the same time, [-pi, pi), NaN where it is not told.
     """
 
     flap_hz: float
@@ -152,8 +154,11 @@ class Flapping:
     source: str
     time_s: Float = field(default_factory=lambda: np.zeros(0))
     hz: Float = field(default_factory=lambda: np.zeros(0))
+    phase_rad: Float = field(default_factory=lambda: np.zeros(0))
     video_hz: float = float("nan")
     video_hz_std: float = float("nan")
+    beat_lag_rad: float = float("nan")
+    beat_lag_std_rad: float = float("nan")
     agrees: bool = True
     remarks: tuple[str, ...] = ()
 

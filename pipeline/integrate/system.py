@@ -58,8 +58,8 @@ class Effect:
     its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> how many times the strength they change by. starts: strengths from which fits
-    begin, where one start may lead astray.
+    measurements -> parameter -> how many times that they change by. starts: strengths from which
+    fits begin, where one start may lead astray.
     """
 
     name: str
@@ -71,11 +71,20 @@ class Effect:
     channels: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     rates: Function | None = None
-    evidence: Mapping[str, float] = field(default_factory=dict)
+    evidence: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     confused_with: tuple[str, ...] = ()
     regime: str = ""
     strengths: int = 1
     starts: tuple[float, ...] = ()
+
+    @property
+    def aside(self) -> dict[str, set[str]]:
+        """Parameter that acts on no stage -> the side measurements that alone tell of it."""
+        functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
+        acting = {name for f in functions for name in inspect.signature(f).parameters}
+        told = {p: {n for n, by in self.evidence.items() if p in by}
+                for by in self.evidence.values() for p in by}  # fmt: skip
+        return {p: names for p, names in told.items() if p not in acting}
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The frame rate is wrong: everything is seen too slow or too fast by the same share."
 REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
 CONFUSED_WITH = ("scale_error",)
-EVIDENCE = {"clock_ratio": 1.0}
+EVIDENCE = {"clock_ratio": {"k": 1.0}}
 PARAMETERS = (Parameter("k", "1", 0.01, -0.6, 1.5, "share by which true time runs faster"),)
 
 

@@ -20,7 +20,7 @@ STATEMENT = (
 )
 REGIME = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
-EVIDENCE = {"lens": 1.0}
+EVIDENCE = {"lens": {"k": 1.0}}
 PARAMETERS = (
     Parameter("k", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water"),
     Parameter("q", "1", 1.0, 0.0, 2.0, "how far out it is made up for, squared", 0.25),

@@ -14,7 +14,7 @@ CHANNELS = ("surge", "sway")
 STATEMENT = "The scale is wrong: all lengths are seen too long or too short by the same share."
 REGIME = "everything, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
-EVIDENCE = {"scale": 1.0}
+EVIDENCE = {"scale": {"k": 1.0}}
 PARAMETERS = (Parameter("k", "1", 0.01, -0.3, 0.3, "share by which lengths are seen too long"),)
 
 

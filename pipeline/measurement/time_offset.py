@@ -1,7 +1,8 @@
-"""A recording that did not start with the trial.
+"""Recordings that do not start together.
 
-The motion starts d after the recording, at once and with all its thrust. A recording that starts
-in the motion does no harm: each trial's first state is free.
+The motion starts d after the video, at once and with all its thrust. A video that starts in the
+motion does no harm: each trial's first state is free. A motor log whose clock is e ahead of the
+video's shows in the phase of the tail beat alone (`motor/delay.py`).
 Source: own statement.
 """
 
@@ -13,12 +14,17 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge",)
 STATEMENT = (
-    "Video and commands do not start together: what happens at the start is seen early or late."
+    "Video, commands and motor log do not start together: what happens is seen early or late."
 )
-REGIME = "the start of every trial"
+REGIME = "the start of every trial; the phase of the tail beat in the video against the motor log"
+EVIDENCE = {"delay": {"e": 1.0}}
+STRENGTHS = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")
 PARAMETERS = (
-    Parameter("d", "s", 0.3, 0.0, 2.0, "by how much the motion starts after the recording"),
+    Parameter("d", "s", 0.3, 0.0, 2.0, "by how much the motion starts after the video"),
+    Parameter(
+        "e", "s", 0.0, -2.0, 2.0, "by how much the motor log's clock is ahead of the video's"
+    ),
 )
 STARTS = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
 

@@ -18,7 +18,7 @@ STATEMENT = (
 )
 REGIME = "everything, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
-EVIDENCE = {"scale": -1.0, "bend": 1.0}
+EVIDENCE = {"scale": {"k": -1.0}, "bend": {"k": 1.0}}
 PARAMETERS = (Parameter("k", "1", 0.005, -0.05, 0.05, "share by which positions are drawn in"),)
 
 

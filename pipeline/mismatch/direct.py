@@ -31,11 +31,12 @@ def with_direct(bench: Bench, model: Trialled) -> tuple[Bench, dict[str, float]]
     speaking: dict[str, float] = {}
     names: set[str] = set()
     for effect in (system.effect(e) for e in model.effects if "." not in e):
-        told = [n for n in effect.evidence if _gain(bench.series, n) > TOLD_ASIDE]
-        if told:
-            label = f"{effect.name}.{effect.parameters[0].name}"
-            speaking[label] = min(_pooled(bench.series, n)[1] for n in told)
-            names |= set(told)
+        for name, parameters in effect.evidence.items():
+            if _gain(bench.series, name) > TOLD_ASIDE:
+                names.add(name)
+                for label in (f"{effect.name}.{parameter}" for parameter in parameters):
+                    std = _pooled(bench.series, name)[1]
+                    speaking[label] = min(speaking.get(label, np.inf), std)
     return replace(bench, series=[_firm(s, names) for s in bench.series]), speaking
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from ..data import Flapping, Float, read_columns
 from ..faults import fault
@@ -52,6 +52,8 @@ def flapping_from_log(path: str | Path) -> Flapping:
         source="motor_log",
         time_s=shaft.center_s,
         hz=np.abs(shaft.hz),
+        phase_rad=np.sign(fit.hz)
+        * np.interp(shaft.center_s, shaft.time_s[shaft.good], shaft.phase_rad[shaft.good]),
         remarks=notes,
     )
 
@@ -147,7 +149,7 @@ def _fit(time_s: Float, phase_rad: Float) -> _Fit:
     tries = [_regress(time_s, phase_rad, tau) for tau in np.geomspace(0.04, 0.25, 12) * span]
     best = min(tries, key=lambda fit: fit[1])
     gain = len(time_s) / plain[3] * np.log(plain[1] / best[1])
-    value, _, std, _, tau = best if gain > chi2.isf(1e-4, 2) else plain
+    value, _, std, _, tau = best if gain > chdtri(2, 1e-4) else plain
     drift = _regress(time_s, phase_rad, tau, drift=True)
     spread = float(np.sqrt(min(plain[1], best[1]) / len(time_s)))
     sagging = abs(drift[0][-1]) > 5 * drift[2][-1] and abs(drift[0][-1]) > 0.003 * abs(value[0])

@@ -17,6 +17,9 @@ RANGE = 0.25
 """The beat is looked for within this share of the guess, on both sides."""
 MOST_BEATS_A_FRAME = 2.0
 """With more beats than that between frames, any frequency fits as well as any other."""
+LEAST_FRAMES = 12
+CLEAR_LAG_RAD = 0.5
+"""A lag less sure than this is not told."""
 BACKGROUND_BEATS = 3.0
 """The slow background has one spline knot per so many beats."""
 
@@ -34,7 +37,7 @@ def tail_beat(
     More than two beats of it between frames are not seen.
     """
     time_s, signal = _signal(source)
-    if len(time_s) < 12:
+    if len(time_s) < LEAST_FRAMES:
         return float("nan"), float("nan")
     step = float(np.median(np.diff(time_s)))
     guessed = np.isfinite(guess_hz) and guess_hz > 0
@@ -46,6 +49,37 @@ def tail_beat(
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _motor_time(time_s, flapping)
     return _search(warp, signal, (low, high), _background(time_s, reference))
+
+
+def beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, float]:
+    """By how much the tail beat is behind the motor's shaft at the same time, and the standard
+    deviation, rad; NaN where either is not seen.
+
+    y(t) = background(t) + R cos(phi(t) - lag), phi the shaft's own phase in the log.
+    """
+    nothing = float("nan"), float("nan")
+    time_s, signal = _signal(source)
+    if len(flapping.phase_rad) < 3:
+        return nothing
+    inside = (time_s >= flapping.time_s[0]) & (time_s <= flapping.time_s[-1])
+    time_s, signal = time_s[inside], signal[inside]
+    if len(time_s) < LEAST_FRAMES:
+        return nothing
+    phase = np.interp(time_s, flapping.time_s, flapping.phase_rad)
+    waves = np.column_stack([np.cos(phase), np.sin(phase)])
+    design = np.column_stack([waves, _background(time_s, flapping.flap_hz)])
+    weights = np.ones_like(signal)
+    for _ in range(4):
+        root = np.sqrt(weights)[:, None]
+        value = np.linalg.lstsq(design * root, signal * root[:, 0], rcond=None)[0]
+        residual = signal - design @ value
+        scale = max(1.4826 * float(np.median(np.abs(residual))), 1e-12)
+        weights = 1.0 / np.maximum(1.0, (np.abs(residual) / (2.5 * scale)) ** 2)
+    along, across = float(value[0]), float(value[1])
+    variance = float(residual @ (weights * residual)) / max(float(weights.sum()) - len(value), 1.0)
+    variance *= correlation_time(residual * np.sqrt(weights))
+    std = float(np.sqrt(2.0 * variance / len(signal)) / max(np.hypot(along, across), 1e-12))
+    return (float(np.arctan2(across, along)), std) if std < CLEAR_LAG_RAD else nothing
 
 
 def _search(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from ..camera.displacement import lens_strength
 from ..campaign import load_campaign
@@ -23,6 +23,7 @@ from ..mismatch.details import details
 from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
+from ..motor import clock_delay
 from ..study import Setup, load_study
 from .tuning import campaign_flapping, campaign_series
 
@@ -44,9 +45,9 @@ def mismatch(study: Path, results: Path) -> None:
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
     series = with_clock(campaign_series(campaign), flapping)
-    spared = held_out_trials(loaded, [s.name for s in series])
-    series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup,
-                                  fitted=len(series) - len(spared))  # fmt: skip
+    fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
+    series = with_delay(series, flapping, fitted=fitted)
+    series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -76,6 +77,24 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     evidence = {name: {"clock_ratio": (float(r), float(s))}
                 for name, r, s in zip(told, ratio, std, strict=True)}  # fmt: skip
     return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]
+
+
+def with_delay(
+    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
+) -> list[Series]:
+    """Series with what the phases of the tail beat say of log and video as evidence, one
+    measurement shared by the `fitted` trials.
+    """
+    beats = [flapping[s.name] for s in series]
+    told = [
+        b for b in beats if b.agrees and np.isfinite([b.beat_lag_rad, b.beat_lag_std_rad]).all()
+    ]
+    columns = ("flap_hz", "beat_lag_rad", "beat_lag_std_rad")
+    found = clock_delay(*(np.array([getattr(b, name) for b in told]) for name in columns))
+    if found is None:
+        return list(series)
+    shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
+    return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
 def with_rigid_distances(
@@ -124,5 +143,5 @@ def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[fl
         strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
     except Fault:
         return {}
-    sureness = float(norm.isf(0.5 * max(one["p_value"], LEAST_CHANCE)))
+    sureness = -float(ndtri(0.5 * max(one["p_value"], LEAST_CHANCE)))
     return {"lens": (strength, float(np.hypot(strength / sureness, LENS_STD)))}

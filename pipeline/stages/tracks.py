@@ -15,7 +15,7 @@ from ..data import Flapping, Keypoints, Positions, Steady, Track, write_pose, wr
 from ..faults import Fault, fault
 from ..files import read_json
 from ..keypoints.deeplabcut import read
-from ..motor import compare, flapping_from_log, flapping_given, tail_beat
+from ..motor import beat_lag, compare, flapping_from_log, flapping_given, tail_beat
 from ..pose import rigid_pose
 from ..smoothing import with_shown
 from ..smoothing.unshown import with_unshown
@@ -115,7 +115,10 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
         return flapping
     beat = tail_beat(positions, flapping.flap_hz, flapping=flapping)
     found = compare(flapping, beat)
-    return found if np.isfinite(beat[0]) else _beat_elsewhere(found, positions)
+    if not np.isfinite(beat[0]):
+        return _beat_elsewhere(found, positions)
+    lag, std = beat_lag(positions, flapping)
+    return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
 
 
 def _beat_elsewhere(flapping: Flapping, positions: Positions) -> Flapping:
@@ -146,5 +149,6 @@ def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
 
 
 def _told(flapping: Flapping) -> dict[str, Any]:
-    names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "agrees")
+    names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "beat_lag_rad",
+             "beat_lag_std_rad", "agrees")  # fmt: skip
     return {name: getattr(flapping, name) for name in names}

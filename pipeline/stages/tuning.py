@@ -59,10 +59,16 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
             flap_hz=f["flap_hz"],
             flap_hz_std=f["flap_hz_std"] or 0.0,
             source=f["source"],
-            video_hz=np.nan if f["video_hz"] is None else f["video_hz"],
-            video_hz_std=np.nan if f["video_hz_std"] is None else f["video_hz_std"],
+            video_hz=_told(f["video_hz"]),
+            video_hz_std=_told(f["video_hz_std"]),
+            beat_lag_rad=_told(f.get("beat_lag_rad")),
+            beat_lag_std_rad=_told(f.get("beat_lag_std_rad")),
             agrees=bool(f["agrees"]),
         )
         for i, f in told.items()
         if f
     }
+
+
+def _told(value: float | None) -> float:
+    return np.nan if value is None else float(value)

@@ -1,0 +1,48 @@
+"""Whether motor log and video begin together, by the phases of the tail beat.
+
+A tail geared to the shaft is behind it by the same angle in every trial. A log whose clock is tau
+ahead of the video's shows the shaft as it was tau earlier, so that trial k has the lag
+
+    lag_k = lag_0 - 2 pi f_k tau,
+
+which several flapping frequencies tell from lag_0 (the slope of phase over frequency: group delay).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import chdtri
+
+from ..data import Float
+from .shaft import wrapped
+
+REACH_S = 2.0
+STEP_S = 0.002
+SCATTER_RAD = 0.15  # ASSUME a tail follows its shaft to 9 degrees, anew in each trial
+DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
+LEAST_TRIALS = 6
+UNLIKELY = 1e-3
+AHEAD = 12.0
+"""Any other delay must fit worse by this, in chi squared."""
+
+
+def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
+    """By how much the log's clock is ahead of the video's and the standard deviation, s, from the
+    lags of the trials (n,); None where they do not hang together or leave several delays.
+    """
+    if len(flap_hz) < LEAST_TRIALS:
+        return None
+    weights = 1.0 / (std_rad**2 + SCATTER_RAD**2)
+    delays = np.arange(-REACH_S, REACH_S + STEP_S / 2, STEP_S)
+    angles = lag_rad + 2 * np.pi * delays[:, None] * flap_hz
+    middle = np.angle(np.exp(1j * angles) @ weights)
+    misfit = wrapped(angles - middle[:, None]) ** 2 @ weights
+    best = int(np.argmin(misfit))
+    spread = weights @ (flap_hz - weights @ flap_hz / weights.sum()) ** 2
+    if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, UNLIKELY):
+        return None
+    std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
+    elsewhere = np.abs(delays - delays[best]) > np.sqrt(AHEAD) * std + STEP_S
+    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + AHEAD - 1.0:
+        return None
+    return float(delays[best]), float(np.hypot(std, DELAY_STD_S))

@@ -10,7 +10,8 @@ from scipy.stats import multivariate_normal
 
 from one_mass import SYSTEM
 from pipeline.fitting import Free, Noise, Series, filter_series, fit, fit_noise, thinned
-from pipeline.fitting.linear import linearised, log_likelihood
+from pipeline.fitting.gram import set_whitened_products
+from pipeline.fitting.linear import likelihood_slopes, linearised, log_likelihood
 from pipeline.integrate import compiled
 
 STEP_S = 0.05
@@ -97,6 +98,48 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
         other = Noise(np.array(strengths), np.array(memories), np.full(1, scale))
         assert log_likelihood(linear, other) == pytest.approx(passed(other), abs=0.3)
         assert abs(passed(other) - passed(path)) > 3
+
+
+def test_slopes_of_the_likelihood_are_its_differences() -> None:
+    rng = np.random.default_rng(14)
+    kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
+    path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
+    trials = [a_series(_pushed(rng, n, path)) for n in (60, 100, 80)]
+    trials[1].seen[20:30] = np.nan
+    linear = linearised(kernel, trials, [values] * 3, path)
+    numbers = np.array([0.07, 0.009, 0.4, 0.2, 1.2])
+
+    def noise(x: np.ndarray) -> Noise:
+        return Noise(x[:2], x[2:4], x[4:])
+
+    found = likelihood_slopes(linear, noise(numbers))
+    assert found.log_likelihood == pytest.approx(log_likelihood(linear, noise(numbers)), rel=1e-12)
+    steps = 1e-5 * np.diag(numbers)
+    differences = [log_likelihood(linear, noise(numbers + step))
+                   - log_likelihood(linear, noise(numbers - step)) for step in steps]  # fmt: skip
+    slopes = np.concatenate([found.disturbance, found.tau, found.scale])
+    assert slopes == pytest.approx(np.array(differences) / (2e-5 * numbers), rel=1e-6)
+
+
+def test_whitened_products_are_those_of_matrices() -> None:
+    """A trial of one block and one of two, whose columns stand at places of their own."""
+    rng = np.random.default_rng(15)
+    observed, seen = rng.normal(size=(3, 90, 2, 16)), rng.normal(size=(2, 90, 2))
+    roots = np.tril(rng.normal(size=(2, 90, 2, 2)))
+    roots[0, 10:20] = 0.0
+    places = np.zeros((2, 18), dtype=np.int64)
+    places[0, 1:4], places[1, 1:18] = [2, 5, 19], np.arange(1, 18)
+    frames, out = np.array([70, 90]), np.zeros((2, 20, 20))
+    set_whitened_products(observed, seen, roots, frames, np.array([0, 1, 3]), places,
+                          np.array([4, 18]), (0, 2), out)  # fmt: skip
+    for t, blocks in enumerate((observed[:1], observed[1:])):
+        n, count = frames[t], (4, 18)[t]
+        change = np.concatenate([b[..., 1:] - b[..., :1] for b in blocks], axis=-1)
+        columns = np.concatenate([(seen[t] - blocks[0, ..., 0])[..., None], change], axis=-1)
+        J = (roots[t, :n] @ columns[:n, :, :count]).reshape(-1, count)
+        expected = np.zeros((20, 20))
+        expected[np.ix_(places[t, :count], places[t, :count])] = J.T @ J
+        assert out[t] == pytest.approx(expected, abs=1e-10)
 
 
 def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:

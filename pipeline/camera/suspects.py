@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from ..data import Float
 from .distances import Distances
@@ -111,7 +111,7 @@ def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances)
         values=tuple(map(float, values)),
         stds=tuple(map(float, np.sqrt(np.diag(cov)))),
         gain=float(pull @ values),
-        p_value=float(f_distribution.sf(wald, k, max(1, trials - k))),
+        p_value=float(fdtrc(k, max(1, trials - k), wald)),
         share=float(np.sqrt(np.mean((design @ values / distances.known_m) ** 2))),
     )
 

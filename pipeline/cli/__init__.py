@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import click
 
 from ..faults import INTERRUPTED, Fault, printable
@@ -15,6 +17,10 @@ from .run import run
 from .simulate import simulate
 from .stage import stage
 
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""How many threads linear algebra takes, one unless the environment says more: matrices are small
+here, threads only wait for each other and take the cores from the work beside them.
+"""
 EXIT_CODES = """\b
 Exit codes: 0 done; 1 a fault in the study, the files or the machine; 2 wrong use of this command;
 3 done, but some trials went wrong (each is named); 130 interrupted.
@@ -43,6 +49,8 @@ class _Plainly(click.Group):
 @click.version_option(package_name="bluekoi", prog_name="bluekoi")
 def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
+    for name in BLAS_THREADS:
+        os.environ.setdefault(name, "1")
 
 
 _COMMANDS = (run, check, doctor, calibrate, pool, simulate, design, challenge, export, stage)

@@ -1,6 +1,6 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
-from .filtering import Filtered, disturbance_slots, filter_all, filter_series, smooth
+from .filtering import Filtered, Passes, disturbance_slots, filter_all, filter_series, smooth
 from .joint import Fit, fit, pseudo_inverse, response
 from .noise import fit_noise
 from .normal import (
@@ -25,6 +25,7 @@ __all__ = [
     "Lasting",
     "Noise",
     "Normal",
+    "Passes",
     "PathFit",
     "Series",
     "Shot",

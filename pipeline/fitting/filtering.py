@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from typing import overload
 
 import numpy as np
 
 from ..data import Float
 from ..integrate import Effect, Kernel, System
 from ..integrate.batch import each, switches
-from .series import Noise, Series
+from .series import Noise, Series, filled
 
 STEP_S = 1 / 30
 """Longest integration step between observations: its error is far below a frame's noise. 1/20 s
@@ -41,6 +42,66 @@ class Filtered:
     cov_filtered: Float
 
 
+@dataclass(frozen=True)
+class Passes(Sequence[Filtered]):
+    """One pass of each trial t, and what stays of them while their gains are held.
+
+    Side by side, the last frame of a trial repeated: gains (t, n, s, o), roots (t, n, o, o), times
+    (t, n), inputs (t, n, inputs), seen (t, n, o); frames (t,) and certain (t,).
+    """
+
+    series: tuple[Series, ...]
+    each: tuple[Filtered, ...]
+
+    def __len__(self) -> int:
+        return len(self.each)
+
+    @overload
+    def __getitem__(self, index: int) -> Filtered: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Filtered]: ...
+
+    def __getitem__(self, index: int | slice) -> Filtered | Sequence[Filtered]:
+        return self.each[index]
+
+    @cached_property
+    def gains(self) -> Float:
+        """What a frame's innovation corrects the states by."""
+        return filled([f.gains for f in self.each])
+
+    @cached_property
+    def roots(self) -> Float:
+        """Inverse Cholesky factors of the innovation covariances."""
+        return filled([f.roots for f in self.each])
+
+    @cached_property
+    def times(self) -> Float:
+        """Times of the frames, s."""
+        return filled([s.times for s in self.series])
+
+    @cached_property
+    def inputs(self) -> Float:
+        """Inputs at the frames."""
+        return filled([s.inputs for s in self.series])
+
+    @cached_property
+    def seen(self) -> Float:
+        """What was seen, 0 where missing."""
+        return np.nan_to_num(filled([s.seen for s in self.series]))
+
+    @cached_property
+    def frames(self) -> np.ndarray:
+        """How many frames of each trial count."""
+        return np.array([len(s.times) for s in self.series])
+
+    @cached_property
+    def certain(self) -> Float:
+        """Log likelihood but for the squares of the whitened innovations."""
+        return np.array([f.log_likelihood + 0.5 * float(np.sum(f.innovations**2))
+                         for f in self.each])  # fmt: skip
+
+
 def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -> Filtered:
     """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
     return _filtered(kernel, series, values, _shared(kernel, noise))
@@ -48,10 +109,11 @@ def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -
 
 def filter_all(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> list[Filtered]:
+) -> Passes:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
-    return each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+    found = each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+    return Passes(tuple(series), tuple(found))
 
 
 @dataclass(frozen=True)

@@ -53,3 +53,53 @@ def set_products(
         _add(columns, count, out[t])
         for j in range(used):
             out[t, :j, j] = out[t, j, :j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+def set_whitened_products(  # noqa: PLR0917
+    observed: Float, seen: Float, roots: Float, frames: np.ndarray, first: np.ndarray,
+    places: np.ndarray, counts: np.ndarray, trials: tuple[int, int], out: Float,
+) -> None:  # fmt: skip
+    """Add to `out` (trials, p, p) the products of columns of the trials first to last.
+
+    Column 0 holds R (seen - predicted), column j what its lane differs from lane 0 by, times R, of
+    each frame's root R; column j stands at `places` (trials, p) of `out`, `counts` (trials,) of
+    them. Of trial t are the blocks `first[t]` to `first[t + 1]` of observed (blocks, frames,
+    observations, 16), 15 columns each. seen (trials, frames, observations); roots (trials, frames,
+    observations, observations), lower triangles, rows of 0 where nothing was seen.
+    """
+    most, size = places.shape[1], seen.shape[2]
+    columns, sums = np.zeros(most * CHUNK), np.zeros((most, most))
+    for t in range(trials[0], trials[1]):
+        used, count = counts[t], 0
+        own = observed[first[t] : first[t + 1]]
+        sums[:] = 0.0
+        for row in range(frames[t] * size):
+            i, o = row // size, row % size
+            if roots[t, i, o, o] != 0.0:
+                _whiten(columns, count, used, own[:, i], seen[t, i], roots[t, i, o, : o + 1])
+                count += 1
+            if count == CHUNK:
+                _add(columns, count, sums[:used])
+                count = 0
+        _add(columns, count, sums[:used])
+        for j in range(used):
+            for k in range(j + 1):
+                a, b = places[t, j], places[t, k]
+                out[t, a, b] = out[t, b, a] = sums[j, k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
+def _whiten(  # noqa: PLR0917
+    columns: Float, count: int, used: int, observed: Float, seen: Float, root: Float
+) -> None:
+    """Row `count` of all columns: one row of a root times errors and differences of a frame."""
+    for j in range(used):
+        total = 0.0
+        for q in range(len(root)):
+            if j == 0:
+                total += root[q] * (seen[q] - observed[0, q, 0])
+            else:
+                block = observed[(j - 1) // 15, q]
+                total += root[q] * (block[(j - 1) % 15 + 1] - block[0])
+        columns[j * CHUNK + count] = total

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import Kernel
-from .filtering import Filtered
+from .filtering import Passes
 from .normal import Normal, normal_equations, slots_by_name
 from .series import Free, Noise, Series
 
@@ -56,7 +56,7 @@ def fit(
     start: Mapping[str, float] | None = None,
     iterations: int = 25,
     tolerance: float = 1e-3,
-    predictor: Sequence[Filtered] | None = None,
+    predictor: Passes | None = None,
 ) -> Fit:
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 

@@ -28,9 +28,9 @@ from .filtering import (
     filter_all,
     with_noise,
 )
-from .padded import filled
 from .recursion import log_likelihoods
-from .series import Noise, Series
+from .score import slopes
+from .series import Noise, Series, filled
 
 
 @dataclass(frozen=True)
@@ -90,23 +90,51 @@ def linearised(
     )
 
 
+@dataclass(frozen=True)
+class Slopes:
+    """Log likelihood of all trials, and its slopes by the numbers of a `Noise`."""
+
+    log_likelihood: float
+    disturbance: Float
+    tau: Float
+    scale: Float
+
+
 def log_likelihood(linear: Linear, noise: Noise) -> float:
     """Of all trials under another noise, to first order around the path of `linear`."""
-    variance, memory = np.zeros(len(linear.tau)), np.zeros(len(linear.tau))
+    out = np.zeros(len(linear.counts))
+    given = (*_matrices(linear), *_strengths(linear, noise))
+    in_parts(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
+    return float(out.sum())
+
+
+def likelihood_slopes(linear: Linear, noise: Noise) -> Slopes:
+    """`log_likelihood` with its slopes, for little more than twice its cost."""
+    trials, states, size = len(linear.counts), len(linear.tau), len(noise.scale)
+    out, by_scales = np.zeros(trials), np.zeros((trials, size, size))
+    by_variance, by_memory = np.zeros((2, trials, states))
+    given = (*_matrices(linear), *_strengths(linear, noise))
+    in_parts(lambda first, last: slopes(*given, first, last, out, by_variance, by_memory,
+                                        by_scales), trials)  # fmt: skip
+    disturbance, tau = np.zeros((2, len(noise.disturbance)))
+    disturbance[linear.places] = 2.0 * noise.disturbance[linear.places] * by_variance.sum(
+        axis=0)[linear.random]  # fmt: skip
+    tau[linear.places] = by_memory.sum(axis=0)[linear.random]
+    scale = 2.0 * by_scales.sum(axis=0) @ noise.scale
+    return Slopes(float(out.sum()), disturbance, tau, scale)
+
+
+def _matrices(linear: Linear) -> tuple[np.ndarray, ...]:
+    return (linear.counts, linear.times, linear.F, linear.H, linear.correction, linear.level,
+            linear.residual, linear.noise, linear.cov, linear.tau)  # fmt: skip
+
+
+def _strengths(linear: Linear, noise: Noise) -> tuple[Float, Float, Float]:
+    """Variance and memory (a,) of the active states, and the factors on the stated noise (o, o)."""
+    variance, memory = np.zeros((2, len(linear.tau)))
     variance[linear.random] = noise.disturbance[linear.places] ** 2
     memory[linear.random] = noise.tau[linear.places]
-    scales = np.outer(noise.scale, noise.scale)
-    out = np.zeros(len(linear.counts))
-
-    def run(first: int, last: int) -> None:
-        log_likelihoods(
-            linear.counts, linear.times, linear.F, linear.H, linear.correction, linear.level,
-            linear.residual, linear.noise, linear.cov, linear.tau, variance, memory, scales,
-            first, last, out,
-        )  # fmt: skip
-
-    in_parts(run, len(out))
-    return float(out.sum())
+    return variance, memory, np.outer(noise.scale, noise.scale)
 
 
 def _observed(

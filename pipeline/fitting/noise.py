@@ -10,11 +10,10 @@ from scipy.optimize import minimize
 from ..data import Float
 from ..integrate import Kernel, Parameter
 from .filtering import disturbance_slots, filter_all, random_effects
-from .linear import linearised, log_likelihood
+from .linear import Linear, Slopes, likelihood_slopes, linearised, log_likelihood
 from .series import Noise, Series
 
 LEAST = 1e-9
-DIFFERENCE = 1e-3
 UNLIKELY = -1e12
 REACH = 4.0
 """Strengths and memories are sought within a factor of e^4 of where they are begun."""
@@ -48,20 +47,33 @@ def fit_noise(
     def noise_of(logs: Float) -> Noise:
         return _with(kernel, noise, sought, np.exp(logs))
 
-    def likelihood_around(logs: Float) -> Callable[[Float], float]:
-        linear = linearised(kernel, some, points, noise_of(logs))
-        return lambda x: _told(log_likelihood(linear, noise_of(x)))
+    def around(logs: Float) -> Linear:
+        return linearised(kernel, some, points, noise_of(logs))
 
     def passed(found: Noise) -> float:
         return _told(sum(f.log_likelihood for f in filter_all(kernel, some, points, found)))
 
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
-    likelihood = likelihood_around(logs)
-    best = likelihood(logs)
+    linear = around(logs)
+    before = best = _told(log_likelihood(linear, noise_of(logs)))
     for i in range(len(logs)):
-        logs, best = _along(likelihood, logs, best, i, width)
-    found = noise_of(_askew(likelihood_around(logs), logs, rounds))
-    return found if passed(found) > passed(noise) else noise
+        logs, best = _along(lambda x: _told(log_likelihood(linear, noise_of(x))), logs, best, i,
+                            width)  # fmt: skip
+    linear = around(logs)
+
+    def unlikely(logs: Float) -> tuple[float, Float]:
+        told = likelihood_slopes(linear, noise_of(logs))
+        by_logs = _by_logs(kernel, noise_of(logs), told)[sought]
+        if not np.isfinite([told.log_likelihood, *by_logs]).all():
+            return -UNLIKELY, np.zeros(len(logs))
+        return -told.log_likelihood, -by_logs
+
+    # on by quasi-Newton steps: ridges of the likelihood lie askew to the strengths
+    bounds = [(x - REACH, x + REACH) for x in logs]
+    askew = minimize(unlikely, logs, jac=True, method="L-BFGS-B", bounds=bounds,
+                     options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
+    found = noise_of(np.asarray(askew.x))
+    return found if passed(found) > before else noise
 
 
 def _told(likelihood: float) -> float:
@@ -69,18 +81,15 @@ def _told(likelihood: float) -> float:
     return likelihood if np.isfinite(likelihood) else UNLIKELY
 
 
-def _askew(likelihood: Callable[[Float], float], logs: Float, rounds: int) -> Float:
-    """On from `logs` by quasi-Newton steps: ridges of the likelihood lie askew to the strengths."""
-
-    def slope(x: Float) -> tuple[float, Float]:
-        value = likelihood(x)
-        steps = DIFFERENCE * np.eye(len(x))
-        return -value, np.array([(value - likelihood(x + step)) / DIFFERENCE for step in steps])
-
-    bounds = [(x - REACH, x + REACH) for x in logs]
-    found = minimize(slope, logs, jac=True, method="L-BFGS-B", bounds=bounds,
-                     options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
-    return np.asarray(found.x)
+def _by_logs(kernel: Kernel, noise: Noise, told: Slopes) -> Float:
+    """Slopes by the logarithms of `_flat`: sigma goes with 1 / sqrt(tau)."""
+    count, own = len(noise.disturbance), told.disturbance * noise.disturbance
+    tau = np.zeros(count)
+    for k, (shared, parameter) in _memories(kernel, count).items():
+        if parameter.lower < noise.tau[k] < parameter.upper:
+            states = slice(k, k + shared)
+            tau[k] = np.sum(told.tau[states] * noise.tau[states] - 0.5 * own[states])
+    return np.concatenate([own, tau, told.scale * noise.scale])
 
 
 def _along(

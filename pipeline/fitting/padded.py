@@ -11,7 +11,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import STEP_S
 from .normal import slots_by_name
-from .series import Free, Series
+from .series import Free, Series, filled
 
 ROUGH_STEP_S = 2 * STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
@@ -82,10 +82,3 @@ def padded(
         prior=np.array([s.mean for s in series]),
         prior_std=np.sqrt([s.cov.diagonal() for s in series]),
     )  # fmt: skip
-
-
-def filled(parts: Sequence[Float]) -> Float:
-    """Trials of unequal length as one array (trials, frames, ...), the last frame repeated."""
-    longest = max(len(p) for p in parts)
-    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
-                     for p in parts])  # fmt: skip

@@ -35,18 +35,18 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                _transition(A, F[t, k], tau, memory, dt)
-                _carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
-                _spread(P, A, AP, variance, memory, dt)
-            _compare(e, PH, S, H[t, k], residual[t, k], d[0], P)
-            _with_noise(S, noise[t, k], scales, residual[t, k])
-            _inverse_root(S, W)
-            logl += _correct(d[0], P, PH, W, e, residual[t, k])
+                transition(A, F[t, k], tau, memory, dt)
+                carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
+                spread(P, A, AP, variance, memory, dt)
+            compare(e, PH, S, H[t, k], residual[t, k], d[0], P)
+            with_noise(S, noise[t, k], scales, residual[t, k])
+            inverse_root(S, W)
+            logl += correct(d[0], P, PH, W, e, residual[t, k])
         out[t] = logl
 
 
 @compiled
-def _transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
+def transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
     """A = F with other memories: a column goes with tau (1 - exp(-dt / tau))."""
     for k in range(len(tau)):
         lead = 1.0
@@ -60,7 +60,7 @@ def _transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
+def carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
     """Deviation from the predicted path, from that of the frame before."""
     for i in range(len(A)):
         total = 0.0
@@ -71,7 +71,7 @@ def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
     a = len(A)
     for i in range(a):
@@ -90,7 +90,7 @@ def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-
 
 
 @compiled
-def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Innovation e = y - h - H d, and S = H P H' with P H'."""
     for o in range(len(e)):
         e[o] = residual[o] if np.isfinite(residual[o]) else 0.0
@@ -109,7 +109,7 @@ def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-de
 
 
 @compiled
-def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
+def with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
     """S + R where both are seen; unit rows where one is missing."""
     for o in range(len(S)):
         for p in range(len(S)):
@@ -120,7 +120,7 @@ def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-
 
 
 @compiled
-def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
+def inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
     """Cholesky's factor L of S over S, its inverse into W."""
     for o in range(len(S)):
         for p in range(o + 1):
@@ -136,7 +136,7 @@ def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Deviation and covariance after the frame, one whitened observation after the other."""
     logl = 0.0
     b = np.zeros(len(d))

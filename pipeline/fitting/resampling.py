@@ -9,7 +9,7 @@ far where a trial holds most of what is known; `scatter_cov` and `sandwich` are 
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from ..data import Float
 from ..integrate import Kernel
@@ -123,4 +123,4 @@ def ensemble(fit: Fit, spread: Spread, count: int, rng: np.random.Generator) -> 
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     z = rng.standard_normal((count, len(fit.values))) @ root.T
     freedom = np.clip(spread.freedom, 1.0, MANY)
-    return fit.values + z * np.sqrt(freedom / chi2.ppf(rng.random((count, 1)), freedom))
+    return fit.values + z * np.sqrt(freedom / chdtri(freedom, 1.0 - rng.random((count, 1))))

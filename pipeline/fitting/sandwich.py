@@ -24,7 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from ..data import Float
 from .joint import pseudo_inverse
@@ -76,7 +76,7 @@ class Spread:
         """Half widths (p,) of the intervals that hold the truth with this probability; infinite
         where nothing can be said.
         """
-        quantile = student.ppf(0.5 + 0.5 * level, np.maximum(self.freedom, 1.0))
+        quantile = stdtrit(np.maximum(self.freedom, 1.0), 0.5 + 0.5 * level)
         return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
     def freedom_of(self, direction: Float) -> float:
@@ -93,7 +93,7 @@ class Spread:
         freedom = self.freedom_of(direction)
         if freedom <= 0:
             return np.inf
-        quantile = student.ppf(0.5 + 0.5 * level, max(freedom, 1.0))
+        quantile = stdtrit(max(freedom, 1.0), 0.5 + 0.5 * level)
         return float(quantile * np.sqrt(direction @ self.cov @ direction))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -69,3 +70,10 @@ class Free:
     def label(self) -> str:
         """Name in tables: `C_Md` or `C_Md@50`."""
         return self.name if self.group is None else f"{self.name}@{self.group}"
+
+
+def filled(parts: Sequence[Float]) -> Float:
+    """Trials of unequal length as one array (trials, frames, ...), the last frame repeated."""
+    longest = max(len(p) for p in parts)
+    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
+                     for p in parts])  # fmt: skip

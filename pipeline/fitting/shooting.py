@@ -9,8 +9,13 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
-from .series import Series
+from ..integrate.batch import in_parts, propagate
+from .gram import set_products
+from .series import Series, filled
+
+SHARES = (0.25, 0.5, 1.0)
+STEP = 1e-4
+"""Size of the differences in the starting states, in their SI units."""
 
 
 @dataclass(frozen=True)
@@ -44,16 +49,13 @@ def shoot(
     starts = np.array([s.mean for s in series])
     for share in SHARES:
         part = [first_part(s, share) for s in series]
-        starts = _fitted_starts(kernel, part, values, starts, count=open_states,
+        starts = _fitted_starts(_runs(kernel, part, values, open_states), starts,
                                 iterations=iterations)  # fmt: skip
-    observed, states = _run(kernel, series, values, starts, open_states)
+    observed, states = _runs(kernel, series, values, 0).of(starts, keep_states=True)
     return [
         Shot(x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _rmse(s, o[:, :, 0]))
         for s, x, run, o in zip(series, starts, states, observed, strict=True)
     ]
-
-
-SHARES = (0.25, 0.5, 1.0)
 
 
 def first_part(series: Series, share: float) -> Series:
@@ -62,97 +64,99 @@ def first_part(series: Series, share: float) -> Series:
     return series.frames(0, n)
 
 
-def _fitted_starts(
-    kernel: Kernel,
-    series: Sequence[Series],
-    values: Sequence[Float],
-    starts: Float,
-    *,
-    count: int,
-    iterations: int,
-) -> Float:
+@dataclass(frozen=True)
+class _Runs:
+    """Trials t side by side, n frames, o observations: seen (t, n, o) and weight, one over the
+    stated deviation, 0 where missing; prior mean and deviation (t, states) of the starts, of which
+    the first `count` are open.
+    """
+
+    kernel: Kernel
+    values: Float
+    constants: Float
+    times: Float
+    inputs: Float
+    frames: np.ndarray
+    seen: Float
+    weight: Float
+    mean: Float
+    std: Float
+    count: int
+
+    def of(self, starts: Float, *, keep_states: bool = False) -> tuple[Float, Float]:
+        """Observations and states of runs from these starts and, in further lanes, beside them."""
+        state = np.repeat(starts[:, :, None], LANES, axis=2)
+        state[:, range(self.count), range(1, self.count + 1)] += STEP
+        return propagate(
+            self.kernel, state, self.values, self.constants, times=self.times, inputs=self.inputs,
+            frames=self.frames, keep_states=keep_states,
+        )  # fmt: skip
+
+    @np.errstate(over="ignore", invalid="ignore")  # a run that goes away has no finite cost
+    def products(self, starts: Float) -> Float:
+        """Products (t, 1 + count, 1 + count) of the errors, those of the prior included, and of
+        their slopes; infinite cost where a run goes away.
+        """
+        observed, _ = self.of(starts)
+        out = np.empty((len(starts), 1 + self.count, 1 + self.count))
+        in_parts(lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out))
+        out[:, 1:] /= STEP
+        out[:, :, 1:] /= STEP
+        error = (self.mean - starts) / self.std
+        own = range(1, self.count + 1)
+        out[:, 0, 0] += np.sum(error**2, axis=1)
+        out[:, own, own] += self.std[:, : self.count] ** -2.0
+        out[:, own, 0] += (error / self.std)[:, : self.count]
+        out[~np.isfinite(out).all(axis=(1, 2)), 0, 0] = np.inf
+        return out
+
+
+def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int) -> _Runs:
+    seen = filled([s.seen for s in series])
+    frames = np.array([len(s.times) for s in series])
+    known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
+    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
+    lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)
+             for rows in (values, [s.constants for s in series])]  # fmt: skip
+    return _Runs(
+        kernel, lanes[0], lanes[1],
+        times=filled([s.times for s in series]),
+        inputs=filled([s.inputs for s in series]),
+        frames=frames,
+        seen=np.where(known, seen, 0.0),
+        weight=known / np.sqrt(variance),
+        mean=np.array([s.mean for s in series]),
+        std=np.sqrt([np.diag(s.cov) for s in series]),
+        count=count,
+    )  # fmt: skip
+
+
+def _fitted_starts(runs: _Runs, starts: Float, *, iterations: int) -> Float:
     """Starts (trials, states) from which each trial's run is closest to what was seen."""
-    starts = starts.copy()
-    observed, _ = _run(kernel, series, values, starts, count)
-    damping = np.full(len(series), 1e-3)
-    cost = _costs(series, observed, starts)
+    starts, products = starts.copy(), runs.products(starts)
+    damping = np.full(len(starts), 1e-3)
     for _ in range(iterations):
-        steps = [
-            _step(s, o, x, count, d)
-            for s, o, x, d in zip(series, observed, starts, damping, strict=True)
-        ]
-        trial = starts + np.array(steps)
-        seen, _ = _run(kernel, series, values, trial, count)
-        new = _costs(series, seen, trial)
+        trial = starts + _steps(products, damping, starts.shape[1])
+        found = runs.products(trial)
+        cost, new = products[:, 0, 0], found[:, 0, 0]
         with np.errstate(invalid="ignore"):  # both infinite: not settled
             settled = np.abs(cost - new) <= 1e-6 * cost
         better = new <= cost
         damping = np.where(better, damping * 0.2, damping * 10.0)
-        starts[better], cost[better], observed[better] = trial[better], new[better], seen[better]
+        starts[better], products[better] = trial[better], found[better]
         if settled.all():
             break
     return starts
 
 
-def _costs(series: Sequence[Series], observed: Float, starts: Float) -> Float:
-    """Cost (trials,) of each run; infinite where it runs away."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        found = [_cost(s, o[:, :, 0], x) for s, o, x in zip(series, observed, starts, strict=True)]
-    return np.where(np.isfinite(found), found, np.inf)
-
-
-STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4])
-
-
-def _run(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], starts: Float, count: int
-) -> tuple[Float, Float]:
-    longest = max(len(s.times) for s in series)
-    times = np.array([np.pad(s.times, (0, longest - len(s.times)), mode="edge") for s in series])
-    inputs = np.array(
-        [np.pad(s.inputs, ((0, longest - len(s.times)), (0, 0)), mode="edge") for s in series]
-    )
-    state = np.repeat(starts[:, :, None], LANES, axis=2)
-    for i in range(count):
-        state[:, i, i + 1] += STEPS[min(i, len(STEPS) - 1)]
-    return propagate(
-        kernel,
-        state,
-        np.repeat(np.array(values)[:, :, None], LANES, axis=2),
-        np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
-        times=times,
-        inputs=inputs,
-        frames=np.array([len(s.times) for s in series]),
-        keep_states=True,
-    )
-
-
-def _errors(series: Series, observed: Float) -> Float:
-    """Seen minus simulated over the stated deviation, 0 where missing: (n, observations)."""
-    error = series.seen - observed[: len(series.times)]
-    error = np.where(np.isfinite(series.seen), error, 0.0)
-    return error / np.sqrt(np.einsum("nii->ni", series.noise))
-
-
-def _cost(series: Series, observed: Float, start: Float) -> float:
-    prior = (start - series.mean) / np.sqrt(np.diag(series.cov))
-    return float(np.sum(_errors(series, observed) ** 2) + np.sum(prior**2))
-
-
-def _step(series: Series, observed: Float, start: Float, count: int, damping: float) -> Float:
-    n = len(series.times)
-    sigma = np.sqrt(np.einsum("nii->ni", series.noise))
-    known = np.isfinite(series.seen)
-    slope = [(observed[:n, :, i + 1] - observed[:n, :, 0]) / STEPS[min(i, 5)] for i in range(count)]
-    J = np.stack([np.where(known, s / sigma, 0.0).ravel() for s in slope], axis=1)
-    weight = 1.0 / np.diag(series.cov)[:count]
-    H = J.T @ J + np.diag(weight)
-    g = J.T @ _errors(series, observed[:, :, 0]).ravel()
-    g -= weight * (start - series.mean)[:count]
-    step = np.zeros(len(start))
-    if np.all(np.isfinite(H)):
-        step[:count] = np.linalg.solve(H + damping * np.diag(np.diag(H)), g)
-    return step
+def _steps(products: Float, damping: Float, states: int) -> Float:
+    """Damped steps (trials, states) to smaller errors; none where a run goes away."""
+    usable = np.isfinite(products).all(axis=(1, 2))
+    H, g = products[usable, 1:, 1:], products[usable, 1:, 0]
+    H = H * (1.0 + damping[usable, None, None] * np.eye(H.shape[1]))
+    steps = np.zeros((len(products), states))
+    steps[usable, : H.shape[1]] = np.linalg.solve(H, g[:, :, None])[:, :, 0]
+    return steps
 
 
 def _rmse(series: Series, observed: Float) -> float:

@@ -17,6 +17,7 @@ from .series import Series
 
 RATE_HZ = 10.0
 HALF_WINDOW_S = 0.15
+LEAST_FOR_BEND = 5
 
 
 def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int] = ()) -> Series:
@@ -29,47 +30,54 @@ def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int]
     size = round(1.0 / (rate_hz * step))
     if size < 2 or len(series.times) < 4 * size:
         return series
-    blocks = [np.array([0]), *np.split(np.arange(1, len(series.times)),
-                                       np.arange(size, len(series.times) - 1, size))]  # fmt: skip
-    known = np.all(np.isfinite(series.seen), axis=1)
-    rows = [_block(series, block, known) for block in blocks]
-    noise = np.array([row[2] for row in rows])
-    share = len(rows) / len(series.times)
+    first = np.array([0, *range(1, len(series.times), size)])
+    times, seen, noise = _blocks(series, first)
+    share = len(first) / len(series.times)
     for o in constant:
-        first = noise[0, o, o]
-        noise[:, o, o] = first * share
-    return replace(
-        series,
-        times=np.array([row[0] for row in rows]),
-        seen=np.array([row[1] for row in rows]),
-        noise=noise,
-        inputs=np.array([series.inputs[b].mean(axis=0) for b in blocks]),
-    )
+        noise[:, o, o] = noise[0, o, o] * share
+    counts = np.diff([*first, len(series.times)])
+    inputs = np.add.reduceat(series.inputs, first) / counts[:, None]
+    return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 
 
-def _block(series: Series, block: np.ndarray, known: np.ndarray) -> tuple[float, Float, Float]:
-    """Time, observation (observations,) and covariance of one block; NaN where none is seen."""
-    own = block[known[block]]
-    width = series.seen.shape[1]
-    if len(own) == 0:
-        return float(series.times[block].mean()), np.full(width, np.nan), np.eye(width)
-    if len(own) == 1:
-        return float(series.times[own[0]]), series.seen[own[0]], series.noise[own[0]]
-    time = float(series.times[own].mean())
-    spread = series.times[own] - time
-    mean = series.seen[own].mean(axis=0)
-    bend = _bend(series, time, known)
+def _blocks(series: Series, first: np.ndarray) -> tuple[Float, Float, Float]:
+    """Times (b,), observations (b, observations) and covariances of blocks that begin at the frames
+    `first` (b,); NaN where nothing is seen.
+    """
+    known = np.all(np.isfinite(series.seen), axis=1)
+    counts = np.add.reduceat(known.astype(float), first)
+    some = counts > 0
+
+    def mean(rows: Float) -> Float:
+        rows = np.where(known.reshape(-1, *(1,) * (rows.ndim - 1)), rows, 0.0)
+        return np.add.reduceat(rows, first) / np.maximum(counts, 1).reshape(
+            -1, *(1,) * (rows.ndim - 1)
+        )
+
+    whole = np.add.reduceat(series.times, first) / np.diff([*first, len(series.times)])
+    times = np.where(some, mean(series.times), whole)
+    off = series.times - np.repeat(times, np.diff([*first, len(series.times)]))
+    seen = mean(series.seen) - 0.5 * mean(off**2)[:, None] * _bends(series, times, known)
+    noise = mean(series.noise) / np.maximum(counts, 1)[:, None, None]
+    nothing = np.eye(series.seen.shape[1])
     return (
-        time,
-        mean - 0.5 * bend * float(np.mean(spread**2)),
-        (series.noise[own].sum(axis=0) / len(own) ** 2),
+        times,
+        np.where(some[:, None], seen, np.nan),
+        np.where(some[:, None, None], noise, nothing),
     )
 
 
-def _bend(series: Series, time: float, known: np.ndarray) -> Float:
-    """Second derivative (observations,) of a parabola fitted about a time; 0 where too few."""
-    near = known & (np.abs(series.times - time) <= HALF_WINDOW_S)
-    if near.sum() < 5:
-        return np.zeros(series.seen.shape[1])
-    t = series.times[near] - time
-    return 2.0 * np.polynomial.polynomial.polyfit(t, series.seen[near], 2)[2]
+def _bends(series: Series, times: Float, known: np.ndarray) -> Float:
+    """Second derivatives (b, observations) of parabolas about times; 0 where frames are few."""
+    begin, end = (np.searchsorted(series.times, times + k * HALF_WINDOW_S) for k in (-1, 1))
+    frames = begin[:, None] + np.arange(max(1, int((end - begin).max())))
+    near = np.minimum(frames, len(series.times) - 1)
+    weight = (frames < end[:, None]) & known[near]
+    t = np.where(weight, series.times[near] - times[:, None], 0.0) / HALF_WINDOW_S
+    powers = t[:, :, None] ** np.arange(3) * weight[:, :, None]
+    enough = weight.sum(axis=1) >= LEAST_FOR_BEND
+    A = np.einsum("bwi,bwj->bij", powers, powers)
+    A[~enough] = np.eye(3)
+    sides = np.einsum("bwi,bwo->bio", powers, np.where(weight[:, :, None], series.seen[near], 0.0))
+    bends = 2.0 * np.linalg.solve(A, sides)[:, 2] / HALF_WINDOW_S**2
+    return np.where(enough[:, None], bends, 0.0)

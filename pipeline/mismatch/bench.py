@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from ..data import Float
-from ..fitting import Filtered, Free, Series, filter_all, fit_noise, trial_values
+from ..fitting import Free, Passes, Series, filter_all, fit_noise, trial_values
 from ..integrate import Kernel
 from .judge import Trialled
 from .search import PASSES, Foretold, free_shapes, further, screened, try_effects
@@ -35,7 +35,7 @@ class Bench:
         return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]
 
     def foretold(
-        self, model: Trialled, candidates: Sequence[str], predictor: Sequence[Filtered]
+        self, model: Trialled, candidates: Sequence[str], predictor: Passes
     ) -> dict[str, Foretold]:
         """`screened`, with candidates that have a free shape differenced at several shapes, the
         most promising of which is where their refit begins.
@@ -58,7 +58,7 @@ class Bench:
 
     def refit(
         self, effects: Sequence[str], under: Trialled, start: Mapping[str, float] | None = None,
-        predictor: Sequence[Filtered] | None = None,
+        predictor: Passes | None = None,
     ) -> Trialled:  # fmt: skip
         """The model with these effects, fitted under the noise of another.
 

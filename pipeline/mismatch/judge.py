@@ -10,16 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
+from scipy.special import chdtrc, fdtrc
 
 from ..data import Float
 from ..fitting import (
-    Filtered,
     Fit,
     Free,
     Noise,
     Normal,
+    Passes,
     Series,
     inverse_fisher,
     jackknife_cov,
@@ -102,7 +101,10 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     """
     frees, strengths = candidate_frees(kernel.system, effect)
     names = [free.name for free in frees[:strengths]]
-    own = [i for i, free in enumerate(found.free) if free.name in names]
+    told = np.any(telling(found.normal), axis=0).tolist()
+    own = [i for i, free in enumerate(found.free) if free.name in names and told[i]]
+    if not own:
+        return 1.0
     move = moving(kernel, found)
     move[own] = True
     s = found.values[own]
@@ -110,12 +112,12 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     trials = int((np.einsum("tpp->tp", found.normal.hessian)[:, own] > 0).any(axis=1).sum())
     if telling(found.normal)[:, own].any(axis=1).sum() == 1 and len(found.normal.hessian) > 1:
         fisher = pseudo_inverse(naive) / wider
-        return min(1.0, MOMENTS * float(chi2.sf(s @ fisher @ s, len(own))))
+        return min(1.0, MOMENTS * float(chdtrc(len(own), s @ fisher @ s)))
     pooled = wider * naive
     between = jackknife_cov(found.normal, move)[np.ix_(own, own)]
     cov = (PRIOR_FREEDOM * pooled + (trials - 1) * between) / (PRIOR_FREEDOM + trials - 1)
     wald = max(float(s @ pseudo_inverse(cov) @ s), 0.0)
-    return float(f_distribution.sf(wald / len(own), len(own), PRIOR_FREEDOM + trials - 1))
+    return float(fdtrc(len(own), PRIOR_FREEDOM + trials - 1, wald / len(own)))
 
 
 def inflation(kernel: Kernel, found: Fit, *, own: bool = False) -> float:
@@ -159,7 +161,7 @@ def held_out_worth(
     found: Fit,
     *,
     noise: Noise,
-    predictor: Sequence[Filtered],
+    predictor: Passes,
 ) -> Float:
     """Log likelihood (trials,) of each trial at the numbers that the other folds alone give.
 
@@ -180,7 +182,7 @@ def held_out_worth(
         values = np.clip(values, bounds[:, 0], bounds[:, 1])
         for t in part:
             points[t] = trial_values(kernel, base, found.free, values, series[t].group)
-    seen = log_likelihoods(kernel, series, points, noise=noise, predictor=predictor)
+    seen = log_likelihoods(kernel, points, noise=noise, predictor=predictor)
     worth = np.nan_to_num(seen, nan=-np.inf) + side_log_likelihoods(kernel, series, points)
     return np.maximum(worth, found.normal.log_likelihood - MOST_LOST)
 

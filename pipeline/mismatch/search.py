@@ -13,11 +13,11 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import (
-    Filtered,
     Fit,
     Free,
     Noise,
     Normal,
+    Passes,
     Series,
     filter_all,
     fit,
@@ -57,7 +57,7 @@ def try_effects(
     effects: Sequence[str],
     *,
     noise: Noise,
-    predictor: Sequence[Filtered] | None = None,
+    predictor: Passes | None = None,
     start: Mapping[str, float] | None = None,
     iterations: int = 12,
     passes: int = PASSES,
@@ -69,7 +69,7 @@ def try_effects(
     every = [*coefficients, *(f for e in effects for f in candidate_frees(kernel.system, e)[0])]
     point = with_starts(kernel, base, effects, 0.3)
     known = dict(start or {})
-    frees = _not_held(kernel, every, known)
+    frees = _not_held(kernel, _told_of(kernel, series, every), known)
     for _ in range(passes):
         found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
                     tolerance=0.05, predictor=predictor)  # fmt: skip
@@ -81,10 +81,10 @@ def try_effects(
     normal = normal_equations(kernel, series, point, frees, found.values, noise=noise,
                               predictor=predictor)  # fmt: skip
     found = replace(found, normal=normal)
-    if not normal.usable:
+    if predictor is None or not normal.usable:
         return trialled(kernel, effects, found, noise, series)
     worth = held_out_worth(kernel, series, point, found, noise=noise,
-                           predictor=predictor or ())  # fmt: skip
+                           predictor=predictor)  # fmt: skip
     side = float(side_log_likelihoods(kernel, series, points).sum())
     return replace(trialled(kernel, effects, found, noise, series, worth=worth), side=side)
 
@@ -103,6 +103,14 @@ def held_shapes(kernel: Kernel, model: Trialled) -> dict[str, float]:
     every = [f for e in model.effects for f in candidate_frees(kernel.system, e)[0]]
     return {f.label: p.start for f, p in zip(every, parameters_of(kernel, every), strict=True)
             if f.label not in free}  # fmt: skip
+
+
+def _told_of(kernel: Kernel, series: Sequence[Series], frees: Sequence[Free]) -> list[Free]:
+    """The numbers without those that only side measurements tell of which no trial has."""
+    have = {name for s in series for name in s.evidence}
+    untold = {f"{e.name}.{p}" for e in kernel.system.effects for p, by in e.aside.items()
+              if not by & have}  # fmt: skip
+    return [f for f in frees if f.name not in untold]
 
 
 def _not_held(kernel: Kernel, frees: Sequence[Free], known: Mapping[str, float]) -> list[Free]:
@@ -126,7 +134,7 @@ def screened(
     base: Float,
     candidates: Sequence[str],
     *,
-    predictor: Sequence[Filtered] | None = None,
+    predictor: Passes | None = None,
 ) -> dict[str, Foretold]:
     """Candidate -> what is expected of it, from one set of normal equations for all.
 
@@ -198,12 +206,11 @@ def starts_of(kernel: Kernel, name: str) -> tuple[float, ...]:
 
 def likeliest_start(
     kernel: Kernel,
-    series: Sequence[Series],
     points: Sequence[Float],
     name: str,
     *,
     noise: Noise,
-    predictor: Sequence[Filtered],
+    predictor: Passes,
 ) -> dict[str, float]:
     """Label -> the start of a candidate at which the trials are likeliest, all else as it is.
 
@@ -218,7 +225,7 @@ def likeliest_start(
         moved = [with_starts(kernel, p, [name]) for p in points]
         for point in moved:
             point[first] = strength
-        seen = log_likelihoods(kernel, series, moved, noise=noise, predictor=predictor)
+        seen = log_likelihoods(kernel, moved, noise=noise, predictor=predictor)
         return float(np.nan_to_num(seen, nan=-np.inf).sum())
 
     return {kernel.system.parameters[first].name: max(starts, key=likelihood)}

@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from ..fitting import Filtered, filter_all
+from ..fitting import Passes, filter_all
 from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
@@ -207,10 +207,10 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
 
 
 def _refit(
-    bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Sequence[Filtered]
+    bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Passes
 ) -> Trialled:
     start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {}),
-             **likeliest_start(bench.kernel, bench.series, bench.points(before), name,
+             **likeliest_start(bench.kernel, bench.points(before), name,
                                noise=before.noise, predictor=predictor)}  # fmt: skip
     found = bench.refit((*before.effects, name), before, start, predictor)
     if np.isfinite(found.total):

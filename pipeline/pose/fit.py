@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from ..data import Float
 from .body import Body
@@ -193,5 +193,5 @@ def _freedom(xy: Float) -> Float:
 
 def _too_far(misfit: Float, xy: Float) -> np.ndarray:
     free = _freedom(xy)
-    limit = chi2.isf(FALSE_ALARM, np.maximum(free, 1))
+    limit = chdtri(np.maximum(free, 1), FALSE_ALARM)
     return (free > 0) & (np.nan_to_num(misfit) > limit)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from ..data import Float
 from . import twin
@@ -80,7 +80,7 @@ def most_likely(
 
 def gate_of(size: int) -> float:
     """Squared normalised distance beyond which a measurement of `size` numbers is refused."""
-    return float(chi2.isf(GATE_TAIL, size))
+    return float(chdtri(size, GATE_TAIL))
 
 
 def _prior(logs: Float, spread: Float) -> float:

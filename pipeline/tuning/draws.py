@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtr, stdtrit
 
 from ..data import Float
 from ..fitting import Fit, ensemble, response, without_bounds
@@ -47,10 +47,11 @@ def _inside(found: Fit, held: list[int], u: Float) -> Float:
         if spread.freedom[i] <= 0:
             out[:, k] = low + u[:, k] * (high - low)
             continue
-        law = student(max(spread.freedom[i], 1.0), found.values[i] + change[i],
-                      np.sqrt(spread.cov[i, i]))  # fmt: skip
-        first, last = law.cdf([low, high])
-        out[:, k] = np.clip(law.ppf(first + u[:, k] * (last - first)), low, high)
+        freedom, std = max(spread.freedom[i], 1.0), np.sqrt(spread.cov[i, i])
+        middle = found.values[i] + change[i]
+        first, last = stdtr(freedom, (np.array([low, high]) - middle) / std)
+        quantiles = stdtrit(freedom, first + u[:, k] * (last - first))
+        out[:, k] = np.clip(middle + std * quantiles, low, high)
     return out
 
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Filtered, Series, filter_all, fit
+from ..fitting import Passes, Series, filter_all, fit
 from ..integrate import compiled
+from ..integrate.batch import each
 from ..model import plates
 from .bounds import sides
 from .joint import BAND, OPEN, Tuned
@@ -116,12 +117,10 @@ def profiles(series: Sequence[Series], tuned: Tuned) -> list[Profile]:
     """
     kernel = compiled(plates())
     predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
-    return [_profile(series, tuned, index, predictor) for index in range(len(tuned.fit.free))]
+    return each(lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free)))
 
 
-def _profile(
-    series: Sequence[Series], tuned: Tuned, index: int, predictor: Sequence[Filtered]
-) -> Profile:
+def _profile(series: Sequence[Series], tuned: Tuned, index: int, predictor: Passes) -> Profile:
     """Profile of one free number, under held gains."""
     kernel, found = compiled(plates()), tuned.fit
     held = found.free[index]

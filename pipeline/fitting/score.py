@@ -1,0 +1,215 @@
+"""Slopes of the likelihood in `recursion` by the noise, all of them by one pass back, compiled.
+
+What the likelihood loses by a change of a filter's matrices follows from one recursion backwards in
+time (Segal and Weinstein, IEEE Trans. Inf. Theory 35 (1989), 682; Koopman and Shephard, Biometrika
+79 (1992), 823), instead of one pass forward for every number. With u and U the slopes by the
+deviation d and by its covariance P, of a frame with gain K = P H' V, V = S^-1, v = V e:
+
+    B = (v v' - V - V g v' - v g' V) / 2,   g = H P u,   slope by S   B + K' U K,
+    U <- (I - H' K') U (I - K H) + H' B H + (u v' H + H' v u') / 2,   u <- u + H' (v - V g),
+
+and of the step before it, d = A (d - c) + (A - F) level, P = A P A' + Q:
+
+    slope by Q   U,   by A   u (d - c + level)' + 2 U A P,   u <- A' u,   U <- A' U A.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .recursion import (
+    carry,
+    compare,
+    compiled,
+    correct,
+    inverse_root,
+    spread,
+    transition,
+    with_noise,
+)
+
+
+@compiled
+def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+    counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
+    first, last, out, by_variance, by_memory, by_scales,
+):  # fmt: skip
+    """Log likelihoods into `out` (t,), and their slopes by variance and memory of the random states
+    (t, a), and by the factors on `noise` (t, o, o), of trials `first` to `last`; arguments as in
+    `recursion.log_likelihoods`.
+    """
+    n, a, q = F.shape[1], F.shape[2], H.shape[2]
+    after, predicted = np.zeros((n, a)), np.zeros((n, a, a))
+    filtered, roots, errors = np.zeros((n, a, a)), np.zeros((n, q, q)), np.zeros((n, q))
+    d, P, A, AP = np.zeros((2, a)), np.zeros((a, a)), np.zeros((a, a)), np.zeros((a, a))
+    PH, S, u, U = np.zeros((a, q)), np.zeros((q, q)), np.zeros((2, a)), np.zeros((a, a))
+    square, wide = np.zeros((2, q, q)), np.zeros((4, q, a))
+    tall, short = np.zeros((2, a, a)), np.zeros((3, q))
+    for t in range(first, last):
+        d[0] = 0.0
+        P[:] = cov[t]
+        out[t] = 0.0
+        for i in range(a):
+            P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
+        for k in range(counts[t]):
+            if k > 0:
+                dt = times[t, k] - times[t, k - 1]
+                transition(A, F[t, k], tau, memory, dt)
+                carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
+                spread(P, A, AP, variance, memory, dt)
+            predicted[k] = P
+            compare(errors[k], PH, S, H[t, k], residual[t, k], d[0], P)
+            with_noise(S, noise[t, k], scales, residual[t, k])
+            inverse_root(S, roots[k])
+            out[t] += correct(d[0], P, PH, roots[k], errors[k], residual[t, k])
+            after[k], filtered[k] = d[0], P
+        u[:], U[:] = 0.0, 0.0
+        by_variance[t], by_memory[t], by_scales[t] = 0.0, 0.0, 0.0
+        for k in range(counts[t] - 1, -1, -1):
+            _before_frame(u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k],
+                          noise[t, k], by_scales[t], square, wide, tall, short)  # fmt: skip
+            if k > 0:
+                dt = times[t, k] - times[t, k - 1]
+                transition(A, F[t, k], tau, memory, dt)
+                times_into(U, A, AP)
+                d[0] = after[k - 1] - correction[t, k - 1] + level[t, k - 1]
+                _of_memories(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance, memory,
+                             dt, by_variance[t], by_memory[t])  # fmt: skip
+                turned_times_into(A, AP, U)
+                _turned(A, u)
+        for i in range(a):
+            if tau[i] > 0.0:
+                by_variance[t, i] += U[i, i]
+
+
+@compiled
+def times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+    """Out = A B; the inner loop runs along rows."""
+    for i in range(A.shape[0]):
+        for k in range(out.shape[1]):
+            out[i, k] = 0.0
+        for j in range(A.shape[1]):
+            for k in range(out.shape[1]):
+                out[i, k] += A[i, j] * B[j, k]
+
+
+@compiled
+def turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+    """Out = A' B."""
+    for i in range(A.shape[1]):
+        for k in range(out.shape[1]):
+            out[i, k] = 0.0
+    for j in range(A.shape[0]):
+        for i in range(A.shape[1]):
+            for k in range(out.shape[1]):
+                out[i, k] += A[j, i] * B[j, k]
+
+
+@compiled
+def _turned(A, u) -> None:  # type: ignore[no-untyped-def]
+    """u[0] = A' u[0]; u[1] is workspace."""
+    u[1] = 0.0
+    for i in range(len(A)):
+        for k in range(len(A)):
+            u[1, k] += A[i, k] * u[0, i]
+    u[0] = u[1]
+
+
+@compiled
+def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+    u, U, H, P, W, e, residual, noise, by_scales, square, wide, tall, short
+):
+    """Slopes before a frame's correction, from those after it; what the frame says on its noise.
+
+    The last four arguments are workspace. K' U K stands apart from the rest of what S is worth:
+    (I - H' K') U (I - K H) written out would lose all its figures.
+    """
+    V, B = square
+    HP, K, KU, BH = wide  # K turned
+    M, UM = tall
+    v, g, Vg = short
+    _precision(V, W, residual)
+    times_into(H, P, HP)
+    times_into(V, HP, K)
+    times_into(K, U, KU)
+    _of_vectors(v, g, Vg, V, HP, e, u)
+    for o in range(len(e)):
+        for p in range(len(e)):
+            B[o, p] = 0.5 * (v[o] * v[p] - V[o, p] - Vg[o] * v[p] - v[o] * Vg[p])
+            total = B[o, p]
+            for i in range(len(u)):
+                total += KU[o, i] * K[p, i]
+            by_scales[o, p] += total * noise[o, p]
+    times_into(B, H, BH)
+    turned_times_into(K, H, M)
+    for i in range(len(u)):
+        for k in range(len(u)):
+            M[i, k] = (1.0 if i == k else 0.0) - M[i, k]
+    times_into(U, M, UM)
+    turned_times_into(M, UM, U)
+    _seen(u, U, H, BH, v, Vg)
+
+
+@compiled
+def _precision(V, W, residual) -> None:  # type: ignore[no-untyped-def]
+    """V = W' W of what is seen, else 0."""
+    turned_times_into(W, W, V)
+    for o in range(len(V)):
+        for p in range(len(V)):
+            if not (np.isfinite(residual[o]) and np.isfinite(residual[p])):
+                V[o, p] = 0.0
+
+
+@compiled
+def _of_vectors(v, g, Vg, V, HP, e, u) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """V = V e, g = H P u, and V g."""
+    for o in range(len(e)):
+        v[o], g[o] = 0.0, 0.0
+        for p in range(len(e)):
+            v[o] += V[o, p] * e[p]
+        for i in range(len(u)):
+            g[o] += HP[o, i] * u[i]
+    for o in range(len(e)):
+        Vg[o] = 0.0
+        for p in range(len(e)):
+            Vg[o] += V[o, p] * g[p]
+
+
+@compiled
+def _seen(u, U, H, BH, v, Vg) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Add H' B H + (u v' H + H' v u') / 2 to U, then H' (v - V g) to u."""
+    for o in range(len(v)):
+        for i in range(len(u)):
+            for k in range(len(u)):
+                both = u[i] * H[o, k] + H[o, i] * u[k]
+                U[i, k] += H[o, i] * BH[o, k] + 0.5 * v[o] * both
+    for o in range(len(v)):
+        for i in range(len(u)):
+            u[i] += H[o, i] * (v[o] - Vg[o])
+
+
+@compiled
+def _of_memories(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    u, U, UA, F, d, P, tau, variance, memory, dt, by_variance, by_memory
+):
+    """What a step says on the variances and memories of its random states.
+
+    d: deviation before it, less the correction, plus the level; P: its covariance. Of a state that
+    forgets within m, now = exp(-dt / m) stays, and its column goes with m (1 - now).
+    """
+    for k in range(len(u)):
+        if tau[k] > 0.0:
+            was, now = tau[k] * (1.0 - np.exp(-dt / tau[k])), np.exp(-dt / memory[k])
+            by_lead, by_now = 0.0, 0.0
+            for i in range(len(u)):
+                by_entry = u[i] * d[k]
+                for j in range(len(u)):
+                    by_entry += 2.0 * UA[i, j] * P[k, j]
+                if i == k:
+                    by_now = by_entry
+                else:
+                    by_lead += by_entry * F[i, k]
+            slope = now * dt / memory[k] ** 2  # of now, by the memory
+            by_variance[k] += U[k, k] * (1.0 - now * now)
+            by_memory[k] += by_now * slope + by_lead * (1.0 - now - memory[k] * slope) / was
+            by_memory[k] -= U[k, k] * variance[k] * 2.0 * now * slope

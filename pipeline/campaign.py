@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
@@ -29,7 +29,8 @@ class Campaign:
     geometry: content of geometry.json, None before it is there.
     coefficients: content of coefficients.json, empty before the tuning. mismatch and
     mismatch_detail: content of mismatch.json and mismatch_detail.json, None before the search.
-    simulations: columns of simulations/ID.csv, model paths from each trial's fitted start.
+    simulations: columns of simulations/ID.csv and extended/ID.csv, model paths from each trial's
+    fitted start.
     """
 
     study: Study
@@ -134,7 +135,7 @@ def load_campaign(
         coefficients=_optional(root / "coefficients.json") or {},
         mismatch=_optional(root / "mismatch.json"),
         mismatch_detail=_optional(root / "mismatch_detail.json"),
-        simulations=_per_trial(root / "simulations", ids, ".csv", _simulation),
+        simulations=_simulations(root, ids),
         statuses=_per_trial(root / "status", ids, ".json", read_json),
         geometry=_optional(root / "geometry.json"),
     )
@@ -149,6 +150,13 @@ def _per_trial(
 
 def _optional(path: Path) -> dict[str, Any] | None:
     return read_json(path) if path.is_file() else None
+
+
+def _simulations(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
+    """Trial -> columns of its model paths, those of the search beside those of the tuning."""
+    tuned, extended = (_per_trial(root / folder, ids, ".csv", _simulation)
+                       for folder in ("simulations", "extended"))  # fmt: skip
+    return {name: tuned.get(name, {}) | extended.get(name, {}) for name in {**tuned, **extended}}
 
 
 def _simulation(path: Path) -> dict[str, Float]:

@@ -13,7 +13,7 @@ from scipy.special import ndtri
 
 from ..camera.displacement import lens_strength
 from ..campaign import load_campaign
-from ..data import Flapping, read_columns, write_columns
+from ..data import Flapping, write_columns
 from ..faults import Fault
 from ..files import write_json
 from ..fitting import Series, shoot
@@ -25,6 +25,7 @@ from ..mismatch.story import mismatch_json
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, load_study
+from .layout import remove
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -40,7 +41,10 @@ log = logging.getLogger(__name__)
 
 
 def mismatch(study: Path, results: Path) -> None:
-    """Write mismatch.json, mismatch_detail.json and the extended paths in simulations/ID.csv."""
+    """Write mismatch.json, mismatch_detail.json and the extended model's paths, extended/ID.csv.
+
+    Needs the tracks, the steady states and the geometry check, not the stage `tuning`.
+    """
     loaded = load_study(study)
     campaign = load_campaign(results, loaded)
     flapping = campaign_flapping(campaign)
@@ -51,12 +55,11 @@ def mismatch(study: Path, results: Path) -> None:
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
+    remove((results / "extended").glob("*.csv"))
     for one, shot in zip(series, shots, strict=True):
-        path = results / "simulations" / f"{one.name}.csv"
-        columns = read_columns(path, ("time_s",))
-        columns |= {f"extended_{k}": shot.observed[:, i] for i, k in enumerate(
-            ("x_m", "y_m", "heading_rad"))}  # fmt: skip
-        write_columns(path, columns)
+        path = {f"extended_{k}": shot.observed[:, i]
+                for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
+        write_columns(results / "extended" / f"{one.name}.csv", {"time_s": one.times} | path)
     write_json(results / "mismatch_detail.json", details(found))
     write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
 

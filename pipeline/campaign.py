@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -115,11 +115,13 @@ class Campaign:
 
 
 def load_campaign(
-    folder: str | Path, study: Study, *, trial_ids: Iterable[str] | None = None
-) -> Campaign:
+    folder: str | Path, study: Study, *, trial_ids: Iterable[str] | None = None,
+    measured: bool = False,
+) -> Campaign:  # fmt: skip
     """What stands in a results folder for a study; files that are not there yet are left out.
 
-    trial_ids: read the files of these trials only (an overlay needs one of a thousand).
+    trial_ids: read the files of these trials only (an overlay needs one of a thousand). measured:
+    what was measured alone, nothing that a fit has written: two fits may be at work at once.
 
     Raises: Fault where a file is there and cannot be read.
     """
@@ -127,17 +129,22 @@ def load_campaign(
     ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)
     table = root / "steady.csv"
     steady = read_steady(table) if table.is_file() else {}
-    return Campaign(
+    found = Campaign(
         study=study,
         tracks=_per_trial(root / "tracks", ids, ".csv", read_track),
         poses=_per_trial(root / "poses", ids, ".csv", read_pose),
         steady={name: steady[name] for name in ids if name in steady},
+        statuses=_per_trial(root / "status", ids, ".json", read_json),
+        geometry=_optional(root / "geometry.json"),
+    )
+    if measured:
+        return found
+    return replace(
+        found,
         coefficients=_optional(root / "coefficients.json") or {},
         mismatch=_optional(root / "mismatch.json"),
         mismatch_detail=_optional(root / "mismatch_detail.json"),
         simulations=_simulations(root, ids),
-        statuses=_per_trial(root / "status", ids, ".json", read_json),
-        geometry=_optional(root / "geometry.json"),
     )
 
 

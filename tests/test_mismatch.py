@@ -46,6 +46,7 @@ from pipeline.stages.mismatch import (
     CLOCK_STD,
     rigid_evidence,
     with_clock,
+    with_delay,
     with_rigid_distances,
 )
 from pipeline.synthetic.design import bare_design
@@ -565,6 +566,36 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     apart = told([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
+
+
+def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_tells(bare: Measured) -> None:
+    """Lags as of a log 0.25 s ahead: one measurement, told once, of a number of its own."""
+    hz = {s.name: float(s.inputs[-1, 1]) for s in bare.series}
+    beats = {
+        name: replace(bare.flapping[name], flap_hz=f, agrees=True, beat_lag_std_rad=0.03,
+                      beat_lag_rad=float(np.angle(np.exp(1j * (0.7 - 2 * np.pi * f * 0.25)))))
+        for name, f in hz.items()
+    }  # fmt: skip
+    told = with_delay(bare.series, beats, fitted=len(bare.series))
+    values = np.array([s.evidence["delay"] for s in told])
+    assert values[:, 0] == pytest.approx(0.25, abs=0.01)
+    assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)
+    found = find_mismatch(bare.study, told, bare.steady, progress=lambda _: None)
+    wrote = plain(mismatch_json(found, bare.study, told))
+    assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
+    size = wrote["causes"][0]["parameters"]["e"]
+    assert size["value"] == pytest.approx(0.25, abs=0.02)
+    assert 0.02 < size["std"] < 0.05
+
+
+def test_a_number_of_which_no_trial_tells_is_neither_fitted_nor_a_held_shape(
+    demo: tuple[Measured, Found],
+) -> None:
+    bench = _bench(demo)
+    assert not any("delay" in s.evidence for s in bench.series)
+    model = bench.refit(("time_offset",), demo[1].choice.bare)
+    assert "time_offset.e" not in {f.label for f in model.fit.free}
+    assert held_shapes(bench.kernel, model) == {}
 
 
 def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measured, Found]) -> None:

@@ -146,7 +146,7 @@ class Flapping:
     source: `motor_log`, `flap_hz` (given in trials.csv), `video` or `nominal`. video_hz: tail-beat
     frequency seen in the keypoints, NaN where it cannot be seen. agrees: the two within 3 sigma.
     phase_rad: the shaft's phase at `time_s`, rising. beat_lag_rad: by how much the tail beat in the
-    video is behind the log's shaft at the same time, [-pi, pi), NaN where it is not told.
+    video is behind the log's shaft at the same time, (-pi, pi], NaN where it is not told.
     """
 
     flap_hz: float

@@ -71,8 +71,8 @@ def normal_equations(
 ) -> Normal:
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
-    predictor: gains of a filter at another point, held in place of a new pass; many candidates
-    are then compared as predictors of one form, at a fraction of the cost.
+    predictor: gains of a filter at another point over the same series, held in place of a new
+    pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
     """
     points = [trial_values(kernel, base, free, values, s.group) for s in series]
     passes = predictor or filter_all(kernel, series, points, noise)

@@ -32,12 +32,13 @@ def with_direct(bench: Bench, model: Trialled) -> tuple[Bench, dict[str, float]]
     names: set[str] = set()
     for effect in (system.effect(e) for e in model.effects if "." not in e):
         for name, parameters in effect.evidence.items():
-            if _gain(bench.series, name) > TOLD_ASIDE:
-                names.add(name)
-                for label in (f"{effect.name}.{parameter}" for parameter in parameters):
-                    std = _pooled(bench.series, name)[1]
-                    speaking[label] = min(speaking.get(label, np.inf), std)
-    return replace(bench, series=[_firm(s, names) for s in bench.series]), speaking
+            std, clearly = _pooled(bench.series, name)[1], _gain(bench.series, name) > TOLD_ASIDE
+            names |= {name} if clearly else set()
+            alone = parameters if clearly else parameters.keys() & effect.aside.keys()
+            for label in (f"{effect.name}.{parameter}" for parameter in alone):
+                speaking[label] = min(speaking.get(label, np.inf), std)
+    told = {label: std for label, std in speaking.items() if np.isfinite(std)}
+    return replace(bench, series=[_firm(s, names) for s in bench.series]), told
 
 
 def _pooled(series: Sequence[Series], name: str) -> tuple[float, float]:

@@ -96,15 +96,14 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     between the n trials, moderated by what all numbers together say, the inverse Fisher matrix
     times the inflation, `wider`: the mean of both with weights n - 1 and `PRIOR_FREEDOM`, whose sum
     are the degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats).
+    Numbers that side measurements alone tell are left out: one measurement is no n repeats.
     Where one trial alone informs on them there is no other; the chance is then that of chi-squared
     at any of `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
     """
     frees, strengths = candidate_frees(kernel.system, effect)
-    names = [free.name for free in frees[:strengths]]
-    told = np.any(telling(found.normal), axis=0).tolist()
-    own = [i for i, free in enumerate(found.free) if free.name in names and told[i]]
-    if not own:
-        return 1.0
+    aside = () if "." in effect else kernel.system.effect(effect).aside
+    names = [f.name for f in frees[:strengths] if f.name.partition(".")[2] not in aside]
+    own = [i for i, free in enumerate(found.free) if free.name in names]
     move = moving(kernel, found)
     move[own] = True
     s = found.values[own]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -86,14 +86,18 @@ def without_doubtful(bench: Bench, choice: Choice) -> Choice:
     """Choice without the causes beside others that are more likely something else, or nothing."""
     for _ in choice.chosen.effects[1:]:
         told = {name: shares_in_place(choice, name) for name in choice.chosen.effects}
-        name = min(told, key=lambda e: told[e][e])
-        own = told[name].pop(name)
-        others = told[name].values()
-        likeliest = own > LEAST_WEIGHT and own >= max(others, default=0.0)
-        if own >= 1.0 - own - sum(others) and (own > DOUBTFUL or likeliest):
+        doubtful = [name for name in told if _is_doubtful(told[name], name)]
+        if not doubtful:
             break
-        choice = dropped(bench, choice, [name])
+        choice = dropped(bench, choice, [min(doubtful, key=lambda e: told[e][e])])
     return choice
+
+
+def _is_doubtful(shares: Mapping[str, float], name: str) -> bool:
+    """Whether a further cause is more likely something else in its place, or nothing."""
+    own, others = shares[name], [share for e, share in shares.items() if e != name]
+    likeliest = own > LEAST_WEIGHT and own >= max(others, default=0.0)
+    return own < 1.0 - own - sum(others) or not (own > DOUBTFUL or likeliest)
 
 
 def shares_in_place(choice: Choice, name: str, *, beside: bool = True) -> dict[str, float]:

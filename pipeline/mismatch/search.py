@@ -102,7 +102,7 @@ def held_shapes(kernel: Kernel, model: Trialled) -> dict[str, float]:
     free = {f.label for f in model.fit.free}
     every = [f for e in model.effects for f in candidate_frees(kernel.system, e)[0]]
     return {f.label: p.start for f, p in zip(every, parameters_of(kernel, every), strict=True)
-            if f.label not in free}  # fmt: skip
+            if f.label not in free and np.isfinite(p.spread)}  # fmt: skip
 
 
 def _told_of(kernel: Kernel, series: Sequence[Series], frees: Sequence[Free]) -> list[Free]:

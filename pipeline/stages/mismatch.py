@@ -46,7 +46,7 @@ def mismatch(study: Path, results: Path) -> None:
     Needs the tracks, the steady states and the geometry check, not the stage `tuning`.
     """
     loaded = load_study(study)
-    campaign = load_campaign(results, loaded)
+    campaign = load_campaign(results, loaded, measured=True)
     flapping = campaign_flapping(campaign)
     series = with_clock(campaign_series(campaign), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))

@@ -19,7 +19,7 @@ from .layout import Layout, remove
 def tuning(study: Path, results: Path) -> None:
     """Write coefficients.json, table1.csv, table2.csv and simulations/ID.csv of all good trials."""
     loaded, layout = load_study(study), Layout(results)
-    campaign = load_campaign(results, loaded)
+    campaign = load_campaign(results, loaded, measured=True)
     series = campaign_series(campaign)
     remove((results / "simulations").glob("*.csv"))
     found, joint = coefficients(loaded, series, campaign.steady)

@@ -25,8 +25,8 @@ RESULTS = (
     "mismatch.json", "report.html",
 )  # fmt: skip
 FOLDERS = (
-    "benchmarks", "figures", "keypoints", "logs", "overlays", "poses", "simulations", "status",
-    "steady", "tracks",
+    "benchmarks", "extended", "figures", "keypoints", "logs", "overlays", "poses", "simulations",
+    "status", "steady", "tracks",
 )  # fmt: skip
 DETECTION_COLUMNS = ("trial_id", "source", "fps", "start_s", "end_s")
 

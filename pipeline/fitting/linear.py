@@ -109,7 +109,7 @@ def log_likelihood(linear: Linear, noise: Noise) -> float:
 
 
 def likelihood_slopes(linear: Linear, noise: Noise) -> Slopes:
-    """`log_likelihood` with its slopes, for little more than twice its cost."""
+    """`log_likelihood` with its slopes by one recursion back (`score`)."""
     trials, states, size = len(linear.counts), len(linear.tau), len(noise.scale)
     out, by_scales = np.zeros(trials), np.zeros((trials, size, size))
     by_variance, by_memory = np.zeros((2, trials, states))

@@ -47,33 +47,39 @@ def fit_noise(
     def noise_of(logs: Float) -> Noise:
         return _with(kernel, noise, sought, np.exp(logs))
 
-    def around(logs: Float) -> Linear:
-        return linearised(kernel, some, points, noise_of(logs))
-
-    def passed(found: Noise) -> float:
-        return _told(sum(f.log_likelihood for f in filter_all(kernel, some, points, found)))
-
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
-    linear = around(logs)
+    linear = linearised(kernel, some, points, noise_of(logs))
     before = best = _told(log_likelihood(linear, noise_of(logs)))
     for i in range(len(logs)):
         logs, best = _along(lambda x: _told(log_likelihood(linear, noise_of(x))), logs, best, i,
                             width)  # fmt: skip
-    linear = around(logs)
+    linear = linearised(kernel, some, points, noise_of(logs))
 
     def unlikely(logs: Float) -> tuple[float, Float]:
-        told = likelihood_slopes(linear, noise_of(logs))
-        by_logs = _by_logs(kernel, noise_of(logs), told)[sought]
-        if not np.isfinite([told.log_likelihood, *by_logs]).all():
-            return -UNLIKELY, np.zeros(len(logs))
-        return -told.log_likelihood, -by_logs
+        return _unlikely(kernel, linear, noise_of(logs), sought)
 
-    # on by quasi-Newton steps: ridges of the likelihood lie askew to the strengths
+    found = noise_of(_askew(unlikely, logs, rounds))
+    passed = sum(f.log_likelihood for f in filter_all(kernel, some, points, found))
+    return found if _told(passed) > before else noise
+
+
+def _unlikely(
+    kernel: Kernel, linear: Linear, noise: Noise, sought: Sequence[int]
+) -> tuple[float, Float]:
+    """Log likelihood and its slopes by the logarithms of what is sought, both times -1."""
+    told = likelihood_slopes(linear, noise)
+    by_logs = _by_logs(kernel, noise, told)[list(sought)]
+    if not np.isfinite([told.log_likelihood, *by_logs]).all():
+        return -UNLIKELY, np.zeros(len(by_logs))
+    return -told.log_likelihood, -by_logs
+
+
+def _askew(unlikely: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int) -> Float:
+    """On from `logs` by quasi-Newton steps: ridges of the likelihood lie askew to the strengths."""
     bounds = [(x - REACH, x + REACH) for x in logs]
-    askew = minimize(unlikely, logs, jac=True, method="L-BFGS-B", bounds=bounds,
+    found = minimize(unlikely, logs, jac=True, method="L-BFGS-B", bounds=bounds,
                      options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
-    found = noise_of(np.asarray(askew.x))
-    return found if passed(found) > before else noise
+    return np.asarray(found.x)
 
 
 def _told(likelihood: float) -> float:

@@ -11,7 +11,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import STEP_S
 from .normal import slots_by_name
-from .series import Free, Series, filled
+from .series import Free, Series, filled, weighted
 
 ROUGH_STEP_S = 2 * STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
@@ -61,10 +61,7 @@ def padded(
     """
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
-    seen = filled([s.seen for s in series])
-    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
-    frames = np.array([len(s.times) for s in series])
-    known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
+    frames, seen, weight = weighted(series)
     slots, parameters = slots_by_name(kernel), kernel.system.parameters
     groups = np.array([s.group for s in series])
     own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
@@ -77,8 +74,8 @@ def padded(
         inputs=filled([s.inputs for s in series]),
         frames=frames,
         constants=np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
-        seen=np.where(known, seen, 0.0),
-        weight=known / np.sqrt(variance),
+        seen=seen,
+        weight=weight,
         prior=np.array([s.mean for s in series]),
         prior_std=np.sqrt([s.cov.diagonal() for s in series]),
     )  # fmt: skip

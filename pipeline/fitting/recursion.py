@@ -28,21 +28,46 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
     for t in range(first, last):
         logl = 0.0
-        d[0] = 0.0
-        P[:] = cov[t]
-        for i in range(a):
-            P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
+        begin(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                transition(A, F[t, k], tau, memory, dt)
-                carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
-                spread(P, A, AP, variance, memory, dt)
-            compare(e, PH, S, H[t, k], residual[t, k], d[0], P)
-            with_noise(S, noise[t, k], scales, residual[t, k])
-            inverse_root(S, W)
-            logl += correct(d[0], P, PH, W, e, residual[t, k])
+                predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
+                        memory, dt)  # fmt: skip
+            logl += update(d, P, PH, S, W, e, H[t, k], residual[t, k], noise[t, k], scales)
         out[t] = logl
+
+
+@compiled
+def begin(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
+    """No deviation, and the covariance before the first frame."""
+    d[0] = 0.0
+    P[:] = cov
+    for i in range(len(P)):
+        P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
+
+
+@compiled
+def predict(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    d, P, A, AP, F, correction, level, tau, variance, memory, dt
+) -> None:
+    """D = A (d - correction) + (A - F) level and P = A P A' + Q, to the next frame."""
+    transition(A, F, tau, memory, dt)
+    _carry(d, A, F, correction, level)
+    _spread(P, A, AP, variance, memory, dt)
+
+
+@compiled
+def update(  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    d, P, PH, S, W, e, H, residual, noise, scales
+) -> float:
+    """Deviation and covariance after a frame; its log likelihood. Into e and W the innovation and
+    the inverse root of its covariance.
+    """
+    _compare(e, PH, S, H, residual, d[0], P)
+    _with_noise(S, noise, scales, residual)
+    _inverse_root(S, W)
+    return _correct(d[0], P, PH, W, e, residual)
 
 
 @compiled
@@ -60,7 +85,7 @@ def transition(A, F, tau, memory, dt) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
+def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
     """Deviation from the predicted path, from that of the frame before."""
     for i in range(len(A)):
         total = 0.0
@@ -71,7 +96,7 @@ def carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
     a = len(A)
     for i in range(a):
@@ -90,7 +115,7 @@ def spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-d
 
 
 @compiled
-def compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Innovation e = y - h - H d, and S = H P H' with P H'."""
     for o in range(len(e)):
         e[o] = residual[o] if np.isfinite(residual[o]) else 0.0
@@ -109,7 +134,7 @@ def compare(e, PH, S, H, residual, d, P) -> None:  # type: ignore[no-untyped-def
 
 
 @compiled
-def with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
+def _with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-def]
     """S + R where both are seen; unit rows where one is missing."""
     for o in range(len(S)):
         for p in range(len(S)):
@@ -120,7 +145,7 @@ def with_noise(S, noise, scales, residual) -> None:  # type: ignore[no-untyped-d
 
 
 @compiled
-def inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
+def _inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
     """Cholesky's factor L of S over S, its inverse into W."""
     for o in range(len(S)):
         for p in range(o + 1):
@@ -136,7 +161,7 @@ def inverse_root(S, W) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _correct(d, P, PH, W, e, residual) -> float:  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Deviation and covariance after the frame, one whitened observation after the other."""
     logl = 0.0
     b = np.zeros(len(d))

@@ -17,16 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .recursion import (
-    carry,
-    compare,
-    compiled,
-    correct,
-    inverse_root,
-    spread,
-    transition,
-    with_noise,
-)
+from .recursion import begin, compiled, predict, transition, update
 
 
 @compiled
@@ -46,22 +37,16 @@ def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     square, wide = np.zeros((2, q, q)), np.zeros((4, q, a))
     tall, short = np.zeros((2, a, a)), np.zeros((3, q))
     for t in range(first, last):
-        d[0] = 0.0
-        P[:] = cov[t]
         out[t] = 0.0
-        for i in range(a):
-            P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
+        begin(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
-                transition(A, F[t, k], tau, memory, dt)
-                carry(d, A, F[t, k], correction[t, k - 1], level[t, k - 1])
-                spread(P, A, AP, variance, memory, dt)
+                predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
+                        memory, dt)  # fmt: skip
             predicted[k] = P
-            compare(errors[k], PH, S, H[t, k], residual[t, k], d[0], P)
-            with_noise(S, noise[t, k], scales, residual[t, k])
-            inverse_root(S, roots[k])
-            out[t] += correct(d[0], P, PH, roots[k], errors[k], residual[t, k])
+            out[t] += update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
+                             noise[t, k], scales)  # fmt: skip
             after[k], filtered[k] = d[0], P
         u[:], U[:] = 0.0, 0.0
         by_variance[t], by_memory[t], by_scales[t] = 0.0, 0.0, 0.0
@@ -71,11 +56,11 @@ def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
                 transition(A, F[t, k], tau, memory, dt)
-                times_into(U, A, AP)
+                _times_into(U, A, AP)
                 d[0] = after[k - 1] - correction[t, k - 1] + level[t, k - 1]
                 _of_memories(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance, memory,
                              dt, by_variance[t], by_memory[t])  # fmt: skip
-                turned_times_into(A, AP, U)
+                _turned_times_into(A, AP, U)
                 _turned(A, u)
         for i in range(a):
             if tau[i] > 0.0:
@@ -83,7 +68,7 @@ def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
 
 
 @compiled
-def times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+def _times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
     """Out = A B; the inner loop runs along rows."""
     for i in range(A.shape[0]):
         for k in range(out.shape[1]):
@@ -94,7 +79,7 @@ def times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
 
 
 @compiled
-def turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
+def _turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
     """Out = A' B."""
     for i in range(A.shape[1]):
         for k in range(out.shape[1]):
@@ -129,9 +114,9 @@ def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     M, UM = tall
     v, g, Vg = short
     _precision(V, W, residual)
-    times_into(H, P, HP)
-    times_into(V, HP, K)
-    times_into(K, U, KU)
+    _times_into(H, P, HP)
+    _times_into(V, HP, K)
+    _times_into(K, U, KU)
     _of_vectors(v, g, Vg, V, HP, e, u)
     for o in range(len(e)):
         for p in range(len(e)):
@@ -140,20 +125,20 @@ def _before_frame(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
             for i in range(len(u)):
                 total += KU[o, i] * K[p, i]
             by_scales[o, p] += total * noise[o, p]
-    times_into(B, H, BH)
-    turned_times_into(K, H, M)
+    _times_into(B, H, BH)
+    _turned_times_into(K, H, M)
     for i in range(len(u)):
         for k in range(len(u)):
             M[i, k] = (1.0 if i == k else 0.0) - M[i, k]
-    times_into(U, M, UM)
-    turned_times_into(M, UM, U)
+    _times_into(U, M, UM)
+    _turned_times_into(M, UM, U)
     _seen(u, U, H, BH, v, Vg)
 
 
 @compiled
 def _precision(V, W, residual) -> None:  # type: ignore[no-untyped-def]
     """V = W' W of what is seen, else 0."""
-    turned_times_into(W, W, V)
+    _turned_times_into(W, W, V)
     for o in range(len(V)):
         for p in range(len(V)):
             if not (np.isfinite(residual[o]) and np.isfinite(residual[p])):

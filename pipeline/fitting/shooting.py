@@ -11,7 +11,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import in_parts, propagate
 from .gram import set_products
-from .series import Series, filled
+from .series import Series, filled, weighted
 
 SHARES = (0.25, 0.5, 1.0)
 STEP = 1e-4
@@ -112,10 +112,7 @@ class _Runs:
 
 
 def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int) -> _Runs:
-    seen = filled([s.seen for s in series])
-    frames = np.array([len(s.times) for s in series])
-    known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
-    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
+    frames, seen, weight = weighted(series)
     lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)
              for rows in (values, [s.constants for s in series])]  # fmt: skip
     return _Runs(
@@ -123,8 +120,8 @@ def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], cou
         times=filled([s.times for s in series]),
         inputs=filled([s.inputs for s in series]),
         frames=frames,
-        seen=np.where(known, seen, 0.0),
-        weight=known / np.sqrt(variance),
+        seen=seen,
+        weight=weight,
         mean=np.array([s.mean for s in series]),
         std=np.sqrt([np.diag(s.cov) for s in series]),
         count=count,

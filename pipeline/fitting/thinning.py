@@ -31,40 +31,34 @@ def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int]
     if size < 2 or len(series.times) < 4 * size:
         return series
     first = np.array([0, *range(1, len(series.times), size)])
-    times, seen, noise = _blocks(series, first)
+    lengths = np.diff([*first, len(series.times)])
+    times, seen, noise = _blocks(series, first, lengths)
     share = len(first) / len(series.times)
     for o in constant:
         noise[:, o, o] = noise[0, o, o] * share
-    counts = np.diff([*first, len(series.times)])
-    inputs = np.add.reduceat(series.inputs, first) / counts[:, None]
+    inputs = np.add.reduceat(series.inputs, first) / lengths[:, None]
     return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 
 
-def _blocks(series: Series, first: np.ndarray) -> tuple[Float, Float, Float]:
+def _blocks(series: Series, first: np.ndarray, lengths: np.ndarray) -> tuple[Float, Float, Float]:
     """Times (b,), observations (b, observations) and covariances of blocks that begin at the frames
-    `first` (b,); NaN where nothing is seen.
+    `first` (b,) and have so many; NaN where nothing is seen.
     """
     known = np.all(np.isfinite(series.seen), axis=1)
-    counts = np.add.reduceat(known.astype(float), first)
-    some = counts > 0
+    counts = np.maximum(np.add.reduceat(known.astype(int), first), 1)
+    some = np.logical_or.reduceat(known, first)
 
     def mean(rows: Float) -> Float:
-        rows = np.where(known.reshape(-1, *(1,) * (rows.ndim - 1)), rows, 0.0)
-        return np.add.reduceat(rows, first) / np.maximum(counts, 1).reshape(
-            -1, *(1,) * (rows.ndim - 1)
-        )
+        sums = np.zeros((len(first), *rows.shape[1:]))
+        np.add.at(sums, np.repeat(np.arange(len(first)), lengths)[known], rows[known])
+        return (sums.T / counts).T
 
-    whole = np.add.reduceat(series.times, first) / np.diff([*first, len(series.times)])
-    times = np.where(some, mean(series.times), whole)
-    off = series.times - np.repeat(times, np.diff([*first, len(series.times)]))
+    times = np.where(some, mean(series.times), np.add.reduceat(series.times, first) / lengths)
+    off = series.times - np.repeat(times, lengths)
     seen = mean(series.seen) - 0.5 * mean(off**2)[:, None] * _bends(series, times, known)
-    noise = mean(series.noise) / np.maximum(counts, 1)[:, None, None]
-    nothing = np.eye(series.seen.shape[1])
-    return (
-        times,
-        np.where(some[:, None], seen, np.nan),
-        np.where(some[:, None, None], noise, nothing),
-    )
+    noise = (mean(series.noise).T / counts).T
+    seen[~some], noise[~some] = np.nan, np.eye(series.seen.shape[1])
+    return times, seen, noise
 
 
 def _bends(series: Series, times: Float, known: np.ndarray) -> Float:

@@ -77,7 +77,7 @@ class Effect:
     strengths: int = 1
     starts: tuple[float, ...] = ()
 
-    @property
+    @cached_property
     def aside(self) -> dict[str, set[str]]:
         """Parameter that acts on no stage -> the side measurements that alone tell of it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]

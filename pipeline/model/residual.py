@@ -28,62 +28,22 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "A force that none of the named causes explains."
 _TERMS = {
     "a": (
-        "N s/m",
-        "N s3/m3",
-        "N s2/m",
-        "N s2",
-        "N s2/m2",
-        "N s/m2",
-        "N s2",
-        "N",
-        "N",
-        "N",
-        "N",
-        "N s",
-        "N s3",
-        "N s2/m3",
-        "N s2/m3",
-        "N s2",
-        "N s2",
-        "N s2",
+        "N s/m, N s3/m3, N s2/m, N s2, N s2/m2, N s/m2, N s2, N, N, N, N, N s, N s3, "
+        "N s2/m3, N s2/m3, N s2, N s2, N s2"
     ),
-    "b": (
-        "N s/m",
-        "N s2/m2",
-        "N s2/m2",
-        "N s2/m",
-        "N s",
-        "N s2",
-        "N s2",
-        "N s2/m2",
-        "N",
-        "N s2",
-        "N",
-    ),
+    "b": "N s/m, N s2/m2, N s2/m2, N s2/m, N s, N s2, N s2, N s2/m2, N, N s2, N",
     "c": (
-        "N m s",
-        "N s",
-        "N s2/m",
-        "N s2",
-        "N s2/m",
-        "N s2/m",
-        "N m s2",
-        "N s2/m",
-        "N m",
-        "N m s",
-        "N m",
-        "N m",
-        "N m",
-        "N m",
-        "N m",
+        "N m s, N s, N s2/m, N s2, N s2/m, N s2/m, N m s2, N s2/m, N m, N m s, N m, "
+        "N m, N m, N m, N m"
     ),
-    "d": ("N/m", "N", "N", "N/m", "N/m"),
+    "d": "N/m, N, N, N/m, N/m",
 }
+"""Units of the terms of each letter."""
 _WHERE = {"a": ("surge",), "b": ("sway",), "c": ("yaw",), "d": ("surge", "sway")}
 PARAMETERS = tuple(
     Parameter(f"{letter}{i}", unit, 0.01, -50.0, 50.0, f"term {i} in {' and '.join(where)}")
     for (letter, units), where in zip(_TERMS.items(), _WHERE.values(), strict=True)
-    for i, unit in enumerate(units, start=1)
+    for i, unit in enumerate(units.split(", "), start=1)
 )
 STRENGTHS = len(PARAMETERS)
 

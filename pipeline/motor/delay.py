@@ -23,7 +23,8 @@ DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no mo
 LEAST_TRIALS = 6
 UNLIKELY = 1e-3
 AHEAD = 12.0
-"""Any other delay must fit worse by this, in chi squared."""
+"""Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
+NOT_PARABOLIC = 1.0
 
 
 def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
@@ -43,6 +44,6 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
         return None
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
     elsewhere = np.abs(delays - delays[best]) > np.sqrt(AHEAD) * std + STEP_S
-    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + AHEAD - 1.0:
+    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + AHEAD - NOT_PARABOLIC:
         return None
     return float(delays[best]), float(np.hypot(std, DELAY_STD_S))

@@ -59,10 +59,10 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
             flap_hz=f["flap_hz"],
             flap_hz_std=f["flap_hz_std"] or 0.0,
             source=f["source"],
-            video_hz=_told(f["video_hz"]),
-            video_hz_std=_told(f["video_hz_std"]),
-            beat_lag_rad=_told(f.get("beat_lag_rad")),
-            beat_lag_std_rad=_told(f.get("beat_lag_std_rad")),
+            video_hz=_or_nan(f["video_hz"]),
+            video_hz_std=_or_nan(f["video_hz_std"]),
+            beat_lag_rad=_or_nan(f.get("beat_lag_rad")),
+            beat_lag_std_rad=_or_nan(f.get("beat_lag_std_rad")),
             agrees=bool(f["agrees"]),
         )
         for i, f in told.items()
@@ -70,5 +70,5 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
     }
 
 
-def _told(value: float | None) -> float:
+def _or_nan(value: float | None) -> float:
     return np.nan if value is None else float(value)

@@ -30,7 +30,7 @@ SHORTEST_S = 1.0
 FLOOR_SEED = 20240517
 FLOOR_DRAWS = 3
 OWN_SHARES = (0.06, 0.12, 0.25, 0.5, 2.0)
-STATE_STD = np.array([0.02, 0.02, 0.1, 0.2, 0.2, 1.0])
+STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
 """Deviations of a state told from nearby frames: m, m, rad, m/s, m/s, rad/s."""
 
 

@@ -99,7 +99,8 @@ def test_forms_said_to_be_the_candidates_law_are(name, number, setup):
     told = {k: values[field] * factor for k, (field, factor) in one.form.told_as.items()}
     told |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0, "w": 0.0},
              "lift_lag": {"s": laws.lag_lengths}, "tail_fin_lift": {"b": 0.0, "p": 0.0},
-             "crossflow_drag": {"q": 0.0, "w": 0.0}}.get(name, {})  # fmt: skip
+             "crossflow_drag": {"q": 0.0, "w": 0.0},
+             "port_starboard_asymmetry": {"w": 0.0}}.get(name, {})  # fmt: skip
     if name == "thrust_loss_with_speed":
         told = {"k": 0.5 * BODY.C_T * laws.slip_per_m}
     start = (1.3, 0.8, 0.2, 0.0, 0.0, 0.0)

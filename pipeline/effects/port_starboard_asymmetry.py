@@ -2,13 +2,16 @@
 
 The head's lift is (1 + k) times as large with the flow from one side and (1 - k) from the other:
 
-    dL = k |L| to the left of the flow
+    dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
 
-Even where the model is odd; vanishes with the flow straight on.
+so that with w above 0 the sides differ less where the angle of attack is small. Even where the
+model is odd; vanishes with the flow straight on.
 Source: own statement (asymmetric hull or head cap).
 """
 
 from __future__ import annotations
+
+import math
 
 from ..integrate.system import Parameter
 
@@ -18,20 +21,16 @@ STATEMENT = "The robot turns better to one side than to the other."
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 PARAMETERS = (
-    Parameter(
-        "k",
-        "1",
-        0.05,
-        -1.0,
-        1.0,
-        "share by which the lift to the left exceeds the lift to the right",
-    ),
+    Parameter("k", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger"),
+    Parameter("w", "1", 0.03, 0.0, 1.0, "sine of 2 alpha up to which the sides differ less", 0.2),
 )
 
 
 def plate(
-    rho: float, A: float, uh: float, vh: float, V: float, C_La: float, k: float
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float, k: float, w: float
 ) -> tuple[float, float]:
     """Additional lift, in the head's frame (N)."""
-    L = 0.5 * rho * A * C_La * k * abs(2.0 * uh * vh) / V
+    s = 2.0 * uh * vh
+    over = math.sqrt(s * s + (w * V * V) ** 2 + 1e-24)
+    L = 0.5 * rho * A * C_La * k * s * s / (over * V)
     return -L * vh, L * uh

@@ -20,7 +20,7 @@ REGIME = "large head angle, angle of attack beyond some 20 degrees"
 CONFUSED_WITH = ("head_angle_offset", "lift_lag", "servo_lag")
 PARAMETERS = (
     Parameter("k", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow"),
-    Parameter("s0", "1", 0.4, 0.05, 0.8, "sine of the angle of attack where it begins"),
+    Parameter("s0", "1", 0.4, 0.1, 0.8, "sine of the angle of attack where it begins"),
 )
 
 

@@ -11,8 +11,9 @@ from .bench import Bench
 from .forms import formed
 from .judge import Trialled
 from .paying import pays
+from .rounds import Round, one_round
 from .search import held_shapes
-from .select import Choice, Round, fairly, in_place, one_round, places_of
+from .select import Choice, fairly, in_place, places_of
 from .weighing import beside_nameless, reliability, told_aside, weights
 
 TELLING_SHARE = 0.3
@@ -33,7 +34,7 @@ ALONE_CHANCE = 1e-5
 """Where nothing has a name, the surest of them must have no larger p value: fifty are tried. In six
 concealed studies of forces outside the list it was at most 2e-7, in two nulls 6e-5 and 2e-3.
 """
-SWING, PULSE = "sloshing", "surging"
+SWING, PULSE, HUMP = "sloshing", "surging", "hump"
 MOST_TERMS = 4
 CONTESTED = 4
 WEAK = 60.0
@@ -63,7 +64,7 @@ def terms_of(bench: Bench) -> Bench:
     """The bench with all nameless terms, one by one, as candidates."""
     effect = bench.kernel.system.effect("residual")
     terms = tuple(f"residual.{p.name}" for p in effect.parameters)
-    return replace(bench, candidates=(*terms, SWING, PULSE))
+    return replace(bench, candidates=(*terms, SWING, PULSE, HUMP))
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:

@@ -15,7 +15,7 @@ from ..tuning import Tuned, table
 from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
-from .nameless import PULSE, SWING, shares_in_place
+from .nameless import HUMP, PULSE, SWING, shares_in_place
 from .setting import CHANNELS, best_next_trial
 from .swinging import only_of_time, swings
 from .weighing import reliability
@@ -102,7 +102,8 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "regime": f"depends on {first.variable}",
         "parameters": _parameters(found, "residual")
         | _parameters(found, SWING)
-        | _parameters(found, PULSE),
+        | _parameters(found, PULSE)
+        | _parameters(found, HUMP),
         "weight": reliability(found.nameless_gain),
         "held_out_gain": found.nameless_gain * found.residual.inflation,
         "sentence": "A force is missing that none of the named causes explains well; "

@@ -8,7 +8,7 @@ from importlib import import_module
 
 from .. import effects, measurement
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
-from . import disturbance, equations, residual, sloshing, surging, tracking_error
+from . import disturbance, equations, hump, residual, sloshing, surging, tracking_error
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -53,7 +53,7 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
     """Random water and tracking errors, nameless residual, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, residual, sloshing, surging] + [
+    modules = [disturbance, tracking_error, residual, hump, sloshing, surging] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)

@@ -30,10 +30,20 @@ from ..fitting import (
     trial_values,
 )
 from ..integrate import Kernel, Parameter, System
+from ..model import is_nameless
 
 FOLDS = 6
 MOST_LOST = 50.0
 """Log likelihood that a trial left out may lose at most, whatever the other folds foretell."""
+MOST_TOLD = 0.9
+"""Share of the information on a shape above which the fold left out keeps it: the others cannot
+foretell it, and what a strong effect's shape loses by chance (17, of a `wave_drag` that the one
+fastest trial shaped) would count for or against whatever is tried beside it.
+"""
+VAGUE = 0.1
+"""So does a shape that all trials together tell no better than to this part of its value: along a
+curved ridge of strength and shape Newton's step leads astray.
+"""
 MOMENTS = 2000
 """Moments at which a jump is looked for: 24 trials of some 80 observations."""
 PRIOR_FREEDOM = 6
@@ -98,13 +108,17 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     are the degrees of freedom (Smyth, Stat. Appl. Genet. Mol. Biol. 3 (2004), 3: few repeats).
     Numbers that side measurements alone tell are left out: one measurement is no n repeats.
     Where one trial alone informs on them there is no other; the chance is then that of chi-squared
-    at any of `MOMENTS` moments: such an effect was looked for at all of them (`jumps`).
+    at any of `MOMENTS` moments: such an effect was looked for at all of them (`jumps`). Of a term
+    without a name it is asked whether something is missing, not in what shape: vague shapes of it
+    are held.
     """
     frees, strengths = candidate_frees(kernel.system, effect)
     aside = () if "." in effect else kernel.system.effect(effect).aside
     names = [f.name for f in frees[:strengths] if f.name.partition(".")[2] not in aside]
     own = [i for i, free in enumerate(found.free) if free.name in names]
     move = moving(kernel, found)
+    if is_nameless(effect):
+        move &= ~_vague(kernel, found)
     move[own] = True
     s = found.values[own]
     naive = inverse_fisher(found.normal, move)[np.ix_(own, own)]
@@ -166,24 +180,46 @@ def held_out_worth(
 
     With the rest's Fisher matrix H and gradient g at the joint fit, the rest alone would move the
     numbers by H^-1 g, within their bounds; the trials left out are run anew with these. Where a
-    fold holds most of what is known of a number, a prediction to second order is worth nothing; and
-    since it may lie anywhere then, no trial loses more than `MOST_LOST`.
+    fold holds most of what is known of a number, a prediction to second order is worth nothing: a
+    shape stays as it is then, and since a strength may lie anywhere, no trial loses more than
+    `MOST_LOST`.
     """
     move = moving(kernel, found)
+    shape = _shapes(kernel.system, found.free)[move]
+    vague = _vague(kernel, found)[move]
     normal = part_of(found.normal, np.flatnonzero(move).tolist())
     bounds = np.array([(p.lower, p.upper) for p in parameters_of(kernel, found.free)])
     total_h, total_g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
     points: list[Float] = [base] * len(series)
     for part in folds(series):
-        rest = total_h - normal.hessian[part].sum(axis=0) + 1e-6 * np.diag(np.diag(total_h))
+        own = normal.hessian[part].sum(axis=0)
+        told = ~vague & (~shape | (np.diag(own) < MOST_TOLD * np.diag(total_h)))
+        rest = total_h - own + 1e-6 * np.diag(np.diag(total_h))
+        step = np.zeros(len(shape))
+        step[told] = pseudo_inverse(rest[np.ix_(told, told)]) @ (
+            total_g - normal.gradient[part].sum(axis=0))[told]  # fmt: skip
         values = found.values.copy()
-        values[move] += pseudo_inverse(rest) @ (total_g - normal.gradient[part].sum(axis=0))
+        values[move] += step
         values = np.clip(values, bounds[:, 0], bounds[:, 1])
         for t in part:
             points[t] = trial_values(kernel, base, found.free, values, series[t].group)
     seen = log_likelihoods(kernel, points, noise=noise, predictor=predictor)
     worth = np.nan_to_num(seen, nan=-np.inf) + side_log_likelihoods(kernel, series, points)
     return np.maximum(worth, found.normal.log_likelihood - MOST_LOST)
+
+
+def _shapes(system: System, free: Sequence[Free]) -> np.ndarray:
+    """Which numbers are shapes of effects, not strengths (p,)."""
+    shapes = {f.name for e in system.effects
+              for frees, strengths in [candidate_frees(system, e.name)]
+              for f in frees[strengths:]}  # fmt: skip
+    return np.array([f.name in shapes for f in free], dtype=bool)
+
+
+def _vague(kernel: Kernel, found: Fit) -> np.ndarray:
+    """Which numbers are shapes that all trials together tell worse than to `VAGUE` (p,)."""
+    std = np.sqrt(np.diag(inverse_fisher(found.normal, moving(kernel, found))))
+    return _shapes(kernel.system, found.free) & (std > VAGUE * np.abs(found.values))
 
 
 def parameters_of(kernel: Kernel, free: Sequence[Free]) -> list[Parameter]:

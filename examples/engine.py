@@ -27,8 +27,9 @@ from pipeline.fitting import (
 )
 from pipeline.integrate import Kernel, System, compiled
 from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
+from pipeline.mismatch.rounds import one_round
 from pipeline.mismatch.search import candidate_frees, with_starts
-from pipeline.mismatch.select import in_place, one_round, pruned
+from pipeline.mismatch.select import in_place, pruned
 
 MOST_AT_ONCE = 4
 

@@ -36,8 +36,9 @@ from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies
 from pipeline.mismatch.paying import opens
+from pipeline.mismatch.rounds import settled
 from pipeline.mismatch.search import held_shapes, screened
-from pipeline.mismatch.select import _level, _outdone, _settled
+from pipeline.mismatch.select import _level, _outdone
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
@@ -451,7 +452,7 @@ def test_a_model_that_runs_away_under_its_own_noise_begins_from_its_first_fit(
     wild = replace(first, worth=np.full_like(first.worth, -np.inf))
     monkeypatch.setattr(Bench, "settled", lambda *_: wild)
     monkeypatch.setattr(Bench, "followed", lambda *_: wild)
-    assert _settled(bench, first, first) is first
+    assert settled(bench, first, first) is first
 
 
 @pytest.mark.parametrize(

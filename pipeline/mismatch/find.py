@@ -30,7 +30,7 @@ from .nameless import (
     without_proxies,
 )
 from .paying import WRONG
-from .select import Choice, choose
+from .select import Choice, choose, two_more
 from .setting import has_roles, held_out_trials, steady_errors, variables
 from .swinging import beside_a_swing, of_time, only_of_time, swings
 
@@ -94,20 +94,8 @@ def find_mismatch(
         baseline = tune(train)
     names = tuple(e.name for e in plates().effects if e.kind in KINDS)
     bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
-    choice = choose(bench, trialled(kernel, (), baseline.fit, baseline.noise, train))
-    progress("terms without a name")
-    choice = without_doubtful(bench, not_outdone(bench, choice))
-    residual = nameless(bench, choice.chosen, choice.bare)
-    if tells(choice, residual) and only_form(bench, choice):
-        residual = choice.chosen
-    swing = 0.0
-    if tells(choice, residual) and swings(residual.fit.free):
-        swing = nameless_gain(choice, residual)
-        bench, choice, residual = beside_a_swing(bench, choice, residual)
-    if tells(choice, residual):
-        choice, residual = without_proxies(bench, choice, residual)
-    elif swings(bench.coefficients):
-        residual = choice.chosen
+    bare = trialled(kernel, (), baseline.fit, baseline.noise, train)
+    bench, choice, residual, swing = _searched(bench, bare)
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
@@ -124,6 +112,33 @@ def find_mismatch(
         forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
         floor_m=paths.floor_m, horizon_s=paths.horizon_s,
     )  # fmt: skip
+
+
+def _searched(bench: Bench, bare: Trialled) -> tuple[Bench, Choice, Trialled, float]:
+    """The bench, with a swing of the water among the model's own numbers where there is one; what
+    was chosen; that with the terms that have no name; what the swing gained.
+    """
+    choice = choose(bench, bare)
+    bench.progress("terms without a name")
+    choice = without_doubtful(bench, not_outdone(bench, choice))
+    residual = nameless(bench, choice.chosen, choice.bare)
+    if residual.effects != choice.chosen.effects and not swings(residual.fit.free):
+        bench.progress("two names at once")
+        named = two_more(bench, choice, residual)
+        if named is not choice:
+            choice = without_doubtful(bench, not_outdone(bench, named))
+            residual = nameless(bench, choice.chosen, choice.bare)
+    if tells(choice, residual) and only_form(bench, choice):
+        residual = choice.chosen
+    swing = 0.0
+    if tells(choice, residual) and swings(residual.fit.free):
+        swing = nameless_gain(choice, residual)
+        bench, choice, residual = beside_a_swing(bench, choice, residual)
+    if tells(choice, residual):
+        choice, residual = without_proxies(bench, choice, residual)
+    elif swings(bench.coefficients):
+        residual = choice.chosen
+    return bench, choice, residual, swing
 
 
 def _located(

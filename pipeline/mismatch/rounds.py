@@ -1,0 +1,106 @@
+"""One round of the search: every candidate beside what a model has already."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ..fitting import Passes, filter_all
+from ..integrate import Kernel
+from ..integrate.batch import each
+from .bench import Bench
+from .judge import Trialled, candidate_frees
+from .paying import WRONG, pays
+from .search import Foretold, likeliest_start, starts_of
+
+TRIED = 6
+CONTENDERS = 3
+PART_OF_BEST = 0.3
+"""Of those that gained at least this part of the best's gain so many are settled."""
+UNLIKELY = 0.01
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round: the model it started from, the gains foretold, the candidates refitted with it.
+
+    bare: the model without effects; tried: best first; each has one effect more than `before`.
+    """
+
+    bare: Trialled
+    before: Trialled
+    foretold: Mapping[str, float]
+    tried: tuple[Trialled, ...]
+
+    @property
+    def best(self) -> Trialled:
+        """What paid most; the start of the round where nothing pays."""
+        paying = [t for t in self.tried if pays(self.before, t, self.bare)]
+        return max(paying, key=lambda t: t.total, default=self.before)
+
+
+def is_sure(model: Trialled) -> bool:
+    """Whether the strength of the effect added last is not likely nothing."""
+    return model.p_value[model.effects[-1]] < UNLIKELY
+
+
+def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TRIED) -> Round:
+    """All candidates screened, the most promising refitted, the best of these settled."""
+    kernel, series = bench.kernel, bench.series
+    predictor = filter_all(kernel, series, bench.points(before), before.noise)
+    left = [c for c in bench.candidates if c not in before.effects]
+    told = bench.foretold(before, left, predictor)
+    names = _promising(kernel, told, tried, anyway=before.inflation > WRONG)
+    bench.progress(f"refits with {', '.join(names)}")
+    found = each(lambda name: _refit(bench, before, name, told[name], predictor), names)
+    found.sort(key=lambda t: -t.total)
+    most = max((t.total - before.total for t in found), default=0.0)
+    least = before.total + PART_OF_BEST * max(most, 0.0)
+    best = each(partial(settled, bench, before),
+                [t for t in found[:CONTENDERS] if t.total > least])  # fmt: skip
+    ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
+    return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
+
+
+def _refit(
+    bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Passes
+) -> Trialled:
+    start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {}),
+             **likeliest_start(bench.kernel, bench.points(before), name,
+                               noise=before.noise, predictor=predictor)}  # fmt: skip
+    found = bench.refit((*before.effects, name), before, start, predictor)
+    if np.isfinite(found.total):
+        return found
+    return bench.followed((*before.effects, name), before)
+
+
+def settled(bench: Bench, before: Trialled, model: Trialled) -> Trialled:
+    """The model under its own noise; where the fit runs away, by another way or as it was."""
+    found = bench.settled(model)
+    if np.isfinite(found.total):
+        return found
+    again = bench.followed(model.effects, before)
+    options = (bench.settled(again), again) if np.isfinite(again.total) else ()
+    return next((m for m in options if np.isfinite(m.total)), model)
+
+
+def _promising(
+    kernel: Kernel, told: Mapping[str, Foretold], count: int, *, anyway: bool
+) -> list[str]:
+    """The best foretold, and those with starts of their own.
+
+    anyway: those with a shape too, whatever is foretold of them by a model that is wrong.
+    """
+    ranked = sorted(told, key=lambda c: -told[c].gain)
+    best = [c for c in ranked[:count] if told[c].gain > 0]
+    others = [c for c in ranked if c not in best
+              and (starts_of(kernel, c) or (anyway and _has_shape(kernel, c)))]  # fmt: skip
+    return best + others
+
+
+def _has_shape(kernel: Kernel, name: str) -> bool:
+    frees, strengths = candidate_frees(kernel.system, name)
+    return len(frees) > strengths

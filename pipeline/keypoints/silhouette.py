@@ -24,6 +24,8 @@ from .outline.plane import Plane, plane_of
 from .outline.steadiness import camera_remarks
 from .outline.tracking import Fit, Scene, follow
 
+LENGTHS_STATED = True
+"""Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing."""
 SAMPLES = (5, 15)
 WELL = 0.9
 TAUGHT = 0.6

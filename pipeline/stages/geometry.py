@@ -13,11 +13,16 @@ from ..camera.suspects import Estimate
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
+from ..keypoints import source
 from ..keypoints.deeplabcut import read
 from ..study import Setup, Study, Trial, load_study
 from .layout import Layout
 from .status import good_trials
 
+STATED = (
+    "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
+    "depth; those of dots, markers or a network do"
+)
 USEFUL_DEPTH_STD_M = 0.01
 """An estimated depth less certain than this is worth less than the usual one."""
 
@@ -33,11 +38,21 @@ def geometry(study: Path, results: Path) -> None:
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = good_trials([layout.detection(trial_id) for trial_id in ids])
+    measured = [name for name in good if _lengths_measured(layout.detection(name))]
+    if good and not measured:
+        write_json(layout.geometry, _unknown(loaded.setup, STATED))
+        return
     try:
-        told = _told(loaded, [loaded.trial(name) for name in good], layout)
+        told = _told(loaded, [loaded.trial(name) for name in measured], layout)
     except Fault as nothing:
         told = _unknown(loaded.setup, str(nothing))
     write_json(layout.geometry, told)
+
+
+def _lengths_measured(detection: Path) -> bool:
+    """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
+    name = read_json(detection).get("source")
+    return not (name and getattr(source(name), "LENGTHS_STATED", False))
 
 
 def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:

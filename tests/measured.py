@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from pipeline.camera import map_keypoints, pool_camera
 from pipeline.data import Flapping, Steady
-from pipeline.fitting import Series
+from pipeline.fitting import Series, shoot
+from pipeline.integrate import compiled
 from pipeline.keypoints.deeplabcut import read
+from pipeline.model import plates
 from pipeline.pose import rigid_pose
 from pipeline.smoothing import smooth
 from pipeline.stages.mismatch import with_clock
@@ -17,7 +22,7 @@ from pipeline.steady import steady_state
 from pipeline.study import Study, load_study
 from pipeline.synthetic.design import Design
 from pipeline.synthetic.tracking import keypoint_study
-from pipeline.tuning import trial_series
+from pipeline.tuning import Tuned, trial_series
 
 
 @dataclass(frozen=True)
@@ -47,4 +52,27 @@ def measured(design: Design, folder: Path) -> Measured:
         one = trial_series(trial, study.setup, pose, track, flapping)
         out.series.append(one)
     out.series[:] = with_clock(out.series, out.flapping)
+    return out
+
+
+def swung(
+    series: Sequence[Series], model: Tuned, effect: str, numbers: dict[str, float]
+) -> list[Series]:
+    """The trials as they would have been had an effect been there: each path changed by what it
+    changes in a simulation of `model` from the same start.
+    """
+    kernel = compiled(plates())
+    still = model.trial_values(kernel, series)
+    moved = [with_numbers(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still]
+    begun = [replace(s, mean=shot.start)
+             for s, shot in zip(series, shoot(kernel, series, still), strict=True)]  # fmt: skip
+    both = [shoot(kernel, begun, values, iterations=0) for values in (still, moved)]
+    return [replace(s, seen=s.seen + b.observed - a.observed)
+            for s, a, b in zip(series, *both, strict=True)]  # fmt: skip
+
+
+def with_numbers(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
+    out = values.copy()
+    for name, value in numbers.items():
+        out[plates().slot[name]] = value
     return out

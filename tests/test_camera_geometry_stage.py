@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from pipeline.stages.depth import keypoint_depth
 from pipeline.stages.geometry import geometry
 from pipeline.stages.keypoints import keypoints
 from pipeline.stages.layout import Layout
+from pipeline.stages.mismatch import rigid_evidence
 from pipeline.stages.tracks import tracks
 from pipeline.study import load_study
 from studies import PLANS, small_study
@@ -55,6 +57,20 @@ def test_a_right_study_has_scale_one_and_its_depth_as_given(detected):
     assert found["likely"] == "nothing"
     assert found["trials"] == 3
     assert np.shape(found["map"]["excess"]) == np.shape(found["map"]["model"])
+
+
+def test_keypoints_placed_at_stated_lengths_measure_none(detected, tmp_path):
+    """The silhouette's lie where study.yaml has them: that they agree with it says nothing."""
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    notes = [Layout(tmp_path / "results").detection(name) for name in PLANS]
+    for count, note in enumerate(notes, start=1):
+        note.write_text(json.dumps(json.loads(note.read_text()) | {"source": "silhouette"}))
+        found = told(study, tmp_path / "results")
+        assert found.get("trials", 0) == len(notes) - count
+    assert (found["scale"], found["likely"]) == (None, "unknown")
+    assert "lengths of study.yaml" in found["sentence"]
+    assert rigid_evidence(found, load_study(study).setup) == {}
 
 
 def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):

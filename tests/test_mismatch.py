@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.stats import beta
 
-from measured import Measured, measured
+from measured import Measured, measured, swung
 from pipeline.camera.displacement import lens_strength
 from pipeline.data import Flapping
 from pipeline.faults import Fault
@@ -25,20 +25,20 @@ from pipeline.fitting import (
     spread_over_trials,
 )
 from pipeline.integrate import Kernel, compiled
-from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, weights
+from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, select, weights
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.direct import with_direct
 from pipeline.mismatch.find import KINDS, verdict_of
 from pipeline.mismatch.horizon import begun
-from pipeline.mismatch.judge import Trialled, inflation, p_value_of
+from pipeline.mismatch.judge import Trialled, inflation, p_value_of, step_of_rest, trialled
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies
 from pipeline.mismatch.paying import opens
 from pipeline.mismatch.rounds import settled
 from pipeline.mismatch.search import held_shapes, screened
-from pipeline.mismatch.select import _level, _outdone
+from pipeline.mismatch.select import _level, _outdone, two_more
 from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
@@ -612,9 +612,70 @@ def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measur
     assert not _outdone(place, chosen)
     sure = replace(better, p_value={"stall": 1e-4})
     assert _outdone(replace(place, tried=(sure,)), chosen)
+    little = replace(sure, worth=chosen.worth + 0.5 * chosen.inflation / len(chosen.worth))
+    assert not _outdone(replace(place, tried=(little,)), chosen)
+    fewer = replace(little, fit=replace(little.fit, free=little.fit.free[:-1]))
+    assert _outdone(replace(place, tried=(fewer,)), chosen)
     doubtful = replace(found.choice, places={**found.choice.places, name: place})
     told = weights_in_place(replace(found, choice=doubtful), name)
     assert told["stall"] == told[name] > 0.1
+
+
+def test_two_names_must_gain_clearly_more_than_terms_without_one(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, found = demo
+    bench, choice = _bench(demo), found.choice
+    before = replace(choice, chosen=choice.without["linear_yaw_damping"])
+    before = replace(before, rounds=(replace(choice.rounds[0], before=before.chosen),))
+    gain = choice.chosen.total - before.chosen.total
+
+    def unnamed(part: float) -> Trialled:
+        worth = before.chosen.worth + part * gain / len(before.chosen.worth)
+        return replace(before.chosen, worth=worth)
+
+    both = (choice.rounds[0], choice.chosen, choice.without)
+    monkeypatch.setattr(select, "two_at_once", lambda *_: both)
+    monkeypatch.setattr(select, "places_of", lambda *_: choice.places)
+    assert two_more(bench, before, unnamed(0.9)) is before
+    assert two_more(bench, before, unnamed(0.5)).chosen is choice.chosen
+    monkeypatch.setattr(select, "two_at_once", lambda *_: None)
+    assert two_more(bench, before, unnamed(0.5)) is before
+    full = replace(before.chosen, effects=("stall", "sinking", "added_mass"))
+    assert two_more(bench, replace(before, chosen=full), full).chosen is full
+
+
+def test_the_rest_moves_no_shape_that_it_cannot_tell() -> None:
+    """Strength, shape and a coefficient of three trials; the shape is the first trial's."""
+    hessian = np.array([np.diag([4.0, 99.0, 1.0]), np.diag([4.0, 0.5, 1.0]),
+                        np.diag([4.0, 0.5, 1.0])])  # fmt: skip
+    hessian[0, 0, 1] = hessian[0, 1, 0] = 3.0
+    normal = Normal(hessian, np.array([[-2.0, 1.0, 0.0], [1.0, 2.0, 3.0], [1.0, -3.0, -3.0]]),
+                    np.zeros(3))  # fmt: skip
+    shape, nothing = np.array([False, True, False]), np.zeros(3, bool)
+    without = step_of_rest(normal, np.array([0]), shape, nothing)
+    assert without == pytest.approx([2.0 / 8.0, 0.0, 0.0], rel=1e-5, abs=1e-12)
+    told = step_of_rest(normal, np.array([2]), shape, nothing)
+    rest = hessian[:2].sum(axis=0)
+    assert told == pytest.approx(np.linalg.solve(rest, [-1.0, 3.0, 3.0]), rel=1e-3)
+    held = step_of_rest(normal, np.array([2]), shape, shape)
+    assert held == pytest.approx([-1.0 / 8.0, 0.0, 1.5], rel=1e-5)
+
+
+def first_seen(series: Series) -> np.ndarray:
+    """Where the keypoint was seen first (2,)."""
+    return series.seen[np.isfinite(series.seen[:, 0])][0, :2]
+
+
+def test_a_centre_of_mass_far_off_is_found_whole(demo: tuple[Measured, Found]) -> None:
+    """5 cm: where a trial starts is known by the keypoint alone, which lies there no more."""
+    _, found = demo
+    bench, model = _bench(demo), found.choice.chosen
+    moved = [replace(s, mean=np.concatenate([first_seen(s), s.mean[2:]]))
+             for s in swung(bench.series, found.extended, "centre_of_mass_shift", {"d": -0.05})]  # fmt: skip
+    bench = replace(bench, series=moved)
+    again = bench.settled(bench.refit((*model.effects, "centre_of_mass_shift"), model))
+    assert again.fit.by_label()["centre_of_mass_shift.d"] == pytest.approx(-0.05, rel=0.02)
 
 
 def test_a_model_astray_names_nothing_surely(demo: tuple[Measured, Found]) -> None:

@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from measured import Measured
+from measured import Measured, swung
 from pipeline.files import plain
-from pipeline.fitting import Free, Series, shoot
-from pipeline.integrate import Parameter, compiled
+from pipeline.fitting import Free, Series
+from pipeline.integrate import Parameter
 from pipeline.mismatch import Found, find_mismatch
 from pipeline.mismatch.locate import Dependence
 from pipeline.mismatch.search import further
 from pipeline.mismatch.story import mismatch_json
 from pipeline.mismatch.swinging import of_time, only_of_time, swings
-from pipeline.model import is_nameless, plates
-from pipeline.tuning import Tuned
+from pipeline.model import is_nameless
 
 SWING = {"sx": 0.03, "cx": -0.01, "W": 2.6}
 PULSE = {"s": 0.12, "c": 0.04, "W": 2.2}
+HUMP = {"h": 0.3, "c": 0.36, "w": 0.06}
 
 
 def test_a_thrust_that_comes_and_goes_is_found_with_its_rate(demo: tuple[Measured, Found]) -> None:
@@ -46,6 +45,16 @@ def test_a_swing_is_found_with_its_rate_and_so_is_the_fin_beside_it(
     assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
 
 
+def test_a_drag_that_rises_about_one_speed_is_found_with_its_speed(
+    demo: tuple[Measured, Found],
+) -> None:
+    cause, numbers, held = told_beside_the_fin(demo, "hump", HUMP)
+    assert "surge" in cause["channels"]
+    assert numbers["c"] == pytest.approx(HUMP["c"], abs=0.02)
+    assert held["extended"]["path_rmse_m"] < 0.5 * held["baseline"]["path_rmse_m"]
+    assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
+
+
 def told_beside_the_fin(
     demo: tuple[Measured, Found], effect: str, hidden: dict[str, float]
 ) -> tuple[dict[str, Any], dict[str, float], dict[str, Any]]:
@@ -61,29 +70,6 @@ def told_beside_the_fin(
     cause = next(c for c in told["causes"] if c["name"] == "unexplained")
     numbers = {k: v["value"] for k, v in cause["parameters"].items()}
     return cause, numbers, told["held_out"]
-
-
-def swung(
-    series: Sequence[Series], model: Tuned, effect: str, numbers: dict[str, float]
-) -> list[Series]:
-    """The trials as they would have been had an effect been there: each path changed by what it
-    changes in a simulation of `model` from the same start.
-    """
-    kernel = compiled(plates())
-    still = model.trial_values(kernel, series)
-    moved = [with_numbers(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still]
-    begun = [replace(s, mean=shot.start)
-             for s, shot in zip(series, shoot(kernel, series, still), strict=True)]  # fmt: skip
-    both = [shoot(kernel, begun, values, iterations=0) for values in (still, moved)]
-    return [replace(s, seen=s.seen + b.observed - a.observed)
-            for s, a, b in zip(series, *both, strict=True)]  # fmt: skip
-
-
-def with_numbers(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
-    out = values.copy()
-    for name, value in numbers.items():
-        out[plates().slot[name]] = value
-    return out
 
 
 def test_a_free_shape_is_tried_between_its_start_and_its_bounds_or_at_its_own_values() -> None:

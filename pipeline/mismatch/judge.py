@@ -189,23 +189,29 @@ def held_out_worth(
     vague = _vague(kernel, found)[move]
     normal = part_of(found.normal, np.flatnonzero(move).tolist())
     bounds = np.array([(p.lower, p.upper) for p in parameters_of(kernel, found.free)])
-    total_h, total_g = normal.hessian.sum(axis=0), normal.gradient.sum(axis=0)
     points: list[Float] = [base] * len(series)
     for part in folds(series):
-        own = normal.hessian[part].sum(axis=0)
-        told = ~vague & (~shape | (np.diag(own) < MOST_TOLD * np.diag(total_h)))
-        rest = total_h - own + 1e-6 * np.diag(np.diag(total_h))
-        step = np.zeros(len(shape))
-        step[told] = pseudo_inverse(rest[np.ix_(told, told)]) @ (
-            total_g - normal.gradient[part].sum(axis=0))[told]  # fmt: skip
         values = found.values.copy()
-        values[move] += step
+        values[move] += step_of_rest(normal, part, shape, vague)
         values = np.clip(values, bounds[:, 0], bounds[:, 1])
         for t in part:
             points[t] = trial_values(kernel, base, found.free, values, series[t].group)
     seen = log_likelihoods(kernel, points, noise=noise, predictor=predictor)
     worth = np.nan_to_num(seen, nan=-np.inf) + side_log_likelihoods(kernel, series, points)
     return np.maximum(worth, found.normal.log_likelihood - MOST_LOST)
+
+
+def step_of_rest(normal: Normal, part: np.ndarray, shape: np.ndarray, vague: np.ndarray) -> Float:
+    """Newton's step (p,) of the trials that are not in `part`, without the shapes that are vague or
+    of which `part` has told nearly all.
+    """
+    total, own = normal.hessian.sum(axis=0), normal.hessian[part].sum(axis=0)
+    told = ~vague & (~shape | (np.diag(own) < MOST_TOLD * np.diag(total)))
+    rest = (total - own + 1e-6 * np.diag(np.diag(total)))[np.ix_(told, told)]
+    gradient = normal.gradient.sum(axis=0) - normal.gradient[part].sum(axis=0)
+    step = np.zeros(len(told))
+    step[told] = pseudo_inverse(rest) @ gradient[told]
+    return step
 
 
 def _shapes(system: System, free: Sequence[Free]) -> np.ndarray:

@@ -31,7 +31,7 @@ from pipeline.mismatch.details import details
 from pipeline.mismatch.direct import with_direct
 from pipeline.mismatch.find import KINDS, verdict_of
 from pipeline.mismatch.horizon import begun
-from pipeline.mismatch.judge import Trialled, inflation, p_value_of, step_of_rest, trialled
+from pipeline.mismatch.judge import Trialled, inflation, p_value_of, step_of_rest
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies

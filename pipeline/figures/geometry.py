@@ -36,14 +36,14 @@ BESIDE = 6.0
 def draw(campaign: Campaign) -> Figure:
     """The map, what the likely error predicts, and all suspects."""
     found = campaign.geometry or {}
+    if not found.get("map"):
+        figure = Figure(figsize=(4.4, 3.0), layout="constrained")
+        absent(figure.subplots(), str(found.get("sentence", "no distances")))
+        return figure
     figure = Figure(figsize=(12, 4.4), layout="constrained")
     left, middle, right = figure.subplots(1, 3)
     for axes, name in zip((left, middle, right), "ABC", strict=True):
         letter(axes, name)
-    if not found.get("map"):
-        for axes in (left, middle, right):
-            absent(axes, str(found.get("sentence", "no distances")))
-        return figure
     grid = {key: _numbers(value) for key, value in found["map"].items()}
     span = _span(grid)
     _map(left, campaign, grid, span, "excess")

@@ -13,7 +13,7 @@ from ..camera.suspects import Estimate
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
-from ..keypoints import source
+from ..keypoints import source, sources
 from ..keypoints.deeplabcut import read
 from ..study import Setup, Study, Trial, load_study
 from .layout import Layout
@@ -52,7 +52,7 @@ def geometry(study: Path, results: Path) -> None:
 def _lengths_measured(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
     name = read_json(detection).get("source")
-    return not (name and getattr(source(name), "LENGTHS_STATED", False))
+    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
 
 
 def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:

@@ -31,7 +31,7 @@ from pipeline.mismatch.details import details
 from pipeline.mismatch.direct import with_direct
 from pipeline.mismatch.find import KINDS, verdict_of
 from pipeline.mismatch.horizon import begun
-from pipeline.mismatch.judge import Trialled, inflation, p_value_of, step_of_rest
+from pipeline.mismatch.judge import Trialled, inflation, kept_shapes, p_value_of, step_of_rest
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
 from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies
@@ -523,15 +523,17 @@ def test_a_rival_close_behind_is_judged_as_the_chosen_was(
     count, rest = len(chosen.worth), tuple(e for e in chosen.effects if e != name)
     own = replace(chosen, effects=(*rest, name), worth=chosen.worth - 40.0 / count)
     near = replace(own, effects=(*rest, "trim_moment"), worth=own.worth - 8.0 / count)
-    sagging = replace(own.fit, free=(*own.fit.free, Free("battery_sag.k")),
-                      values=np.append(own.fit.values, 0.01))  # fmt: skip
-    far = replace(own, effects=(*rest, "battery_sag"), worth=own.worth - 30.0 / count, fit=sagging)
+    askew = replace(own.fit, free=(*own.fit.free, Free("head_angle_offset.d")),
+                    values=np.append(own.fit.values, 0.01))  # fmt: skip
+    far = replace(
+        own, effects=(*rest, "head_angle_offset"), worth=own.worth - 30.0 / count, fit=askew
+    )
     monkeypatch.setattr(Bench, "renoised", lambda _, model: replace(
         model, worth=model.worth + 40.0 / count, inflation=10.0))  # fmt: skip
     place = replace(found.choice.places[name], tried=(own, near, far))
     told = {t.effects[-1]: t.total for t in _level(bench, name, place, chosen).tried}
     assert told["trim_moment"] == pytest.approx(chosen.total - 8.0)
-    assert told["battery_sag"] == pytest.approx(far.total)
+    assert told["head_angle_offset"] == pytest.approx(far.total)
     assert told[name] == pytest.approx(own.total)
 
 
@@ -609,13 +611,18 @@ def test_a_rival_whose_strength_may_be_nothing_takes_no_place(demo: tuple[Measur
         p_value={"stall": 0.5},
     )
     place = replace(found.choice.places[name], tried=(better,))
-    assert not _outdone(place, chosen)
+    assert not _outdone(name, place, chosen)
     sure = replace(better, p_value={"stall": 1e-4})
-    assert _outdone(replace(place, tried=(sure,)), chosen)
+    assert _outdone(name, replace(place, tried=(sure,)), chosen)
+    own = [f for f in chosen.fit.free if f.name.startswith(name)]
     little = replace(sure, worth=chosen.worth + 0.5 * chosen.inflation / len(chosen.worth))
-    assert not _outdone(replace(place, tried=(little,)), chosen)
-    fewer = replace(little, fit=replace(little.fit, free=little.fit.free[:-1]))
-    assert _outdone(replace(place, tried=(fewer,)), chosen)
+    as_many = replace(little, fit=replace(little.fit, free=tuple(Free("stall.k") for _ in own)))
+    assert not _outdone(name, replace(place, tried=(as_many,)), chosen)
+    fewer = replace(as_many, fit=replace(as_many.fit, free=as_many.fit.free[1:]))
+    assert _outdone(name, replace(place, tried=(fewer,)), chosen)
+    unsure = replace(place, tried=(replace(fewer, p_value={"stall": 9e-3}),))
+    level = replace(place.before, worth=chosen.worth - 2 * chosen.inflation / len(chosen.worth))
+    assert not _outdone(name, replace(unsure, before=level), chosen)
     doubtful = replace(found.choice, places={**found.choice.places, name: place})
     told = weights_in_place(replace(found, choice=doubtful), name)
     assert told["stall"] == told[name] > 0.1
@@ -637,11 +644,13 @@ def test_two_names_must_gain_clearly_more_than_terms_without_one(
     both = (choice.rounds[0], choice.chosen, choice.without)
     monkeypatch.setattr(select, "two_at_once", lambda *_: both)
     monkeypatch.setattr(select, "places_of", lambda *_: choice.places)
+    monkeypatch.setattr(Bench, "renoised", lambda _, model: model)
     assert two_more(bench, before, unnamed(0.9)) is before
     assert two_more(bench, before, unnamed(0.5)).chosen is choice.chosen
     monkeypatch.setattr(select, "two_at_once", lambda *_: None)
     assert two_more(bench, before, unnamed(0.5)) is before
     full = replace(before.chosen, effects=("stall", "sinking", "added_mass"))
+    monkeypatch.setattr(select, "two_at_once", lambda *_: pytest.fail("a fifth cause"))
     assert two_more(bench, replace(before, chosen=full), full).chosen is full
 
 
@@ -653,12 +662,14 @@ def test_the_rest_moves_no_shape_that_it_cannot_tell() -> None:
     normal = Normal(hessian, np.array([[-2.0, 1.0, 0.0], [1.0, 2.0, 3.0], [1.0, -3.0, -3.0]]),
                     np.zeros(3))  # fmt: skip
     shape, nothing = np.array([False, True, False]), np.zeros(3, bool)
-    without = step_of_rest(normal, np.array([0]), shape, nothing)
+    first, last = np.array([0]), np.array([2])
+    assert kept_shapes(normal, first, shape, nothing).tolist() == [False, True, False]
+    without = step_of_rest(normal, first, kept_shapes(normal, first, shape, nothing))
     assert without == pytest.approx([2.0 / 8.0, 0.0, 0.0], rel=1e-5, abs=1e-12)
-    told = step_of_rest(normal, np.array([2]), shape, nothing)
+    told = step_of_rest(normal, last, kept_shapes(normal, last, shape, nothing))
     rest = hessian[:2].sum(axis=0)
     assert told == pytest.approx(np.linalg.solve(rest, [-1.0, 3.0, 3.0]), rel=1e-3)
-    held = step_of_rest(normal, np.array([2]), shape, shape)
+    held = step_of_rest(normal, last, kept_shapes(normal, last, shape, shape))
     assert held == pytest.approx([-1.0 / 8.0, 0.0, 1.5], rel=1e-5)
 
 
@@ -671,8 +682,8 @@ def test_a_centre_of_mass_far_off_is_found_whole(demo: tuple[Measured, Found]) -
     """5 cm: where a trial starts is known by the keypoint alone, which lies there no more."""
     _, found = demo
     bench, model = _bench(demo), found.choice.chosen
-    moved = [replace(s, mean=np.concatenate([first_seen(s), s.mean[2:]]))
-             for s in swung(bench.series, found.extended, "centre_of_mass_shift", {"d": -0.05})]  # fmt: skip
+    off = swung(bench.series, found.extended, "centre_of_mass_shift", {"d": -0.05})
+    moved = [replace(s, mean=np.concatenate([first_seen(s), s.mean[2:]])) for s in off]
     bench = replace(bench, series=moved)
     again = bench.settled(bench.refit((*model.effects, "centre_of_mass_shift"), model))
     assert again.fit.by_label()["centre_of_mass_shift.d"] == pytest.approx(-0.05, rel=0.02)

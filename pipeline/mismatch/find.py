@@ -124,10 +124,10 @@ def _searched(bench: Bench, bare: Trialled) -> tuple[Bench, Choice, Trialled, fl
     residual = nameless(bench, choice.chosen, choice.bare)
     if residual.effects != choice.chosen.effects and not swings(residual.fit.free):
         bench.progress("two names at once")
-        named = two_more(bench, choice, residual)
-        if named is not choice:
-            choice = without_doubtful(bench, not_outdone(bench, named))
-            residual = nameless(bench, choice.chosen, choice.bare)
+        more = two_more(bench, choice, residual)
+        kept = without_doubtful(bench, not_outdone(bench, more)) if more is not choice else choice
+        if len(kept.chosen.effects) > len(choice.chosen.effects) + 1:
+            choice, residual = kept, nameless(bench, kept.chosen, kept.bare)
     if tells(choice, residual) and only_form(bench, choice):
         residual = choice.chosen
     swing = 0.0

@@ -31,7 +31,8 @@ FLOOR_SEED = 20240517
 FLOOR_DRAWS = 3
 OWN_SHARES = (0.06, 0.12, 0.25, 0.5, 2.0)
 STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
-"""Deviations of a state told from nearby frames: m, m, rad, m/s, m/s, rad/s."""
+"""Deviations of a state told from nearby frames: m, m, rad, m/s, m/s, rad/s; of the place as
+much as the centre of mass may be off the keypoint."""
 
 
 @dataclass(frozen=True)

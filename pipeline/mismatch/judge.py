@@ -1,6 +1,7 @@
 """How much a fitted model is worth: on trials left out, and how sure its effects are.
 
-The worth is the log likelihood on held-out conditions, each fold predicted from the others. How
+The worth is the log likelihood on held-out conditions, each fold predicted from the others (but
+for shapes that these cannot tell, which cost what they gain by having seen it). How
 sure a strength is follows from leaving out trials, which correlated errors within one cannot feign.
 """
 
@@ -30,7 +31,6 @@ from ..fitting import (
     trial_values,
 )
 from ..integrate import Kernel, Parameter, System
-from ..model import is_nameless
 
 FOLDS = 6
 MOST_LOST = 50.0
@@ -44,6 +44,11 @@ VAGUE = 0.1
 """So does a shape that all trials together tell no better than to this part of its value: along a
 curved ridge of strength and shape Newton's step leads astray.
 """
+KEPT_COST = 1.0
+"""A kept shape has seen the fold that it foretells: by so much log likelihood times the inflation
+that is too good on the mean (half of it gained in the fit, half not lost in the prediction).
+"""
+NAMELESS = "residual"
 MOMENTS = 2000
 """Moments at which a jump is looked for: 24 trials of some 80 observations."""
 PRIOR_FREEDOM = 6
@@ -117,8 +122,8 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     names = [f.name for f in frees[:strengths] if f.name.partition(".")[2] not in aside]
     own = [i for i, free in enumerate(found.free) if free.name in names]
     move = moving(kernel, found)
-    if is_nameless(effect):
-        move &= ~_vague(kernel, found)
+    if _is_nameless(kernel.system, effect):
+        move &= ~(_vague(kernel, found) & _of(found.free, effect))
     move[own] = True
     s = found.values[own]
     naive = inverse_fisher(found.normal, move)[np.ix_(own, own)]
@@ -188,30 +193,51 @@ def held_out_worth(
     shape = _shapes(kernel.system, found.free)[move]
     vague = _vague(kernel, found)[move]
     normal = part_of(found.normal, np.flatnonzero(move).tolist())
+    told, wider = np.einsum("tpp->tp", normal.hessian), inflation(kernel, found)
+    cost = np.zeros(len(series))
     bounds = np.array([(p.lower, p.upper) for p in parameters_of(kernel, found.free)])
     points: list[Float] = [base] * len(series)
     for part in folds(series):
+        kept = kept_shapes(normal, part, shape, vague)
         values = found.values.copy()
-        values[move] += step_of_rest(normal, part, shape, vague)
+        values[move] += step_of_rest(normal, part, kept)
+        share = told[part].sum(axis=0)[kept] / np.maximum(told.sum(axis=0)[kept], 1e-300)
+        cost[part] = KEPT_COST * wider * share.sum() / len(part)
         values = np.clip(values, bounds[:, 0], bounds[:, 1])
         for t in part:
             points[t] = trial_values(kernel, base, found.free, values, series[t].group)
     seen = log_likelihoods(kernel, points, noise=noise, predictor=predictor)
     worth = np.nan_to_num(seen, nan=-np.inf) + side_log_likelihoods(kernel, series, points)
-    return np.maximum(worth, found.normal.log_likelihood - MOST_LOST)
+    return np.maximum(worth, found.normal.log_likelihood - MOST_LOST) - cost
 
 
-def step_of_rest(normal: Normal, part: np.ndarray, shape: np.ndarray, vague: np.ndarray) -> Float:
-    """Newton's step (p,) of the trials that are not in `part`, without the shapes that are vague or
-    of which `part` has told nearly all.
+def kept_shapes(
+    normal: Normal, part: np.ndarray, shape: np.ndarray, vague: np.ndarray
+) -> np.ndarray:
+    """Which numbers (p,) stay as they are when the trials `part` are left out: shapes that are
+    vague, or of which `part` has told nearly all.
     """
-    total, own = normal.hessian.sum(axis=0), normal.hessian[part].sum(axis=0)
-    told = ~vague & (~shape | (np.diag(own) < MOST_TOLD * np.diag(total)))
-    rest = (total - own + 1e-6 * np.diag(np.diag(total)))[np.ix_(told, told)]
+    total, own = (np.einsum("tpp->p", h) for h in (normal.hessian, normal.hessian[part]))
+    return vague | (shape & (own >= MOST_TOLD * total))
+
+
+def step_of_rest(normal: Normal, part: np.ndarray, kept: np.ndarray) -> Float:
+    """Newton's step (p,) of the trials that are not in `part`, without the numbers kept."""
+    total, own, moved = normal.hessian.sum(axis=0), normal.hessian[part].sum(axis=0), ~kept
+    rest = (total - own + 1e-6 * np.diag(np.diag(total)))[np.ix_(moved, moved)]
     gradient = normal.gradient.sum(axis=0) - normal.gradient[part].sum(axis=0)
-    step = np.zeros(len(told))
-    step[told] = pseudo_inverse(rest) @ gradient[told]
+    step = np.zeros(len(kept))
+    step[moved] = pseudo_inverse(rest) @ gradient[moved]
     return step
+
+
+def _of(free: Sequence[Free], effect: str) -> np.ndarray:
+    """Which numbers are an effect's own (p,)."""
+    return np.array([f.name.startswith(f"{effect}.") for f in free], dtype=bool)
+
+
+def _is_nameless(system: System, effect: str) -> bool:
+    return system.effect(effect.partition(".")[0]).kind == NAMELESS
 
 
 def _shapes(system: System, free: Sequence[Free]) -> np.ndarray:

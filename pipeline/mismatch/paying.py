@@ -9,7 +9,7 @@ from .judge import Trialled
 CLAIMS = (
     (1.0, 1e-9, 0.0), (7.0, 3e-5, 0.0),
     (10.0, 1e-4, 0.02),
-    (1.0, 1e-5, 0.05), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05), (50.0, 5e-3, 0.1), (30.0, 5e-3, 0.3),
+    (1.0, 1e-5, 0.05), (2.0, 2e-4, 0.05), (10.0, 1e-3, 0.05), (30.0, 5e-3, 0.3),
 )  # fmt: skip
 """Least held-out log likelihood over the inflation, the largest p value that goes with it, and the
 least part of what all effects together gain. About 30 candidates are tried, so that chance alone

@@ -194,7 +194,7 @@ def _foretold(
     lower, upper = np.array([(p.lower, p.upper) for p in parameters]).T
     end = values + step
     new = np.array(["." in f.name for f in frees]) & (values == 0.0)
-    wrong_way = new & ((end < lower) | ((lower >= 0.0) & (step <= 0.0)))
+    wrong_way = new & (lower >= 0.0) & ((end < lower) | (step <= 0.0))
     start = {f.label: float(v) for f, v in zip(frees, np.clip(end, lower, upper), strict=True)}
     return Foretold(-np.inf if wrong_way.any() else gain - reference, start)
 

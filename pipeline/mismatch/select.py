@@ -31,6 +31,10 @@ CLOSE = 6.0
 inflation, or whose law may have another form, is judged again as the chosen effect was: under all
 of its own noise, its forms free.
 """
+FAR = 50.0
+"""An effect this far ahead of all others in a round, in held-out log likelihood over the inflation,
+need not be held against them again beside one effect more.
+"""
 MOST_CAUSES = 4
 MOST_ROUNDS = 8
 
@@ -88,14 +92,18 @@ def two_more(bench: Bench, choice: Choice, unnamed: Trialled) -> Choice:
     """
     if len(choice.chosen.effects) + 2 > MOST_CAUSES:
         return choice
-    beside = [r for r in choice.rounds if set(r.before.effects) == set(choice.chosen.effects)]
-    both = two_at_once(bench, beside[-1], choice.bare) if beside else None
-    least = choice.chosen.total + AHEAD * (unnamed.total - choice.chosen.total)
-    if not both or both[1].total < least:
+    chosen = choice.chosen
+    beside = [r for r in choice.rounds if set(r.before.effects) == set(chosen.effects)]
+    done = beside[-1] if beside else one_round(bench, chosen, choice.bare)
+    both = two_at_once(bench, done, choice.bare)
+    if not both:
         return choice
-    done, chosen, without = both
+    done, model, without = both
+    before, terms = bench.renoised(chosen).total, bench.renoised(unnamed).total
+    if not model.total >= before + AHEAD * (terms - before):
+        return choice
     rounds = (*choice.rounds, done)
-    return _against_rivals(bench, Choice(choice.bare, chosen, rounds, without, {}))
+    return _against_rivals(bench, Choice(choice.bare, model, rounds, without, {}))
 
 
 def _against_rivals(bench: Bench, choice: Choice) -> Choice:
@@ -103,7 +111,7 @@ def _against_rivals(bench: Bench, choice: Choice) -> Choice:
     bare, current, rounds, without = choice.bare, choice.chosen, list(choice.rounds), choice.without
     places = places_of(bench, current, without, bare, rounds)
     for _ in range(MOST_CAUSES):
-        outdone = [e for e in current.effects if _outdone(places[e], current)]
+        outdone = [e for e in current.effects if _outdone(e, places[e], current)]
         if not outdone:
             break
         rounds.append(places[outdone[0]])
@@ -149,14 +157,23 @@ def two_at_once(
     return None
 
 
-def _outdone(place: Round, chosen: Trialled) -> bool:
+def _outdone(name: str, place: Round, chosen: Trialled) -> bool:
     """Whether a rival does clearly better than the chosen effect in its place, one whose strength
-    is not likely nothing; one of fewer numbers need not be better clearly.
+    is not likely nothing; one that pays, of fewer numbers, need not be better clearly.
     """
+    own = _numbers(chosen, name)
+
+    def better(rival: Trialled) -> bool:
+        simpler = _numbers(rival, rival.effects[-1]) < own and pays(place.before, rival, place.bare)
+        return rival.total > chosen.total + (0.0 if simpler else chosen.inflation)
+
     rivals = [t for t in place.tried if t.effects[-1] not in chosen.effects and is_sure(t)]
-    few = len(chosen.fit.free)
-    return any(t.total > chosen.total + (chosen.inflation if len(t.fit.free) >= few else 0.0)
-               for t in rivals)  # fmt: skip
+    return any(better(t) for t in rivals)
+
+
+def _numbers(model: Trialled, effect: str) -> int:
+    """How many numbers of an effect are free in a model."""
+    return sum(f.name.startswith(f"{effect}.") for f in model.fit.free)
 
 
 def in_place(choice: Choice, name: str) -> dict[str, float]:
@@ -199,13 +216,30 @@ def places_of(
     bench: Bench, chosen: Trialled, without: Mapping[str, Trialled], bare: Trialled,
     rounds: Sequence[Round],
 ) -> dict[str, Round]:  # fmt: skip
-    """Chosen effect -> the round in which it competes beside the others: an old one or a new."""
+    """Chosen effect -> the round in which it competes beside the others: an old one or a new.
+
+    An old one, too, in which fewer stood beside it and no other came near it.
+    """
     before = {frozenset(r.before.effects): r for r in reversed(rounds)}
-    found = {
-        e: before.get(frozenset(without[e].effects)) or one_round(bench, without[e], bare)
-        for e in chosen.effects
-    }
-    return {e: _level(bench, e, place, chosen) for e, place in found.items()}
+    found: dict[str, Round] = {}
+    for e in chosen.effects:
+        ahead = _far_ahead(e, without[e], rounds)
+        same = before.get(frozenset(without[e].effects))
+        found[e] = ahead or _level(bench, e, same or one_round(bench, without[e], bare), chosen)
+    return found
+
+
+def _far_ahead(name: str, without: Trialled, rounds: Sequence[Round]) -> Round | None:
+    """The last round beside some of a model's effects that one effect won by `FAR`."""
+    for done in reversed(rounds):
+        totals = {t.effects[-1]: t.total for t in done.tried}
+        own = next((t for t in done.tried if t.effects[-1] == name), None)
+        if own is None or not set(done.before.effects) <= set(without.effects):
+            continue
+        others = [total for other, total in totals.items() if other not in (name, *without.effects)]
+        if own.total - max(others, default=done.before.total) > FAR * own.inflation:
+            return done
+    return None
 
 
 def _level(bench: Bench, name: str, place: Round, chosen: Trialled) -> Round:

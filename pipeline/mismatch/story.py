@@ -16,6 +16,7 @@ from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
 from .nameless import HUMP, PULSE, SWING, shares_in_place
+from .select import Choice
 from .setting import CHANNELS, best_next_trial
 from .swinging import only_of_time, swings
 from .weighing import reliability
@@ -85,6 +86,15 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
     }
 
 
+def _unnamed_parameters(found: Found) -> dict[str, dict[str, Any]]:
+    """The numbers of all terms without a name; a name that two of them have bears its effect's."""
+    told: dict[str, dict[str, Any]] = {}
+    for effect in ("residual", SWING, PULSE, HUMP):
+        told |= {name if name not in told else f"{effect}.{name}": cell
+                 for name, cell in _parameters(found, effect).items()}  # fmt: skip
+    return told
+
+
 def as_normal(tuned: Tuned) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
     return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND]
@@ -100,10 +110,7 @@ def _unexplained(found: Found) -> dict[str, Any]:
         "kind": "physics",
         "channels": channels,
         "regime": f"depends on {first.variable}",
-        "parameters": _parameters(found, "residual")
-        | _parameters(found, SWING)
-        | _parameters(found, PULSE)
-        | _parameters(found, HUMP),
+        "parameters": _unnamed_parameters(found),
         "weight": reliability(found.nameless_gain),
         "held_out_gain": found.nameless_gain * found.residual.inflation,
         "sentence": "A force is missing that none of the named causes explains well; "
@@ -190,13 +197,19 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
     return best | {"why": why}
 
 
+def _best_rival(choice: Choice, name: str) -> float:
+    """Held-out log likelihood of the best rival for the place of a chosen effect."""
+    return max((t.total for t in choice.places[name].tried
+                if t.effects[-1] not in choice.chosen.effects), default=-np.inf)  # fmt: skip
+
+
 def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
     chosen = found.choice.chosen
     if not chosen.effects:
         last = found.choice.rounds[-1].tried
         other = last[0] if last else found.residual
         return chosen, other, ("the baseline", (other.effects or ("a residual",))[-1])
-    first = chosen.effects[0]
+    first = max(chosen.effects, key=lambda e: _best_rival(found.choice, e))
     options = [t for t in found.choice.places[first].tried if t.effects[-1] not in chosen.effects]
     other = options[0] if options else found.choice.bare
     return chosen, other, (" and ".join(chosen.effects), (other.effects or ("the baseline",))[-1])

@@ -123,7 +123,7 @@ def p_value_of(kernel: Kernel, found: Fit, effect: str, wider: float) -> float:
     own = [i for i, free in enumerate(found.free) if free.name in names]
     move = moving(kernel, found)
     if _is_nameless(kernel.system, effect):
-        move &= ~(_vague(kernel, found) & _of(found.free, effect))
+        move &= ~(_vague(kernel, found) & own_numbers(found.free, effect))
     move[own] = True
     s = found.values[own]
     naive = inverse_fisher(found.normal, move)[np.ix_(own, own)]
@@ -231,7 +231,7 @@ def step_of_rest(normal: Normal, part: np.ndarray, kept: np.ndarray) -> Float:
     return step
 
 
-def _of(free: Sequence[Free], effect: str) -> np.ndarray:
+def own_numbers(free: Sequence[Free], effect: str) -> np.ndarray:
     """Which numbers are an effect's own (p,)."""
     return np.array([f.name.startswith(f"{effect}.") for f in free], dtype=bool)
 

@@ -35,7 +35,7 @@ ALONE_CHANCE = 1e-5
 concealed studies of forces outside the list it was at most 2e-7, in two nulls 6e-5 and 2e-3.
 """
 SWING, PULSE, HUMP = "sloshing", "surging", "hump"
-PLACES = 50.0
+HUMP_PLACES = 50.0
 """A hump's place and width are chosen where they do best: in noise its p value is 25 to 50 times
 too small (best of all places and widths, by simulation).
 """
@@ -167,7 +167,7 @@ def tells(choice: Choice, residual: Trialled) -> bool:
     gain = residual.total - chosen.total
     named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
     law = foretold_randomness(chosen, residual)
-    chance = min(p * (PLACES if e == HUMP else 1.0) for e, p in residual.p_value.items()
+    chance = min(p * (HUMP_PLACES if e == HUMP else 1.0) for e, p in residual.p_value.items()
                  if e not in chosen.effects)  # fmt: skip
     if not chosen.effects and chance > ALONE_CHANCE:
         return False

@@ -15,7 +15,7 @@ import numpy as np
 from ..integrate.batch import each
 from .bench import Bench
 from .forms import formed, own_shapes, shaped
-from .judge import Trialled
+from .judge import Trialled, own_numbers
 from .paying import WRONG, opens, pays
 from .rounds import CONTENDERS, PART_OF_BEST, Round, is_sure, one_round, settled
 
@@ -161,19 +161,15 @@ def _outdone(name: str, place: Round, chosen: Trialled) -> bool:
     """Whether a rival does clearly better than the chosen effect in its place, one whose strength
     is not likely nothing; one that pays, of fewer numbers, need not be better clearly.
     """
-    own = _numbers(chosen, name)
+    own = own_numbers(chosen.fit.free, name).sum()
 
     def better(rival: Trialled) -> bool:
-        simpler = _numbers(rival, rival.effects[-1]) < own and pays(place.before, rival, place.bare)
+        fewer = own_numbers(rival.fit.free, rival.effects[-1]).sum() < own
+        simpler = fewer and pays(place.before, rival, place.bare)
         return rival.total > chosen.total + (0.0 if simpler else chosen.inflation)
 
     rivals = [t for t in place.tried if t.effects[-1] not in chosen.effects and is_sure(t)]
     return any(better(t) for t in rivals)
-
-
-def _numbers(model: Trialled, effect: str) -> int:
-    """How many numbers of an effect are free in a model."""
-    return sum(f.name.startswith(f"{effect}.") for f in model.fit.free)
 
 
 def in_place(choice: Choice, name: str) -> dict[str, float]:
@@ -232,11 +228,10 @@ def places_of(
 def _far_ahead(name: str, without: Trialled, rounds: Sequence[Round]) -> Round | None:
     """The last round beside some of a model's effects that one effect won by `FAR`."""
     for done in reversed(rounds):
-        totals = {t.effects[-1]: t.total for t in done.tried}
         own = next((t for t in done.tried if t.effects[-1] == name), None)
         if own is None or not set(done.before.effects) <= set(without.effects):
             continue
-        others = [total for other, total in totals.items() if other not in (name, *without.effects)]
+        others = [t.total for t in done.tried if t.effects[-1] not in (name, *without.effects)]
         if own.total - max(others, default=done.before.total) > FAR * own.inflation:
             return done
     return None

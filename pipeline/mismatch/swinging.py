@@ -14,7 +14,7 @@ from ..data import Float
 from ..fitting import Free, Series
 from ..model import is_nameless, plates
 from .bench import Bench
-from .judge import Trialled, candidate_frees
+from .judge import Trialled, candidate_frees, own_numbers
 from .locate import Dependence
 from .nameless import PULSE, SWING, nameless
 from .select import Choice, choose
@@ -44,11 +44,7 @@ def beside_a_swing(
 
 def swings(free: Sequence[Free]) -> bool:
     """Whether a swing is among the numbers of a model."""
-    return any(_of(f, SWING) for f in free)
-
-
-def _of(free: Free, name: str) -> bool:
-    return free.name.startswith(f"{name}.")
+    return bool(own_numbers(free, SWING).any())
 
 
 def of_time(
@@ -60,7 +56,7 @@ def of_time(
 
     forces: (n, channels) of each trial; units (channels,): see `dependences`.
     """
-    present = [name for name in OF_TIME if any(_of(f, name) for f in free)]
+    present = [name for name in OF_TIME if own_numbers(free, name).any()]
     own = [any(channel in plates().effect(name).channels for name in present)
            for channel in CHANNELS]  # fmt: skip
     size = np.array([np.sum((f / units) ** 2, axis=0) * own for f in forces])
@@ -83,4 +79,5 @@ def of_time(
 def only_of_time(free: Sequence[Free]) -> bool:
     """Whether what swings or pulses with the time is all that has no name in a model."""
     own = [f for f in free if is_nameless(f.name)]
-    return bool(own) and all(any(_of(f, name) for name in OF_TIME) for f in own)
+    of_these = sum(int(own_numbers(own, name).sum()) for name in OF_TIME)
+    return bool(own) and of_these == len(own)

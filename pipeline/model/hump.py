@@ -14,10 +14,13 @@ from ..integrate.system import Parameter
 KIND = "residual"
 CHANNELS = ("surge",)
 STATEMENT = "The drag rises or falls about one speed."
+SPEEDS = (0.15, 0.2, 0.26, 0.42, 0.53)
+NARROW = 0.05
+"""Other speeds are tried with this width: tries of several shapes go together, one by one."""
 PARAMETERS = (
     Parameter("h", "1", 0.1, -5.0, 5.0, "drag coefficient added at that speed, of the head plate"),
-    Parameter("c", "m/s", 0.33, 0.05, 1.0, "the speed", tries=(0.15, 0.2, 0.26, 0.42, 0.53)),
-    Parameter("w", "m/s", 0.07, 0.03, 0.25, "how wide it is", tries=(0.05, 0.05, 0.05, 0.05, 0.05)),
+    Parameter("c", "m/s", 0.33, 0.05, 1.0, "the speed", tries=SPEEDS),
+    Parameter("w", "m/s", 0.07, 0.03, 0.25, "how wide it is", tries=(NARROW,) * len(SPEEDS)),
 )
 
 

@@ -24,7 +24,7 @@ from .distances import (
     without_error,
 )
 from .pool import PoolCamera
-from .suspects import SUSPECTS, Estimate, Suspect, estimate
+from .suspects import SUSPECTS, SYSTEMATIC, Estimate, Suspect, estimate
 
 FALSE_ALARM = 0.001
 RIVAL_MARGIN = 6.0
@@ -69,10 +69,21 @@ def check_geometry(
 
     Raises: Fault where no rigid pair is ever seen.
     """
-    distances, geometry = rigid_distances(trials, head_lengths_m, robot), Geometry(camera, depth_m)
+    distances = rigid_distances(trials, head_lengths_m, robot)
+    return check_distances(Geometry(camera, depth_m), distances)
+
+
+def check_distances(
+    geometry: Geometry,
+    distances: Distances,
+    *,
+    what: str = "rigid lengths come out",
+    least: float = SYSTEMATIC,
+) -> GeometryCheck:
+    """`check_geometry` of distances. what: how its sentence begins; least: as of `Estimate`."""
     patterns = {**camera_patterns(geometry, distances), **keypoint_patterns(distances)}
     fits = [
-        _followed(estimate(suspect, patterns, distances), geometry, distances)
+        _followed(estimate(suspect, patterns, distances, least), geometry, distances)
         for suspect in SUSPECTS
         if set(suspect.parameters) <= set(patterns)
     ]
@@ -88,13 +99,15 @@ def check_geometry(
         rivals = tuple(_name(fit) for fit in near)
     return GeometryCheck(
         outcome=best.suspect.name if best else "nothing",
-        sentence=_sentence(best, rivals, mean, std),
+        sentence=_sentence(what, best, rivals, (mean, std)),
         best=best,
         rivals=rivals,
         estimates=tuple(fits),
         mean_excess=mean,
         mean_excess_std=std,
-        map=distance_map(camera, distances, _predicted(best, patterns, len(distances.excess_m))),
+        map=distance_map(
+            geometry.camera, distances, _predicted(best, patterns, len(distances.excess_m))
+        ),
     )
 
 
@@ -115,7 +128,7 @@ def _followed(first: Estimate, geometry: Geometry, distances: Distances) -> Esti
         design = np.column_stack([patterns[name] for name in names])
         whole = replace(rest, excess_m=rest.excess_m + design @ np.array(found.values))
         gain = float(np.sum((distances.excess_m**2 - rest.excess_m**2) / distances.std_m**2))
-        found = replace(estimate(first.suspect, patterns, whole), gain=gain)
+        found = replace(estimate(first.suspect, patterns, whole, first.least), gain=gain)
     return found if found.gain > first.gain else first
 
 
@@ -161,8 +174,11 @@ def _name(fit: Estimate) -> str:
     return f"keypoint_bias of {part}" if fit.suspect.name == "keypoint_bias" else fit.suspect.name
 
 
-def _sentence(best: Estimate | None, rivals: tuple[str, ...], mean: float, std: float) -> str:
-    length = f"rigid lengths come out {100 * mean:+.2f} +- {100 * std:.2f} % over the pool"
+def _sentence(
+    what: str, best: Estimate | None, rivals: tuple[str, ...], excess: tuple[float, float]
+) -> str:
+    mean, std = excess
+    length = f"{what} {100 * mean:+.2f} +- {100 * std:.2f} % over the pool"
     if best is None:
         return f"{length}; no geometry error shows"
     also = f"; as well explained by {', '.join(rivals)}" if rivals else ""

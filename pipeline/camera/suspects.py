@@ -62,7 +62,8 @@ class Estimate:
 
     gain: fall of the misfit (chi-squared of independent frames, less the price of implausibly
     large values). p_value: chance of such a pattern with nothing wrong, trials as clusters.
-    share: root mean square of the relative change of length that the values make.
+    share: root mean square of the relative change of length that the values make; least: share that
+    a detector's lasting errors may reach.
     """
 
     suspect: Suspect
@@ -71,6 +72,7 @@ class Estimate:
     gain: float
     p_value: float
     share: float
+    least: float = SYSTEMATIC
 
     @property
     def plausible(self) -> bool:
@@ -81,7 +83,7 @@ class Estimate:
     @property
     def seen(self) -> bool:
         """Whether it changes lengths by more than a detector may, always in the same place."""
-        return self.share > SYSTEMATIC
+        return self.share > self.least
 
     @property
     def text(self) -> str:
@@ -95,8 +97,10 @@ class Estimate:
         return f"{self.suspect.sentence}: {', '.join(terms)}"
 
 
-def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances) -> Estimate:
-    """One suspect fitted to the distances alone."""
+def estimate(
+    suspect: Suspect, patterns: dict[str, Float], distances: Distances, least: float = SYSTEMATIC
+) -> Estimate:
+    """One suspect fitted to the distances alone; least: see `Estimate`."""
     design = np.column_stack([patterns[name] for name in suspect.parameters])
     weight = 1 / distances.std_m**2
     prior = np.diag(1 / np.array(suspect.widths) ** 2)
@@ -113,6 +117,7 @@ def estimate(suspect: Suspect, patterns: dict[str, Float], distances: Distances)
         gain=float(pull @ values),
         p_value=float(fdtrc(k, max(1, trials - k), wald)),
         share=float(np.sqrt(np.mean((design @ values / distances.known_m) ** 2))),
+        least=least,
     )
 
 

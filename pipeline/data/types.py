@@ -37,6 +37,8 @@ class Keypoints:
     time_s: (frames,), increasing. names: the parts. xy_px: (frames, parts, 2), NaN where not
     seen. likelihood: (frames, parts) in [0, 1]. cov_px2: (frames, parts, 2, 2), NaN where not
     known. remarks: what a reader of the report must know (frames lost, files cut short, ...).
+    length_seen: (frames,) whole length of the body as seen over that stated, NaN where not seen;
+    None where nobody looked.
     """
 
     time_s: Float
@@ -45,13 +47,14 @@ class Keypoints:
     likelihood: Float
     cov_px2: Float
     remarks: tuple[str, ...] = ()
+    length_seen: Float | None = None
 
     def __post_init__(self) -> None:
         n, p = len(self.time_s), len(self.names)
-        check_shapes(
-            self,
-            {"xy_px": (n, p, 2), "likelihood": (n, p), "cov_px2": (n, p, 2, 2)},
-        )
+        shapes: dict[str, tuple[int, ...]] = {
+            "xy_px": (n, p, 2), "likelihood": (n, p), "cov_px2": (n, p, 2, 2),
+        }  # fmt: skip
+        check_shapes(self, shapes if self.length_seen is None else shapes | {"length_seen": (n,)})
 
     def part(self, name: str) -> Float:
         """Pixels of one part, (frames, 2)."""

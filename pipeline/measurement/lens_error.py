@@ -28,17 +28,10 @@ PARAMETERS = (
 
 
 def observe(
-    x: float,
-    y: float,
-    x_lens: float,
-    y_lens: float,
-    Q_lens: float,
-    ax_lens: float,
-    ay_lens: float,
-    k: float,
-    q: float,
-) -> tuple[float, float, float, float]:
-    """Change of what is seen (m, m, rad, rad)."""
-    dx, dy = x - x_lens, y - y_lens
+    x: float, y: float, cpsi: float, spsi: float, x_lens: float, y_lens: float, Q_lens: float,
+    ax_lens: float, ay_lens: float, ahead: float, k: float, q: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
+    dx, dy = x + ahead * cpsi - x_lens, y + ahead * spsi - y_lens
     s = dx * dx + dy * dy - q * Q_lens
     return k * (s * dx + ax_lens), k * (s * dy + ay_lens), 0.0, 0.0

@@ -2,6 +2,8 @@
 
     seen = c + (1 + k) (true - c), c the middle of the pool
 
+Where keypoints are placed back from the nose at stated lengths, it is the nose that is seen so, and
+the core's centre is displaced as much: a distance `ahead` lies between them.
 Source: own statement (pool dimensions or corner marks wrong).
 """
 
@@ -19,7 +21,9 @@ PARAMETERS = (Parameter("k", "1", 0.01, -0.3, 0.3, "share by which lengths are s
 
 
 def observe(
-    x: float, y: float, L_pool: float, W_pool: float, k: float
-) -> tuple[float, float, float, float]:
+    x: float, y: float, cpsi: float, spsi: float, L_pool: float, W_pool: float, ahead: float,
+    k: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad)."""
-    return k * (x - 0.5 * L_pool), k * (y - 0.5 * W_pool), 0.0, 0.0
+    dx, dy = x + ahead * cpsi - 0.5 * L_pool, y + ahead * spsi - 0.5 * W_pool
+    return k * dx, k * dy, 0.0, 0.0

@@ -24,9 +24,22 @@ def shaped(bench: Bench, model: Trialled) -> Trialled:
     held = held_shapes(bench.kernel, model)
     if not held or model.inflation > WRONG:
         return model
+    return _if_better(bench, model, held) or model
+
+
+def shaped_anyway(bench: Bench, model: Trialled) -> Trialled | None:
+    """A wrong model with the shapes of its effects free, where that pays: for when nothing pays
+    beside it, because what is left over is its form.
+    """
+    held = held_shapes(bench.kernel, model)
+    return _if_better(bench, model, held) if held and model.inflation > WRONG else None
+
+
+def _if_better(bench: Bench, model: Trialled, held: Mapping[str, float]) -> Trialled | None:
     free = formed(bench, model, held)
     gain = (free.total - model.total) / free.inflation
-    return free if gain > LEAST_FOR_SHAPE and free.inflation <= 2 * model.inflation else model
+    better = gain > LEAST_FOR_SHAPE and free.inflation <= 2 * model.inflation
+    return free if better else None
 
 
 def formed(bench: Bench, model: Trialled, held: Mapping[str, float]) -> Trialled:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..integrate.batch import each
 from .bench import Bench
-from .forms import formed, own_shapes, shaped
+from .forms import formed, own_shapes, shaped, shaped_anyway
 from .judge import Trialled, own_numbers
 from .paying import WRONG, opens, pays
 from .rounds import CONTENDERS, PART_OF_BEST, Round, is_sure, one_round, settled
@@ -72,6 +72,9 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         best = done.best
         if best.effects == current.effects:
             best = in_another_form(bench, done, bare) or best
+        if best.effects == current.effects and (free := shaped_anyway(bench, current)):
+            current, without = free, {}
+            continue
         if best.effects == current.effects:
             both = two_at_once(bench, done, bare) if done.before.inflation >= WRONG else None
             if not both:

@@ -6,10 +6,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..camera import map_keypoints, pool_camera
-from ..camera.geometry import GeometryCheck, check_geometry, estimate_depth
+from ..camera.distances import Geometry
+from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.pool import PoolCamera
 from ..camera.suspects import Estimate
+from ..camera.whole_length import SYSTEMATIC, whole_lengths
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
@@ -21,8 +25,10 @@ from .status import good_trials
 
 STATED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
-    "depth; those of dots, markers or a network do"
+    "depth, and too few frames show nose and tail's end; dots, markers or a network would tell"
 )
+WHOLE = "whole length"
+COMES_OUT = "the body's whole length, nose to tail, comes out"
 USEFUL_DEPTH_STD_M = 0.01
 """An estimated depth less certain than this is worth less than the usual one."""
 
@@ -31,19 +37,20 @@ def geometry(study: Path, results: Path) -> None:
     """Write geometry.json: scale, depth and the likely error, each with what speaks for it.
 
     scale: measured over true lengths, given the robot's lengths in study.yaml, with scale_std
-    (trials as clusters). depth_m: of the keypoints, estimated where study.yaml does not give it
-    and the distances tell it to 10 mm. likely: `nothing`, the name of an error, or `unknown`.
+    (trials as clusters), by `measured`: its rigid parts, or its whole length where a silhouette's
+    keypoints lie at stated lengths. depth_m: of the keypoints, estimated where study.yaml does not
+    give it and the distances tell it to 10 mm. likely: `nothing`, an error's name, or `unknown`.
     map: relative error of the distances over the pool, and what the likely error predicts there.
     """
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = good_trials([layout.detection(trial_id) for trial_id in ids])
     measured = [name for name in good if _lengths_measured(layout.detection(name))]
-    if good and not measured:
-        write_json(layout.geometry, _unknown(loaded.setup, STATED))
-        return
     try:
-        told = _told(loaded, [loaded.trial(name) for name in measured], layout)
+        if good and not measured:
+            told = _told_whole(loaded, [loaded.trial(name) for name in good], layout)
+        else:
+            told = _told(loaded, [loaded.trial(name) for name in measured], layout)
     except Fault as nothing:
         told = _unknown(loaded.setup, str(nothing))
     write_json(layout.geometry, told)
@@ -71,11 +78,37 @@ def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
     check = check_geometry(camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot)
     return {
         **_evidence(check),
+        "measured": "rigid parts",
         "depth_m": depth,
         "depth_given": setup.robot.depth_given,
         "depth_estimate_m": found if std else None,
         "depth_estimate_std_m": std or None,
         "trials": len(trials),
+    }
+
+
+def _told_whole(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+    """What the body's whole length tells where keypoints lie at stated lengths."""
+    setup, depth = study.setup, study.setup.robot.keypoint_depth_m
+    seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
+    if not any(seen):
+        return _unknown(setup, STATED)
+    camera = _camera(study, trials[0], layout)
+    distances = whole_lengths(
+        _placed(camera, trials, layout, depth),
+        [np.array(pairs, dtype=np.float64) for pairs in seen],
+        [trial.head_length_m for trial in trials],
+        setup.robot,
+    )
+    check = check_distances(Geometry(camera, depth), distances, what=COMES_OUT, least=SYSTEMATIC)
+    return {
+        **_evidence(check),
+        "measured": WHOLE,
+        "depth_m": depth,
+        "depth_given": setup.robot.depth_given,
+        "depth_estimate_m": None,
+        "depth_estimate_std_m": None,
+        "trials": len({int(trial) for trial in distances.trial}),
     }
 
 

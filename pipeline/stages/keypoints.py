@@ -18,6 +18,8 @@ from .layout import Layout
 from .status import attempt
 
 LEAST_LOST = 3
+MOST_LENGTHS = 80
+"""Frames of a trial whose whole length is kept: more tell no more."""
 
 
 def keypoints(study: Path, results: Path, trial_id: str, *, threads: int = 1) -> None:
@@ -43,7 +45,17 @@ def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, A
     if len(found.time_s) == 0:
         raise fault(study.paths(trial)[0], "", "no frames", "frames between start_s and end_s")
     write(path, found)
+    notes = notes | {"length_seen": lengths_seen(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
+
+
+def lengths_seen(found: Keypoints) -> list[list[float]]:
+    """Pairs frame, whole length seen over stated, of some frames all over the recording."""
+    if found.length_seen is None:
+        return []
+    frames = np.flatnonzero(np.isfinite(found.length_seen))
+    some = frames[:: max(1, -(-len(frames) // MOST_LENGTHS))]
+    return [[int(i), float(found.length_seen[i])] for i in some]
 
 
 def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:

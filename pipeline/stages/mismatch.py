@@ -24,12 +24,14 @@ from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
 from ..motor import clock_delay
-from ..study import Setup, load_study
+from ..study import Setup, Study, load_study
+from .geometry import WHOLE
 from .layout import remove
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+WHOLE_STD = 0.0035  # and 0.2 % for where an outline is seen to end (docs/measuring.md)
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -52,6 +54,7 @@ def mismatch(study: Path, results: Path) -> None:
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay(series, flapping, fitted=fitted)
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
+    series = from_the_nose(series, campaign.geometry or {}, loaded)
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -114,6 +117,23 @@ def with_rigid_distances(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
+def from_the_nose(
+    series: Sequence[Series], geometry: Mapping[str, Any], study: Study
+) -> list[Series]:
+    """Series that know where their keypoints were placed back from the nose at stated lengths."""
+    if geometry.get("measured") != WHOLE:
+        return list(series)
+    slots = plates().constants
+    head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
+    out = []
+    for one in series:
+        constants = one.constants.copy()
+        if not study.trial(one.name).reads_keypoints:
+            constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
+        out.append(replace(one, constants=constants))
+    return out
+
+
 def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
     """Side measurement -> value and deviation by the check of rigid distances: the scale; that
     light is not bent, or how much; that the lens is right, or how wrong. The last two only where
@@ -123,12 +143,13 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
     if scale is None or not std:
         return {}
     alone = not geometry.get("rivals")
-    if likely == "lens_error" and alone:
+    if likely == "lens_error" and alone and geometry.get("measured") != WHOLE:
         return _wrong_lens(geometry, setup)
     if likely not in SPEAKS_OF_SCALE:
         return {}
-    told = {"scale": (scale - 1.0, float(np.hypot(std, LENGTH_STD)))}
-    if alone:
+    whole = geometry.get("measured") == WHOLE
+    told = {"scale": (scale - 1.0, float(np.hypot(std, WHOLE_STD if whole else LENGTH_STD)))}
+    if alone and not whole:
         told["lens"] = (0.0, LENS_STD)
         if likely in STRAIGHT:
             told["bend"] = (0.0, BEND_STD)

@@ -51,7 +51,16 @@ def keypoints_of(
         each = np.array([_likelihood(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
-    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks)
+    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks, _lengths(fits))
+
+
+def _lengths(fits: Sequence[Fit | None]) -> Float:
+    """Whole length (frames,) seen over stated, where the outline was found; else NaN.
+
+    The tail's own support is not asked: it is less where the tail is shorter than stated.
+    """
+    return np.array([one.length if one is not None and one.support[2] > CERTAIN else math.nan
+                     for one in fits])  # fmt: skip
 
 
 def _nose(fits: Sequence[Fit]) -> float:

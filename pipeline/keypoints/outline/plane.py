@@ -16,14 +16,16 @@ import numpy.typing as npt
 from ...study import Camera, Setup
 
 Float = npt.NDArray[np.float64]
-DEGREE = 6
+DEGREES = (5, 7, 9, 11)
+"""Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""
+NEAR_PX = 0.05
 MARGIN = 0.12
 GRID = 17
 
 
 @dataclass(frozen=True)
 class Plane:
-    """Polynomials both ways: coefficients (2, DEGREE + 1, DEGREE + 1) of scaled coordinates.
+    """Polynomials both ways: coefficients (2, degree + 1, degree + 1) of scaled coordinates.
 
     centre_m, half_m: scaling of the plane's coordinates; centre_px, half_px: of the picture's.
     corners_px: (4, 2) of the pool; px_per_m at the pool's middle.
@@ -48,23 +50,40 @@ class Plane:
 def plane_of(setup: Setup) -> Plane:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
     pool = setup.pool
-    x = np.linspace(-MARGIN, 1 + MARGIN, GRID) * pool.length_m
-    y = np.linspace(-MARGIN, 1 + MARGIN, GRID) * pool.width_m
-    xy = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    xy = _grid(setup, GRID)
     uv = _seen(setup, xy)
     scale_m, scale_px = _scaling(xy), _scaling(uv)
-    to_px = _fit(xy, uv, scale_m)
+    to_px = _near_enough(setup, (xy, uv), scale_m)
     middle = np.array([[0.5 * pool.length_m, 0.5 * pool.width_m]])
     beside = middle + np.array([0.05, 0.0])
     step = evaluate(to_px, scale_m, beside) - evaluate(to_px, scale_m, middle)
     return Plane(
         to_px=to_px,
-        to_m=_fit(uv, xy, scale_px),
+        to_m=_fit(uv, xy, scale_px, to_px.shape[1] - 1),
         scale_m=scale_m,
         scale_px=scale_px,
         corners_px=np.array(setup.camera.pool_corners_px, dtype=float),
         px_per_m=float(np.hypot(*step[0]) / 0.05),
     )
+
+
+def _grid(setup: Setup, count: int) -> Float:
+    """Places (count^2, 2) all over the pool and a little beyond, m."""
+    x, y = (np.linspace(-MARGIN, 1 + MARGIN, count) * side
+            for side in (setup.pool.length_m, setup.pool.width_m))  # fmt: skip
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def _near_enough(setup: Setup, pairs: tuple[Float, Float], scale: Float) -> Float:
+    """Coefficients of the least degree that comes within `NEAR_PX` between the nodes."""
+    between = _grid(setup, 2 * GRID)
+    inside = np.all((between > 0) & (between < [setup.pool.length_m, setup.pool.width_m]), axis=1)
+    seen = _seen(setup, between[inside])
+    for degree in DEGREES:
+        found = _fit(*pairs, scale, degree)
+        if np.abs(evaluate(found, scale, between[inside]) - seen).max() < NEAR_PX:
+            break
+    return found
 
 
 def _scaling(points: Float) -> Float:
@@ -73,13 +92,13 @@ def _scaling(points: Float) -> Float:
     return np.array([(low + high) / 2, (high - low) / 2])
 
 
-def _fit(source: Float, target: Float, scale: Float) -> Float:
+def _fit(source: Float, target: Float, scale: Float, degree: int) -> Float:
     """Polynomial coefficients (2, d + 1, d + 1), least squares."""
     scaled = (source - scale[0]) / scale[1]
-    powers = [(i, j) for i in range(DEGREE + 1) for j in range(DEGREE + 1 - i)]
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     terms = np.stack([scaled[:, 0] ** i * scaled[:, 1] ** j for i, j in powers], axis=1)
     solved = np.linalg.lstsq(terms, target, rcond=None)[0]
-    coefficients = np.zeros((2, DEGREE + 1, DEGREE + 1))
+    coefficients = np.zeros((2, degree + 1, degree + 1))
     for row, (i, j) in enumerate(powers):
         coefficients[:, i, j] = solved[row]
     return coefficients

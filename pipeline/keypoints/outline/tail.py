@@ -14,6 +14,10 @@ Float = npt.NDArray[np.float64]
 SWEEP_RAD = 1.1
 RAYS = 31
 TURN_RAD = 0.5
+FARTHEST, STRIDE_PX = 1.5, 0.5
+PLATEAU = (0.45, 0.75)
+LEAST_PLATEAU = 0.3
+BORDER_PX = 8.0
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -77,6 +81,75 @@ def trace(
         support,
         (math.sqrt(scatter / max(steps, 1)), pale / max(last, 1), breadth / max(last, 1)),
     )
+
+
+@numba.njit(cache=True, error_model="numpy")
+def seen_length(
+    pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
+) -> float:
+    """Length [px] of the tail from its base to where it is seen to end; NaN where it is not.
+
+    It ends where the coverage, three samples together, falls to half of what it is over `PLATEAU`
+    of the stated length. Its length is that of a cubic through the traced places, whose scatter
+    would lengthen it. Arguments as of `trace`.
+    """
+    height, width = pictures[0].shape
+    count = int((FARTHEST * length_px - 3.0) / STRIDE_PX)
+    if count < 10:
+        return math.nan
+    cover, bearings = np.zeros(count), np.zeros(count)
+    bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
+    bend, known = 0.0, 0
+    for k in range(count):
+        radius = 3.0 + k * STRIDE_PX
+        u, v = base[0] + radius * math.cos(bearing), base[1] + radius * math.sin(bearing)
+        if not (BORDER_PX < u < width - BORDER_PX and BORDER_PX < v < height - BORDER_PX):
+            break
+        found, cover[k], _ = _bearing(pictures, base, (bearing + bend, radius), skin)
+        if cover[k] > 0.3:
+            bend = 0.7 * (found - bearing)
+            bearing = found
+        bearings[k] = bearing
+        known = k + 1
+    first = int((PLATEAU[0] * length_px - 3.0) / STRIDE_PX)
+    last = int((PLATEAU[1] * length_px - 3.0) / STRIDE_PX)
+    if known <= last or last - first < 3:
+        return math.nan
+    usual = np.median(cover[first:last])
+    if usual < LEAST_PLATEAU:
+        return math.nan
+    before = usual
+    for k in range(last, known - 1):
+        now = (cover[k - 1] + cover[k] + cover[k + 1]) / 3.0
+        if now < 0.5 * usual:
+            share = (before - 0.5 * usual) / max(before - now, 1e-9)
+            radius = 3.0 + (k - 1 + min(max(share, 0.0), 1.0)) * STRIDE_PX
+            return _along(bearings[:k], radius)
+        before = now
+    return math.nan
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _along(bearings: Float, radius: float) -> float:
+    """Length [px] of a line of which the bearings are known along its distance from the base, out
+    to a radius: a cubic about its own direction.
+    """
+    middle = np.median(bearings)
+    normal, side = 1e-9 * np.eye(3), np.zeros(3)
+    for k in range(len(bearings)):
+        r = 3.0 + k * STRIDE_PX
+        x, y = r * math.cos(bearings[k] - middle), r * math.sin(bearings[k] - middle)
+        powers = np.array([x, x * x, x * x * x])
+        normal += np.outer(powers, powers)
+        side += y * powers
+    a, b, c = np.linalg.solve(normal, side)
+    end = radius * math.cos(bearings[-1] - middle)
+    total, steps = 0.0, 40
+    for k in range(steps):
+        x = end * (k + 0.5) / steps
+        slope = a + 2 * b * x + 3 * c * x * x
+        total += math.sqrt(1.0 + slope * slope)
+    return total * end / steps
 
 
 @numba.njit(cache=True, error_model="numpy")

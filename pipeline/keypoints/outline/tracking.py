@@ -15,7 +15,7 @@ from .edges import HALF_PX
 from .plane import Plane
 from .posefit import Shape, fit, summary
 from .search import Blob, blobs, poses_of
-from .tail import trace
+from .tail import seen_length, trace
 from .template import Template
 from .variance import Clues, clues, kernels
 
@@ -54,7 +54,8 @@ class Fit:
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_M on. tail: tip (2,)
     px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
-    far the nose's edge lies ahead of the template's.
+    far the nose's edge lies ahead of the template's. length: of the whole body, nose to tail, seen
+    over stated; NaN where its ends were not seen.
     """
 
     pose: Float
@@ -64,6 +65,7 @@ class Fit:
     nearness: float
     tail: tuple[Float, float, float, tuple[float, float, float]]
     nose_px: float
+    length: float = math.nan
 
 
 def reaches(scene: Scene, *sizes_m: float) -> npt.NDArray[np.int64]:
@@ -175,17 +177,16 @@ def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]
 
 
 def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
-    """The fit with its tail traced."""
+    """The fit with its tail traced, and the whole body's length."""
     x, y, heading, _ = one.pose
     back = np.array([math.cos(heading), math.sin(heading)])
     base_m = np.array([x, y]) - template.core_m * back
     ends = scene.plane.pixels(np.stack([base_m, base_m - template.tail_m * back]))
     along = ends[1] - ends[0]
-    tail = trace(
-        (frame, scene.floor),
-        ends[0],
-        math.atan2(along[1], along[0]),
-        float(np.hypot(*along)),
-        template.skin,
-    )
-    return replace(one, tail=tail)
+    back_rad, length_px = math.atan2(along[1], along[0]), float(np.hypot(*along))
+    pictures = (frame, scene.floor)
+    tail = trace(pictures, ends[0], back_rad, length_px, template.skin)
+    seen_px = seen_length(pictures, ends[0], back_rad, length_px, template.skin)
+    stated_m = template.head_m + template.core_m + template.tail_m
+    longer_m = (seen_px - length_px + one.nose_px) * template.tail_m / length_px
+    return replace(one, tail=tail, length=1.0 + longer_m / stated_m)

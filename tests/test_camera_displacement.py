@@ -17,7 +17,7 @@ from pipeline.camera import (
 from pipeline.camera.displacement import error_forms, lens_strength
 from pipeline.camera.resection import rectangle
 from pipeline.faults import Fault
-from pipeline.measurement import lens_error, uncorrected_refraction
+from pipeline.measurement import lens_error, scale_error, uncorrected_refraction
 from pipeline.model import simulation
 from pipeline.study import Setup
 from robots import SETUP
@@ -53,9 +53,13 @@ def stated(*, k1: float = -0.06, index: float = WATER) -> Setup:
     return Setup.model_validate(told)
 
 
+HERE = {"cpsi": 1.0, "spsi": 0.0, "ahead": 0.0}
+"""What is seen is the core's centre itself."""
+
+
 def fitted(observe, constants: dict[str, float], k: float, seen: np.ndarray) -> np.ndarray:
     """Displacements by an effect at the strength that comes nearest to those seen."""
-    unit = np.array([observe(x, y, **constants, k=k)[:2] for x, y in PLACES])
+    unit = np.array([observe(x, y, **HERE, **constants, k=k)[:2] for x, y in PLACES])
     return unit * np.sum(unit * seen) / np.sum(unit * unit)
 
 
@@ -85,7 +89,7 @@ def test_the_strength_of_a_lens_error_is_that_of_the_displacements_it_makes(off)
     seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
     given = named(setup, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")) | {"q": 1.0}
     strength = lens_strength(setup, {"k1": -off})
-    told = np.array([lens_error.observe(x, y, **given, k=strength)[:2] for x, y in PLACES])
+    told = np.array([lens_error.observe(x, y, **HERE, **given, k=strength)[:2] for x, y in PLACES])
     assert share_left(told, seen) < 0.08
 
 
@@ -113,3 +117,16 @@ def test_corners_that_fit_no_pose_stop_no_simulation():
     with pytest.raises(Fault):
         pool_camera(setup.model_copy(update={"camera": crossed}))
     assert error_forms(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)
+
+
+@pytest.mark.parametrize(
+    ("effect", "names"),
+    [(scale_error, ("L_pool", "W_pool")), (uncorrected_refraction, ("x_cam", "y_cam", "bend")),
+     (lens_error, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))],
+)  # fmt: skip
+def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect, names):
+    given = named(stated(), names) | {"k": 0.02} | ({"q": 1.0} if effect is lens_error else {})
+    c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15
+    back = effect.observe(0.7, 0.4, c, s, ahead=ahead, **given)
+    assert back == pytest.approx(effect.observe(0.7 + ahead * c, 0.4 + ahead * s, **HERE, **given))
+    assert back != pytest.approx(effect.observe(0.7, 0.4, **HERE, **given))

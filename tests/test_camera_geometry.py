@@ -9,9 +9,11 @@ from scipy.spatial.transform import Rotation
 
 from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
 from pipeline.camera.corners_picture import pool_corners_picture
-from pipeline.camera.geometry import check_geometry, estimate_depth
+from pipeline.camera.distances import Geometry
+from pipeline.camera.geometry import check_distances, check_geometry, estimate_depth
 from pipeline.camera.resection import pose, pose_near, rectangle
 from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
+from pipeline.camera.whole_length import SYSTEMATIC, whole_lengths
 from pipeline.data import Positions
 from pipeline.faults import Fault
 from pipeline.study import Robot, Setup
@@ -122,6 +124,31 @@ def test_a_pool_measured_short_is_a_scale_error():
     scale = next(e for e in found.estimates if e.suspect.name == "scale_error")
     assert scale.values[0] == pytest.approx(0.015, abs=0.002)
     assert found.mean_excess == pytest.approx(-0.015, abs=0.002)
+
+
+def whole_checked(believed: PoolCamera):
+    """The check of the whole lengths alone, the tail behind the others as far as it is seen."""
+    trials, seen = [], []
+    for one in campaign(believed):
+        tip, hinge, center, base = one.xy_m.transpose(1, 0, 2)
+        end = base + (base - center) * 0.066 / 0.171
+        parts = [tip - hinge, hinge - center, center - end]
+        ratio = np.sum(np.linalg.norm(parts, axis=2), axis=0) / (0.12 + 0.211 + 0.066)
+        seen.append(np.column_stack([np.arange(120), ratio])[::2])
+        xy = np.concatenate([one.xy_m, end[:, None]], axis=1)
+        ones, cov = np.ones((120, 5)), np.full((120, 5, 2, 2), np.nan)
+        trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
+    lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
+    return check_distances(Geometry(believed, DEPTH_M), lengths, least=SYSTEMATIC)
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])
+def test_the_whole_length_alone_shows_a_scale_error(share, outcome):
+    corners = rectangle(2.6 * share, 1.6 * share, 0.0)
+    found = whole_checked(camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333))
+    assert found.mean_excess == pytest.approx(share - 1, abs=0.001)
+    assert ("scale_error" in {found.outcome, *found.rivals}) == outcome
+    assert outcome or found.outcome == "nothing"
 
 
 def test_a_wrong_distortion_is_a_lens_error():

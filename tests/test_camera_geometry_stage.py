@@ -73,6 +73,49 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected, tmp_path):
     assert rigid_evidence(found, load_study(study).setup) == {}
 
 
+def shown(found: Path, lengths: list[list[float]]) -> None:
+    """Keypoints of all trials as a silhouette gives them, and the whole lengths that it saw."""
+    for name in PLANS:
+        note = Layout(found).detection(name)
+        told = {"source": "silhouette", "length_seen": lengths}
+        note.write_text(json.dumps(json.loads(note.read_text()) | told))
+
+
+def frames_of(share: float, spread: float) -> list[list[float]]:
+    draw = np.random.default_rng(5).normal(share, spread, 40)
+    return [[i, float(v)] for i, v in zip(range(0, 80, 2), draw, strict=True)]
+
+
+@pytest.mark.parametrize("share", [0.97, 1.02])
+def test_the_whole_length_of_a_silhouette_tells_the_scale(detected, tmp_path, share):
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    shown(tmp_path / "results", frames_of(share, 0.001))
+    found = told(study, tmp_path / "results")
+    assert found["scale"] == pytest.approx(share, abs=0.002)
+    assert found["measured"] == "whole length"
+    evidence = rigid_evidence(found, load_study(study).setup)
+    assert set(evidence) == {"scale"}
+    assert evidence["scale"] == pytest.approx((share - 1, 0.0035), abs=0.002)
+
+
+def test_whole_lengths_a_little_off_tell_of_nothing(detected, tmp_path):
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    shown(tmp_path / "results", frames_of(0.9975, 0.001))
+    assert told(study, tmp_path / "results")["likely"] == "nothing"
+
+
+@pytest.mark.parametrize("lengths", [frames_of(0.97, 0.02), frames_of(0.97, 0.001)[:9], []])
+def test_a_smeared_tail_or_few_frames_tell_no_length(detected, tmp_path, lengths):
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    shown(tmp_path / "results", lengths)
+    found = told(study, tmp_path / "results")
+    assert (found["scale"], found["likely"]) == (None, "unknown")
+    assert rigid_evidence(found, load_study(study).setup) == {}
+
+
 def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
     study, results = detected
     copy = tmp_path / "study"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import cv2
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
+from pipeline.camera import pool_camera, project
 from pipeline.data import Frame
 from pipeline.keypoints.outline.background import (
     STRIP_ROWS,
@@ -23,6 +25,7 @@ from pipeline.keypoints.outline.plane import plane_of
 from pipeline.keypoints.outline.template import first_template, learned, median_seen
 from pipeline.synthetic.conditions import LADDER
 from pipeline.synthetic.design import ladder_design
+from pipeline.synthetic.optics import gopro_like
 from pipeline.synthetic.trial import frame_truth, prepare
 
 
@@ -61,6 +64,18 @@ def test_plane_agrees_with_independent_optics():
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     assert np.abs(plane.pixels(m) - px).max() < 0.06
     assert np.abs(plane.metres(px) - m).max() < 2e-4
+
+
+@pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
+def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
+    design = replace(ladder_design(LADDER["middle"]), camera=gopro_like(lens))
+    setup = setup_of(design)
+    x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
+    places = np.column_stack([x.ravel(), y.ravel()])
+    plane = plane_of(setup)
+    seen = project(pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)]))
+    assert np.abs(plane.pixels(places) - seen).max() < 0.06
+    assert np.abs(plane.metres(seen) - places).max() < 2e-4
 
 
 def test_median_is_exact():

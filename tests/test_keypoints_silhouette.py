@@ -93,6 +93,18 @@ def test_middle_step_is_found_to_a_third_of_a_pixel(name):
     assert np.all(np.median(off, axis=0) < 0.5)
 
 
+@pytest.mark.parametrize("stated", [1.0, 0.98, 1.03])
+@pytest.mark.parametrize("name", [STRAIGHT, LEFT])
+def test_the_whole_length_is_seen_to_a_quarter_of_a_percent(name, stated):
+    """Where the pool is stated too short, all is seen too short by the same share."""
+    film, setup, trial, _ = rendered("middle", name)
+    pool = {k: getattr(setup.pool, k) * stated for k in ("length_m", "width_m")}
+    wrong = setup.model_copy(update={"pool": setup.pool.model_copy(update=pool)})
+    found = silhouette.detect(lambda: film, wrong, trial)
+    assert found.length_seen is not None
+    assert np.nanmedian(found.length_seen) == pytest.approx(stated, abs=0.0025)
+
+
 def test_a_second_robot_in_the_picture_is_told():
     """The film laid over itself turned by half a turn: two dark bodies of one shape."""
     film, setup, trial, truth = rendered("middle", LEFT)

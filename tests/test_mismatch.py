@@ -25,7 +25,17 @@ from pipeline.fitting import (
     spread_over_trials,
 )
 from pipeline.integrate import Kernel, compiled
-from pipeline.mismatch import Bench, Found, find_mismatch, folds, pays, reliability, select, weights
+from pipeline.mismatch import (
+    Bench,
+    Found,
+    find_mismatch,
+    folds,
+    forms,
+    pays,
+    reliability,
+    select,
+    weights,
+)
 from pipeline.mismatch.covariance import spread_of
 from pipeline.mismatch.details import details
 from pipeline.mismatch.direct import with_direct
@@ -45,6 +55,7 @@ from pipeline.mismatch.weighing import SELDOM
 from pipeline.model import plates
 from pipeline.stages.mismatch import (
     CLOCK_STD,
+    from_the_nose,
     rigid_evidence,
     with_clock,
     with_delay,
@@ -300,6 +311,27 @@ def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) 
     assert all("clock_ratio" in s.evidence for s in told if "clock_ratio" in m.series[0].evidence)
 
 
+def test_only_footage_is_seen_from_the_nose(demo: tuple[Measured, Found]) -> None:
+    """Where lengths were placed, the nose is what was seen; keypoint files were measured."""
+    m, _ = demo
+    slots = plates().constants
+    filmed = m.study.model_copy(update={"trials": tuple(
+        t.model_copy(update={"source": f"v/{t.trial_id}.mp4"}) for t in m.study.trials
+    )})  # fmt: skip
+    told = {
+        study: np.array([s.constants[slots.index("ahead")]
+                         for s in from_the_nose(m.series, {"measured": measured}, kind)])
+        for study, measured, kind in [("files", "whole length", m.study),
+                                      ("dots", "rigid parts", filmed),
+                                      ("film", "whole length", filmed)]
+    }  # fmt: skip
+    assert not told["files"].any()
+    assert not told["dots"].any()
+    hinge = m.study.setup.robot.hinge_to_com_m
+    reach = [s.constants[slots.index("h")] * np.cos(s.inputs[0, 0]) + hinge for s in m.series]
+    assert told["film"] == pytest.approx(reach)
+
+
 @pytest.mark.parametrize(
     "geometry",
     [{}, {"scale": None, "scale_std": None, "likely": "unknown"},
@@ -484,6 +516,28 @@ def test_both_of_two_beside_a_wrong_model_pay_by_their_gain(demo: tuple[Measured
     assert opens(stall, both)
     assert not pays(stall, both, bare)
     assert not opens(replace(stall, inflation=4.9), both)
+
+
+@pytest.mark.parametrize(
+    ("inflation", "gain", "freed"),
+    [(9.2, 40.0, True), (9.2, 1.0, False), (4.0, 40.0, False)],
+)
+def test_a_wrong_model_beside_which_nothing_pays_may_take_another_form(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch,
+    inflation: float, gain: float, freed: bool,
+) -> None:  # fmt: skip
+    """An asymmetry in another form than nature's, beside which a trim showed only then."""
+    _, found = demo
+    bare = found.choice.bare
+    held = next(f for f in found.choice.chosen.fit.free if f.name == "tail_fin_lift.S")
+    model = replace(bare, effects=("tail_fin_lift",), inflation=inflation,
+                    fit=replace(bare.fit, free=(*bare.fit.free, held)))  # fmt: skip
+    other = replace(model, inflation=7.0, worth=bare.worth + gain * 7.0 / len(bare.worth))
+    asked: list[dict[str, float]] = []
+    monkeypatch.setattr(forms, "formed", lambda _b, _m, shapes: asked.append(shapes) or other)
+    assert forms.shaped_anyway(_bench(demo), model) is (other if freed else None)
+    assert bool(asked) == (inflation > forms.WRONG)
+    assert all("tail_fin_lift.p" in shapes for shapes in asked)
 
 
 def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:

@@ -22,6 +22,9 @@ ruler along a body is not surer than that.
 """
 LASTING = 0.003
 """Each trial's frames err together by so much: many frames are no surer than that."""
+MOST_SPREAD = 0.006
+"""A trial whose frames differ by more was filmed with so long an exposure that its tail has no end.
+"""
 LEAST_FRAMES = 10
 
 
@@ -36,7 +39,7 @@ def whole_lengths(
     seen: of each trial (n, 2) frame and length seen over stated. The straight line between the
     ends stands for the body; what it lacks where the body is bent is a few hundredths.
 
-    Raises: Fault where no trial shows both ends in `LEAST_FRAMES` frames.
+    Raises: Fault where no trial shows both ends sharply in `LEAST_FRAMES` frames.
     """
     core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
     rest_m = core_m + robot.tail_length_m
@@ -61,6 +64,8 @@ def _of_trial(
         return None
     miss = ratio - np.median(ratio[good])
     std = max(1e-6, ROBUST_WIDTH * float(np.median(np.abs(miss[good]))))
+    if std > MOST_SPREAD:
+        return None
     good &= np.abs(miss) < WIDEST_MISS * std
     n = int(good.sum())
     return {

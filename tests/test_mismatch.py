@@ -795,6 +795,25 @@ def test_plain_terms_without_a_name_tell_beside_a_strong_cause(
     assert not tells(found.choice, chosen)
 
 
+@pytest.mark.parametrize(
+    ("term", "chance", "told"),
+    [("residual.a8", 9e-4, True), ("residual.a8", 2e-3, False), ("sloshing", 2e-4, False),
+     ("sloshing", 9e-5, True), ("hump", 9e-5, False)],
+)  # fmt: skip
+def test_terms_of_much_gain_that_may_be_chance_do_not_tell(
+    demo: tuple[Measured, Found], term: str, chance: float, told: bool
+) -> None:
+    """A swing that was none gained 17 over the inflation in nine trials, p = 9e-4."""
+    _, found = demo
+    chosen = found.choice.chosen
+    noise = replace(chosen.noise, disturbance=0.5 * chosen.noise.disturbance)
+    gain = chosen.total - min(m.total for m in found.choice.without.values())
+    more = replace(chosen, effects=(*chosen.effects, term), noise=noise,
+                   worth=chosen.worth + gain / len(chosen.worth),
+                   p_value={**chosen.p_value, term: chance})  # fmt: skip
+    assert tells(found.choice, more) == told
+
+
 def test_a_scale_is_what_rigid_lengths_say_whatever_the_paths_say(
     demo: tuple[Measured, Found],
 ) -> None:

@@ -173,7 +173,7 @@ def verdict_of(kernel: Kernel, choice: Choice, residual: Trialled) -> str:
     """none, physics, measurement or unexplained."""
     chosen = choice.chosen
     astray = astray_by(chosen) > 1.0 if chosen.effects else chosen.inflation > WRONG
-    if tells(choice, residual) or astray or swings(residual.fit.free):
+    if tells(choice, residual) or astray or swings(choice.bare.fit.free):
         return "unexplained"
     return kernel.system.effect(chosen.effects[0]).kind if chosen.effects else "none"
 

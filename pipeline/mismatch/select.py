@@ -73,8 +73,10 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
         if best.effects == current.effects:
             best = in_another_form(bench, done, bare) or best
         if best.effects == current.effects and (free := shaped_anyway(bench, current)):
-            current, without = free, {}
-            continue
+            current, without = pruned(bench, free, bare)
+            if current.effects == free.effects:
+                continue
+            break
         if best.effects == current.effects:
             both = two_at_once(bench, done, bare) if done.before.inflation >= WRONG else None
             if not both:

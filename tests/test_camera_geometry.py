@@ -13,7 +13,7 @@ from pipeline.camera.distances import Geometry
 from pipeline.camera.geometry import check_distances, check_geometry, estimate_depth
 from pipeline.camera.resection import pose, pose_near, rectangle
 from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
-from pipeline.camera.whole_length import SYSTEMATIC, whole_lengths
+from pipeline.camera.whole_length import systematic, whole_lengths
 from pipeline.data import Positions
 from pipeline.faults import Fault
 from pipeline.study import Robot, Setup
@@ -139,7 +139,8 @@ def whole_checked(believed: PoolCamera):
         ones, cov = np.ones((120, 5)), np.full((120, 5, 2, 2), np.nan)
         trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
     lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
-    return check_distances(Geometry(believed, DEPTH_M), lengths, least=SYSTEMATIC)
+    geometry = Geometry(believed, DEPTH_M)
+    return check_distances(geometry, lengths, least=systematic(geometry, lengths))
 
 
 @pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])

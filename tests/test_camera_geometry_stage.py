@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,9 @@ from pipeline.camera.uncertainty import calibration_at
 from pipeline.campaign import Campaign
 from pipeline.data import read_track
 from pipeline.figures import draw
+from pipeline.keypoints.deeplabcut import read, write
 from pipeline.stages.depth import keypoint_depth
-from pipeline.stages.geometry import geometry
+from pipeline.stages.geometry import _scale_first, geometry
 from pipeline.stages.keypoints import keypoints
 from pipeline.stages.layout import Layout
 from pipeline.stages.mismatch import rigid_evidence
@@ -114,6 +116,55 @@ def test_a_smeared_tail_or_few_frames_tell_no_length(detected, tmp_path, lengths
     found = told(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert rigid_evidence(found, load_study(study).setup) == {}
+
+
+def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_path):
+    """Half a pixel of the body's length where nothing is wrong, and more where frames differ."""
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    least = []
+    for spread in (0.0005, 0.004):
+        shown(tmp_path / "results", frames_of(0.995, spread))
+        found = told(study, tmp_path / "results")
+        least.append(found["least"])
+        assert found["likely"] == "nothing"
+        evidence = rigid_evidence(found, load_study(study).setup)
+        assert evidence["scale"][1] >= found["least"]
+    assert 0.003 < least[0] < 0.0045 < least[1]
+
+
+def test_lengths_of_two_trials_are_too_few(detected, tmp_path):
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    shown(tmp_path / "results", frames_of(0.97, 0.001))
+    note = Layout(tmp_path / "results").detection(next(iter(PLANS)))
+    note.write_text(json.dumps(json.loads(note.read_text()) | {"length_seen": []}))
+    found = told(study, tmp_path / "results")
+    assert (found["scale"], found["likely"]) == (None, "unknown")
+    assert "2 trials" in found["sentence"]
+
+
+def test_frames_that_are_not_believed_give_no_length(detected, tmp_path):
+    study, results = detected
+    shutil.copytree(results, tmp_path / "results")
+    shown(tmp_path / "results", frames_of(0.97, 0.001))
+    for name in PLANS:
+        path = Layout(tmp_path / "results").keypoints(name)
+        given = read(path, load_study(study).trial(name), {})
+        write(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
+    assert told(study, tmp_path / "results")["likely"] == "unknown"
+
+
+def test_a_given_depth_is_not_blamed_where_the_scale_explains_it(detected):
+    estimate = {"name": "scale_error", "text": "the pool is larger than stated by x"}
+    told = {"likely": "keypoint_depth", "rivals": ["scale_error"], "sentence": "long; deep",
+            "estimates": [estimate]}  # fmt: skip
+    first = _scale_first(told, given=True)
+    assert (first["likely"], first["rivals"]) == ("scale_error", ["keypoint_depth"])
+    assert first["sentence"].startswith("long; the pool is larger than stated by x; as well")
+    assert _scale_first(told, given=False)["likely"] == "keypoint_depth"
+    assert "measure the robot again" in _scale_first(told, given=False)["sentence"]
+    assert _scale_first({**told, "likely": "nothing"}, given=True)["likely"] == "nothing"
 
 
 def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):

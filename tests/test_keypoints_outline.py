@@ -22,6 +22,7 @@ from pipeline.keypoints.outline.background import (
 from pipeline.keypoints.outline.clearing import _bare
 from pipeline.keypoints.outline.edges import edge_offset
 from pipeline.keypoints.outline.plane import plane_of
+from pipeline.keypoints.outline.tail import seen_length
 from pipeline.keypoints.outline.template import first_template, learned, median_seen
 from pipeline.synthetic.conditions import LADDER
 from pipeline.synthetic.design import ladder_design
@@ -76,6 +77,26 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     seen = project(pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)]))
     assert np.abs(plane.pixels(places) - seen).max() < 0.06
     assert np.abs(plane.metres(seen) - places).max() < 2e-4
+
+
+def bar() -> tuple[np.ndarray, np.ndarray]:
+    """Luma and floor of a dark bar 4 px wide, 40 px long to the right of (60, 60)."""
+    floor = np.full((120, 200), 180, np.uint8)
+    luma = floor.copy()
+    luma[58:62, 60:100] = 60
+    return luma, floor
+
+
+def test_a_tail_is_seen_to_end_where_it_does():
+    found = seen_length.py_func(bar(), np.array([60.0, 60.0]), 0.0, 38.0, 60.0)
+    assert found == pytest.approx(40.0, abs=1.0)
+
+
+@pytest.mark.parametrize("back", [0.0, np.pi, np.pi / 2])
+@pytest.mark.parametrize("base", [(-30, 40), (199, 60), (60, 119), (np.nan, 60), (15, 60)])
+def test_a_tail_at_the_pictures_border_has_no_length_and_reads_nothing_beyond(base, back):
+    found = seen_length.py_func(bar(), np.array(base, dtype=float), back, 38.0, 60.0)
+    assert np.isnan(found)
 
 
 def test_median_is_exact():

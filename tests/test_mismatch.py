@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -53,6 +54,7 @@ from pipeline.mismatch.setting import held_out_trials
 from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
 from pipeline.model import plates
+from pipeline.stages.layout import Layout
 from pipeline.stages.mismatch import (
     CLOCK_STD,
     from_the_nose,
@@ -61,6 +63,7 @@ from pipeline.stages.mismatch import (
     with_delay,
     with_rigid_distances,
 )
+from pipeline.study import Study
 from pipeline.synthetic.design import bare_design
 from pipeline.tuning import thin, tune
 from pipeline.tuning.identify import profiles
@@ -311,25 +314,28 @@ def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) 
     assert all("clock_ratio" in s.evidence for s in told if "clock_ratio" in m.series[0].evidence)
 
 
-def test_only_footage_is_seen_from_the_nose(demo: tuple[Measured, Found]) -> None:
-    """Where lengths were placed, the nose is what was seen; keypoint files were measured."""
+def test_only_placed_keypoints_are_seen_from_the_nose(
+    demo: tuple[Measured, Found], tmp_path: Path
+) -> None:
+    """Where lengths were placed, the nose is what was seen; files and dots were measured."""
     m, _ = demo
-    slots = plates().constants
+    slots, layout = plates().constants, Layout(tmp_path)
     filmed = m.study.model_copy(update={"trials": tuple(
         t.model_copy(update={"source": f"v/{t.trial_id}.mp4"}) for t in m.study.trials
     )})  # fmt: skip
-    told = {
-        study: np.array([s.constants[slots.index("ahead")]
-                         for s in from_the_nose(m.series, {"measured": measured}, kind)])
-        for study, measured, kind in [("files", "whole length", m.study),
-                                      ("dots", "rigid parts", filmed),
-                                      ("film", "whole length", filmed)]
-    }  # fmt: skip
-    assert not told["files"].any()
-    assert not told["dots"].any()
+
+    def ahead(study: Study, source: str) -> np.ndarray:
+        for one in m.series:
+            layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
+            layout.detection(one.name).write_text(json.dumps({"source": source}))
+        told = from_the_nose(m.series, study, layout)
+        return np.array([s.constants[slots.index("ahead")] for s in told])
+
+    assert not ahead(m.study, "deeplabcut").any()
+    assert not ahead(filmed, "markers").any()
     hinge = m.study.setup.robot.hinge_to_com_m
     reach = [s.constants[slots.index("h")] * np.cos(s.inputs[0, 0]) + hinge for s in m.series]
-    assert told["film"] == pytest.approx(reach)
+    assert ahead(filmed, "silhouette") == pytest.approx(reach)
 
 
 @pytest.mark.parametrize(

@@ -80,8 +80,12 @@ def check_distances(
     what: str = "rigid lengths come out",
     least: float = SYSTEMATIC,
 ) -> GeometryCheck:
-    """`check_geometry` of distances. what: how its sentence begins; least: as of `Estimate`."""
+    """`check_geometry` of distances. what: how its sentence begins; least: as of `Estimate`.
+
+    Suspects that change none of the distances are left out.
+    """
     patterns = {**camera_patterns(geometry, distances), **keypoint_patterns(distances)}
+    patterns = {name: pattern for name, pattern in patterns.items() if pattern.any()}
     fits = [
         _followed(estimate(suspect, patterns, distances, least), geometry, distances)
         for suspect in SUSPECTS
@@ -99,7 +103,7 @@ def check_distances(
         rivals = tuple(_name(fit) for fit in near)
     return GeometryCheck(
         outcome=best.suspect.name if best else "nothing",
-        sentence=_sentence(what, best, rivals, (mean, std)),
+        sentence=_sentence(what, best, rivals, (mean, std, least)),
         best=best,
         rivals=rivals,
         estimates=tuple(fits),
@@ -175,10 +179,12 @@ def _name(fit: Estimate) -> str:
 
 
 def _sentence(
-    what: str, best: Estimate | None, rivals: tuple[str, ...], excess: tuple[float, float]
+    what: str, best: Estimate | None, rivals: tuple[str, ...], excess: tuple[float, float, float]
 ) -> str:
-    mean, std = excess
+    mean, std, least = excess
     length = f"{what} {100 * mean:+.2f} +- {100 * std:.2f} % over the pool"
+    if best is None and abs(mean) > max(2 * least, 4 * std):
+        return f"{length}; too few trials to say why"
     if best is None:
         return f"{length}; no geometry error shows"
     also = f"; as well explained by {', '.join(rivals)}" if rivals else ""

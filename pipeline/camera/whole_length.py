@@ -11,17 +11,22 @@ import numpy as np
 from ..data import Float, Positions
 from ..faults import fault
 from ..study import Robot
-from .distances import ROBUST_WIDTH, WIDEST_MISS, Distances
+from .distances import ROBUST_WIDTH, WIDEST_MISS, Distances, Geometry, pixels_of
+from .pool import CONFIDENT
 
 ENDS = ("head_tip", "tail_tip")
+BELIEVED = ("head_tip", "hinge", "core_center")
+"""The tail's own likelihood is not asked: it is less where the tail is shorter than stated."""
 WHOLE = 3.0
 """Its number among the pairs: no keypoint's bias changes it."""
-SYSTEMATIC = 0.004
-"""Seen and stated length differ by up to 0.25 % where nothing is wrong (docs/measuring.md), and a
-ruler along a body is not surer than that.
+RULER = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+END_PX, SMEARED = 0.5, 0.8
+"""An end is seen half a pixel short where nothing is wrong, and by this share of the frames' spread
+where the exposure smears it (docs/measuring.md).
 """
 LASTING = 0.003
 """Each trial's frames err together by so much: many frames are no surer than that."""
+LEAST_TRIALS = 3
 MOST_SPREAD = 0.006
 """A trial whose frames differ by more was filmed with so long an exposure that its tail has no end.
 """
@@ -39,7 +44,7 @@ def whole_lengths(
     seen: of each trial (n, 2) frame and length seen over stated. The straight line between the
     ends stands for the body; what it lacks where the body is bent is a few hundredths.
 
-    Raises: Fault where no trial shows both ends sharply in `LEAST_FRAMES` frames.
+    Raises: Fault where fewer than `LEAST_TRIALS` show both ends sharply in `LEAST_FRAMES` frames.
     """
     core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
     rest_m = core_m + robot.tail_length_m
@@ -48,10 +53,27 @@ def whole_lengths(
         for t, (one, pairs, head_m) in enumerate(zip(trials, seen, head_lengths_m, strict=True))
         if (found := _of_trial(one, np.asarray(pairs).reshape(-1, 2), head_m + rest_m, t))
     ]
-    if not parts:
-        raise fault("keypoints", "", "no trial in which nose and tail's end are seen",
-                    f"both in {LEAST_FRAMES} frames of some trial")  # fmt: skip
+    if len(parts) < LEAST_TRIALS:
+        raise fault("keypoints", "", f"{len(parts)} trials in which nose and tail's end are seen",
+                    f"{LEAST_TRIALS} trials with both in {LEAST_FRAMES} frames")  # fmt: skip
     return Distances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
+
+
+def systematic(geometry: Geometry, distances: Distances) -> float:
+    """Share by which seen and stated lengths may differ in all trials where nothing is wrong: by
+    the ruler, by where an end is seen, by what the exposure smears.
+    """
+    ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
+    long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
+    smeared = SMEARED * float(np.median(_spread(distances)))
+    return float(np.sqrt(RULER**2 + (END_PX / long_px) ** 2 + smeared**2))
+
+
+def _spread(distances: Distances) -> Float:
+    """Spread of the frames of each trial, robustly, as a share of the length."""
+    share = distances.excess_m / distances.known_m
+    each = [share[distances.trial == t] for t in np.unique(distances.trial)]
+    return np.array([ROBUST_WIDTH * np.median(np.abs(one - np.median(one))) for one in each])
 
 
 def _of_trial(
@@ -59,7 +81,9 @@ def _of_trial(
 ) -> dict[str, Float] | None:
     frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
     front, back = (positions.part(name)[frames] for name in ENDS)
-    good = np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
+    body = [positions.names.index(name) for name in BELIEVED]
+    good = np.all(positions.likelihood[frames][:, body] >= CONFIDENT, axis=1)
+    good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
     if good.sum() < LEAST_FRAMES:
         return None
     miss = ratio - np.median(ratio[good])
@@ -72,10 +96,15 @@ def _of_trial(
         "front_m": front[good],
         "back_m": back[good],
         "excess_m": (ratio[good] - 1.0) * known_m,
-        "std_m": np.full(n, float(np.hypot(std, LASTING * n**0.5)) * known_m),
+        "std_m": np.full(n, _lasting(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
         "pair": np.full(n, WHOLE),
         "bend_rad": np.zeros(n),
         "time_s": positions.time_s[frames][good] - positions.time_s[0],
     }
+
+
+def _lasting(std: float, frames: int) -> float:
+    """Deviation of one frame such that all frames of a trial together have that of the trial."""
+    return float(np.sqrt(std**2 + frames * (LASTING**2 + (SMEARED * std) ** 2)))

@@ -13,7 +13,7 @@ from ..camera.distances import Geometry
 from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.pool import PoolCamera
 from ..camera.suspects import Estimate
-from ..camera.whole_length import SYSTEMATIC, whole_lengths
+from ..camera.whole_length import systematic, whole_lengths
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
@@ -45,7 +45,7 @@ def geometry(study: Path, results: Path) -> None:
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = good_trials([layout.detection(trial_id) for trial_id in ids])
-    measured = [name for name in good if _lengths_measured(layout.detection(name))]
+    measured = [name for name in good if lengths_measured(layout.detection(name))]
     try:
         if good and not measured:
             told = _told_whole(loaded, [loaded.trial(name) for name in good], layout)
@@ -56,7 +56,7 @@ def geometry(study: Path, results: Path) -> None:
     write_json(layout.geometry, told)
 
 
-def _lengths_measured(detection: Path) -> bool:
+def lengths_measured(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
     name = read_json(detection).get("source")
     return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
@@ -100,16 +100,36 @@ def _told_whole(study: Study, trials: list[Trial], layout: Layout) -> dict[str, 
         [trial.head_length_m for trial in trials],
         setup.robot,
     )
-    check = check_distances(Geometry(camera, depth), distances, what=COMES_OUT, least=SYSTEMATIC)
+    geometry = Geometry(camera, depth)
+    least = systematic(geometry, distances)
+    check = check_distances(geometry, distances, what=COMES_OUT, least=least)
     return {
-        **_evidence(check),
+        **_scale_first(_evidence(check), given=setup.robot.depth_given),
         "measured": WHOLE,
+        "least": least,
         "depth_m": depth,
         "depth_given": setup.robot.depth_given,
         "depth_estimate_m": None,
         "depth_estimate_std_m": None,
         "trials": len({int(trial) for trial in distances.trial}),
     }
+
+
+def _scale_first(told: dict[str, Any], *, given: bool) -> dict[str, Any]:
+    """The evidence with the scale, not a depth that was given, where either would explain it; and a
+    length stated wrongly beside whatever is named, which looks the same.
+    """
+    likely, rivals = told["likely"], list(told["rivals"])
+    if likely == "nothing":
+        return told
+    if given and likely == "keypoint_depth" and "scale_error" in rivals:
+        rivals[rivals.index("scale_error")] = likely
+        likely = "scale_error"
+        text = next(e["text"] for e in told["estimates"] if e["name"] == likely)
+        also = f"as well explained by {', '.join(rivals)}"
+        told = told | {"sentence": f"{told['sentence'].split(';')[0]}; {text}; {also}"}
+    ruler = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
+    return told | {"likely": likely, "rivals": rivals, "sentence": told["sentence"] + ruler}
 
 
 def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:

@@ -25,13 +25,12 @@ from ..mismatch.story import mismatch_json
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
-from .geometry import WHOLE
-from .layout import remove
+from .geometry import WHOLE, lengths_measured
+from .layout import Layout, remove
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
-WHOLE_STD = 0.0035  # and 0.2 % for where an outline is seen to end (docs/measuring.md)
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -54,7 +53,7 @@ def mismatch(study: Path, results: Path) -> None:
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay(series, flapping, fitted=fitted)
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
-    series = from_the_nose(series, campaign.geometry or {}, loaded)
+    series = from_the_nose(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
@@ -117,18 +116,15 @@ def with_rigid_distances(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
-def from_the_nose(
-    series: Sequence[Series], geometry: Mapping[str, Any], study: Study
-) -> list[Series]:
+def from_the_nose(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""
-    if geometry.get("measured") != WHOLE:
-        return list(series)
     slots = plates().constants
     head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
     out = []
     for one in series:
         constants = one.constants.copy()
-        if not study.trial(one.name).reads_keypoints:
+        filmed = not study.trial(one.name).reads_keypoints
+        if filmed and not lengths_measured(layout.detection(one.name)):
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out
@@ -148,7 +144,8 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
     if likely not in SPEAKS_OF_SCALE:
         return {}
     whole = geometry.get("measured") == WHOLE
-    told = {"scale": (scale - 1.0, float(np.hypot(std, WHOLE_STD if whole else LENGTH_STD)))}
+    own = geometry.get("least", LENGTH_STD) if whole else LENGTH_STD
+    told = {"scale": (scale - 1.0, float(np.hypot(std, own)))}
     if alone and not whole:
         told["lens"] = (0.0, LENS_STD)
         if likely in STRAIGHT:

@@ -17,7 +17,10 @@ TURN_RAD = 0.5
 FARTHEST, STRIDE_PX = 1.5, 0.5
 PLATEAU = (0.45, 0.75)
 LEAST_PLATEAU = 0.8
-BORDER_PX = 8.0
+BORDER_PX = 18.0
+"""Farther than this from the picture's border nothing about a place on the line lies outside: half
+an arc, and as much again as the line may have bent.
+"""
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -43,20 +46,20 @@ def trace(
     bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
     u, v = base[0], base[1]
     bend, travelled = 0.0, 0.0
-    covered, beyond, steps, past = 0.0, 0.0, 0, 0
-    ending, last = 0.0, 0
+    covered, beyond, steps, past, ending, last = 0.0, 0.0, 0, 0, 0.0, 0
     scatter, pale, breadth = 0.0, 0.0, 0.0
     radius = 3.0
     heading = bearing
-    while radius < 1.25 * length_px:
-        found, cover, width = _bearing(pictures, base, (bearing + bend, radius), skin)
+    border = min(base[0], base[1], width - 2 - base[0], height - 2 - base[1])
+    while radius < min(1.25 * length_px, border):
+        found, cover, breadth_px = _bearing(pictures, base, (bearing + bend, radius), skin)
         if travelled < length_px:
             covered += 1.0 if cover > 0.5 else 0.0
             steps += 1
             if travelled > 0.6 * length_px:
                 ending += 1.0 if cover > 0.35 else 0.0
                 last += 1
-                pale, breadth = pale + 1.0 - cover, breadth + width
+                pale, breadth = pale + 1.0 - cover, breadth + breadth_px
             if cover > 0.3:
                 scatter += ((found - bearing - bend) * radius) ** 2
                 bend = 0.7 * (found - bearing)
@@ -93,9 +96,11 @@ def seen_length(
     of the stated length. Its length is that of a cubic through the traced places, whose scatter
     would lengthen it. Arguments as of `trace`.
     """
-    height, width = pictures[0].shape
     count = int((FARTHEST * length_px - 3.0) / STRIDE_PX)
-    if count < 10:
+    height, width = pictures[0].shape
+    reach = 0.45 * length_px + 2.0
+    within = reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach
+    if count < 10 or not within:
         return math.nan
     cover, bearings = np.zeros(count), np.zeros(count)
     bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
@@ -103,7 +108,7 @@ def seen_length(
     for k in range(count):
         radius = 3.0 + k * STRIDE_PX
         u, v = base[0] + radius * math.cos(bearing), base[1] + radius * math.sin(bearing)
-        if not (BORDER_PX < u < width - BORDER_PX and BORDER_PX < v < height - BORDER_PX):
+        if not _clear_of_border(pictures, u, v):
             break
         found, cover[k], _ = _bearing(pictures, base, (bearing + bend, radius), skin)
         if cover[k] > 0.3:
@@ -127,6 +132,12 @@ def seen_length(
             return _along(bearings[:k], radius)
         before = now
     return math.nan
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _clear_of_border(pictures: Pictures, u: float, v: float) -> bool:
+    height, width = pictures[0].shape
+    return BORDER_PX < u < width - BORDER_PX and BORDER_PX < v < height - BORDER_PX
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -5,7 +5,8 @@
 Each step is three trials a seed (straight, a turn to either side), rendered once to `--folder`,
 decoded and detected like any footage. Printed a step: median errors [px], root mean square pulls
 (1 where covariances are right), points wrong by more than 5 px though their likelihood is over 0.9,
-the share of visible points believed, and the longest run of frames with head and tail swapped.
+the share of visible points believed, the longest run of frames with head and tail swapped, and by
+how much the whole length is seen too long [%] (a silhouette's).
 With `--dots` the robot bears coloured dots at every step, and these are what is found.
 Exits with 1 where a bar is missed.
 """
@@ -50,6 +51,7 @@ class Score:
 
     error, square: (frames, parts) px, and squared normalised error a coordinate; NaN unseen.
     likelihood, visible: (frames, parts). swapped: longest run of frames. moved: camera remarks.
+    length: (frames,) whole length seen over stated.
     """
 
     error: np.ndarray
@@ -58,6 +60,7 @@ class Score:
     visible: np.ndarray
     swapped: int
     moved: int
+    length: np.ndarray
 
     @property
     def believed(self) -> np.ndarray:
@@ -96,6 +99,7 @@ def score(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> Score:
         visible=visible,
         swapped=longest_run(backwards(found.xy_px, truth_px)),
         moved=sum("camera moved" in remark for remark in found.remarks),
+        length=np.full(len(off), np.nan) if found.length_seen is None else found.length_seen,
     )
 
 
@@ -121,7 +125,8 @@ def together(scores: Sequence[Score]) -> Score:
         np.concatenate([getattr(one, name) for one in scores])
         for name in ("error", "square", "likelihood", "visible")
     )
-    return Score(*joined, max(one.swapped for one in scores), sum(one.moved for one in scores))
+    return Score(*joined, max(one.swapped for one in scores), sum(one.moved for one in scores),
+                 np.concatenate([one.length for one in scores]))  # fmt: skip
 
 
 def rendered(
@@ -170,6 +175,8 @@ def line(name: str, found: Score) -> str:
     cells += [" "] + [f"{value:5.2f}" for value in found.pulls]
     share = float(np.mean(found.believed[found.visible]))
     cells += [f"{found.wrong:6d} {share:8.1%} {found.swapped:7d} {found.moved:5d}"]
+    seen = found.length[np.isfinite(found.length)]
+    cells += [f"{100 * (np.median(seen) - 1):+7.2f}" if len(seen) else f"{'-':>7}"]
     return " ".join(cells)
 
 
@@ -177,8 +184,8 @@ def header() -> str:
     """The table's head, as wide as its lines."""
     parts = " ".join(f"{part[:6]:>6}" for part in PARTS)
     pulls = " ".join(f"{part[:5]:>5}" for part in PARTS)
-    over = f"{'':>21} {'median error [px]':^34}   {'pulls':^29}   wrong  visible longest camera"
-    return f"{over}\n{'step':>14} frames {parts}   {pulls}   sure believed swapped moved"
+    over = f"{'':>21} {'median error [px]':^34}   {'pulls':^29}   wrong  visible longest camera  "
+    return f"{over}\n{'step':>14} frames {parts}   {pulls}   sure believed swapped moved  long %"
 
 
 def missed(by_step: dict[str, Score], sources: dict[str, str]) -> list[str]:

@@ -18,12 +18,15 @@ from .drawing.pool import pool
 
 TITLE = "Is the geometry right? Rigid distances over the pool"
 CAPTION = (
-    "The robot's head and core keep their lengths wherever it swims. A: by how much the measured "
-    "lengths miss the stated ones, place by place; grey figures are standard deviations. B: what "
-    "the error that explains them would do, on the same scale; blank where no error shows. "
-    "C: how much each possible error explains, fitted alone, in units of chi-squared "
-    "(logarithmic), and by how much it would change lengths (rms). Hollow: by no more than 0.05 %, "
-    "which lasting errors of a detector may do: however many frames agree, it tells of nothing."
+    "The robot's head and core keep their lengths wherever it swims; where keypoints were "
+    "placed at stated lengths, by silhouette, it is the whole length from nose to tail that is "
+    "seen. A: by how much the measured lengths miss the stated ones, place by place; grey "
+    "figures are standard deviations. B: what the error that explains them would do, on the "
+    "same scale; blank where no error shows. C: how much each possible error explains, fitted "
+    "alone, in units of chi-squared (logarithmic), and by how much it would change lengths "
+    "(rms). Hollow: by no more than a detector's lasting errors may (0.05 %; of the whole "
+    "length some 0.4 %: half a pixel, and what a ruler misses): however many frames agree, it "
+    "tells of nothing. Without lengths there is one sentence in place of the three parts."
 )
 NEEDS = ("geometry",)
 SHOWN = 9

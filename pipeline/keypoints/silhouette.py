@@ -25,7 +25,8 @@ from .outline.steadiness import camera_remarks
 from .outline.tracking import Fit, Scene, follow
 
 LENGTHS_STATED = True
-"""Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing."""
+"""Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
+measured is the whole length (`Keypoints.length_seen`)."""
 SAMPLES = (5, 15)
 WELL = 0.9
 TAUGHT = 0.6

@@ -12,6 +12,7 @@ from pipeline.camera.corners_picture import pool_corners_picture
 from pipeline.camera.distances import Geometry
 from pipeline.camera.geometry import check_distances, check_geometry, estimate_depth
 from pipeline.camera.resection import pose, pose_near, rectangle
+from pipeline.camera.suspects import estimate
 from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
 from pipeline.camera.whole_length import systematic, whole_lengths
 from pipeline.data import Positions
@@ -126,10 +127,10 @@ def test_a_pool_measured_short_is_a_scale_error():
     assert found.mean_excess == pytest.approx(-0.015, abs=0.002)
 
 
-def whole_checked(believed: PoolCamera):
+def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
     """The check of the whole lengths alone, the tail behind the others as far as it is seen."""
     trials, seen = [], []
-    for one in campaign(believed):
+    for one in campaign(believed, **made):
         tip, hinge, center, base = one.xy_m.transpose(1, 0, 2)
         end = base + (base - center) * 0.066 / 0.171
         parts = [tip - hinge, hinge - center, center - end]
@@ -140,7 +141,7 @@ def whole_checked(believed: PoolCamera):
         trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
     lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
     geometry = Geometry(believed, DEPTH_M)
-    return check_distances(geometry, lengths, least=systematic(geometry, lengths))
+    return check_distances(geometry, lengths, least=systematic(geometry, lengths), given=given)
 
 
 @pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])
@@ -150,6 +151,24 @@ def test_the_whole_length_alone_shows_a_scale_error(share, outcome):
     assert found.mean_excess == pytest.approx(share - 1, abs=0.001)
     assert ("scale_error" in {found.outcome, *found.rivals}) == outcome
     assert outcome or found.outcome == "nothing"
+
+
+def test_a_depth_that_was_given_gives_way_to_the_scale(monkeypatch):
+    """The patterns are nearly the same: which is ahead by a hair is left to the light."""
+
+    def by_a_hair(suspect, *args):
+        found = estimate(suspect, *args)
+        ahead = 4.0 if suspect.name == "keypoint_depth" else 0.0
+        return replace(found, gain=found.gain + ahead)
+
+    monkeypatch.setattr("pipeline.camera.geometry.estimate", by_a_hair)
+    free = whole_checked(TRUTH, depth_m=DEPTH_M + 0.03)
+    given = whole_checked(TRUTH, ("keypoint_depth",), depth_m=DEPTH_M + 0.03)
+    assert (free.outcome, given.outcome) == ("keypoint_depth", "scale_error")
+    assert "scale_error" in free.rivals
+    assert "keypoint_depth" in given.rivals
+    assert "the pool is larger than stated" in given.sentence
+    assert not any(e.suspect.name == "keypoint_bias" for e in free.estimates)
 
 
 def test_a_wrong_distortion_is_a_lens_error():

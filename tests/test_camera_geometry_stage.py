@@ -19,7 +19,7 @@ from pipeline.data import read_track
 from pipeline.figures import draw
 from pipeline.keypoints.deeplabcut import read, write
 from pipeline.stages.depth import keypoint_depth
-from pipeline.stages.geometry import _scale_first, geometry
+from pipeline.stages.geometry import geometry
 from pipeline.stages.keypoints import keypoints
 from pipeline.stages.layout import Layout
 from pipeline.stages.mismatch import rigid_evidence
@@ -153,18 +153,6 @@ def test_frames_that_are_not_believed_give_no_length(detected, tmp_path):
         given = read(path, load_study(study).trial(name), {})
         write(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
     assert told(study, tmp_path / "results")["likely"] == "unknown"
-
-
-def test_a_given_depth_is_not_blamed_where_the_scale_explains_it(detected):
-    estimate = {"name": "scale_error", "text": "the pool is larger than stated by x"}
-    told = {"likely": "keypoint_depth", "rivals": ["scale_error"], "sentence": "long; deep",
-            "estimates": [estimate]}  # fmt: skip
-    first = _scale_first(told, given=True)
-    assert (first["likely"], first["rivals"]) == ("scale_error", ["keypoint_depth"])
-    assert first["sentence"].startswith("long; the pool is larger than stated by x; as well")
-    assert _scale_first(told, given=False)["likely"] == "keypoint_depth"
-    assert "measure the robot again" in _scale_first(told, given=False)["sentence"]
-    assert _scale_first({**told, "likely": "nothing"}, given=True)["likely"] == "nothing"
 
 
 def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):

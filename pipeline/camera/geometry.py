@@ -79,8 +79,10 @@ def check_distances(
     *,
     what: str = "rigid lengths come out",
     least: float = SYSTEMATIC,
+    given: Sequence[str] = (),
 ) -> GeometryCheck:
-    """`check_geometry` of distances. what: how its sentence begins; least: as of `Estimate`.
+    """`check_geometry` of distances. what: how its sentence begins; least: as of `Estimate`; given:
+    suspects that give way to a wrong scale where that explains the distances as well.
 
     Suspects that change none of the distances are left out.
     """
@@ -98,9 +100,12 @@ def check_distances(
     best = certain[0] if certain else None
     rivals: tuple[str, ...] = ()
     if best is not None:
-        near = [f for f in fits if f is not best and f.gain > best.gain - RIVAL_MARGIN
-                and (f.plausible or not best.plausible)]  # fmt: skip
-        rivals = tuple(_name(fit) for fit in near)
+        first = best
+        near = [f for f in fits if f.gain > first.gain - RIVAL_MARGIN
+                and (f.plausible or not first.plausible)]  # fmt: skip
+        if best.suspect.name in given:
+            best = next((f for f in near if f.suspect.name == "scale_error"), best)
+        rivals = tuple(_name(fit) for fit in near if fit is not best)
     return GeometryCheck(
         outcome=best.suspect.name if best else "nothing",
         sentence=_sentence(what, best, rivals, (mean, std, least)),

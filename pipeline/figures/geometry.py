@@ -84,16 +84,18 @@ def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, na
         grid["x_edges_m"], grid["y_edges_m"], shown, cmap=DIVERGING, vmin=-span, vmax=span, zorder=1
     )
     if name == "excess":
-        _deviations(axes, grid)
+        _deviations(axes, grid, span)
     return picture
 
 
-def _deviations(axes: Axes, grid: dict[str, Float]) -> None:
+def _deviations(axes: Axes, grid: dict[str, Float], span: float) -> None:
     x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
     for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
         std = 100 * grid["std"][row, column]
         text = f"±{std:.2f}" if std >= LEAST_TOLD else f"<{LEAST_TOLD}"
-        axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5, color="#5b6570")
+        dark = abs(100 * grid["excess"][row, column]) > 0.4 * span
+        axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5,
+                  color="white" if dark else "#5b6570")  # fmt: skip
 
 
 def _suspects(axes: Axes, estimates: list[dict[str, Any]]) -> None:

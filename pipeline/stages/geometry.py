@@ -28,6 +28,7 @@ STATED = (
     "depth, and too few frames show nose and tail's end; dots, markers or a network would tell"
 )
 WHOLE = "whole length"
+RULER = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
 COMES_OUT = "the body's whole length, nose to tail, comes out"
 USEFUL_DEPTH_STD_M = 0.01
 """An estimated depth less certain than this is worth less than the usual one."""
@@ -102,9 +103,12 @@ def _told_whole(study: Study, trials: list[Trial], layout: Layout) -> dict[str, 
     )
     geometry = Geometry(camera, depth)
     least = systematic(geometry, distances)
-    check = check_distances(geometry, distances, what=COMES_OUT, least=least)
+    given = ("keypoint_depth",) if setup.robot.depth_given else ()
+    check = check_distances(geometry, distances, what=COMES_OUT, least=least, given=given)
+    ruler = "" if check.best is None else RULER
     return {
-        **_scale_first(_evidence(check), given=setup.robot.depth_given),
+        **_evidence(check),
+        "sentence": f"{check.sentence}{ruler}",
         "measured": WHOLE,
         "least": least,
         "depth_m": depth,
@@ -113,23 +117,6 @@ def _told_whole(study: Study, trials: list[Trial], layout: Layout) -> dict[str, 
         "depth_estimate_std_m": None,
         "trials": len({int(trial) for trial in distances.trial}),
     }
-
-
-def _scale_first(told: dict[str, Any], *, given: bool) -> dict[str, Any]:
-    """The evidence with the scale, not a depth that was given, where either would explain it; and a
-    length stated wrongly beside whatever is named, which looks the same.
-    """
-    likely, rivals = told["likely"], list(told["rivals"])
-    if likely == "nothing":
-        return told
-    if given and likely == "keypoint_depth" and "scale_error" in rivals:
-        rivals[rivals.index("scale_error")] = likely
-        likely = "scale_error"
-        text = next(e["text"] for e in told["estimates"] if e["name"] == likely)
-        also = f"as well explained by {', '.join(rivals)}"
-        told = told | {"sentence": f"{told['sentence'].split(';')[0]}; {text}; {also}"}
-    ruler = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
-    return told | {"likely": likely, "rivals": rivals, "sentence": told["sentence"] + ruler}
 
 
 def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:

@@ -416,6 +416,57 @@ def test_what_side_measurements_say_pays_by_itself(demo: tuple[Measured, Found])
     assert pays(before, replace(after, side=before.side + 8.0), found.choice.bare)
 
 
+@pytest.mark.parametrize(
+    ("side", "paths", "paying"),
+    [(8.0, -1.0, False), (13.0, -40.0, True), (13.0, -np.inf, False), (-1.5, 300.0, False)],
+)  # fmt: skip
+def test_what_is_plain_aside_pays_whatever_the_paths_gain_and_nothing_against_it(
+    demo: tuple[Measured, Found], side: float, paths: float, paying: bool
+) -> None:
+    """A lens told by rigid lengths by 8 deviations was not named: one fold of nine trials went astray."""
+    _, found = demo
+    before = found.choice.chosen
+    after = replace(before, effects=(*before.effects, "lens_error"), side=before.side + side,
+                    worth=before.worth + paths * before.inflation / len(before.worth),
+                    p_value={**before.p_value, "lens_error": 1e-12})  # fmt: skip
+    assert pays(before, after, found.choice.bare) == paying
+
+
+def test_who_does_not_explain_a_side_measurement_is_no_rival_for_its_place(
+    demo: tuple[Measured, Found],
+) -> None:
+    _, found = demo
+    bare = found.choice.bare
+    told = replace(bare, effects=("scale_error",), side=bare.side + 11.0, worth=bare.worth + 0.1,
+                   p_value={"scale_error": 1e-4})  # fmt: skip
+    late = replace(bare, effects=("time_offset",), worth=bare.worth + 20.0,
+                   p_value={"time_offset": 1e-3})  # fmt: skip
+    bent = replace(late, effects=("uncorrected_refraction",), side=told.side,
+                   p_value={"uncorrected_refraction": 1e-3})  # fmt: skip
+    place = replace(found.choice.rounds[0], before=bare, tried=(late, told))
+    assert not _outdone("scale_error", place, told)
+    assert _outdone("scale_error", replace(place, tried=(bent, told)), told)
+    unsaid = replace(told, side=bare.side)
+    assert _outdone("scale_error", replace(place, tried=(late, unsaid)), unsaid)
+
+
+def test_of_two_that_side_measurements_tell_alike_the_surest_by_the_paths_is_taken(
+    demo: tuple[Measured, Found],
+) -> None:
+    _, found = demo
+    bare = found.choice.bare
+
+    def told(name: str, gain: float, p_value: float) -> Trialled:
+        return replace(bare, effects=(name,), side=bare.side + 11.0, p_value={name: p_value},
+                       worth=bare.worth + gain / len(bare.worth))  # fmt: skip
+
+    refraction, scale = told("uncorrected_refraction", 4.5, 5e-4), told("scale_error", 4.4, 4e-5)
+    place = replace(found.choice.rounds[0], before=bare, bare=bare, tried=(refraction, scale))
+    assert place.best is scale
+    far = told("scale_error", 4.5 - 2.0 * bare.inflation, 4e-5)
+    assert replace(place, tried=(refraction, far)).best is refraction
+
+
 def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Found]) -> None:
     _, found = demo
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
@@ -799,6 +850,23 @@ def test_plain_terms_without_a_name_tell_beside_a_strong_cause(
     assert not tells(found.choice, beside(6.0, 0.5))
     assert not tells(found.choice, beside(20.0, 0.5, chance=1e-5))
     assert not tells(found.choice, chosen)
+
+
+@pytest.mark.parametrize(
+    ("over", "chance", "told"),
+    [(6.0, 4e-6, False), (6.0, 5e-7, True), (41.0, 2e-6, True), (41.0, 2e-5, False)],
+)  # fmt: skip
+def test_a_term_that_stands_alone_needs_a_small_p_value(
+    demo: tuple[Measured, Found], over: float, chance: float, told: bool
+) -> None:
+    """The smallest of 85 nulls was 4e-6, with a gain of 6."""
+    _, found = demo
+    bare = found.choice.bare
+    alone = replace(found.choice, chosen=bare, without={})
+    noise = replace(bare.noise, disturbance=0.5 * bare.noise.disturbance)
+    more = replace(bare, effects=("residual.c8",), noise=noise, p_value={"residual.c8": chance},
+                   worth=bare.worth + over * bare.inflation / len(bare.worth))  # fmt: skip
+    assert tells(alone, more) == told
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from ..integrate import Kernel
 from ..integrate.batch import each
 from .bench import Bench
 from .judge import Trialled, candidate_frees
-from .paying import WRONG, pays
+from .paying import TOLD_ASIDE, WRONG, pays
 from .search import Foretold, likeliest_start, starts_of
 
 TRIED = 6
@@ -37,9 +37,14 @@ class Round:
 
     @property
     def best(self) -> Trialled:
-        """What paid most; the start of the round where nothing pays."""
+        """What paid most; the start of the round where nothing pays. Of causes level with it that
+        side measurements tell as well, the surest by its paths.
+        """
         paying = [t for t in self.tried if pays(self.before, t, self.bare)]
-        return max(paying, key=lambda t: t.total, default=self.before)
+        best = max(paying, key=lambda t: t.total, default=self.before)
+        told = [t for t in paying if t.side - self.before.side > TOLD_ASIDE
+                and t.total > best.total - best.inflation]  # fmt: skip
+        return min(told, key=lambda t: t.p_value[t.effects[-1]]) if best in told else best
 
 
 def is_sure(model: Trialled) -> bool:
@@ -68,13 +73,18 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
 def _refit(
     bench: Bench, before: Trialled, name: str, told: Foretold, predictor: Passes
 ) -> Trialled:
+    """A candidate's refit; one of which side measurements tell also with gains that follow: a wrong
+    lens was far from where the fit began, and its paths had come out worse than without it.
+    """
     start = {**before.fit.by_label(), **(told.start if told.gain > 0 else {}),
              **likeliest_start(bench.kernel, bench.points(before), name,
                                noise=before.noise, predictor=predictor)}  # fmt: skip
     found = bench.refit((*before.effects, name), before, start, predictor)
-    if np.isfinite(found.total):
+    aside = found.side - before.side > TOLD_ASIDE and found.total < before.total
+    if np.isfinite(found.total) and not aside:
         return found
-    return bench.followed((*before.effects, name), before)
+    again = bench.followed((*before.effects, name), before)
+    return max(found, again, key=lambda t: t.total) if aside else again
 
 
 def settled(bench: Bench, before: Trialled, model: Trialled) -> Trialled:

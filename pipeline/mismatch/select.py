@@ -16,7 +16,7 @@ from ..integrate.batch import each
 from .bench import Bench
 from .forms import formed, own_shapes, shaped, shaped_anyway
 from .judge import Trialled, own_numbers
-from .paying import WRONG, opens, pays
+from .paying import WRONG, explains_aside, opens, pays
 from .rounds import CONTENDERS, PART_OF_BEST, Round, is_sure, one_round, settled
 
 LEAST_FOR_FORM = 3.0
@@ -173,7 +173,8 @@ def _outdone(name: str, place: Round, chosen: Trialled) -> bool:
         simpler = fewer and pays(place.before, rival, place.bare)
         return rival.total > chosen.total + (0.0 if simpler else chosen.inflation)
 
-    rivals = [t for t in place.tried if t.effects[-1] not in chosen.effects and is_sure(t)]
+    rivals = [t for t in place.tried if t.effects[-1] not in chosen.effects and is_sure(t)
+              and explains_aside(t, chosen, place.before)]  # fmt: skip
     return any(better(t) for t in rivals)
 
 
@@ -184,7 +185,8 @@ def in_place(choice: Choice, name: str) -> dict[str, float]:
         t.effects[-1]: fairly(t, chosen)
         for t in choice.places[name].tried
         if t.effects[-1] not in chosen.effects and np.isfinite(t.total)
-    }
+        and explains_aside(t, chosen, choice.without[name])
+    }  # fmt: skip
     return {**rivals, name: chosen.total}
 
 

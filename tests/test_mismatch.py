@@ -423,7 +423,7 @@ def test_what_side_measurements_say_pays_by_itself(demo: tuple[Measured, Found])
 def test_what_is_plain_aside_pays_whatever_the_paths_gain_and_nothing_against_it(
     demo: tuple[Measured, Found], side: float, paths: float, paying: bool
 ) -> None:
-    """A lens told by rigid lengths by 8 deviations was not named: one fold of nine trials went astray."""
+    """A lens told by 8 deviations was not named, since one fold of nine trials went astray."""
     _, found = demo
     before = found.choice.chosen
     after = replace(before, effects=(*before.effects, "lens_error"), side=before.side + side,

@@ -22,7 +22,7 @@ from pipeline.keypoints.outline.background import (
 from pipeline.keypoints.outline.clearing import _bare
 from pipeline.keypoints.outline.edges import edge_offset
 from pipeline.keypoints.outline.plane import plane_of
-from pipeline.keypoints.outline.tail import seen_length
+from pipeline.keypoints.outline.tail import tail_length
 from pipeline.keypoints.outline.template import first_template, learned, median_seen
 from pipeline.synthetic.conditions import LADDER
 from pipeline.synthetic.design import ladder_design
@@ -88,14 +88,14 @@ def bar() -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_a_tail_is_seen_to_end_where_it_does():
-    found = seen_length.py_func(bar(), np.array([60.0, 60.0]), 0.0, 38.0, 60.0)
+    found = tail_length.py_func(bar(), np.array([60.0, 60.0]), 0.0, 38.0, 60.0)
     assert found == pytest.approx(40.0, abs=1.0)
 
 
 @pytest.mark.parametrize("back", [0.0, np.pi, np.pi / 2])
 @pytest.mark.parametrize("base", [(-30, 40), (199, 60), (60, 119), (np.nan, 60), (15, 60)])
 def test_a_tail_at_the_pictures_border_has_no_length_and_reads_nothing_beyond(base, back):
-    found = seen_length.py_func(bar(), np.array(base, dtype=float), back, 38.0, 60.0)
+    found = tail_length.py_func(bar(), np.array(base, dtype=float), back, 38.0, 60.0)
     assert np.isnan(found)
 
 

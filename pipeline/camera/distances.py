@@ -17,6 +17,7 @@ from .pool import CONFIDENT, PoolCamera, project, to_pool
 
 PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
 MOST_DISTANCES = 30_000
+LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 ROBUST_WIDTH = 1.4826
 WIDEST_MISS = 6.0
 
@@ -91,9 +92,8 @@ def _of_pair(
     good = trusted & np.isfinite(length)
     if good.sum() < 10:
         return None
-    miss = length - np.median(length[good])
-    std = max(1e-6, ROBUST_WIDTH * float(np.median(np.abs(miss[good]))))
-    good &= np.abs(miss) < WIDEST_MISS * std
+    std, near = scatter(length, good)
+    good &= near
     n = int(good.sum())
     excess = length[good] - known_m - std**2 / (2 * known_m)
     return {
@@ -107,6 +107,15 @@ def _of_pair(
         "bend_rad": _bend(positions)[good],
         "time_s": positions.time_s[good] - positions.time_s[0],
     }
+
+
+def scatter(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
+    """Robust deviation of the good of some values about their median, and which of all (n,) lie
+    within `WIDEST_MISS` of it.
+    """
+    miss = np.abs(values - np.median(values[good]))
+    std = max(1e-6, ROBUST_WIDTH * float(np.median(miss[good])))
+    return std, miss < WIDEST_MISS * std
 
 
 def _bend(positions: Positions) -> Float:

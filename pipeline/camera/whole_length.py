@@ -11,15 +11,14 @@ import numpy as np
 from ..data import Float, Positions
 from ..faults import fault
 from ..study import Robot
-from .distances import ROBUST_WIDTH, WIDEST_MISS, Distances, Geometry, pixels_of
+from .distances import LENGTH_STD, Distances, Geometry, pixels_of, scatter
 from .pool import CONFIDENT
 
 ENDS = ("head_tip", "tail_tip")
 BELIEVED = ("head_tip", "hinge", "core_center")
 """The tail's own likelihood is not asked: it is less where the tail is shorter than stated."""
-WHOLE = 3.0
+PAIR = 3.0
 """Its number among the pairs: no keypoint's bias changes it."""
-RULER = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 END_PX, SMEARED = 0.5, 0.8
 """An end is seen half a pixel short where nothing is wrong, and by this share of the frames' spread
 where the exposure smears it (docs/measuring.md).
@@ -65,15 +64,10 @@ def systematic(geometry: Geometry, distances: Distances) -> float:
     """
     ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
     long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
-    smeared = SMEARED * float(np.median(_spread(distances)))
-    return float(np.sqrt(RULER**2 + (END_PX / long_px) ** 2 + smeared**2))
-
-
-def _spread(distances: Distances) -> Float:
-    """Spread of the frames of each trial, robustly, as a share of the length."""
     share = distances.excess_m / distances.known_m
-    each = [share[distances.trial == t] for t in np.unique(distances.trial)]
-    return np.array([ROBUST_WIDTH * np.median(np.abs(one - np.median(one))) for one in each])
+    spread = [scatter(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
+    smeared = SMEARED * float(np.median(spread))
+    return float(np.sqrt(LENGTH_STD**2 + (END_PX / long_px) ** 2 + smeared**2))
 
 
 def _of_trial(
@@ -86,11 +80,10 @@ def _of_trial(
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
     if good.sum() < LEAST_FRAMES:
         return None
-    miss = ratio - np.median(ratio[good])
-    std = max(1e-6, ROBUST_WIDTH * float(np.median(np.abs(miss[good]))))
+    std, near = scatter(ratio, good)
     if std > MOST_SPREAD:
         return None
-    good &= np.abs(miss) < WIDEST_MISS * std
+    good &= near
     n = int(good.sum())
     return {
         "front_m": front[good],
@@ -99,7 +92,7 @@ def _of_trial(
         "std_m": np.full(n, _lasting(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
-        "pair": np.full(n, WHOLE),
+        "pair": np.full(n, PAIR),
         "bend_rad": np.zeros(n),
         "time_s": positions.time_s[frames][good] - positions.time_s[0],
     }

@@ -28,7 +28,7 @@ STATED = (
     "depth, and too few frames show nose and tail's end; dots, markers or a network would tell"
 )
 WHOLE = "whole length"
-RULER = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
+STATED_WRONGLY = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
 COMES_OUT = "the body's whole length, nose to tail, comes out"
 USEFUL_DEPTH_STD_M = 0.01
 """An estimated depth less certain than this is worth less than the usual one."""
@@ -105,10 +105,10 @@ def _told_whole(study: Study, trials: list[Trial], layout: Layout) -> dict[str, 
     least = systematic(geometry, distances)
     given = ("keypoint_depth",) if setup.robot.depth_given else ()
     check = check_distances(geometry, distances, what=COMES_OUT, least=least, given=given)
-    ruler = "" if check.best is None else RULER
+    also = "" if check.best is None else STATED_WRONGLY
     return {
         **_evidence(check),
-        "sentence": f"{check.sentence}{ruler}",
+        "sentence": f"{check.sentence}{also}",
         "measured": WHOLE,
         "least": least,
         "depth_m": depth,

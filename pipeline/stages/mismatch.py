@@ -12,6 +12,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..camera.displacement import lens_strength
+from ..camera.distances import LENGTH_STD
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
 from ..faults import Fault
@@ -30,7 +31,6 @@ from .layout import Layout, remove
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
-LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -139,13 +139,12 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
     if scale is None or not std:
         return {}
     alone = not geometry.get("rivals")
-    if likely == "lens_error" and alone and geometry.get("measured") != WHOLE:
+    whole = geometry.get("measured") == WHOLE
+    if likely == "lens_error" and alone and not whole:
         return _wrong_lens(geometry, setup)
     if likely not in SPEAKS_OF_SCALE:
         return {}
-    whole = geometry.get("measured") == WHOLE
-    own = geometry.get("least", LENGTH_STD) if whole else LENGTH_STD
-    told = {"scale": (scale - 1.0, float(np.hypot(std, own)))}
+    told = {"scale": (scale - 1.0, float(np.hypot(std, geometry.get("least", LENGTH_STD))))}
     if alone and not whole:
         told["lens"] = (0.0, LENS_STD)
         if likely in STRAIGHT:

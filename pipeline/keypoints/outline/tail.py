@@ -87,7 +87,7 @@ def trace(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def seen_length(
+def tail_length(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
 ) -> float:
     """Length [px] of the tail from its base to where it is seen to end; NaN where it is not.

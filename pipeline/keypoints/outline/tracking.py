@@ -15,7 +15,7 @@ from .edges import HALF_PX
 from .plane import Plane
 from .posefit import Shape, fit, summary
 from .search import Blob, blobs, poses_of
-from .tail import seen_length, trace
+from .tail import tail_length, trace
 from .template import Template
 from .variance import Clues, clues, kernels
 
@@ -186,7 +186,7 @@ def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
     back_rad, length_px = math.atan2(along[1], along[0]), float(np.hypot(*along))
     pictures = (frame, scene.floor)
     tail = trace(pictures, ends[0], back_rad, length_px, template.skin)
-    seen_px = seen_length(pictures, ends[0], back_rad, length_px, template.skin)
+    seen_px = tail_length(pictures, ends[0], back_rad, length_px, template.skin)
     stated_m = template.head_m + template.core_m + template.tail_m
     longer_m = (seen_px - length_px + one.nose_px) * template.tail_m / length_px
     return replace(one, tail=tail, length=1.0 + longer_m / stated_m)

@@ -9,7 +9,17 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from one_mass import SYSTEM
-from pipeline.fitting import Free, Noise, Series, filter_series, fit, fit_noise, thinned
+from pipeline.fitting import (
+    Free,
+    Noise,
+    Series,
+    filter_all,
+    filter_series,
+    fit,
+    fit_noise,
+    thinned,
+    with_forces_of,
+)
 from pipeline.fitting.gram import set_whitened_products
 from pipeline.fitting.linear import likelihood_slopes, linearised, log_likelihood
 from pipeline.integrate import compiled
@@ -152,6 +162,33 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
     found = fit(kernel, unseen, system.values({}), [Free("c")], noise, start={"c": 0.8})
     assert found.values[0] == pytest.approx(known.start, abs=1e-3 * 0.2)
     assert found.naive_cov[0, 0] == pytest.approx(0.2**2, rel=1e-6)
+
+
+def test_a_fit_takes_its_last_step_and_tells_what_it_brought() -> None:
+    rng = np.random.default_rng(5)
+    true = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1))
+    kernel = compiled(SYSTEM)
+    trials = [replace(a_series(_pushed(rng, 200, true)), name=str(k)) for k in range(6)]
+    base, free = SYSTEM.values({}), [Free("c")]
+    held = filter_all(kernel, trials, [base] * 6, true)
+    exact = fit(kernel, trials, base, free, true, tolerance=1e-6, predictor=held)
+    std = exact.naive_cov[0, 0] ** 0.5
+    near = {"c": float(exact.values[0]) + 0.3 * std}
+    rough = fit(kernel, trials, base, free, true, start=near, tolerance=0.5, predictor=held)
+    assert rough.iterations == 1
+    assert rough.values[0] == pytest.approx(exact.values[0], abs=0.02 * std)
+    assert rough.log_likelihood == pytest.approx(exact.log_likelihood, abs=0.01)
+    assert abs(rough.normal.gradient.sum()) < 0.02 / std
+
+
+def test_forces_of_another_noise_leave_the_measuring_part() -> None:
+    kernel = compiled(SYSTEM)
+    ours = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.full(1, 1.5))
+    other = Noise(np.array([0.2, 0.03]), np.array([0.8, 0.4]), np.full(1, 2.0))
+    found = with_forces_of(kernel, ours, other)
+    assert found.disturbance.tolist() == [0.2, 0.012]
+    assert found.tau.tolist() == [0.8, 0.15]
+    assert found.scale.tolist() == [1.5]
 
 
 def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:

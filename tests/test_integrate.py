@@ -69,6 +69,33 @@ def test_any_system_with_inputs_that_run_and_forces_that_know_the_time(k: float)
     assert found == pytest.approx(exact_pendulum(0.1, k, push), abs=2e-6)
 
 
+def test_a_gap_in_one_trial_takes_small_steps_there_and_changes_no_other() -> None:
+    push = np.full(len(TIMES), 0.3)
+    late = np.where(TIMES > 4.0, TIMES + 0.5, TIMES)
+    state = np.repeat(np.array([[0.4], [0.0]])[None], 2, axis=0) * np.ones(LANES)
+    values = np.array([[[0.1], [0.2]]] * 2) * np.ones(LANES)
+    both = propagate(
+        compiled(PENDULUM), state, values, np.full((2, 1, LANES), 9.81),
+        times=np.array([TIMES, late]), inputs=np.array([push, push])[:, :, None],
+        keep_states=True,
+    )[1]  # fmt: skip
+    alone = swinging(np.array([0.1, 0.2]), push)
+    assert np.array_equal(both[0, :, :, 0], alone)
+    fine = run(PENDULUM, np.array([0.1, 0.2]), push[:, None], np.array([9.81]), start=(0.4, 0.0),
+               times=late, step_s=1e-3)  # fmt: skip
+    assert both[1, -1, :, 0] == pytest.approx(fine[-1], abs=2e-6)
+
+
+@pytest.mark.parametrize("frames_hz", [29.97, 59.94])
+def test_film_rates_need_no_more_steps_than_round_ones(frames_hz: float) -> None:
+    """Two steps a frame at 29.97/s, as at 30/s: the same error as steps of exactly that length."""
+    times = np.arange(100) / frames_hz
+    push = np.full(len(times), 0.3)[:, None]
+    ends = [run(PENDULUM, np.array([0.1, 0.2]), push, np.array([9.81]), start=(0.4, 0.0),
+                times=times, step_s=step) for step in (1 / 60, 0.5001 * 2 / 59.94)]  # fmt: skip
+    assert np.array_equal(*ends)
+
+
 @pytest.mark.parametrize("k", [0.0, 0.2])
 def test_order_of_convergence_is_four_with_effects_and_without(k: float) -> None:
     push = np.full(len(TIMES), 0.3)

@@ -14,6 +14,8 @@ from ..study import Robot
 from .distances import LENGTH_STD, Distances, Geometry, pixels_of, scatter
 from .pool import CONFIDENT
 
+WHOLE = "whole length"
+"""What geometry.json says it rests on where rigid distances say nothing."""
 ENDS = ("head_tip", "tail_tip")
 BELIEVED = ("head_tip", "hinge", "core_center")
 """The tail's own likelihood is not asked: it is less where the tail is shorter than stated."""

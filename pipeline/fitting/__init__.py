@@ -2,7 +2,7 @@
 
 from .filtering import Filtered, Passes, disturbance_slots, filter_all, filter_series, smooth
 from .joint import Fit, fit, pseudo_inverse, response
-from .noise import fit_noise
+from .noise import fit_noise, with_forces_of
 from .normal import (
     Normal,
     log_likelihoods,
@@ -53,5 +53,6 @@ __all__ = [
     "spread_over_trials",
     "thinned",
     "trial_values",
+    "with_forces_of",
     "without_bounds",
 ]

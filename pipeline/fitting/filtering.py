@@ -149,7 +149,7 @@ def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) ->
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
-        active_states(kernel.system, on), on, _substeps(series), gains, roots, transitions,
+        active_states(kernel.system, on), on, STEP_S, gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
     return Filtered(
@@ -219,10 +219,6 @@ def active_states(system: System, on: np.ndarray) -> np.ndarray:
 def _active(system: System, on: bytes) -> np.ndarray:
     used = [s for e, acts in zip(system.effects, on, strict=True) if acts for s in e.states]
     return np.array([system.all_states.index(n) for n in (*system.states, *used)])
-
-
-def _substeps(series: Series) -> int:
-    return max(1, int(np.ceil(np.max(np.diff(series.times)) / STEP_S - 1e-6)))
 
 
 def _regular(matrix: Float) -> Float:

@@ -60,8 +60,9 @@ def fit(
 ) -> Fit:
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
-    start: values by label; without it the parameters' own starts. Ends where the next step would
-    change no number by more than `tolerance` of its standard deviation. predictor: as in
+    start: values by label; without it the parameters' own starts. Ends with the step that changes
+    no number by more than `tolerance` of its standard deviation: what it brings is told by the
+    parabola of the last normal equations, whose error is of its square. predictor: as in
     `normal_equations`.
     """
     slots = slots_by_name(kernel)
@@ -77,7 +78,7 @@ def fit(
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
         if _is_small(normal, trial - x, tolerance):
-            outcome = CONVERGED
+            x, normal, outcome = trial, _after(normal, trial - x), CONVERGED
             break
         candidate = normal_equations(
             kernel, series, base, free, trial, noise=noise, predictor=predictor
@@ -109,6 +110,16 @@ def damped_step(normal: Normal, damping: float, x: Float, lower: Float, upper: F
 def _is_small(normal: Normal, change: Float, tolerance: float) -> bool:
     """Whether a step lies within `tolerance` standard deviations: change' H change < tol^2."""
     return bool(change @ normal.hessian.sum(axis=0) @ change < tolerance**2 * max(len(change), 1))
+
+
+def _after(normal: Normal, step: Float) -> Normal:
+    """The normal equations a step further, by their own parabola."""
+    bend = normal.hessian @ step
+    return Normal(
+        normal.hessian,
+        normal.gradient - bend,
+        normal.log_likelihood + (normal.gradient - 0.5 * bend) @ step,
+    )
 
 
 def pseudo_inverse(matrix: Float) -> Float:

@@ -63,6 +63,16 @@ def fit_noise(
     return found if _told(passed) > before else noise
 
 
+def with_forces_of(kernel: Kernel, noise: Noise, other: Noise) -> Noise:
+    """The measuring part of one noise with the random forces of another."""
+    acting = set(disturbance_slots(kernel, acting=True))
+    count = len(noise.disturbance)
+    theirs = [k for k, slot in enumerate(disturbance_slots(kernel)[:count]) if slot in acting]
+    disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
+    disturbance[theirs], tau[theirs] = other.disturbance[theirs], other.tau[theirs]
+    return Noise(disturbance, tau, noise.scale)
+
+
 def _unlikely(
     kernel: Kernel, linear: Linear, noise: Noise, sought: Sequence[int]
 ) -> tuple[float, Float]:

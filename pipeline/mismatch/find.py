@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..data import Steady
 from ..fitting import Series
 from ..integrate import Kernel, compiled
+from ..integrate.batch import each
 from ..model import is_nameless, plates
 from ..study import Study
 from ..tuning import Tuned, thin, tune
@@ -99,12 +101,15 @@ def find_mismatch(
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
-    forces, told = _located(study, kernel, few, baseline, extended)
-    paths = path_errors(study, kernel, {"baseline": baseline, "extended": extended}, test)
+    models = {"baseline": baseline, "extended": extended}
+    (forces, told), paths = each(lambda task: task(), (
+        partial(_located, study, kernel, few, baseline, extended),
+        partial(path_errors, study, kernel, models, test),
+    ))  # fmt: skip
     errors = {
         name: {"path_rmse_m": paths.rmse_m[name], **steady_errors(study, kernel, tuned, test,
                                                                   steady)}
-        for name, tuned in (("baseline", baseline), ("extended", extended))
+        for name, tuned in models.items()
     }  # fmt: skip
     return Found(
         verdict=verdict, choice=choice, baseline=baseline, extended=extended, residual=residual,

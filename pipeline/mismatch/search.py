@@ -33,6 +33,8 @@ from .judge import Trialled, candidate_frees, held_out_worth, parameters_of, par
 
 PASSES = 2
 """How often the filter's gains follow a candidate's fit: first those of the model before it."""
+TOLERANCE = 0.15
+"""A refit ends with a step of this many standard deviations: the next would be far smaller."""
 MOVED = 0.2
 """Numbers that move less than this, in standard deviations, leave the filter's gains as they are.
 """
@@ -72,7 +74,7 @@ def try_effects(
     frees = _not_held(kernel, _told_of(kernel, series, every), known)
     for _ in range(passes):
         found = fit(kernel, series, point, frees, noise, start=known, iterations=iterations,
-                    tolerance=0.05, predictor=predictor)  # fmt: skip
+                    tolerance=TOLERANCE, predictor=predictor)  # fmt: skip
         points = [trial_values(kernel, point, frees, found.values, s.group) for s in series]
         predictor, moved = filter_all(kernel, series, points, noise), _moved(found, known)
         known = found.by_label()

@@ -206,7 +206,7 @@ def _instead(place: Round, chosen: Trialled) -> Trialled:
 def pruned(bench: Bench, model: Trialled, bare: Trialled) -> tuple[Trialled, dict[str, Trialled]]:
     """A model without the effects that no longer pay, and what it is without each of the rest."""
     while True:
-        names, less = model.effects, partial(bench.less, model)
+        names, less = model.effects, partial(bench.less, model, bare=bare)
         without = dict(zip(names, each(less, [[e] for e in names]), strict=True))
         idle = [e for e in model.effects[:-1]
                 if np.isfinite(without[e].total) and not pays(without[e], model, bare)]  # fmt: skip

@@ -13,11 +13,11 @@ from ..camera.distances import Geometry
 from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.pool import PoolCamera
 from ..camera.suspects import Estimate
-from ..camera.whole_length import systematic, whole_lengths
+from ..camera.whole_length import WHOLE, systematic, whole_lengths
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
-from ..keypoints import source, sources
+from ..keypoints import lengths_measured
 from ..keypoints.deeplabcut import read
 from ..study import Setup, Study, Trial, load_study
 from .layout import Layout
@@ -27,7 +27,6 @@ STATED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
     "depth, and too few frames show nose and tail's end; dots, markers or a network would tell"
 )
-WHOLE = "whole length"
 STATED_WRONGLY = "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
 COMES_OUT = "the body's whole length, nose to tail, comes out"
 USEFUL_DEPTH_STD_M = 0.01
@@ -46,7 +45,9 @@ def geometry(study: Path, results: Path) -> None:
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = good_trials([layout.detection(trial_id) for trial_id in ids])
-    measured = [name for name in good if lengths_measured(layout.detection(name))]
+    measured = [
+        name for name in good if lengths_measured(read_json(layout.detection(name)).get("source"))
+    ]
     try:
         if good and not measured:
             told = _told_whole(loaded, [loaded.trial(name) for name in good], layout)
@@ -55,12 +56,6 @@ def geometry(study: Path, results: Path) -> None:
     except Fault as nothing:
         told = _unknown(loaded.setup, str(nothing))
     write_json(layout.geometry, told)
-
-
-def lengths_measured(detection: Path) -> bool:
-    """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
-    name = read_json(detection).get("source")
-    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
 
 
 def _told(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:

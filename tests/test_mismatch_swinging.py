@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +10,13 @@ import pytest
 from measured import Measured, swung
 from pipeline.files import plain
 from pipeline.fitting import Free, Series
-from pipeline.integrate import Parameter
+from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch
 from pipeline.mismatch.locate import Dependence
-from pipeline.mismatch.search import further
+from pipeline.mismatch.search import other_shapes, unlikelihood
 from pipeline.mismatch.story import mismatch_json
 from pipeline.mismatch.swinging import of_time, only_of_time, swings
-from pipeline.model import is_nameless
+from pipeline.model import hump, is_nameless, plates
 
 SWING = {"sx": 0.03, "cx": -0.01, "W": 2.6}
 PULSE = {"s": 0.12, "c": 0.04, "W": 2.2}
@@ -72,10 +71,24 @@ def told_beside_the_fin(
     return cause, numbers, told["held_out"]
 
 
-def test_a_free_shape_is_tried_between_its_start_and_its_bounds_or_at_its_own_values() -> None:
-    plain_shape = Parameter("s", "1", 2.0, 0.5, 8.0, "a shape")
-    assert further(plain_shape) == pytest.approx((1.0, 4.0))
-    assert further(replace(plain_shape, tries=(3.0, 5.0, 7.0))) == (3.0, 5.0, 7.0)
+def test_shapes_are_tried_between_start_and_bounds_or_at_their_own_values_or_not() -> None:
+    kernel = compiled(plates())
+    lag = kernel.system.parameters[kernel.system.slot["lift_lag.s"]]
+    assert other_shapes(kernel, "lift_lag") == [
+        {"lift_lag.s": pytest.approx((lag.start * bound) ** 0.5)}
+        for bound in (lag.lower, lag.upper)
+    ]
+    humps = other_shapes(kernel, "hump")
+    assert [shape["hump.c"] for shape in humps] == list(hump.SPEEDS)
+    assert all(shape["hump.w"] == hump.NARROW for shape in humps)
+    assert other_shapes(kernel, "thrust_loss_with_speed") == [{"thrust_loss_with_speed.w": 0.8}]
+    assert other_shapes(kernel, "trim_moment") == []
+
+
+def test_another_form_of_a_law_is_less_plausible_than_the_start() -> None:
+    kernel = compiled(plates())
+    assert unlikelihood(kernel, {"thrust_loss_with_speed.w": 0.8}) == pytest.approx(2.0)
+    assert unlikelihood(kernel, {"hump.c": 0.2, "hump.w": 0.05}) == 0.0
 
 
 def test_a_swing_pushes_by_the_clock_however_fast_in_its_own_channels() -> None:

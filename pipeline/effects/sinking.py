@@ -21,7 +21,7 @@ REGIME = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
 PARAMETERS = (
     Parameter("k", "1/s", 0.03, 0.0, 0.5, "growth of the drag coefficient per second, over 4 s"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as time squared", spread=0.4),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as time squared", 0.4, (0.8,)),
     Parameter(
         "g",
         "1/s",

@@ -21,7 +21,7 @@ PARAMETERS = (
     Parameter(
         "d", "m", 0.003, -0.05, 0.05, "offset of the line of thrust at a head angle of 90 degrees"
     ),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows with the angle itself", spread=0.4),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows with the angle itself", 0.4, (0.8,)),
 )
 
 

@@ -19,7 +19,7 @@ REGIME = "start-up against cruise: strong push at first, less at speed"
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 PARAMETERS = (
     Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance, at 0.15 m"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared", spread=0.4),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared", 0.4, (0.8,)),
 )
 
 

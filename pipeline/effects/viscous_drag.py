@@ -25,7 +25,7 @@ REGIME = "low speed: 50 % power, start-up and coasting"
 CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
 PARAMETERS = (
     Parameter("k", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V", spread=0.4),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V", 0.4, (0.8,)),
     Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
 )
 

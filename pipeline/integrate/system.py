@@ -27,7 +27,8 @@ class Parameter:
 
     spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
     it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
-    tries: further values from which a fit may begin, where its likelihood has several hills.
+    tries: further values from which a fit may begin, where its likelihood has several hills; of a
+    shape that is held where it is plausible, another form of the law.
     """
 
     name: str

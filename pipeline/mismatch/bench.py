@@ -20,7 +20,7 @@ from ..fitting import (
 )
 from ..integrate import Kernel
 from .judge import Trialled, candidate_frees
-from .search import PASSES, Foretold, free_shapes, further, screened, try_effects
+from .search import PASSES, Foretold, other_shapes, screened, try_effects, unlikelihood
 
 Progress = Callable[[str], None]
 NOISE_ROUNDS = 4
@@ -47,23 +47,21 @@ class Bench:
     def foretold(
         self, model: Trialled, candidates: Sequence[str], predictor: Passes
     ) -> dict[str, Foretold]:
-        """`screened`, with candidates that have a free shape differenced at several shapes, the
-        most promising of which is where their refit begins.
+        """`screened`, with candidates that have other shapes differenced at several, the most
+        promising of which is where their refit begins.
         """
         at = partial(screened, self.kernel, self.series, model, predictor=predictor)
         told = at(self.base, candidates)
-        shaped = {c: {p.name: further(p) for p in shapes} for c in candidates
-                  if (shapes := free_shapes(self.kernel, c))}  # fmt: skip
-        for k in range(max((len(v) for s in shaped.values() for v in s.values()), default=0)):
-            put = {c: {name: values[k] for name, values in shape.items() if k < len(values)}
-                   for c, shape in shaped.items()}  # fmt: skip
-            put = {c: shape for c, shape in put.items() if shape}
+        shapes = {c: other_shapes(self.kernel, c) for c in candidates}
+        for k in range(max((len(turns) for turns in shapes.values()), default=0)):
+            put = {c: turns[k] for c, turns in shapes.items() if k < len(turns)}
             moved = self.base.copy()
             for name, value in (item for shape in put.values() for item in shape.items()):
                 moved[self.kernel.system.slot[name]] = value
             for c, found in at(moved, list(put)).items():
-                if found.gain > told[c].gain:
-                    told[c] = Foretold(found.gain, {**found.start, **put[c]})
+                gain = found.gain - unlikelihood(self.kernel, put[c])
+                if gain > told[c].gain:
+                    told[c] = Foretold(gain, {**found.start, **put[c]})
         return told
 
     def refit(

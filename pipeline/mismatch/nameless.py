@@ -43,7 +43,9 @@ SWING, PULSE, HUMP = "sloshing", "surging", "hump"
 HUMP_PLACES, SWINGS = 50.0, 10.0
 """A hump's place and width are chosen where they do best: in noise its p value is 25 to 50 times
 too small (best of all places and widths, by simulation). So is a swing's frequency: some ten of
-them are independent in a trial of 7 s.
+them are independent in a trial of 7 s. Where the trials left out gain as much as is asked for a
+large gain, no choice of a place has made it: of 176 concealed studies humps that are none gained 16
+over the inflation at most (p = 0.03), those that are 22 and more (7e-7 and less).
 """
 MOST_TERMS = 4
 CONTESTED = 4
@@ -174,16 +176,22 @@ def tells(choice: Choice, residual: Trialled) -> bool:
     gain = residual.total - chosen.total
     named = max((chosen.total - m.total for m in choice.without.values()), default=0.0)
     law = foretold_randomness(chosen, residual)
-    times = {HUMP: HUMP_PLACES, SWING: SWINGS}
-    chance = min(p * times.get(e, 1.0) for e, p in residual.p_value.items()
-                 if e not in chosen.effects)  # fmt: skip
-    alone = MUCH_CHANCE if gain > ALONE_MUCH * residual.inflation else ALONE_CHANCE
-    if chance > (BESIDE_CHANCE if chosen.effects else alone):
+    added = {e: p for e, p in residual.p_value.items() if e not in chosen.effects}
+    chance = _surest(added, {HUMP: HUMP_PLACES, SWING: SWINGS})
+    foreseen = _surest(added, {SWING: SWINGS})
+    much = gain > ALONE_MUCH * residual.inflation
+    alone = chance < ALONE_CHANCE or (much and foreseen < MUCH_CHANCE)
+    if not (chance < BESIDE_CHANCE if chosen.effects else alone):
         return False
-    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and chance < PLAIN_CHANCE:
+    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and foreseen < PLAIN_CHANCE:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and law > TELLING_SHARE
+
+
+def _surest(p_values: Mapping[str, float], times: Mapping[str, float]) -> float:
+    """The least p value, each times the number of places that its term was tried at."""
+    return min(p * times.get(e, 1.0) for e, p in p_values.items())
 
 
 def only_form(bench: Bench, choice: Choice) -> bool:

@@ -19,7 +19,9 @@ from .search import Foretold, likeliest_start, starts_of
 TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3
-"""Of those that gained at least this part of the best's gain so many are settled."""
+"""Of those that gained at least this part of the best's gain so many are settled, and every one
+further that would stand above them.
+"""
 UNLIKELY = 0.01
 
 
@@ -67,7 +69,10 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     least = before.total + PART_OF_BEST * max(most, 0.0)
     best = each(partial(settled, bench, before),
                 [t for t in found[:CONTENDERS] if t.total > least])  # fmt: skip
-    ordered = sorted([*best, *found[len(best) :]], key=lambda t: -t.total)
+    rest = found[len(best) :]
+    while best and rest and rest[0].total > max(t.total for t in best):
+        best.append(settled(bench, before, rest.pop(0)))
+    ordered = sorted([*best, *rest], key=lambda t: -t.total)
     return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
 
 

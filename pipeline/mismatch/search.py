@@ -165,18 +165,31 @@ def screened(
     return told
 
 
-def free_shapes(kernel: Kernel, name: str) -> list[Parameter]:
-    """A candidate's shapes of which nothing is known beforehand."""
-    frees, strengths = candidate_frees(kernel.system, name)
-    return [p for p in parameters_of(kernel, frees[strengths:]) if not np.isfinite(p.spread)]
+def other_shapes(kernel: Kernel, name: str) -> list[dict[str, float]]:
+    """Shapes at which a candidate is tried beside its start: parameter -> value, by turns.
 
-
-def further(parameter: Parameter) -> tuple[float, ...]:
-    """Values at which a free shape is tried beside its start: its own, or two between the start and
-    its bounds, halfway on a logarithmic scale.
+    One of which nothing is known beforehand has values of its own, or two between the start and
+    its bounds, halfway on a logarithmic scale; one that is held has those of another form.
     """
+    frees, strengths = candidate_frees(kernel.system, name)
+    tried = {p.name: values for p in parameters_of(kernel, frees[strengths:])
+             if (values := p.tries or _between(p))}  # fmt: skip
+    most = max((len(values) for values in tried.values()), default=0)
+    return [{n: values[k] for n, values in tried.items() if k < len(values)} for k in range(most)]
+
+
+def _between(parameter: Parameter) -> tuple[float, ...]:
+    if np.isfinite(parameter.spread):
+        return ()
     bounds = (max(bound, 0.1 * parameter.start) for bound in (parameter.lower, parameter.upper))
-    return parameter.tries or tuple(float(np.sqrt(parameter.start * bound)) for bound in bounds)
+    return tuple(float(np.sqrt(parameter.start * bound)) for bound in bounds)
+
+
+def unlikelihood(kernel: Kernel, shape: Mapping[str, float]) -> float:
+    """By how much log likelihood shapes are less plausible beforehand than those at the start."""
+    slots, parameters = kernel.system.slot, kernel.system.parameters
+    off = [(v - parameters[slots[n]].start) / parameters[slots[n]].spread for n, v in shape.items()]
+    return 0.5 * float(np.dot(off, off))
 
 
 def _step_gain(normal: Normal) -> tuple[Float, float]:

@@ -186,7 +186,7 @@ def tells(choice: Choice, residual: Trialled) -> bool:
     if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and foreseen < PLAIN_CHANCE:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
-    return enough and law > TELLING_SHARE
+    return enough and (law > TELLING_SHARE or not chosen.effects)
 
 
 def _surest(p_values: Mapping[str, float], times: Mapping[str, float]) -> float:

@@ -20,7 +20,8 @@ TRIED = 6
 CONTENDERS = 3
 PART_OF_BEST = 0.3
 """Of those that gained at least this part of the best's gain so many are settled, and every one
-further that would stand above them.
+further that would stand above them. Beside a wrong model so is the one that was foretold most:
+under noise that passes what is missing for chance a fold left out may tell against the truth.
 """
 UNLIKELY = 0.01
 
@@ -67,9 +68,11 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     found.sort(key=lambda t: -t.total)
     most = max((t.total - before.total for t in found), default=0.0)
     least = before.total + PART_OF_BEST * max(most, 0.0)
-    best = each(partial(settled, bench, before),
-                [t for t in found[:CONTENDERS] if t.total > least])  # fmt: skip
-    rest = found[len(best) :]
+    hopeful = {names[0]} if names and before.inflation > WRONG else set()
+    chosen = [t for i, t in enumerate(found)
+              if (i < CONTENDERS and t.total > least) or t.effects[-1] in hopeful]  # fmt: skip
+    rest = [t for t in found if t.effects[-1] not in {c.effects[-1] for c in chosen}]
+    best = each(partial(settled, bench, before), chosen)
     while best and rest and rest[0].total > max(t.total for t in best):
         best.append(settled(bench, before, rest.pop(0)))
     ordered = sorted([*best, *rest], key=lambda t: -t.total)

@@ -24,7 +24,8 @@ LEAST_FOR_FORM = 3.0
 OPENINGS = 2
 AHEAD = 1.4
 """Two names gain more than one term without a name by their number alone: 1.06 times what the term
-did for `sin 4 alpha`, which has none, and twice for a thrust line and a damping beside a fin.
+did for `sin 4 alpha`, which has none, and twice for a thrust line and a damping beside a fin. Of
+more terms two names need only gain as much: 1.07 times what three did for such a pair.
 """
 CLOSE = 6.0
 """A rival that in its round was no further behind than this, in held-out log likelihood over the
@@ -92,8 +93,8 @@ def choose(bench: Bench, bare: Trialled) -> Choice:
 
 
 def two_more(bench: Bench, choice: Choice, unnamed: Trialled) -> Choice:
-    """Choice with two further causes that together gain `AHEAD` times what terms without a name,
-    `unnamed`, do, where neither pays alone; else as it was.
+    """Choice with two further causes that together gain what several terms without a name,
+    `unnamed`, do, or `AHEAD` times what one does, where neither pays alone; else as it was.
     """
     if len(choice.chosen.effects) + 2 > MOST_CAUSES:
         return choice
@@ -105,7 +106,8 @@ def two_more(bench: Bench, choice: Choice, unnamed: Trialled) -> Choice:
         return choice
     done, model, without = both
     before, terms = bench.renoised(chosen).total, bench.renoised(unnamed).total
-    if not model.total >= before + AHEAD * (terms - before):
+    ahead = AHEAD if len(unnamed.effects) == len(chosen.effects) + 1 else 1.0
+    if not model.total >= before + ahead * (terms - before):
         return choice
     rounds = (*choice.rounds, done)
     return _against_rivals(bench, Choice(choice.bare, model, rounds, without, {}))

@@ -54,6 +54,18 @@ def test_a_drag_that_rises_about_one_speed_is_found_with_its_speed(
     assert held["extended"]["path_rmse_m"] < 1.3 * held["noise_floor_path_rmse_m"]
 
 
+def test_a_thrust_that_falls_with_the_square_of_the_advance_has_its_name(
+    demo: tuple[Measured, Found],
+) -> None:
+    """Its linear form gains nothing there: the coefficients take it up."""
+    m, still = demo
+    series = swung(m.series, still.extended, "thrust_loss_with_speed", {"k": 0.008, "w": 1.0})
+    found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
+    assert found.verdict == "physics"
+    assert {"tail_fin_lift", "thrust_loss_with_speed"} <= set(found.choice.chosen.effects)
+    assert found.extended.fit.by_label()["thrust_loss_with_speed.w"] > 0.5
+
+
 def told_beside_the_fin(
     demo: tuple[Measured, Found], effect: str, hidden: dict[str, float]
 ) -> tuple[dict[str, Any], dict[str, float], dict[str, Any]]:

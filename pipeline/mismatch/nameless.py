@@ -22,7 +22,8 @@ LEAST_NAMELESS = 5.0
 """Nameless terms tell of something unexplained where they turn this share of the variance that
 looked random in a channel into law, and gain this part of what the strongest of the named causes
 gains (and over the inflation not less than the last number): a named law in another form than
-nature's leaves less.
+nature's leaves less. Where nothing has a name the p value tells, whatever was random before: a
+faint force may pass for the water's.
 """
 PLAIN, PLAIN_SHARE, PLAIN_CHANCE = 15.0, 0.5, 2e-6
 """So they do where they gain this much over the inflation, make law of this share, and the surest

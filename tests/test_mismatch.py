@@ -45,9 +45,15 @@ from pipeline.mismatch.horizon import begun, path_errors, well_seen
 from pipeline.mismatch.judge import Trialled, inflation, kept_shapes, p_value_of, step_of_rest
 from pipeline.mismatch.jumps import jumps, with_jumps
 from pipeline.mismatch.locate import added_force
-from pipeline.mismatch.nameless import dropped, tells, without_doubtful, without_proxies
+from pipeline.mismatch.nameless import (
+    dropped,
+    not_a_crowd,
+    tells,
+    without_doubtful,
+    without_proxies,
+)
 from pipeline.mismatch.paying import opens
-from pipeline.mismatch.rounds import settled
+from pipeline.mismatch.rounds import Round, settled
 from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.select import _level, _outdone, two_more
 from pipeline.mismatch.setting import held_out_trials
@@ -766,6 +772,32 @@ def test_two_names_must_gain_clearly_more_than_terms_without_one(
     full = replace(before.chosen, effects=("stall", "sinking", "added_mass"))
     monkeypatch.setattr(select, "two_at_once", lambda *_: pytest.fail("a fifth cause"))
     assert two_more(bench, replace(before, chosen=full), full).chosen is full
+
+
+@pytest.mark.parametrize(("ahead", "goes"), [(1.0, True), (-1.0, False)])
+def test_names_that_share_the_work_of_one_term_go_together(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch, ahead: float, goes: bool
+) -> None:
+    """One term beside the strongest cause does better than all other names together, or not."""
+    _, found = demo
+    bench, choice, fin = _bench(demo), found.choice, "tail_fin_lift"
+    names = (fin, "crossflow_drag", "added_mass")
+    chosen = replace(choice.chosen, effects=names)
+    alone = replace(choice.without["linear_yaw_damping"], effects=(fin,))
+    without = {e: alone if e != fin else choice.without[fin] for e in names}
+    crowd = replace(choice, chosen=chosen, without=without)
+    one = replace(chosen, effects=(fin, "residual.b7"), p_value={"residual.b7": 1e-9},
+                  worth=chosen.worth + ahead)  # fmt: skip
+    place = Round(choice.bare, alone, {}, (one,))
+    monkeypatch.setattr("pipeline.mismatch.nameless.one_round", lambda *_, **__: place)
+    monkeypatch.setattr("pipeline.mismatch.nameless.anew", lambda _, model: model)
+    monkeypatch.setattr("pipeline.mismatch.nameless.dropped", lambda _, __, weak: sorted(weak))
+    monkeypatch.setattr(Bench, "less", lambda *_: alone)
+    kept = not_a_crowd(bench, crowd)
+    assert kept == ["added_mass", "crossflow_drag"] if goes else kept is crowd
+    told = replace(crowd, chosen=replace(chosen, side=alone.side + 20.0))
+    assert not_a_crowd(bench, told) is told
+    assert not_a_crowd(bench, choice) is choice
 
 
 def test_the_rest_moves_no_shape_that_it_cannot_tell() -> None:

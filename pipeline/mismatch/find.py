@@ -25,6 +25,7 @@ from .locate import Dependence, MissingForce, added_force, dependences, missing_
 from .nameless import (
     nameless,
     nameless_gain,
+    not_a_crowd,
     not_outdone,
     only_form,
     tells,
@@ -125,7 +126,8 @@ def _searched(bench: Bench, bare: Trialled) -> tuple[Bench, Choice, Trialled, fl
     """
     choice = choose(bench, bare)
     bench.progress("terms without a name")
-    choice = without_doubtful(bench, not_outdone(bench, choice))
+    choice = not_outdone(bench, not_a_crowd(bench, choice))
+    choice = without_doubtful(bench, choice)
     residual = nameless(bench, choice.chosen, choice.bare)
     if residual.effects != choice.chosen.effects and not swings(residual.fit.free):
         bench.progress("two names at once")

@@ -260,12 +260,12 @@ def _level(bench: Bench, name: str, place: Round, chosen: Trialled) -> Round:
     close = [t for t in place.tried
              if t.effects[-1] not in chosen.effects and t.total < chosen.total
              and t.total > (min(near, part) if own_shapes(bench.kernel, t) else near)]  # fmt: skip
-    again = dict(zip((t.effects for t in close), each(partial(_anew, bench), close), strict=True))
+    again = dict(zip((t.effects for t in close), each(partial(anew, bench), close), strict=True))
     tried = (max(t, again.get(t.effects, t), key=lambda one: one.total) for t in place.tried)
     return replace(place, tried=tuple(sorted(tried, key=lambda t: -t.total)))
 
 
-def _anew(bench: Bench, model: Trialled) -> Trialled:
+def anew(bench: Bench, model: Trialled) -> Trialled:
     """A model under all of its own noise, its forms free where that pays."""
     found = shaped(bench, bench.renoised(model))
     return found if np.isfinite(found.total) else model

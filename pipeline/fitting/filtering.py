@@ -15,9 +15,9 @@ from ..integrate.batch import each, switches
 from .series import Noise, Series, filled
 
 STEP_S = 1 / 30
-"""Longest integration step between observations: its error is far below a frame's noise. 1/20 s
-would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps are
-unstable from 1/30 s on.
+"""Longest integration step between observations, to 1 %: its error is far below a frame's noise.
+1/20 s would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps
+are unstable from 1/30 s on.
 """
 DIFFERENCE = 1e-5  # size of state differences for the transition matrix, in each state's SI unit
 

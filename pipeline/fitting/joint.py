@@ -18,6 +18,7 @@ from .series import Free, Noise, Series
 
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
+DAMPING, NOTHING_MORE = 1e-4, 0.3
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
 
 
@@ -61,9 +62,10 @@ def fit(
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes
-    no number by more than `tolerance` of its standard deviation: what it brings is told by the
-    parabola of the last normal equations, whose error is of its square. predictor: as in
-    `normal_equations`.
+    the numbers by no more than `tolerance` of their standard deviations in the mean square: what it
+    brings is told by the parabola of the last normal equations. A step that is small because it is
+    damped ends the fit at `NOTHING_MORE` of that, and is not taken: there the parabola has failed.
+    predictor: as in `normal_equations`.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -72,13 +74,16 @@ def fit(
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
     normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor)
-    damping, outcome, count = 1e-4, STALLED, 0
+    damping, outcome, count = DAMPING, STALLED, 0
     while normal.usable and count < iterations and damping < 1e8:
         count += 1
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
-        if _is_small(normal, trial - x, tolerance):
-            x, normal, outcome = trial, _after(normal, trial - x), CONVERGED
+        whole = damping <= DAMPING
+        if _is_small(normal, trial - x, tolerance if whole else NOTHING_MORE * tolerance):
+            if whole:
+                x, normal = trial, _after(normal, trial - x)
+            outcome = CONVERGED
             break
         candidate = normal_equations(
             kernel, series, base, free, trial, noise=noise, predictor=predictor

@@ -64,7 +64,9 @@ def fit_noise(
 
 
 def with_forces_of(kernel: Kernel, noise: Noise, other: Noise) -> Noise:
-    """The measuring part of one noise with the random forces of another."""
+    """The measuring part of one noise with the random forces of another of the same states."""
+    if len(noise.disturbance) != len(other.disturbance):
+        raise ValueError("the noises have other random states")
     acting = set(disturbance_slots(kernel, acting=True))
     count = len(noise.disturbance)
     theirs = [k for k, slot in enumerate(disturbance_slots(kernel)[:count]) if slot in acting]

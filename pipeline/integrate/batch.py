@@ -18,7 +18,7 @@ from .kernel import LANES, Kernel
 from .system import System
 
 STEP_S = 1 / 60
-"""Longest integration step, to 5 %: error of the paper's model below 0.01 mm over 8 s (tests)."""
+"""Longest integration step, to 1 %: error of the paper's model below 0.01 mm over 8 s (tests)."""
 
 
 def switches(system: System, values: Float) -> np.ndarray:

@@ -8,18 +8,16 @@ from functools import partial
 
 from ..data import Float
 from ..fitting import (
-    Fit,
     Free,
     Passes,
     Series,
     filter_all,
     fit_noise,
-    response,
     trial_values,
     with_forces_of,
 )
 from ..integrate import Kernel
-from .judge import Trialled, candidate_frees
+from .judge import Trialled
 from .search import PASSES, Foretold, other_shapes, screened, try_effects, unlikelihood
 
 Progress = Callable[[str], None]
@@ -93,30 +91,19 @@ class Bench:
                           rounds=rounds)  # fmt: skip
         return self.refit(model.effects, replace(model, noise=noise))
 
-    def less(
-        self, model: Trialled, names: Sequence[str], bare: Trialled | None = None
-    ) -> Trialled:  # fmt: skip
+    def less(self, model: Trialled, names: Sequence[str], bare: Trialled) -> Trialled:
         """A model with effects taken away, all else refitted, under noise of its own.
 
         bare: the model without effects: where none are left it is that, under what measuring noise
         the other has.
         """
         rest = [e for e in model.effects if e not in names]
-        if bare is not None and not rest:
+        if not rest:
             noise = with_forces_of(self.kernel, model.noise, bare.noise)
             return self.settled(replace(bare, noise=noise))
-        return self.settled(self.refit(rest, model, self._begun_without(model.fit, names)))
-
-    def _begun_without(self, found: Fit, names: Sequence[str]) -> dict[str, float]:
-        """Label -> where numbers that stay go, to first order, as the strengths go to nothing."""
-        both = [candidate_frees(self.kernel.system, name) for name in names]
-        strengths = {f.label for frees, count in both for f in frees[:count]}
         taken = tuple(f"{name}." for name in names)
-        stay = [i for i, f in enumerate(found.free) if not f.label.startswith(taken)]
-        gone = [i for i, f in enumerate(found.free) if f.label in strengths]
-        shift = response(found.normal.hessian.sum(axis=0), stay, gone) @ -found.values[gone]
-        return {found.free[i].label: float(found.values[i] + d)
-                for i, d in zip(stay, shift, strict=True)}  # fmt: skip
+        start = {k: v for k, v in model.fit.by_label().items() if not k.startswith(taken)}
+        return self.settled(self.refit(rest, model, start))
 
     def settled(self, model: Trialled) -> Trialled:
         """A model under its own noise: random forces and numbers fitted in turn."""

@@ -139,17 +139,25 @@ def _state_at(series: Series, frame: int) -> Float:
 def _rmse(kernel: Kernel, tuned: Tuned, pieces: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all stretches, m."""
     shots = shoot(kernel, pieces, tuned.trial_values(kernel, pieces))
-    squares = [np.sum((p.seen[:, :2] - s.observed[:, :2]) ** 2, axis=1)[well_seen(p)]
-               for p, s in zip(pieces, shots, strict=True)]  # fmt: skip
+    squares = [np.sum((p.seen[:, :2] - s.observed[:, :2]) ** 2, axis=1)[well]
+               for p, s, well in zip(pieces, shots, well_seen(pieces), strict=True)]  # fmt: skip
     together = np.concatenate(squares)
     known = together[np.isfinite(together)]
     return float(np.sqrt(known.mean())) if len(known) else float("nan")
 
 
-def well_seen(series: Series) -> np.ndarray:
-    """Frames (n,) whose place is not stated `HARDLY_SEEN` times less surely than usual."""
-    variance = series.noise[:, 0, 0] + series.noise[:, 1, 1]
-    return np.asarray(variance <= HARDLY_SEEN**2 * np.median(variance))
+def well_seen(pieces: Sequence[Series]) -> list[np.ndarray]:
+    """Frames (n,) of each stretch that are seen, and whose place is not stated `HARDLY_SEEN` times
+    less surely than is usual in its trial.
+    """
+    variances = [np.where(np.isfinite(p.seen[:, 0]), p.noise[:, 0, 0] + p.noise[:, 1, 1], np.nan)
+                 for p in pieces]  # fmt: skip
+    of: dict[str, list[Float]] = {}
+    for piece, variance in zip(pieces, variances, strict=True):
+        of.setdefault(piece.name, []).append(variance[np.isfinite(variance)])
+    usual = {name: np.median(known) if len(known := np.concatenate(parts)) else 0.0
+             for name, parts in of.items()}  # fmt: skip
+    return [v <= HARDLY_SEEN**2 * usual[p.name] for p, v in zip(pieces, variances, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -95,10 +95,12 @@ def not_a_crowd(bench: Bench, choice: Choice) -> Choice:
     if any(chosen.side - choice.without[e].side > TOLD_ASIDE for e in weak):
         return choice
     bench.progress(f"terms without a name in place of {', '.join(weak)}")
-    tried = one_round(terms_of(bench), bench.less(chosen, weak), choice.bare, tried=CONTESTED)
-    if tried.best.effects == tried.before.effects:
+    strongest = bench.less(chosen, weak, choice.bare)
+    one = anew(bench, one_round(terms_of(bench), strongest, choice.bare, tried=CONTESTED).best)
+    if not (one.effects != strongest.effects and one.total > chosen.total + one.inflation):
         return choice
-    return dropped(bench, choice, weak) if anew(bench, tried.best).total > chosen.total else choice
+    alone = dropped(bench, choice, weak)
+    return alone if tells(alone, one) else choice
 
 
 def not_outdone(bench: Bench, choice: Choice) -> Choice:
@@ -166,7 +168,7 @@ def without_proxies(bench: Bench, choice: Choice, residual: Trialled) -> tuple[C
         choice.chosen.effects, key=lambda e: choice.chosen.total - choice.without[e].total
     ):
         bench.progress(f"{name} beside terms without a name")
-        bare = nameless(bench, bench.less(residual, [name]), choice.bare, most=1)
+        bare = nameless(bench, bench.less(residual, [name], choice.bare), choice.bare, most=1)
         if not pays(bare, residual, choice.bare):
             residual = bare
             idle.append(name)
@@ -182,10 +184,10 @@ def dropped(bench: Bench, choice: Choice, names: Sequence[str]) -> Choice:
     kept = [e for e in choice.chosen.effects if e not in names]
     if not kept:
         return replace(choice, chosen=choice.bare, without={}, places={})
-    less = bench.less(choice.chosen, names)
+    less = bench.less(choice.chosen, names, choice.bare)
     again = bench.renoised(less)
     chosen = again if np.isfinite(again.total) else less
-    without = {e: bench.less(chosen, [e]) for e in kept}
+    without = {e: bench.less(chosen, [e], choice.bare) for e in kept}
     places = places_of(bench, chosen, without, choice.bare, choice.rounds)
     return replace(choice, chosen=chosen, without=without, places=places)
 

@@ -68,12 +68,12 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     found.sort(key=lambda t: -t.total)
     most = max((t.total - before.total for t in found), default=0.0)
     least = before.total + PART_OF_BEST * max(most, 0.0)
-    hopeful = {names[0]} if names and before.inflation > WRONG else set()
+    hopeful = {c for c in names[:1] if before.inflation > WRONG and told[c].gain > 0}
     chosen = [t for i, t in enumerate(found)
               if (i < CONTENDERS and t.total > least) or t.effects[-1] in hopeful]  # fmt: skip
     rest = [t for t in found if t.effects[-1] not in {c.effects[-1] for c in chosen}]
     best = each(partial(settled, bench, before), chosen)
-    while best and rest and rest[0].total > max(t.total for t in best):
+    while rest and rest[0].total > max([before.total, *(t.total for t in best)]):
         best.append(settled(bench, before, rest.pop(0)))
     ordered = sorted([*best, *rest], key=lambda t: -t.total)
     return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))

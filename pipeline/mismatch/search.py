@@ -34,7 +34,7 @@ from .judge import Trialled, candidate_frees, held_out_worth, parameters_of, par
 PASSES = 2
 """How often the filter's gains follow a candidate's fit: first those of the model before it."""
 TOLERANCE = 0.15
-"""A refit ends with a step of this many standard deviations: the next would be far smaller."""
+"""A refit ends with a step of this many standard deviations in the mean square."""
 MOVED = 0.2
 """Numbers that move less than this, in standard deviations, leave the filter's gains as they are.
 """

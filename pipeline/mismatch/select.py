@@ -158,7 +158,7 @@ def two_at_once(
         if not (second.tried and second.tried[0].total > opening.total):
             continue
         model = shaped(bench, bench.renoised(second.tried[0]))
-        less = each(partial(bench.less, model), [[e] for e in model.effects])
+        less = each(partial(bench.less, model, bare=bare), [[e] for e in model.effects])
         if all(np.isfinite(t.total) and (pays(t, model, bare) or opens(t, model)) for t in less):
             return second, model, dict(zip(model.effects, less, strict=True))
     return None

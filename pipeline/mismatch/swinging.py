@@ -34,7 +34,7 @@ def beside_a_swing(
     """
     bench.progress("names beside water that swings")
     others = [e for e in residual.effects if e != SWING]
-    swing = bench.less(residual, others) if others else residual
+    swing = bench.less(residual, others, choice.bare) if others else residual
     own = candidate_frees(bench.kernel.system, SWING)[0]
     bench = replace(bench, coefficients=(*bench.coefficients, *own))
     anew = choose(bench, replace(swing, effects=()))

@@ -582,6 +582,25 @@ def test_both_of_two_beside_a_wrong_model_pay_by_their_gain(demo: tuple[Measured
 
 
 @pytest.mark.parametrize(
+    ("over", "chance", "share", "paid"),
+    [(45.0, 1.3e-3, 0.24, True), (45.0, 3e-3, 0.24, False), (35.0, 1.3e-3, 0.24, False),
+     (45.0, 1.3e-3, 0.15, False), (35.0, 3e-3, 0.35, True)],
+)  # fmt: skip
+def test_a_cause_that_acts_in_few_trials_pays_by_much_of_all_that_is_gained(
+    demo: tuple[Measured, Found], over: float, chance: float, share: float, paid: bool
+) -> None:
+    _, found = demo
+    before = found.choice.without["linear_yaw_damping"]
+    gain = over * before.inflation
+    after = replace(before, effects=(*before.effects, "wall_effect"),
+                    worth=before.worth + gain / len(before.worth),
+                    p_value={**before.p_value, "wall_effect": chance})  # fmt: skip
+    others = gain * (1.0 / share - 1.0)
+    bare = replace(before, effects=(), worth=before.worth - others / len(before.worth))
+    assert pays(before, after, bare) == paid
+
+
+@pytest.mark.parametrize(
     ("inflation", "gain", "freed"),
     [(9.2, 40.0, True), (9.2, 1.0, False), (4.0, 40.0, False)],
 )

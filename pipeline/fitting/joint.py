@@ -18,8 +18,11 @@ from .series import Free, Noise, Series
 
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
-DAMPING, NOTHING_MORE = 1e-4, 0.3
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
+DAMPING, NOTHING_MORE = 1e-4, 0.3
+"""Marquardt's parameter at the start, and the part of the tolerance at which a step that is damped
+more than that ends a fit.
+"""
 
 
 @dataclass(frozen=True)
@@ -79,9 +82,9 @@ def fit(
         count += 1
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
-        whole = damping <= DAMPING
-        if _is_small(normal, trial - x, tolerance if whole else NOTHING_MORE * tolerance):
-            if whole:
+        undamped = damping <= DAMPING
+        if _is_small(normal, trial - x, tolerance if undamped else NOTHING_MORE * tolerance):
+            if undamped:
                 x, normal = trial, _after(normal, trial - x)
             outcome = CONVERGED
             break

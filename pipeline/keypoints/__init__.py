@@ -33,8 +33,3 @@ def source(name: str) -> ModuleType:
             nearest(name, sources()),
         )
     return import_module(f"{__name__}.{name}")
-
-
-def lengths_measured(name: str | None) -> bool:
-    """Whether keypoints of a source were seen one by one, not placed at lengths told beforehand."""
-    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)

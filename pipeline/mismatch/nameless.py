@@ -202,12 +202,12 @@ def tells(choice: Choice, residual: Trialled) -> bool:
     law = foretold_randomness(chosen, residual)
     added = {e: p for e, p in residual.p_value.items() if e not in chosen.effects}
     chance = _surest(added, {HUMP: HUMP_PLACES, SWING: SWINGS})
-    foreseen = _surest(added, {SWING: SWINGS})
+    plain_chance = _surest(added, {SWING: SWINGS})
     much = gain > ALONE_MUCH * residual.inflation
-    alone = chance < ALONE_CHANCE or (much and foreseen < MUCH_CHANCE)
+    alone = chance < ALONE_CHANCE or (much and plain_chance < MUCH_CHANCE)
     if not (chance < BESIDE_CHANCE if chosen.effects else alone):
         return False
-    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and foreseen < PLAIN_CHANCE:
+    if gain > PLAIN * residual.inflation and law > PLAIN_SHARE and plain_chance < PLAIN_CHANCE:
         return True
     enough = gain > max(LEAST_NAMELESS * residual.inflation, LEAST_PART * named)
     return enough and (law > TELLING_SHARE or not chosen.effects)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -65,18 +65,25 @@ def one_round(bench: Bench, before: Trialled, bare: Trialled, *, tried: int = TR
     bench.progress(f"refits with {', '.join(names)}")
     longest_first = sorted(names, key=lambda c: -len(candidate_frees(kernel.system, c)[0]))
     found = each(lambda name: _refit(bench, before, name, told[name], predictor), longest_first)
-    found.sort(key=lambda t: -t.total)
+    hopeful = {c for c in names[:1] if before.inflation > WRONG and told[c].gain > 0}
+    ordered = _best_settled(bench, before, found, hopeful)
+    return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
+
+
+def _best_settled(
+    bench: Bench, before: Trialled, found: Sequence[Trialled], hopeful: Collection[str]
+) -> list[Trialled]:
+    """Refits, best first, of which the most promising and the `hopeful` are settled."""
+    found = sorted(found, key=lambda t: -t.total)
     most = max((t.total - before.total for t in found), default=0.0)
     least = before.total + PART_OF_BEST * max(most, 0.0)
-    hopeful = {c for c in names[:1] if before.inflation > WRONG and told[c].gain > 0}
     chosen = [t for i, t in enumerate(found)
               if (i < CONTENDERS and t.total > least) or t.effects[-1] in hopeful]  # fmt: skip
     rest = [t for t in found if t.effects[-1] not in {c.effects[-1] for c in chosen}]
     best = each(partial(settled, bench, before), chosen)
     while rest and rest[0].total > max([before.total, *(t.total for t in best)]):
         best.append(settled(bench, before, rest.pop(0)))
-    ordered = sorted([*best, *rest], key=lambda t: -t.total)
-    return Round(bare, before, {c: f.gain for c, f in told.items()}, tuple(ordered))
+    return sorted([*best, *rest], key=lambda t: -t.total)
 
 
 def _refit(

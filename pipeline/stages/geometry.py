@@ -17,11 +17,10 @@ from ..camera.whole_length import WHOLE, systematic, whole_lengths
 from ..data import Positions
 from ..faults import Fault
 from ..files import read_json, write_json
-from ..keypoints import lengths_measured
 from ..keypoints.deeplabcut import read
 from ..study import Setup, Study, Trial, load_study
 from .layout import Layout
-from .status import good_trials
+from .status import good_trials, lengths_measured
 
 STATED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
@@ -45,9 +44,7 @@ def geometry(study: Path, results: Path) -> None:
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
     good = good_trials([layout.detection(trial_id) for trial_id in ids])
-    measured = [
-        name for name in good if lengths_measured(read_json(layout.detection(name)).get("source"))
-    ]
+    measured = [name for name in good if lengths_measured(layout.detection(name))]
     try:
         if good and not measured:
             told = _told_whole(loaded, [loaded.trial(name) for name in good], layout)

@@ -17,10 +17,9 @@ from ..camera.whole_length import WHOLE
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
 from ..faults import Fault
-from ..files import read_json, write_json
+from ..files import write_json
 from ..fitting import Series, shoot
 from ..integrate import compiled
-from ..keypoints import lengths_measured
 from ..mismatch import find_mismatch
 from ..mismatch.details import details
 from ..mismatch.setting import held_out_trials
@@ -29,6 +28,7 @@ from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
 from .layout import Layout, remove
+from .status import lengths_measured
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -125,7 +125,7 @@ def from_the_nose(series: Sequence[Series], study: Study, layout: Layout) -> lis
     for one in series:
         constants = one.constants.copy()
         filmed = not study.trial(one.name).reads_keypoints
-        if filmed and not lengths_measured(read_json(layout.detection(one.name)).get("source")):
+        if filmed and not lengths_measured(layout.detection(one.name)):
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..faults import Fault
 from ..files import read_json, write_json
+from ..keypoints import source, sources
 from .layout import remove
 
 log = logging.getLogger(__name__)
@@ -62,3 +63,9 @@ def good_trials(statuses: Sequence[Path]) -> list[str]:
     """Ids of the trials that went well, in the order of their status files."""
     found = [read_json(path) for path in statuses]
     return [str(status["trial_id"]) for status in found if status["ok"]]
+
+
+def lengths_measured(detection: Path) -> bool:
+    """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
+    name = read_json(detection).get("source")
+    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)

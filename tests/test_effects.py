@@ -189,6 +189,79 @@ def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
         assert np.trapezoid(missing, t) == pytest.approx(-2.0 * 0.4, rel=1e-6)
 
 
+def lifted(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
+    """Lift by the lag's own equations over its steady value, 24 steps a head length travelled, at
+    speeds one a step; k = 1, s = 1.5, sin 2 alpha = 0.6.
+    """
+    lag, h, (z, y) = plates().effect("lift_lag"), 0.12, (0.0, 0.0)
+    out = []
+    for V in speeds:
+        known = {"uh": V * np.cos(0.5 * np.arcsin(-0.6)), "vh": V * np.sin(0.5 * np.arcsin(-0.6)),
+                 "V": V, "C_La": 3.0, "rho": 1000.0, "A": 0.0083}  # fmt: skip
+        missing = lag.hooks["plate"](**known, z=z, y_lag=y, k=1.0, w=w, e=e)
+        out.append(1.0 - np.hypot(*missing) / (0.5 * 1000 * 0.0083 * 3.0 * 0.6 * V * V))
+        assert lag.rates is not None
+        dz, dy = lag.rates(known["uh"], known["vh"], V, h, z, y, 1.5, e)
+        step = h / 24 / V
+        z, y = z + step * dz, y + step * dy
+    return np.array(out)
+
+
+@pytest.mark.parametrize("e", [0.0, 1.0, 2.0])
+def test_lift_builds_up_over_the_lengths_travelled(e: float) -> None:
+    """1 - exp(-x / s), and of two lags in series 1 - (1 + x / s) exp(-x / s)."""
+    x = np.arange(240) / 24 / 1.5
+    V = np.full(240, 0.3)
+    assert lifted(e, 0.0, V) == pytest.approx(1 - np.exp(-x), abs=0.02)
+    assert lifted(e, 1.0, V) == pytest.approx(1 - (1 + x) * np.exp(-x), abs=0.02)
+
+
+def test_a_coefficient_that_lags_feels_the_speed_at_once() -> None:
+    """Twice as fast after 10 lengths: a force that lags is at 1/4 there, a circulation at 1/2."""
+    V = np.repeat([0.2, 0.4], 240)
+    for e, share in ((0.0, 0.25), (1.0, 0.5), (2.0, 1.0)):
+        assert lifted(e, 0.0, V)[240] == pytest.approx(share, abs=0.01)
+
+
+def test_a_stall_goes_on_over_its_range() -> None:
+    """Half of k is lost in the middle of the range, nothing before it and all of k beyond."""
+    stall = plates().effect("stall")
+    for s, share in ((0.19, 0.0), (0.25, 0.5), (0.31, 1.0)):
+        motion = {"uh": 0.3 * np.sqrt(1 - s * s), "vh": 0.3 * s, "V": 0.3}
+        lost = call(stall, "plate", np.zeros(3), **motion, k=0.4, s0=0.2, b=0.1)
+        lift = 0.5 * 1000 * 0.0083 * 3.0 * 2 * 0.09 * s * np.sqrt(1 - s * s)
+        assert np.hypot(*lost) == pytest.approx(0.4 * share * lift)
+
+
+def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
+    """0.2 m from one wall, the others far away: exp(-2) or 1/5 of 1/2 rho A V^2 at s = 0.1 m."""
+    wall, far = plates().effect("wall_effect"), {"L_pool": 900.0, "W_pool": 900.0, "y": 450.0}
+    for w, share in ((0.0, np.exp(-2.0)), (1.0, 1 / 5)):
+        X, Y, _ = call(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1, w=w)
+        assert pytest.approx((-0.5 * 1000 * 0.0083 * share * 0.09, 0.0), rel=1e-4) == (X, Y)
+
+
+def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
+    """q = 1: dT / f^2 as the speed says; q = 0: dT / f^2 as the advance says."""
+    loss = plates().effect("thrust_loss_with_speed")
+
+    def share(f: float, **given: float) -> float:
+        return call(loss, "thrust", np.array([0.3, 0.0, 0.0]), f=f, **given)[0] / f**2
+
+    assert share(5.0, w=0.0, q=1.0) == pytest.approx(share(2.5, w=0.0, q=1.0))
+    assert share(5.0, w=1.0, q=2.0) == pytest.approx(share(2.5, w=1.0, q=2.0))
+    assert share(5.0, w=0.0, q=0.0) == pytest.approx(0.5 * share(2.5, w=0.0, q=0.0))
+    assert share(3.5, w=0.3, q=1.4) == pytest.approx(share(3.5, w=0.3, q=0.0))
+
+
+def test_trials_are_displaced_beside_the_one_that_was_knocked_most_surely() -> None:
+    """Turned by a right angle and twice as far: (dx, dy) times 2 i."""
+    knocked = plates().effect("camera_shift")
+    seen = knocked.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
+    assert seen == pytest.approx((-0.002, 0.008, 0.0, 0.0))
+    assert knocked.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
+
+
 def test_added_mass_without_its_munk_moment() -> None:
     """Kirchhoff's -(A22 - A11) u v, given back where e = 0."""
     added = plates().effect("added_mass").hooks["force"]

@@ -168,6 +168,21 @@ def test_a_knocked_camera_is_told_from_one_trial(bare: Measured) -> None:
     assert knocked[3].name not in told["held_out"]["trials"]
 
 
+def test_knocks_in_several_trials_are_one_camera_s(bare: Measured) -> None:
+    """Each its own way: the size told is that of the surest, the others go with it."""
+    sizes = {1: (0.006, -0.003), 4: (-0.004, 0.006), 6: (0.001, 0.007)}
+    knocked = [_displaced(one, np.array(sizes[k])) if k in sizes else one
+               for k, one in enumerate(bare.series)]  # fmt: skip
+    found = find_mismatch(bare.study, knocked, bare.steady, progress=lambda _: None)
+    told = plain(mismatch_json(found, bare.study, knocked))
+    assert [c["name"] for c in told["causes"]] == ["camera_shift"]
+    size = told["causes"][0]["parameters"]
+    off = [np.hypot(size["dx"]["value"] - x, size["dy"]["value"] - y) for x, y in sizes.values()]
+    assert min(off) < 0.0015
+    assert all(knocked[k].name in told["causes"][0]["regime"] for k in sizes)
+    assert not {knocked[k].name for k in sizes} & set(told["held_out"]["trials"])
+
+
 def test_jumps_are_found_where_and_when_they_are(bare: Measured) -> None:
     kernel, few = compiled(plates()), thin(bare.series)
     few[2] = _displaced(few[2], np.array([-0.005, 0.006]))
@@ -693,9 +708,9 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     none = np.zeros(1)
     series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(9)]
 
-    def told(ratios: list[float]) -> list[tuple[float, float]]:
+    def told(ratios: list[float], source: str = "motor_log") -> list[tuple[float, float]]:
         beats = {
-            s.name: Flapping(4.0, 0.0, "flap_hz", video_hz=4.0 * (1 + k), video_hz_std=0.002)
+            s.name: Flapping(4.0, 0.0, source, video_hz=4.0 * (1 + k), video_hz_std=0.002)
             for s, k in zip(series, ratios, strict=True)
         }
         return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
@@ -705,6 +720,8 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     apart = told([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
+    stated = np.mean([std for _, std in told([-0.025] * 9, "flap_hz")]) / 3
+    assert stated == pytest.approx(0.05, rel=0.01)  # a motor that no log has seen may be slow
 
 
 def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_tells(bare: Measured) -> None:

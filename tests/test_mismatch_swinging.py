@@ -13,7 +13,8 @@ from pipeline.fitting import Free, Series
 from pipeline.integrate import compiled
 from pipeline.mismatch import Found, find_mismatch
 from pipeline.mismatch.locate import Dependence
-from pipeline.mismatch.search import other_shapes, unlikelihood
+from pipeline.mismatch.rounds import promising
+from pipeline.mismatch.search import Foretold, other_shapes, unlikelihood
 from pipeline.mismatch.story import mismatch_json
 from pipeline.mismatch.swinging import of_time, only_of_time, swings
 from pipeline.model import hump, is_nameless, plates
@@ -85,15 +86,20 @@ def told_beside_the_fin(
 
 def test_shapes_are_tried_between_start_and_bounds_or_at_their_own_values_or_not() -> None:
     kernel = compiled(plates())
-    lag = kernel.system.parameters[kernel.system.slot["lift_lag.s"]]
-    assert other_shapes(kernel, "lift_lag") == [
-        {"lift_lag.s": pytest.approx((lag.start * bound) ** 0.5)}
-        for bound in (lag.lower, lag.upper)
+    onset = kernel.system.parameters[kernel.system.slot["stall.s0"]]
+    assert other_shapes(kernel, "stall") == [
+        {"stall.s0": pytest.approx((onset.start * bound) ** 0.5)}
+        for bound in (onset.lower, onset.upper)
     ]
+    assert other_shapes(kernel, "lift_lag") == [
+        {"lift_lag.s": 1.3}, {"lift_lag.s": 13.0}, {"lift_lag.s": 1.3, "lift_lag.e": 2.0}
+    ]  # fmt: skip
     humps = other_shapes(kernel, "hump")
     assert [shape["hump.c"] for shape in humps] == list(hump.SPEEDS)
     assert all(shape["hump.w"] == hump.NARROW for shape in humps)
-    assert other_shapes(kernel, "thrust_loss_with_speed") == [{"thrust_loss_with_speed.w": 0.8}]
+    assert other_shapes(kernel, "thrust_loss_with_speed") == [
+        {"thrust_loss_with_speed.w": 0.8}, {"thrust_loss_with_speed.q": 1.0}
+    ]  # fmt: skip
     assert other_shapes(kernel, "trim_moment") == []
 
 
@@ -128,3 +134,24 @@ def test_what_has_no_name_is_told_from_what_has() -> None:
     assert not swings([named, term])
     assert only_of_time([named, swing])
     assert not only_of_time([swing, term])
+
+
+def test_what_a_step_foretells_nothing_of_is_not_refitted_but_the_best_two() -> None:
+    """Beside a wrong model laws with a shape are, of any rank; what has starts of its own always."""
+    kernel = compiled(plates())
+    gains = {"uniform_current": 90.0, "coulomb_friction": 5.0, "trim_moment": 0.9, "stall": 1.2,
+             "scale_error": 0.8, "lift_lag": 0.1, "time_offset": -9.0}  # fmt: skip
+    told = {name: Foretold(gain, {}) for name, gain in gains.items()}
+    assert promising(kernel, told, 6, 2.0) == [
+        "uniform_current", "coulomb_friction", "stall", "time_offset"
+    ]  # fmt: skip
+    assert promising(kernel, told, 1, 2.2) == ["uniform_current", "time_offset"]
+    assert promising(kernel, told, 1, 9.0) == ["uniform_current", "time_offset"]
+    strong = {name: Foretold(100 * gain, {}) for name, gain in gains.items()}
+    assert promising(kernel, strong, 1, 9.0) == [
+        "uniform_current", "stall", "trim_moment", "lift_lag", "time_offset"
+    ]  # fmt: skip
+    weak = {name: Foretold(0.01 * gain, {}) for name, gain in gains.items()}
+    assert promising(kernel, weak, 6, 2.0) == [
+        "uniform_current", "coulomb_friction", "time_offset"
+    ]  # fmt: skip

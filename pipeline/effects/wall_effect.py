@@ -1,8 +1,10 @@
 """Water held up between the body and a wall.
 
-    D grows by k exp(-d / 0.15 m) for each wall at distance d
+    D grows by k ((1 - w) exp(-d / s) + w / (1 + (d / s)^2)) for each wall at distance d
 
-Away from walls it vanishes. Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage).
+w is the part that fades as the square of the distance, as that of a body's image behind the wall
+does in two dimensions. Away from walls it vanishes.
+Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ PARAMETERS = (
         "k", "1", 0.5, 0.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
     ),
     Parameter("s", "m", 0.15, 0.03, 0.5, "distance within which it fades by e", 0.06),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that fades as distance squared", 0.4),
 )
 
 
@@ -35,13 +38,16 @@ def force(
     V: float,
     k: float,
     s: float,
+    w: float,
 ) -> tuple[float, float, float]:
     """Surge and sway (N)."""
-    near = (
-        exponential(-max(x, 0.0) / s)
-        + exponential(-max(L_pool - x, 0.0) / s)
-        + exponential(-max(y, 0.0) / s)
-        + exponential(-max(W_pool - y, 0.0) / s)
-    )
+    left, right = max(x, 0.0) / s, max(L_pool - x, 0.0) / s
+    low, high = max(y, 0.0) / s, max(W_pool - y, 0.0) / s
+    steep = exponential(-left) + exponential(-right) + exponential(-low) + exponential(-high)
+    wide = (
+        1.0 / (1.0 + left * left) + 1.0 / (1.0 + right * right)
+        + 1.0 / (1.0 + low * low) + 1.0 / (1.0 + high * high)
+    )  # fmt: skip
+    near = steep + w * (wide - steep)
     drag = -0.5 * rho * A * k * near * V
     return drag * uc, drag * vc, 0.0

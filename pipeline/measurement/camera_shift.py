@@ -1,6 +1,9 @@
 """A camera that was moved between trials or during one.
 
-Trials after the shift (constant `shifted` is 1) are seen displaced by (dx, dy) and turned by dpsi.
+From the moment t_shift of a trial on, everything in it is seen displaced by (dx, dy). Where several
+trials were knocked that is the displacement of the one that was knocked most surely, and those of
+the others are to it as they were found to be: turned and stretched by (x_shift, y_shift), which are
+(1, 0) in a trial without company.
 Source: own statement.
 """
 
@@ -16,12 +19,14 @@ REGIME = "from one trial or moment on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
 STRENGTHS = 2
 PARAMETERS = (
-    Parameter("dx", "m", 0.005, -0.3, 0.3, "displacement in x"),
-    Parameter("dy", "m", 0.005, -0.3, 0.3, "displacement in y"),
+    Parameter("dx", "m", 0.005, -0.3, 0.3, "displacement in x, where it is surest"),
+    Parameter("dy", "m", 0.005, -0.3, 0.3, "displacement in y, where it is surest"),
 )
 
 
-def observe(t: float, t_shift: float, dx: float, dy: float) -> tuple[float, float, float, float]:
+def observe(
+    t: float, t_shift: float, x_shift: float, y_shift: float, dx: float, dy: float
+) -> tuple[float, float, float, float]:
     """Change of what is seen (m, m, rad, rad)."""
     late = smooth_step((t - t_shift) * 30.0)
-    return late * dx, late * dy, 0.0, 0.0
+    return late * (x_shift * dx - y_shift * dy), late * (y_shift * dx + x_shift * dy), 0.0, 0.0

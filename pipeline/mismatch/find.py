@@ -20,7 +20,7 @@ from .covariance import spread_of
 from .direct import with_direct
 from .horizon import path_errors
 from .judge import Trialled, trialled
-from .jumps import jumps, with_jumps
+from .jumps import Jump, jumps, with_jumps
 from .locate import Dependence, MissingForce, added_force, dependences, missing_force
 from .nameless import (
     nameless,
@@ -56,7 +56,8 @@ class Found:
     residual: nameless terms beside what was chosen; nameless_gain: held-out log likelihood that
     all without a name gains, over the inflation; forces, dependences: what is lacking without
     the additions, on all trials; errors: those of `baseline` and `extended` on the held-out trials;
-    floor_m: path error that a true model would have there; horizon_s: how long a free run bears.
+    floor_m: path error that a true model would have there; horizon_s: how long a free run bears;
+    knocks: where the camera was, or seemed to be, moved during a trial.
     """
 
     verdict: str
@@ -71,6 +72,7 @@ class Found:
     errors: Mapping[str, Mapping[str, float]]
     floor_m: float
     horizon_s: float
+    knocks: Sequence[Jump] = ()
 
 
 def find_mismatch(
@@ -116,7 +118,7 @@ def find_mismatch(
         verdict=verdict, choice=choice, baseline=baseline, extended=extended, residual=residual,
         nameless_gain=swing + nameless_gain(choice, residual),
         forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
-        floor_m=paths.floor_m, horizon_s=paths.horizon_s,
+        floor_m=paths.floor_m, horizon_s=paths.horizon_s, knocks=knocks,
     )  # fmt: skip
 
 

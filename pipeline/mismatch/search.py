@@ -169,13 +169,15 @@ def other_shapes(kernel: Kernel, name: str) -> list[dict[str, float]]:
     """Shapes at which a candidate is tried beside its start: parameter -> value, by turns.
 
     One of which nothing is known beforehand has values of its own, or two between the start and
-    its bounds, halfway on a logarithmic scale; one that is held has those of another form.
+    its bounds, halfway on a logarithmic scale; one that is held has those of another form, and by
+    turns its start, where it stays held.
     """
     frees, strengths = candidate_frees(kernel.system, name)
-    tried = {p.name: values for p in parameters_of(kernel, frees[strengths:])
+    tried = {p: values for p in parameters_of(kernel, frees[strengths:])
              if (values := p.tries or _between(p))}  # fmt: skip
     most = max((len(values) for values in tried.values()), default=0)
-    return [{n: values[k] for n, values in tried.items() if k < len(values)} for k in range(most)]
+    return [{p.name: values[k] for p, values in tried.items()
+             if k < len(values) and values[k] != p.start} for k in range(most)]  # fmt: skip
 
 
 def _between(parameter: Parameter) -> tuple[float, ...]:

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from ..fitting import Series, trial_values
-from ..integrate import compiled
+from ..integrate import Effect, compiled
 from ..model import is_nameless, plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned, table
 from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
+from .jumps import EFFECT as KNOCK
 from .nameless import HUMP, PULSE, SWING, shares_in_place
 from .select import Choice
 from .setting import CHANNELS, best_next_trial
@@ -61,12 +62,19 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
         "name": name,
         "kind": effect.kind,
         "channels": list(effect.channels),
-        "regime": effect.regime,
+        "regime": _regime(found, effect),
         "parameters": _parameters(found, name),
         "weight": weights_in_place(found, name)[name],
         "held_out_gain": loss,
         "sentence": effect.statement,
     }
+
+
+def _regime(found: Found, effect: Effect) -> str:
+    """Where an effect is felt; of a knocked camera, from when on in which trials."""
+    if effect.name != KNOCK or not found.knocks:
+        return effect.regime
+    return "from " + ", ".join(f"{k.time_s:.1f} s on in {k.trial}" for k in found.knocks)
 
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:

@@ -61,6 +61,8 @@ def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -
         "ay_lens": seen.lens_pull_m3[1],
         "psi0": heading_rad,
         "t_shift": NEVER_S,
+        "x_shift": 1.0,
+        "y_shift": 0.0,
         "ahead": 0.0,
     }
     return np.array([values[name] for name in CONSTANTS])

@@ -22,6 +22,7 @@ from ..fitting import Series, shoot
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.details import details
+from ..mismatch.jumps import with_jumps
 from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
@@ -32,6 +33,7 @@ from .status import lengths_measured
 from .tuning import campaign_flapping, campaign_series
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+STATED_STD = 0.05  # ASSUME a motor without a log keeps its stated frequency to 5 %
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -57,6 +59,7 @@ def mismatch(study: Path, results: Path) -> None:
     series = from_the_nose(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
+    series = with_jumps(kernel, series, found.knocks)
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
     remove((results / "extended").glob("*.csv"))
     for one, shot in zip(series, shots, strict=True):
@@ -71,7 +74,8 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     """Series with the tail beat seen against the motor's as evidence on the clock.
 
     A clock is wrong by one share in all trials. By how much more than their errors the ratios
-    differ (a supply that sags under load) is therefore an error that all of them share.
+    differ (a supply that sags under load) is therefore an error that all of them share, and so is
+    that of a frequency that was stated and not logged.
     """
     beats = {s.name: flapping[s.name] for s in series}
     told = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
@@ -79,7 +83,8 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     ratio, own = np.array(list(told.values())).reshape(-1, 2).T
     own = np.nan_to_num(own)
     apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
-    std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * apart)
+    stated = np.array([STATED_STD * (beats[name].source != "motor_log") for name in told])
+    std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
     evidence = {name: {"clock_ratio": (float(r), float(s))}
                 for name, r, s in zip(told, ratio, std, strict=True)}  # fmt: skip
     return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]

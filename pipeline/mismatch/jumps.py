@@ -33,8 +33,8 @@ USUAL = 1.386
 """Median of chi-squared with two degrees of freedom."""
 LEAST_M = 0.002
 LAUNCH_S = 0.8
-"""From a trial's start on so long all paths bend at once, and a form that the model lacks looks like
-a jump: a motor that spins up, beside three causes and in no other form, did with 105.
+"""From a trial's start on so long all paths bend at once, and a form that the model lacks looks
+like a jump: a motor that spins up, beside three causes and in no other form, did with 105.
 """
 
 

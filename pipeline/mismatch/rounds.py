@@ -24,9 +24,9 @@ further that would stand above them. Beside a wrong model so is the one that was
 under noise that passes what is missing for chance a fold left out may tell against the truth.
 """
 HOPELESS, ANYWAY = 0.5, 2
-"""A candidate of which a step foretells less than this over the inflation is not refitted, unless it
-is one of the first so many, of which a rival and the next trial are told: of 800 refits of less, in
-130 concealed studies, none has paid.
+"""A candidate of which a step foretells less than this over the inflation is not refitted, unless
+it is one of the first so many, of which a rival and the next trial are told: of 800 refits of less,
+in 130 concealed studies, none has paid.
 """
 UNLIKELY = 0.01
 

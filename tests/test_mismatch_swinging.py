@@ -137,7 +137,7 @@ def test_what_has_no_name_is_told_from_what_has() -> None:
 
 
 def test_what_a_step_foretells_nothing_of_is_not_refitted_but_the_best_two() -> None:
-    """Beside a wrong model laws with a shape are, of any rank; one with starts of its own always."""
+    """Beside a wrong model laws with a shape are, of any rank; one with own starts always."""
     kernel = compiled(plates())
     gains = {"uniform_current": 90.0, "coulomb_friction": 5.0, "trim_moment": 0.9, "stall": 1.2,
              "scale_error": 0.8, "lift_lag": 0.1, "time_offset": -9.0}  # fmt: skip

@@ -123,8 +123,10 @@ def call(
         "V": float(np.hypot(u, v)),
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "phi": 0.5, "T": 0.0,
-        "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_T": 0.0045,
-    } | {p.name: p.start for p in effect.parameters} | given  # fmt: skip
+        "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_Ma": 0.1, "C_T": 0.0045,
+    }  # fmt: skip
+    known |= {p.name: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
+    known |= given
     function = effect.hooks[stage]
     names = inspect.signature(function).parameters
     return list(function(**{name: known[name] for name in names}))
@@ -260,6 +262,31 @@ def test_trials_are_displaced_beside_the_one_that_was_knocked_most_surely() -> N
     seen = knocked.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
     assert seen == pytest.approx((-0.002, 0.008, 0.0, 0.0))
     assert knocked.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["stall", "lift_lag", "port_starboard_asymmetry"])
+def test_the_moment_goes_as_the_lift_does(name: str) -> None:
+    """Moment over force is C_Ma over C_La in the part m; none is the start."""
+    effect, late = plates().effect(name), {"z": 0.01, "y_lag": 0.02}
+    given = {"s0": 0.1} if name == "stall" else {}
+    motion = np.array([0.3, -0.2, 0.4])
+    lift = np.hypot(*call(effect, "plate", motion, **late, **given))
+    X, Y, N = call(effect, "force", motion, **late, **given, m=0.8)
+    assert (X, Y) == (0.0, 0.0)
+    assert abs(N) == pytest.approx(0.8 * lift * 0.1 / 3.0, rel=1e-9)
+    assert call(effect, "force", motion, **late, **given)[2] == 0.0
+
+
+def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
+    """Over the whole start it turns by c times what was missing of the angle; c = 0: not at all."""
+    servo, t = plates().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)
+    for n, q in ((1.0, 0.0), (2.2, 0.6)):
+        given = (0.8, 0.3, n, q)
+        missing = servo["drive"](0.0, 0.5, *given)[0]
+        assert missing == pytest.approx(-0.8 * 0.5, rel=1e-3)
+        rate = np.array([servo["swing"](one, 0.5, *given, 0.7)[0] for one in t])
+        assert np.trapezoid(rate, t) == pytest.approx(-0.7 * missing, rel=2e-3)
+        assert servo["swing"](0.1, 0.5, *given, 0.0) == (0.0,)
 
 
 def test_added_mass_without_its_munk_moment() -> None:

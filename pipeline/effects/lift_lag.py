@@ -6,8 +6,8 @@ Lift follows its steady value over the time in which the flow passes the plate:
 
 and L uses V^e ((1 - w) z + w y) in place of the share k of V^2 sin 2 alpha. w = 0 is a lag of first
 order, w = 1 two of them in series (the flow turns, then the circulation follows). With e = 0 the
-force itself lags, with e = 1 the circulation, with e = 2 the lift coefficient alone. h is the head
-length. Vanishes in steady motion.
+force itself lags, with e = 1 the circulation, with e = 2 the lift coefficient alone; of the moment
+q C_Ma sin 2 alpha the share m k lags as well. h is the head length. Vanishes in steady motion.
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
 """
@@ -37,6 +37,7 @@ PARAMETERS = (
     Parameter(
         "e", "1", 0.0, 0.0, 2.0, "power of the speed that is felt at once", 0.7, (0.0, 0.0, 2.0)
     ),
+    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does", 0.5),
 )
 STATES = ("z", "y_lag")
 
@@ -49,6 +50,15 @@ def plate(
     late = power(V, e) * (z + w * (y_lag - z))
     L = 0.5 * rho * A * C_La * k * (late + 2.0 * uh * vh) / V
     return -L * vh, L * uh
+
+
+def force(
+    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float,
+    z: float, y_lag: float, k: float, w: float, e: float, m: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Moment that is not there yet (N m)."""
+    late = power(V, e) * (z + w * (y_lag - z))
+    return 0.0, 0.0, 0.5 * rho * A * C_Ma * m * k * (late + 2.0 * uh * vh)
 
 
 def own_rates(

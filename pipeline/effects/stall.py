@@ -1,7 +1,8 @@
 """Lift lost at a high angle of attack.
 
 Of the head plate's lift the share k w(alpha) is lost, where w rises from 0 to 1 as |sin alpha|
-goes from s0 to s0 + b. Vanishes at small angles.
+goes from s0 to s0 + b, and of its moment q C_Ma sin 2 alpha the share m k w. Vanishes at small
+angles.
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4.
 """
@@ -22,6 +23,7 @@ PARAMETERS = (
     Parameter("k", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow"),
     Parameter("s0", "1", 0.4, 0.05, 0.8, "sine of the angle of attack where it begins"),
     Parameter("b", "1", 0.25, 0.04, 0.8, "range of the sine over which it goes on", 0.1),
+    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is", 0.5),
 )
 
 
@@ -33,3 +35,12 @@ def plate(
     L = 0.5 * rho * A * C_La * (-2.0 * uh * vh) / V
     lost = -k * smooth_step((abs(vh) / V - s0) / b)
     return -lost * L * vh, lost * L * uh
+
+
+def force(
+    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float,
+    k: float, s0: float, b: float, m: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Moment taken away (N m)."""
+    lost = m * k * smooth_step((abs(vh) / (V + 1e-9) - s0) / b)
+    return 0.0, 0.0, lost * 0.5 * rho * A * C_Ma * 2.0 * uh * vh

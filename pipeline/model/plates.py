@@ -30,6 +30,7 @@ STAGES = (
     Stage("force", ("X", "Y", "N"), equations.force, open=True),
     Stage("inertia", ("mx", "my", "J"), equations.inertia, open=True),
     Stage("mobility", ("bx", "by", "bJ"), equations.mobility),
+    Stage("swing", ("swing",), equations.swing, open=True),
     Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
     Stage("observe", ("x", "y", "heading", "head_angle"), equations.observe, open=True),
 )

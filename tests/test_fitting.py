@@ -217,6 +217,15 @@ def test_thinning_does_not_bias_a_curve() -> None:
     assert few.noise[1:-1, 0, 0] == pytest.approx(WHITE**2 / 3)
 
 
+def test_no_block_reaches_over_frames_that_are_absent() -> None:
+    """Six rows missing: a block over them lay 2 mm off its curve, and was taken for a knock."""
+    times = np.delete(np.arange(0, 6, 1 / 30), range(60, 66))
+    one = replace(a_series(0.2 * times**2, 1 / 30), times=times)
+    few = thinned(one)
+    assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=3e-4)
+    assert not np.any((few.times > times[59] + 1e-9) & (few.times < times[60] - 1e-9))
+
+
 def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
     seen = np.ones(180)
     seen[60:75] = np.nan

@@ -1,7 +1,8 @@
 """Fewer, better observations: frames averaged in blocks, so that fits need not pass all of them.
 
 A block's observation is the mean of its frames' distances from a local parabola, put back on the
-parabola at the block's middle: curvature does not bias it. Random forces and lasting errors are
+parabola at the block's middle: curvature does not bias it. Blocks are equally long in time, so that
+none reaches over frames that are absent. Random forces and lasting errors are
 slower than a block, so that hardly anything is lost.
 """
 
@@ -30,7 +31,8 @@ def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int]
     size = round(1.0 / (rate_hz * step))
     if size < 2 or len(series.times) < 4 * size:
         return series
-    first = np.array([0, *range(1, len(series.times), size)])
+    turn = np.floor((series.times - series.times[1]) / (size * step) + 1e-3)
+    first = np.flatnonzero(np.diff(turn, prepend=-np.inf))
     lengths = np.diff([*first, len(series.times)])
     times, seen, noise = _blocks(series, first, lengths)
     share = len(first) / len(series.times)

@@ -12,6 +12,11 @@ from ..model import constants, plates
 from ..study import Setup, Study, Trial
 
 OUTLIER_SIGMA = 6.0
+HARDLY_SEEN = 10.0
+"""A frame whose place or heading is stated so many times less surely than usual in its trial (two
+labels that changed places: 35 mm in place of 0.2) is left out: it tells nothing by itself, and
+frames are averaged evenly with their neighbours.
+"""
 SERVO_STD_RAD = 0.01  # ASSUME a commanded head angle is reached to 0.6 degrees, anew each trial
 START_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """Of the place as much as the centre of mass may be off the keypoint."""
@@ -35,7 +40,8 @@ def study_series(
 def trial_series(
     trial: Trial, setup: Setup, pose: Pose, track: Track, flapping: Flapping
 ) -> Series:
-    """One trial: poses without the tail-beat recoil and without outliers, and what was commanded.
+    """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
+    what was commanded.
 
     The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
     its error is the servo's and the keypoints', the same in every frame.
@@ -48,6 +54,7 @@ def trial_series(
     noise[:, 3, :3] = noise[:, :3, 3] = 0.0
     noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
     unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _outlying(seen, noise, times, track)
+    unusable |= _hardly_seen(noise, unusable)
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
     start = _start(times, track)
@@ -85,6 +92,13 @@ def _outlying(seen: Float, noise: Float, times: Float, track: Track) -> np.ndarr
     off = (seen[:, :3] - np.column_stack(smooth)) / np.sqrt(np.einsum("nii->ni", noise[:, :3, :3]))
     spread = 1.4826 * np.nanmedian(np.abs(off), axis=0)
     return np.any(np.abs(off) > OUTLIER_SIGMA * np.maximum(spread, 1e-9), axis=1)
+
+
+def _hardly_seen(noise: Float, unusable: np.ndarray) -> np.ndarray:
+    """Frames whose x, y or heading has `HARDLY_SEEN` times the usual deviation of those usable."""
+    std = np.sqrt(np.einsum("nii->ni", noise[:, :3, :3]))
+    usual = np.median(std[~unusable], axis=0) if not unusable.all() else np.inf
+    return np.any(~(std <= HARDLY_SEEN * usual), axis=1)
 
 
 def _start(times: Float, track: Track) -> Float:

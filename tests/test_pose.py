@@ -58,6 +58,23 @@ def test_exact_circle_comes_back_unwrapped():
     assert pose.remarks == ()
 
 
+@pytest.mark.parametrize("turns", [-1.5, 0.0, 1.5])
+def test_frames_turned_end_for_end_do_not_wind_the_heading(turns):
+    """One, two and four together, exactly and by a little less or more than half a turn: all the
+    other frames keep their heading (one of -3.14 and back by -3.13 had added a whole turn).
+    """
+    expected = truth(turns=turns)
+    flipped = [40, 100, 101, 170, 171, 172, 173, 250]
+    off = np.array([3.10, 3.18, 3.10, np.pi, np.pi, np.pi, np.pi, -3.10])
+    shown = expected.copy()
+    shown[flipped, 2] += off
+    pose = rigid_pose(positions(shown, 1e-4), ROBOT, HEAD_M)
+    others = np.setdiff1d(np.arange(len(expected)), flipped)
+    error = pose.values[others, 2] - expected[others, 2]
+    assert np.ptp(error) < 0.05
+    assert np.all(np.abs(pose.values[flipped, 2] - expected[flipped, 2] - error[0]) < np.pi + 0.05)
+
+
 @pytest.mark.parametrize("phi", [-2.0, -0.7, 0.0, 0.7, 2.0])
 def test_head_angle_is_core_minus_head(phi):
     pose = rigid_pose(positions(truth(phi=phi)), ROBOT, HEAD_M)

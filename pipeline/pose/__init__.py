@@ -19,6 +19,8 @@ from .fit import Fit, enough, marked_aside, with_noise, without_outliers
 
 OFF_LENGTH = 0.02
 LONG_GAP_S = 1.0
+ABOUT, POOR = 9, 10.0
+"""Frames of which the mean direction is taken, none stated so many times worse than usual."""
 
 __all__ = ["Body", "body_lengths", "rigid_pose"]
 
@@ -59,10 +61,25 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
 def _as_pose(fit: Fit) -> tuple[Float, Float]:
     change = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, -1]])
     values = fit.state @ change.T
-    known = np.isfinite(values[:, 2])
-    values[known, 2] = np.unwrap(values[known, 2])
+    cov = change @ fit.cov @ change.T
+    values[:, 2] = unwrapped(values[:, 2], cov[:, 2, 2])
     values[:, 3] = -((np.pi - values[:, 3]) % (2 * np.pi) - np.pi)
-    return values, change @ fit.cov @ change.T
+    return values, cov
+
+
+def unwrapped(angle: Float, variance: Float) -> Float:
+    """Angles (frames,) [rad] without jumps of whole turns; NaN where not seen.
+
+    Each is put next to the mean direction of the frames about it, of those that are stated well: a
+    frame turned end for end must not begin a turn that those after it go on with.
+    """
+    known = np.isfinite(angle)
+    if not known.any():
+        return angle
+    well = np.flatnonzero(known & (variance <= POOR**2 * np.median(variance[known])))
+    together = np.convolve(np.exp(1j * angle[well]), np.ones(min(ABOUT, len(well))), mode="same")
+    near = np.interp(np.arange(len(angle)), well, np.unwrap(np.angle(together)))
+    return angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi))
 
 
 def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str, ...]:

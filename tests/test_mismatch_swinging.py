@@ -92,7 +92,7 @@ def test_shapes_are_tried_between_start_and_bounds_or_at_their_own_values_or_not
         for bound in (onset.lower, onset.upper)
     ]
     assert other_shapes(kernel, "lift_lag") == [
-        {"lift_lag.s": 1.3}, {"lift_lag.s": 13.0}, {"lift_lag.s": 1.3, "lift_lag.e": 2.0}
+        {"lift_lag.s": 1.3}, {"lift_lag.s": 10.0}, {"lift_lag.s": 1.3, "lift_lag.e": 2.0}
     ]  # fmt: skip
     humps = other_shapes(kernel, "hump")
     assert [shape["hump.c"] for shape in humps] == list(hump.SPEEDS)

@@ -29,9 +29,9 @@ PARAMETERS = (
         "1",
         4.0,
         0.1,
-        40.0,
+        20.0,
         "head lengths travelled while it builds up",
-        tries=(1.3, 13.0, 1.3),
+        tries=(1.3, 10.0, 1.3),
     ),
     Parameter("w", "1", 0.0, 0.0, 1.0, "part that lags twice", 0.4),
     Parameter(

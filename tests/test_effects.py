@@ -277,6 +277,17 @@ def test_the_moment_goes_as_the_lift_does(name: str) -> None:
     assert call(effect, "force", motion, **late, **given)[2] == 0.0
 
 
+@pytest.mark.parametrize("step", [1 / 30, 1 / 60])
+def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
+    """Runge and Kutta's rule of a rate that is known is Simpson's; the least n is the worst."""
+    effect = plates().effect("servo_lag")
+    n = next(p.lower for p in effect.parameters if p.name == "n")
+    t = np.arange(0.0, 6.0, 0.5 * step)
+    rate = np.array([effect.hooks["swing"](one, 0.5, 1.0, 0.2, n, 0.5, 1.0)[0] for one in t])
+    turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()
+    assert turned == pytest.approx(0.5, abs=0.01)
+
+
 def test_a_core_that_takes_the_turning_goes_with_the_head_angle() -> None:
     """Over the whole start it turns by c times what was missing of the angle; c = 0: not at all."""
     servo, t = plates().effect("servo_lag").hooks, np.linspace(0.0, 4.0, 40001)

@@ -235,6 +235,15 @@ def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
     assert np.sum(1 / few.noise[:, 0, 0]) == pytest.approx(np.sum(1 / one.noise[:, 0, 0]))
 
 
+def test_what_is_constant_is_told_as_surely_with_the_first_frame_unseen() -> None:
+    seen = np.ones(180)
+    seen[0] = np.nan
+    one = a_series(seen, 1 / 30)
+    one.noise[0] = np.eye(1)
+    few = thinned(one, constant=(0,))
+    assert few.noise[-1, 0, 0] == pytest.approx(one.noise[-1, 0, 0] * len(few.times) / 180)
+
+
 def test_thinning_leaves_slow_series_alone() -> None:
     one = a_series(np.ones(100), 0.1)
     assert thinned(one) is one

@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.data import PARTS, Positions
 from pipeline.faults import Fault
-from pipeline.pose import rigid_pose
+from pipeline.pose import rigid_pose, unwrapped
 from pipeline.study import Robot
 
 ROBOT = Robot(
@@ -73,6 +73,31 @@ def test_frames_turned_end_for_end_do_not_wind_the_heading(turns):
     error = pose.values[others, 2] - expected[others, 2]
     assert np.ptp(error) < 0.05
     assert np.all(np.abs(pose.values[flipped, 2] - expected[flipped, 2] - error[0]) < np.pi + 0.05)
+
+
+def test_a_long_stretch_of_poor_frames_loses_no_turn():
+    """2.5 s at 1.5 rad/s, stated eleven times worse than usual, within the trial and at its end."""
+    t = np.arange(300) / 30
+    true = 1.5 * t
+    for poor in ((t > 4) & (t < 6.5), t > 7, t < 2):
+        variance = np.where(poor, 1.21e-4, 1e-6)
+        found = unwrapped(np.angle(np.exp(1j * true)), variance)
+        assert np.ptp(found - true) < 1e-9
+
+
+@pytest.mark.parametrize("hz", [3.0, 10.0, 60.0])
+def test_a_fast_turn_in_few_frames_keeps_its_turns(hz):
+    true = 2.5 * np.arange(0.0, 20.0, 1 / hz)
+    found = unwrapped(np.angle(np.exp(1j * true)), np.full(len(true), 1e-6))
+    assert np.ptp(found - true) < 1e-9
+
+
+def test_unwrapping_bears_few_frames_and_unknown_variances():
+    nan = np.nan
+    assert unwrapped(np.array([nan, nan]), np.ones(2)) == pytest.approx([nan, nan], nan_ok=True)
+    assert unwrapped(np.array([3.0, -3.0]), np.array([nan, 1.0])) == pytest.approx(
+        [3.0, 2 * np.pi - 3.0]
+    )
 
 
 @pytest.mark.parametrize("phi", [-2.0, -0.7, 0.0, 0.7, 2.0])

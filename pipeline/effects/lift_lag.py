@@ -64,6 +64,6 @@ def force(
 def own_rates(
     uh: float, vh: float, V: float, h: float, z: float, y_lag: float, s: float, e: float
 ) -> tuple[float, float]:
-    """Derivatives of z and y, (m/s)^(2 - e) a second."""
-    rate = V / (s * h)
+    """Derivatives of z and y, (m/s)^(2 - e) a second; not faster than the integrator follows."""
+    rate = min(V / (s * h), 60.0)
     return (-2.0 * uh * vh * power(V, -e) - z) * rate, (z - y_lag) * rate

@@ -22,7 +22,7 @@ CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 PARAMETERS = (
     Parameter("k", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start"),
     Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
-    Parameter("n", "1", 1.5, 0.7, 5.0, "1: lag of first order, larger: limited rate"),
+    Parameter("n", "1", 1.5, 1.0, 5.0, "1: lag of first order, larger: limited rate"),
     Parameter("q", "1", 0.5, 0.0, 1.0, "0: same time for all angles, 1: in proportion to them"),
     Parameter(
         "c", "1", 0.0, 0.0, 1.2, "part of the turning that the core takes", 0.5, (0.0, 0.0, 1.0)

@@ -36,8 +36,9 @@ def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int]
     lengths = np.diff([*first, len(series.times)])
     times, seen, noise = _blocks(series, first, lengths)
     share = len(first) / len(series.times)
+    seen_first = int(np.argmax(np.all(np.isfinite(series.seen), axis=1)))
     for o in constant:
-        noise[:, o, o] = noise[0, o, o] * share
+        noise[:, o, o] = series.noise[seen_first, o, o] * share
     inputs = np.add.reduceat(series.inputs, first) / lengths[:, None]
     return replace(series, times=times, seen=seen, noise=noise, inputs=inputs)
 

@@ -122,11 +122,11 @@ def promising(
     kernel: Kernel, told: Mapping[str, Foretold], count: int, inflation: float
 ) -> list[str]:
     """The best foretold that are not hopeless, and those with starts of their own; beside a model
-    that is wrong all those with a shape too.
+    that is wrong all of the hopeful with a shape too.
     """
     ranked = sorted(told, key=lambda c: -told[c].gain)
-    hopeful = [c for i, c in enumerate(ranked)
-               if told[c].gain > (0.0 if i < ANYWAY else HOPELESS * inflation)]  # fmt: skip
+    least = HOPELESS * inflation if np.isfinite(inflation) else 0.0
+    hopeful = [c for i, c in enumerate(ranked) if told[c].gain > (0.0 if i < ANYWAY else least)]
     wrong = inflation > WRONG
     others = [c for c in ranked if c not in hopeful[:count] and (
         starts_of(kernel, c) or (wrong and c in hopeful and _has_shape(kernel, c)))]  # fmt: skip

@@ -74,7 +74,8 @@ def _regime(found: Found, effect: Effect) -> str:
     """Where an effect is felt; of a knocked camera, from when on in which trials."""
     if effect.name != KNOCK or not found.knocks:
         return effect.regime
-    return "from " + ", ".join(f"{k.time_s:.1f} s on in {k.trial}" for k in found.knocks)
+    moments = (f"{k.time_s:.1f} s after the start of {k.trial}" for k in found.knocks)
+    return f"from {', '.join(moments)} on"
 
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:

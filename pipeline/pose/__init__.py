@@ -20,9 +20,11 @@ from .fit import Fit, enough, marked_aside, with_noise, without_outliers
 OFF_LENGTH = 0.02
 LONG_GAP_S = 1.0
 ABOUT, POOR = 9, 10.0
-"""Frames of which the mean direction is taken, none stated so many times worse than usual."""
+"""Frames of which the mean direction is taken (fewer where these turn by half a turn), without
+those of short stretches that are stated so many times worse than usual.
+"""
 
-__all__ = ["Body", "body_lengths", "rigid_pose"]
+__all__ = ["Body", "body_lengths", "rigid_pose", "unwrapped"]
 
 
 def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose:
@@ -70,16 +72,30 @@ def _as_pose(fit: Fit) -> tuple[Float, Float]:
 def unwrapped(angle: Float, variance: Float) -> Float:
     """Angles (frames,) [rad] without jumps of whole turns; NaN where not seen.
 
-    Each is put next to the mean direction of the frames about it, of those that are stated well: a
-    frame turned end for end must not begin a turn that those after it go on with.
+    Each is put next to the mean direction of the frames about it, without single ones that are
+    stated poorly: a frame turned end for end must not begin a turn that those after it go on with.
     """
-    known = np.isfinite(angle)
-    if not known.any():
+    known = np.flatnonzero(np.isfinite(angle))
+    if len(known) == 0:
         return angle
-    well = np.flatnonzero(known & (variance <= POOR**2 * np.median(variance[known])))
-    together = np.convolve(np.exp(1j * angle[well]), np.ones(min(ABOUT, len(well))), mode="same")
+    poor = ~(variance[known] <= POOR**2 * np.nanmedian(variance[known]))
+    well = known[~_in_short_runs(poor)]
+    step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
+    about = int(np.clip(np.pi / max(step, 1e-9), 1, min(ABOUT, len(well))))
+    together = np.convolve(np.exp(1j * angle[well]), np.ones(about), mode="same")
     near = np.interp(np.arange(len(angle)), well, np.unwrap(np.angle(together)))
     return angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi))
+
+
+def _in_short_runs(poor: np.ndarray) -> np.ndarray:
+    """Which of the frames marked (n,) stand in runs of `ABOUT` at most, within the trial: over a
+    longer run nobody knows how far the heading has turned.
+    """
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], poor.astype(int), [0]])))
+    out = np.zeros(len(poor), dtype=bool)
+    for first, last in ends.reshape(-1, 2):
+        out[first:last] = first > 0 and last < len(poor) and last - first <= ABOUT
+    return out
 
 
 def _length_remarks(body: Body, robot: Robot, head_length_m: float) -> tuple[str, ...]:

@@ -65,6 +65,7 @@ def fitted(observe, constants: dict[str, float], k: float, seen: np.ndarray) -> 
 
 def named(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
     given = simulation.constants(setup, 0.12)
+    names = (*names, "in_part")
     return {name: float(given[simulation.CONSTANTS.index(name)]) for name in names}
 
 

@@ -57,8 +57,9 @@ from pipeline.mismatch.rounds import Round, settled
 from pipeline.mismatch.search import held_shapes, screened
 from pipeline.mismatch.select import _level, _outdone, two_more
 from pipeline.mismatch.setting import held_out_trials
-from pipeline.mismatch.story import causes, mismatch_json, rivals, sentence, weights_in_place
+from pipeline.mismatch.story import causes, mismatch_json, rivals, weights_in_place
 from pipeline.mismatch.weighing import SELDOM
+from pipeline.mismatch.words import sentence
 from pipeline.model import plates
 from pipeline.stages.layout import Layout
 from pipeline.stages.mismatch import (

@@ -92,6 +92,29 @@ def test_a_fast_turn_in_few_frames_keeps_its_turns(hz):
     assert np.ptp(found - true) < 1e-9
 
 
+def test_directions_that_are_not_known_wind_no_turn():
+    """Thirteen frames with head and tail exchanged, stated with 4 rad, as a labelled film had."""
+    true = np.full(200, 1.25)
+    shown, variance = true.copy(), np.full(200, 2e-5)
+    shown[90:103] = np.linspace(1.0, 1.25 - 2 * np.pi, 13)
+    variance[90:103] = 16.0
+    found = unwrapped(np.angle(np.exp(1j * shown)), variance)
+    others = np.setdiff1d(np.arange(200), np.arange(90, 103))
+    assert np.ptp((found - true)[others]) < 1e-9
+
+
+@pytest.mark.parametrize("rate", [-2.5, -0.4, 0.4, 2.5])
+@pytest.mark.parametrize("rows", ["absent", "empty"])
+def test_over_a_gap_the_heading_turns_on(rate, rows):
+    """Two seconds and a half unseen: up to a whole turn, which the frames at both ends tell."""
+    times = np.arange(0.0, 12.0, 1 / 30)
+    true, gap = rate * times, (times > 4) & (times < 6.5)
+    shown = np.where(gap, np.nan, np.angle(np.exp(1j * true)))
+    kept = ~gap if rows == "absent" else np.ones(len(times), dtype=bool)
+    found = unwrapped(shown[kept], np.full(kept.sum(), 1e-5), times[kept])
+    assert np.ptp((found - true[kept])[np.isfinite(found)]) < 1e-9
+
+
 def test_unwrapping_bears_few_frames_and_unknown_variances():
     nan = np.nan
     assert unwrapped(np.array([nan, nan]), np.ones(2)) == pytest.approx([nan, nan], nan_ok=True)

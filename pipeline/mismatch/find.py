@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -32,6 +32,7 @@ from .nameless import (
     without_doubtful,
     without_proxies,
 )
+from .parts import LEAST, Part, part_of_trials, pays_in_part, with_part
 from .paying import WRONG
 from .select import Choice, choose, two_more
 from .setting import has_roles, held_out_trials, steady_errors, variables
@@ -57,7 +58,8 @@ class Found:
     all without a name gains, over the inflation; forces, dependences: what is lacking without
     the additions, on all trials; errors: those of `baseline` and `extended` on the held-out trials;
     floor_m: path error that a true model would have there; horizon_s: how long a free run bears;
-    knocks: where the camera was, or seemed to be, moved during a trial.
+    knocks: where the camera was, or seemed to be, moved during a trial; part: the trials in which a
+    fault of measuring acts, where that is not all of them.
     """
 
     verdict: str
@@ -73,6 +75,7 @@ class Found:
     floor_m: float
     horizon_s: float
     knocks: Sequence[Jump] = ()
+    part: Part | None = None
 
 
 def find_mismatch(
@@ -100,7 +103,15 @@ def find_mismatch(
     names = tuple(e.name for e in plates().effects if e.kind in KINDS)
     bench = Bench(kernel, train, baseline.base, names, baseline.fit.free, progress)
     bare = trialled(kernel, (), baseline.fit, baseline.noise, train)
-    bench, choice, residual, swing = _searched(bench, bare)
+    searched, part = _searched(bench, bare), None
+    if (maybe := part_of_trials(bench, study, searched[1].chosen)) and maybe.ahead > LEAST:
+        progress(f"{maybe.cause} in {maybe.trials[0]} to {maybe.trials[-1]}")
+        apart = replace(bench, series=with_part(kernel, train, maybe))
+        again = _searched(apart, bare)
+        if pays_in_part(searched[1], again[1]):
+            searched, part = again, maybe
+            series, few, test = (with_part(kernel, s, maybe) for s in (series, few, test))
+    bench, choice, residual, swing = searched
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)
     progress("missing force")
@@ -118,7 +129,7 @@ def find_mismatch(
         verdict=verdict, choice=choice, baseline=baseline, extended=extended, residual=residual,
         nameless_gain=swing + nameless_gain(choice, residual),
         forces=forces, dependences=told, held_out=[s.name for s in test], errors=errors,
-        floor_m=paths.floor_m, horizon_s=paths.horizon_s, knocks=knocks,
+        floor_m=paths.floor_m, horizon_s=paths.horizon_s, knocks=knocks, part=part,
     )  # fmt: skip
 
 

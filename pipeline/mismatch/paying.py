@@ -34,6 +34,11 @@ AGAINST = 1.0
 """A side measurement that an effect makes less likely by this much speaks against it: a wrong lens
 that bends lengths by 0.1 %, where none is seen to 0.05 %, stood in for the form of a wall's drag.
 """
+STEADIER, LARGE, NOT_LIKELY = 0.5, 35.0, 0.01
+"""An addition that brings the spread of the numbers over the trials down to this part pays by this
+gain over the inflation where its strength is not likely nothing: of 1848 refits (64 concealed
+studies of other makers) that did not pay one is so, a thrust loss in nine trials, and it was true.
+"""
 WRONG = 5.0
 """A model with this inflation or more does not describe its trials. Then a step from it foretells
 little, two effects may have to be added at once for either to be seen, and the strength of one
@@ -69,6 +74,8 @@ def pays(before: Trialled, after: Trialled, bare: Trialled | None = None) -> boo
     if not before.effects and opens(before, after):
         return True
     worth, p_value = gain / after.inflation, _chance(before, after)
+    if after.inflation < STEADIER * before.inflation and worth > LARGE and p_value < NOT_LIKELY:
+        return True
     return any(worth > least and p_value < most and part > share for least, most, share in CLAIMS)
 
 

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..fitting import Series, trial_values
 from ..integrate import Effect, compiled
-from ..model import is_nameless, plates, residual_channels
+from ..model import plates, residual_channels
 from ..study import Study
-from ..tuning import Tuned, table
+from ..tuning import Tuned
 from ..tuning.joint import BAND
 from .find import Found, astray_by
 from .judge import Trialled
 from .jumps import EFFECT as KNOCK
 from .nameless import HUMP, PULSE, SWING, shares_in_place
+from .parts import CAUSES as IN_PART
 from .select import Choice
 from .setting import CHANNELS, best_next_trial
 from .swinging import only_of_time, swings
 from .weighing import reliability
+from .words import sentence, unnamed_terms
 
 RIVAL_WEIGHT = 0.02
-SURE = 0.8
 MOST_POINTS = 400
 
 
@@ -71,7 +72,11 @@ def _cause(found: Found, name: str, loss: float) -> dict[str, Any]:
 
 
 def _regime(found: Found, effect: Effect) -> str:
-    """Where an effect is felt; of a knocked camera, from when on in which trials."""
+    """Where an effect is felt; of a knocked camera, from when on in which trials; of another fault
+    of measuring that is in a part of them alone, in which.
+    """
+    if found.part and effect.name in IN_PART:
+        return f"in {', '.join(found.part.trials)} unlike the other trials: {effect.regime}"
     if effect.name != KNOCK or not found.knocks:
         return effect.regime
     moments = (f"{k.time_s:.1f} s after the start of {k.trial}" for k in found.knocks)
@@ -80,7 +85,7 @@ def _regime(found: Found, effect: Effect) -> str:
 
 def weights_in_place(found: Found, name: str) -> dict[str, float]:
     """`shares_in_place`; a model that is astray in the end names nothing surely."""
-    told = shares_in_place(found.choice, name, beside=not _terms(found))
+    told = shares_in_place(found.choice, name, beside=not unnamed_terms(found))
     return {other: weight / astray_by(found.choice.chosen) for other, weight in told.items()}
 
 
@@ -110,7 +115,7 @@ def as_normal(tuned: Tuned) -> list[float]:
 
 
 def _unexplained(found: Found) -> dict[str, Any]:
-    terms = _terms(found)
+    terms = unnamed_terms(found)
     channels = sorted({c for t in terms for c in _channels(t)}, key=CHANNELS.index)
     told = [d for d in found.dependences if CHANNELS[d.channel] in channels] or found.dependences
     first = told[0]
@@ -128,11 +133,6 @@ def _unexplained(found: Found) -> dict[str, Any]:
     }
 
 
-def _terms(found: Found) -> list[str]:
-    """Labels of the nameless terms in the extended model."""
-    return [f.name for f in found.extended.fit.free if is_nameless(f.name)]
-
-
 def _channels(term: str) -> tuple[str, ...]:
     effect, number = term.split(".", 1)
     return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
@@ -140,7 +140,7 @@ def _channels(term: str) -> tuple[str, ...]:
 
 def _modelled_by(found: Found) -> str:
     """How what has no name is modelled, up to the words on what it depends on."""
-    if not _terms(found):
+    if not unnamed_terms(found):
         return "what is lacking"
     free = found.extended.fit.free
     if only_of_time(free):
@@ -222,52 +222,3 @@ def _two_models(found: Found) -> tuple[Trialled, Trialled, tuple[str, str]]:
     options = [t for t in found.choice.places[first].tried if t.effects[-1] not in chosen.effects]
     other = options[0] if options else found.choice.bare
     return chosen, other, (" and ".join(chosen.effects), (other.effects or ("the baseline",))[-1])
-
-
-def sentence(
-    found: Found, told: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
-) -> str:
-    """One sentence of verdict, plain words first."""
-    before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
-    way = "falls" if after < before else "goes"
-    spared = set(found.held_out) < {f.name for f in found.forces}
-    trials = "on trials not fitted" if spared else "on the fitted trials (none could be held out)"
-    proof = f"{trials} the path error {way} from {before:.1f} to {after:.1f} mm"
-    if found.verdict == "none" and not _determined(found):
-        return (
-            "These trials determine hardly any coefficient, so that nothing can be said of what "
-            "the model lacks: film turns to both sides at two head angles and two powers."
-        )
-    if found.verdict == "none":
-        return "Nothing beyond the noise: the model as it stands explains these recordings."
-    beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
-    if found.verdict == "unexplained" and not _terms(found):
-        chosen = found.choice.chosen
-        spread = chosen.astray if chosen.effects else chosen.inflation
-        far = f"{spread:.0f} times more than their errors" if np.isfinite(spread) else "at will"
-        return (
-            f"The model{' with ' + beside if beside else ''} does not describe these trials, and "
-            f"they do not tell what it lacks{' besides' if beside else ''}: its numbers differ "
-            f"from trial to trial {far}; film more trials, at other angles and powers."
-        )
-    if found.verdict == "unexplained":
-        first = f"Physics left out: {beside}; and something else" if beside else "Something"
-        return f"{first} is missing that no known cause explains; modelled as a residual, {proof}."
-    names = " and ".join(_called(c) for c in told)
-    doubt = [r for r in others if r["weight"] > 0.2]
-    if doubt:
-        names += " (or " + ", ".join(sorted({str(r["name"]) for r in doubt})) + ", not told apart)"
-    blame = "The measurement is at fault" if found.verdict == "measurement" else "Physics left out"
-    return f"{blame}: {names}; {proof}."
-
-
-def _called(cause: Mapping[str, Any]) -> str:
-    """Its name, with its weight where that is low."""
-    weight = float(cause["weight"])
-    return str(cause["name"]) + (f" (weight {weight:.2f}: not sure)" if weight < SURE else "")
-
-
-def _determined(found: Found) -> bool:
-    """Whether the baseline's fit determines at least half of its coefficients."""
-    rows = table(found.baseline).values()
-    return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

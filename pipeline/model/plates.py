@@ -40,7 +40,7 @@ CONSTANTS = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
     "l_tail", "L_pool", "W_pool", "x_cam", "y_cam", "bend", "x_lens", "y_lens",
     "Q_lens", "ax_lens", "ay_lens", "psi0", "t_shift",
-    "x_shift", "y_shift", "ahead",
+    "x_shift", "y_shift", "ahead", "in_part",
 )  # fmt: skip
 INPUTS = ("head_angle", "flap_hz")
 OBSERVATIONS = ("x", "y", "heading", "head_angle")

@@ -64,6 +64,7 @@ def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -
         "x_shift": 1.0,
         "y_shift": 0.0,
         "ahead": 0.0,
+        "in_part": 1.0,
     }
     return np.array([values[name] for name in CONSTANTS])
 

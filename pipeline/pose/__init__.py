@@ -23,6 +23,12 @@ ABOUT, POOR = 9, 10.0
 """Frames of which the mean direction is taken (fewer where these turn by half a turn), without
 those of short stretches that are stated so many times worse than usual.
 """
+LONG = 1.5
+"""A step of so many usual ones is a gap."""
+UNKNOWN_RAD = 0.5
+"""A direction stated no better than this says nothing of the turns, however long it lasts: half a
+second of labels that have changed places, stated with 4 rad, wound the heading by a whole turn.
+"""
 
 __all__ = ["Body", "body_lengths", "rigid_pose", "unwrapped"]
 
@@ -50,7 +56,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     cov = with_noise(xy, cov, replace(body, aside_m=aside))
     body = replace(body_lengths(xy, cov, robot, head_length_m), aside_m=aside)
     fit, dropped = without_outliers(xy, cov, body)
-    values, spread = _as_pose(fit)
+    values, spread = _as_pose(fit, positions.time_s)
     remarks = (
         *positions.remarks,
         *_length_remarks(body, robot, head_length_m),
@@ -60,31 +66,53 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     return Pose(positions.time_s, values, spread, remarks)
 
 
-def _as_pose(fit: Fit) -> tuple[Float, Float]:
+def _as_pose(fit: Fit, time_s: Float) -> tuple[Float, Float]:
     change = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, -1]])
     values = fit.state @ change.T
     cov = change @ fit.cov @ change.T
-    values[:, 2] = unwrapped(values[:, 2], cov[:, 2, 2])
-    values[:, 3] = -((np.pi - values[:, 3]) % (2 * np.pi) - np.pi)
+    values[:, 2] = unwrapped(values[:, 2], cov[:, 2, 2], time_s)
+    values[:, 3] = _half_turn_at_most(values[:, 3])
     return values, cov
 
 
-def unwrapped(angle: Float, variance: Float) -> Float:
+def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Float:
     """Angles (frames,) [rad] without jumps of whole turns; NaN where not seen.
 
     Each is put next to the mean direction of the frames about it, without single ones that are
     stated poorly: a frame turned end for end must not begin a turn that those after it go on with.
+    time_s (frames,): where the frames are not evenly spaced.
     """
+    times = np.arange(len(angle), dtype=float) if time_s is None else time_s
     known = np.flatnonzero(np.isfinite(angle))
     if len(known) == 0:
         return angle
     poor = ~(variance[known] <= POOR**2 * np.nanmedian(variance[known]))
-    well = known[~_in_short_runs(poor)]
+    unknown = variance[known] > max(UNKNOWN_RAD**2, float(np.nanmedian(variance[known])))
+    well = known[~(_in_short_runs(poor) | unknown)]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
     about = int(np.clip(np.pi / max(step, 1e-9), 1, min(ABOUT, len(well))))
     together = np.convolve(np.exp(1j * angle[well]), np.ones(about), mode="same")
-    near = np.interp(np.arange(len(angle)), well, np.unwrap(np.angle(together)))
+    near = np.interp(times, times[well], _turning_on(np.angle(together), times[well]))
     return angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi))
+
+
+def _turning_on(angle: Float, times: Float) -> Float:
+    """Directions (n,) unwrapped; over a gap the turning goes on at the rate at its two ends."""
+    if len(angle) < 2:
+        return angle
+    step, span = _half_turn_at_most(np.diff(angle)), np.diff(times)
+    usual = np.median(span)
+    rate = np.where(span > LONG * usual, np.nan, step / span)
+    for k in np.flatnonzero(np.isnan(rate)):
+        beside = rate[max(0, k - ABOUT) : k + ABOUT + 1]
+        if np.isfinite(beside).any():
+            on = np.nanmedian(beside) * span[k]
+            step[k] = on + _half_turn_at_most(step[k] - on)
+    return angle[0] + np.concatenate([[0.0], np.cumsum(step)])
+
+
+def _half_turn_at_most(angle: Float) -> Float:
+    return -((np.pi - angle) % (2 * np.pi) - np.pi)
 
 
 def _in_short_runs(poor: np.ndarray) -> np.ndarray:

@@ -583,6 +583,41 @@ def test_the_first_effect_beside_a_wrong_model_pays_by_its_gain(
     assert pays(bare, fin, bare) is paying
 
 
+@pytest.mark.parametrize(
+    ("inflation", "over", "p_value", "paying"),
+    [(1.26, 42.0, 5.6e-3, True), (1.6, 42.0, 5.6e-3, False), (1.26, 30.0, 5.6e-3, False),
+     (1.26, 42.0, 2e-2, False)],
+)  # fmt: skip
+def test_an_addition_that_steadies_the_numbers_pays_where_it_is_not_likely_nothing(
+    demo: tuple[Measured, Found], inflation: float, over: float, p_value: float, paying: bool
+) -> None:
+    """A thrust loss beside a fin and an offset, nine trials of another maker's robot."""
+    _, found = demo
+    before = replace(found.choice.without["linear_yaw_damping"], inflation=2.72)
+    gain = over * inflation
+    after = replace(before, effects=(*before.effects, "wave_drag"), inflation=inflation,
+                    worth=before.worth + gain / len(before.worth),
+                    p_value={**before.p_value, "wave_drag": p_value})  # fmt: skip
+    others = 9.0 * gain / len(before.worth)
+    bare = replace(before, effects=(), worth=before.worth - others)
+    assert pays(before, after, bare) is paying
+
+
+@pytest.mark.parametrize(("times", "said"), [(1.4, False), (1.6, True)])
+@pytest.mark.parametrize("verdict", ["none", "physics", "measurement", "unexplained"])
+def test_the_sentence_says_how_much_is_left_over(
+    demo: tuple[Measured, Found], verdict: str, times: float, said: bool
+) -> None:
+    _, found = demo
+    after = found.errors["extended"] | {"path_rmse_m": times * found.floor_m}
+    left = replace(found, verdict=verdict, errors={**found.errors, "extended": after})
+    told = sentence(left, causes(left), [])
+    assert ("times what noise explains" in told) == (
+        said and (verdict != "unexplained" or "modelled as a residual" in told)
+    )
+    assert ("Nothing beyond the noise" in told) == (verdict == "none" and not said)
+
+
 def test_both_of_two_beside_a_wrong_model_pay_by_their_gain(demo: tuple[Measured, Found]) -> None:
     """A fin beside a stall, nine trials of a made robot: 25.8 over the inflation, p = 0.015."""
     _, found = demo

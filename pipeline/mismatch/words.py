@@ -14,7 +14,7 @@ from .find import Found
 SURE = 0.8
 LEFT_OVER = 1.5
 """So many times the noise floor the held-out paths of a true model are not off: 1.5 and more were 3
-of 232 concealed studies by our laws, one named wrong, and 10 of 62 by others' laws, four of them.
+of 236 concealed studies by our laws, one named wrong, and 10 of 62 by others' laws, four of them.
 """
 
 

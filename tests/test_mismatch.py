@@ -615,7 +615,7 @@ def test_the_sentence_says_how_much_is_left_over(
     assert ("times what noise explains" in told) == (
         said and (verdict != "unexplained" or "modelled as a residual" in told)
     )
-    assert ("Nothing beyond the noise" in told) == (verdict == "none" and not said)
+    assert ("explains these recordings" in told) == (verdict == "none" and not said)
 
 
 def test_both_of_two_beside_a_wrong_model_pay_by_their_gain(demo: tuple[Measured, Found]) -> None:

@@ -12,7 +12,8 @@ from pipeline.fitting import Series
 from pipeline.integrate import compiled
 from pipeline.mismatch import Bench, Trialled, find_mismatch, trialled
 from pipeline.mismatch.find import KINDS
-from pipeline.mismatch.parts import FLAG, LEAST, Part, part_of_trials, parts_of, with_part
+from pipeline.mismatch.parts import LEAST, Part, part_of_trials, parts_of, with_part
+from pipeline.mismatch.setting import PART_FLAG
 from pipeline.mismatch.story import mismatch_json
 from pipeline.model import plates
 from pipeline.study import Study
@@ -35,7 +36,7 @@ def test_a_scale_that_is_wrong_at_one_frame_rate_is_told_with_its_trials(bare: M
     found = find_mismatch(study, seen, bare.steady, progress=lambda _: None)
     told = plain(mismatch_json(found, study, seen))
     assert [c["name"] for c in told["causes"]] == ["scale_error"]
-    assert told["sentence"].startswith("The measurement is at fault: scale_error")
+    assert told["sentence"].startswith("The measurement is at fault: scale_error (in 6 trials")
     cause, size = told["causes"][0], told["causes"][0]["parameters"]["k"]
     named = {s.name for s in seen if s.name in cause["regime"]}
     assert named in (odd, {s.name for s in seen} - odd)
@@ -68,16 +69,31 @@ def test_parts_are_beginnings_ends_and_frame_rates(bare: Measured) -> None:
     assert frozenset({*names} - odd) in parts
     assert frozenset(names[:3]) in parts
     assert frozenset(names[3:]) in parts
+
+
+def test_a_trial_not_fitted_at_the_border_of_a_part_is_left_open(bare: Measured) -> None:
+    names = [t.trial_id for t in bare.study.trials]
+    fitted = [s for s in bare.series if s.name not in {names[4], names[9]}]
+    study = _two_rates(bare, set())
+    sure, doubtful = parts_of(study, fitted)[frozenset(names[:4])]
+    assert sure == frozenset(names[:4])
+    assert doubtful == frozenset({names[4]})
+
+
+def test_no_part_has_fewer_trials_than_three(bare: Measured) -> None:
+    parts = parts_of(_two_rates(bare, set()), bare.series)
     assert min(map(len, parts)) == 3
 
 
 def test_outside_the_part_no_fault_acts_and_nothing_is_told_of_one(bare: Measured) -> None:
-    told = [replace(s, evidence={"scale": (0.0, 0.01)}) for s in bare.series]
+    told = [
+        replace(s, evidence={"scale": (0.0, 0.01), "clock_ratio": (0.0, 0.01)}) for s in bare.series
+    ]
     names = tuple(s.name for s in told[:3])
     out = with_part(KERNEL, told, Part("scale_error", names, 99.0))
-    slot = KERNEL.system.constants.index(FLAG)
+    slot = KERNEL.system.constants.index(PART_FLAG)
     assert [s.constants[slot] for s in out] == [1.0] * 3 + [0.0] * (len(out) - 3)
-    assert [bool(s.evidence) for s in out] == [True] * 3 + [False] * (len(out) - 3)
+    assert [{*s.evidence} for s in out] == [{"clock_ratio"}] * 3 + [set()] * (len(out) - 3)
 
 
 def _two_rates(bare: Measured, odd: set[str]) -> Study:

@@ -115,6 +115,30 @@ def test_over_a_gap_the_heading_turns_on(rate, rows):
     assert np.ptp((found - true[kept])[np.isfinite(found)]) < 1e-9
 
 
+@pytest.mark.parametrize("fps", [30, 60, 120])
+@pytest.mark.parametrize("beat", [2.0, 3.1, 6.3])
+@pytest.mark.parametrize("rate", [0.0, 0.3, 0.8])
+def test_the_tail_beat_winds_no_turn_over_a_gap(fps, beat, rate):
+    """Swung by 0.2 rad at the tail's beat; 200 gaps of half a second to two and a half."""
+    rng = np.random.default_rng(5)
+    times = np.arange(0.0, 12.0, 1 / fps)
+    for _ in range(200):
+        first, long = rng.uniform(1, 8), rng.uniform(0.5, 2.5)
+        true = rate * times + 0.2 * np.sin(2 * np.pi * beat * times + rng.uniform(0, 6.3))
+        shown = np.angle(np.exp(1j * (true + rng.normal(0, 5e-3, len(times)))))
+        shown[(times > first) & (times < first + long)] = np.nan
+        found = unwrapped(shown, np.full(len(times), 2.5e-5), times)
+        assert np.ptp((found - true)[np.isfinite(found)]) < 0.5
+
+
+def test_a_poorly_stated_beginning_keeps_its_turns():
+    times = np.arange(0.0, 10.0, 1 / 30)
+    true = 2.5 * times
+    noise = np.random.default_rng(2).normal(0, 0.3, len(times)) * (times < 3)
+    found = unwrapped(np.angle(np.exp(1j * (true + noise))), np.where(times < 3, 0.3, 1e-5), times)
+    assert np.ptp(found - true) < 3.0
+
+
 def test_unwrapping_bears_few_frames_and_unknown_variances():
     nan = np.nan
     assert unwrapped(np.array([nan, nan]), np.ones(2)) == pytest.approx([nan, nan], nan_ok=True)

@@ -105,12 +105,13 @@ def find_mismatch(
     bare = trialled(kernel, (), baseline.fit, baseline.noise, train)
     searched, part = _searched(bench, bare), None
     if (maybe := part_of_trials(bench, study, searched[1].chosen)) and maybe.ahead > LEAST:
-        progress(f"{maybe.cause} in {maybe.trials[0]} to {maybe.trials[-1]}")
+        progress(f"{maybe.cause} in {len(maybe.trials)} trials")
         apart = replace(bench, series=with_part(kernel, train, maybe))
         again = _searched(apart, bare)
         if pays_in_part(searched[1], again[1]):
             searched, part = again, maybe
             series, few, test = (with_part(kernel, s, maybe) for s in (series, few, test))
+            test = [s for s in test if s.name not in maybe.open] or test
     bench, choice, residual, swing = searched
     verdict = verdict_of(kernel, choice, residual)
     extended = retuned(bench, baseline, residual if verdict == "unexplained" else choice.chosen)

@@ -11,7 +11,7 @@ from each trial's own normal equations.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,14 +23,12 @@ from ..study import Study
 from .bench import Bench
 from .judge import Trialled, candidate_frees
 from .select import Choice
+from .setting import PART_FLAG, PARTIAL
 
-FLAG = "in_part"
-CAUSES = (
-    "clock_error", "keypoint_bias", "lens_error", "scale_error", "uncorrected_refraction",
-)  # fmt: skip
-"""The faults that heed the flag."""
 FEWEST = 3
 """Trials that a part, and what is left, have at least."""
+OWN_EVIDENCE = frozenset({"clock_ratio"})
+"""Side measurements that each trial has for itself; what rigid lengths say is pooled over all."""
 LEAST, LEAST_GAIN = 4.0, 10.0
 """Log likelihood over the inflation that a cause must be foretold in a part of the trials beyond
 what any is foretold in all, and that the trials left out gain where it is sought there.
@@ -40,66 +38,80 @@ what any is foretold in all, and that the trials left out gain where it is sough
 @dataclass(frozen=True)
 class Part:
     """Trials in which a cause seems to act, and by how much it is foretold more than in all of
-    them, in log likelihood over the inflation.
+    them, in log likelihood over the inflation; open: trials not fitted on which the trials that
+    are leave it open whether they belong to it.
     """
 
     cause: str
     trials: tuple[str, ...]
     ahead: float
+    open: tuple[str, ...] = ()
 
 
-def parts_of(study: Study, series: Sequence[Series]) -> Iterator[frozenset[str]]:
-    """The parts that are tried, as names of trials of the study; each also as what it leaves."""
+def parts_of(
+    study: Study, series: Sequence[Series]
+) -> dict[frozenset[str], tuple[frozenset[str], frozenset[str]]]:
+    """The parts that are tried: the trials of `series` in each -> the study's trials that belong
+    to it, and those that may or may not.
+    """
     order = [t.trial_id for t in study.trials]
     rates = {t.trial_id: t.fps for t in study.trials}
     ends = [frozenset(order[:k]) for k in range(1, len(order))]
     same = [frozenset(n for n in order if rates[n] == rate) for rate in {*rates.values()}]
     have = {s.name for s in series}
-    seen: set[frozenset[str]] = set()
+    found: dict[frozenset[str], list[frozenset[str]]] = {}
     for one in (*same, *ends):
         for part in (one, frozenset(order) - one):
             inside = part & have
-            if min(len(inside), len(have - inside)) >= FEWEST and inside not in seen:
-                seen.add(inside)
-                yield part
+            if min(len(inside), len(have - inside)) >= FEWEST:
+                found.setdefault(inside, []).append(part)
+    sure = {inside: frozenset.intersection(*every) for inside, every in found.items()}
+    return {i: (sure[i], frozenset.union(*every) - sure[i]) for i, every in found.items()}
 
 
 def part_of_trials(bench: Bench, study: Study, model: Trialled) -> Part | None:
-    """The part of the trials in which a cause is foretold clearly more than any is in all."""
-    causes = [c for c in CAUSES if c in bench.candidates and c not in model.effects]
-    frees = {c: _strengths(bench.kernel, c) for c in causes}
-    every = [*model.fit.free, *(f for c in causes for f in frees[c])]
+    """The part of the trials in which a cause is foretold clearly more than any is in all: one that
+    the model has not, or one that it has in all trials.
+    """
+    causes = [c for c in PARTIAL if c in bench.candidates]
+    every, columns = list(model.fit.free), {}
+    for c in causes:
+        labels = [f.label for f in every]
+        strengths = _strengths(bench.kernel, c)
+        every += [f for f in strengths if f.label not in labels]
+        labels = [f.label for f in every]
+        columns[c] = np.array([labels.index(f.label) for f in strengths])
     values = np.concatenate([model.fit.values, np.zeros(len(every) - len(model.fit.free))])
     normal = normal_equations(bench.kernel, bench.series, bench.base, every, values,
                               noise=model.noise)  # fmt: skip
-    if not normal.usable:
+    parts = parts_of(study, bench.series)
+    if not normal.usable or not parts:
         return None
-    own, at = np.arange(len(model.fit.free)), len(model.fit.free)
-    columns = {}
-    for c in causes:
-        columns[c] = np.arange(at, at + len(frees[c]))
-        at += len(frees[c])
-    names = [s.name for s in bench.series]
+    own, names = np.arange(len(model.fit.free)), [s.name for s in bench.series]
     whole = max(_gain(normal, own, columns[c], np.ones(len(names))) for c in causes)
-    told = [(_gain(normal, own, columns[c], np.array([float(n in part) for n in names])), c, part)
-            for part in parts_of(study, bench.series) for c in causes]  # fmt: skip
-    if not told:
-        return None
-    gain, cause, part = max(told, key=lambda one: one[0])
-    ahead = (gain - whole) / model.inflation
-    return Part(cause, tuple(t.trial_id for t in study.trials if t.trial_id in part), ahead)
+    flags = {inside: np.array([float(n in inside) for n in names]) for inside in parts}
+    told = [(_gain(normal, own, columns[c], flags[inside]), c, inside)
+            for inside in parts for c in causes]  # fmt: skip
+    gain, cause, inside = max(told, key=lambda one: one[0])
+    sure, doubtful = parts[inside]
+    ordered = [t.trial_id for t in study.trials]
+    return Part(cause, tuple(n for n in ordered if n in sure), (gain - whole) / model.inflation,
+                tuple(n for n in ordered if n in doubtful))  # fmt: skip
 
 
 def with_part(kernel: Kernel, series: Sequence[Series], part: Part) -> list[Series]:
-    """The trials, those outside the part told that no fault of measuring acts in them. What side
-    measurements say there is left away with it.
+    """The trials, those outside the part told that no fault of measuring acts in them.
+
+    What side measurements say there is left away with it, and everywhere what is pooled over all
+    trials, which holds in neither part.
     """
-    slot, out = kernel.system.constants.index(FLAG), []
+    slot, out = kernel.system.constants.index(PART_FLAG), []
     for one in series:
         inside = one.name in part.trials
         constants = one.constants.copy()
         constants[slot] = float(inside)
-        out.append(replace(one, constants=constants, evidence=one.evidence if inside else {}))
+        evidence = {k: v for k, v in one.evidence.items() if inside and k in OWN_EVIDENCE}
+        out.append(replace(one, constants=constants, evidence=evidence))
     return out
 
 
@@ -124,8 +136,10 @@ def _gain(normal: Normal, own: np.ndarray, new: np.ndarray, inside: Float) -> fl
 
 def pays_in_part(whole: Choice, apart: Choice) -> bool:
     """Whether a search in which the faults of measuring act in a part of the trials found one of
-    them, and explains the trials better than one in which they act in all.
+    them, and explains the paths better than one in which they act in all: side measurements are
+    not the same for both.
     """
     inflation = max(whole.chosen.inflation, apart.chosen.inflation)
-    gain = (apart.chosen.total - whole.chosen.total) / inflation
-    return bool({*apart.chosen.effects} & {*CAUSES}) and gain > LEAST_GAIN
+    by_paths = [one.chosen.total - one.chosen.side for one in (apart, whole)]
+    gain = (by_paths[0] - by_paths[1]) / inflation
+    return bool({*apart.chosen.effects} & {*PARTIAL}) and gain > LEAST_GAIN

@@ -17,9 +17,8 @@ from .find import Found, astray_by
 from .judge import Trialled
 from .jumps import EFFECT as KNOCK
 from .nameless import HUMP, PULSE, SWING, shares_in_place
-from .parts import CAUSES as IN_PART
 from .select import Choice
-from .setting import CHANNELS, best_next_trial
+from .setting import CHANNELS, PARTIAL, best_next_trial
 from .swinging import only_of_time, swings
 from .weighing import reliability
 from .words import sentence, unnamed_terms
@@ -75,8 +74,10 @@ def _regime(found: Found, effect: Effect) -> str:
     """Where an effect is felt; of a knocked camera, from when on in which trials; of another fault
     of measuring that is in a part of them alone, in which.
     """
-    if found.part and effect.name in IN_PART:
-        return f"in {', '.join(found.part.trials)} unlike the other trials: {effect.regime}"
+    if found.part and effect.name in PARTIAL:
+        have = {f.name for f in found.forces}
+        told = ", ".join(name for name in found.part.trials if name in have)
+        return f"in {told} unlike the other trials: {effect.regime}"
     if effect.name != KNOCK or not found.knocks:
         return effect.regime
     moments = (f"{k.time_s:.1f} s after the start of {k.trial}" for k in found.knocks)

@@ -10,6 +10,7 @@ import numpy as np
 from ..model import is_nameless
 from ..tuning import table
 from .find import Found
+from .setting import PARTIAL
 
 SURE = 0.8
 LEFT_OVER = 1.5
@@ -37,9 +38,9 @@ def sentence(
         )
     if found.verdict == "none":
         if off := left_over(found):
-            return f"No cause is sure, yet {proof}{off}."
+            return f"Nothing beyond the noise can be named, yet {proof}{off}."
         return "Nothing beyond the noise: the model as it stands explains these recordings."
-    beside = " and ".join(_called(c) for c in told if c["name"] != "unexplained")
+    beside = " and ".join(_called(found, c) for c in told if c["name"] != "unexplained")
     if found.verdict == "unexplained" and not unnamed_terms(found):
         chosen = found.choice.chosen
         spread = chosen.astray if chosen.effects else chosen.inflation
@@ -53,11 +54,12 @@ def sentence(
         first = f"{blame_of(told)}: {beside}; and something else" if beside else "Something"
         return (f"{first} is missing that no known cause explains; modelled as a residual, {proof}"
                 f"{left_over(found)}.")  # fmt: skip
-    names = " and ".join(_called(c) for c in told)
+    names = " and ".join(_called(found, c) for c in told)
     doubt = [r for r in others if r["weight"] > 0.2]
     if doubt:
         names += " (or " + ", ".join(sorted({str(r["name"]) for r in doubt})) + ", not told apart)"
-    return f"{blame_of(told)}: {names}; {proof}{left_over(found)}."
+    blame = "The measurement is at fault" if found.verdict == "measurement" else "Physics left out"
+    return f"{blame}: {names}; {proof}{left_over(found)}."
 
 
 def blame_of(told: Sequence[Mapping[str, Any]]) -> str:
@@ -75,10 +77,14 @@ def left_over(found: Found) -> str:
             "model's, or more is missing that these trials do not name")  # fmt: skip
 
 
-def _called(cause: Mapping[str, Any]) -> str:
-    """Its name, with its weight where that is low."""
-    weight = float(cause["weight"])
-    return str(cause["name"]) + (f" (weight {weight:.2f}: not sure)" if weight < SURE else "")
+def _called(found: Found, cause: Mapping[str, Any]) -> str:
+    """Its name, with the share of the trials it is in where that is a part, and its weight where
+    that is low.
+    """
+    name, weight = str(cause["name"]), float(cause["weight"])
+    if found.part and name in PARTIAL:
+        name += f" (in {len(found.part.trials)} trials, unlike the others)"
+    return name + (f" (weight {weight:.2f}: not sure)" if weight < SURE else "")
 
 
 def _determined(found: Found) -> bool:

@@ -23,8 +23,8 @@ ABOUT, POOR = 9, 10.0
 """Frames of which the mean direction is taken (fewer where these turn by half a turn), without
 those of short stretches that are stated so many times worse than usual.
 """
-LONG = 1.5
-"""A step of so many usual ones is a gap."""
+LONG, ENOUGH = 1.5, 0.5
+"""A step of so many usual ones is a gap; a stretch beside it this part as long tells of it."""
 UNKNOWN_RAD = 0.5
 """A direction stated no better than this says nothing of the turns, however long it lasts: half a
 second of labels that have changed places, stated with 4 rad, wound the heading by a whole turn.
@@ -88,7 +88,7 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
         return angle
     poor = ~(variance[known] <= POOR**2 * np.nanmedian(variance[known]))
     unknown = variance[known] > max(UNKNOWN_RAD**2, float(np.nanmedian(variance[known])))
-    well = known[~(_in_short_runs(poor) | unknown)]
+    well = known[~(_in_short_runs(poor) | _in_short_runs(unknown, len(unknown)))]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
     about = int(np.clip(np.pi / max(step, 1e-9), 1, min(ABOUT, len(well))))
     together = np.convolve(np.exp(1j * angle[well]), np.ones(about), mode="same")
@@ -97,17 +97,22 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
 
 
 def _turning_on(angle: Float, times: Float) -> Float:
-    """Directions (n,) unwrapped; over a gap the turning goes on at the rate at its two ends."""
+    """Directions (n,) unwrapped; over a gap the turning goes on as in stretches as long as the gap
+    before and after it, whose tail beat then counts once, not at the rate of a moment. Where the
+    two tell different turns it is the smaller.
+    """
     if len(angle) < 2:
         return angle
     step, span = _half_turn_at_most(np.diff(angle)), np.diff(times)
-    usual = np.median(span)
-    rate = np.where(span > LONG * usual, np.nan, step / span)
-    for k in np.flatnonzero(np.isnan(rate)):
-        beside = rate[max(0, k - ABOUT) : k + ABOUT + 1]
-        if np.isfinite(beside).any():
-            on = np.nanmedian(beside) * span[k]
-            step[k] = on + _half_turn_at_most(step[k] - on)
+    gaps = np.flatnonzero(span > LONG * np.median(span))
+    for k, later in zip(gaps, [*gaps, len(step)][1:], strict=True):
+        before = slice(int(np.searchsorted(times[: k + 1], times[k] - span[k])), k)
+        after = slice(k + 1, min(later, int(np.searchsorted(times, times[k + 1] + span[k]))))
+        turns = [_half_turn_at_most(step[k] - on) + on for on in (
+            step[s].sum() * span[k] / span[s].sum()
+            for s in (before, after) if span[s].sum() > ENOUGH * span[k])]  # fmt: skip
+        if turns:
+            step[k] = turns[0] if np.ptp(turns) < 1.0 else min(turns, key=abs)
     return angle[0] + np.concatenate([[0.0], np.cumsum(step)])
 
 
@@ -115,14 +120,14 @@ def _half_turn_at_most(angle: Float) -> Float:
     return -((np.pi - angle) % (2 * np.pi) - np.pi)
 
 
-def _in_short_runs(poor: np.ndarray) -> np.ndarray:
-    """Which of the frames marked (n,) stand in runs of `ABOUT` at most, within the trial: over a
-    longer run nobody knows how far the heading has turned.
+def _in_short_runs(poor: np.ndarray, most: int = ABOUT) -> np.ndarray:
+    """Which of the frames marked (n,) stand in runs of `most` at most, within the trial: over a
+    longer run, and before its first good frame, nobody else knows how far the heading has turned.
     """
     ends = np.flatnonzero(np.diff(np.concatenate([[0], poor.astype(int), [0]])))
     out = np.zeros(len(poor), dtype=bool)
     for first, last in ends.reshape(-1, 2):
-        out[first:last] = first > 0 and last < len(poor) and last - first <= ABOUT
+        out[first:last] = first > 0 and last < len(poor) and last - first <= most
     return out
 
 

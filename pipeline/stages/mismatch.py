@@ -23,6 +23,7 @@ from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.details import details
 from ..mismatch.jumps import with_jumps
+from ..mismatch.parts import with_part
 from ..mismatch.setting import held_out_trials
 from ..mismatch.story import mismatch_json
 from ..model import plates
@@ -60,6 +61,7 @@ def mismatch(study: Path, results: Path) -> None:
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     series = with_jumps(kernel, series, found.knocks)
+    series = with_part(kernel, series, found.part) if found.part else series
     shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
     remove((results / "extended").glob("*.csv"))
     for one, shot in zip(series, shots, strict=True):

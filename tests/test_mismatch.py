@@ -739,6 +739,24 @@ def test_a_further_cause_that_is_more_likely_another_goes(
     assert asked == [name]
 
 
+@pytest.mark.parametrize(
+    ("own", "other", "stays"),
+    [(0.28, 0.28, False), (0.45, 0.45, True), (0.45, 0.0, False), (0.55, 0.0, True)],
+)
+def test_a_cause_alone_that_is_more_likely_nothing_goes(
+    demo: tuple[Measured, Found], monkeypatch: pytest.MonkeyPatch,
+    own: float, other: float, stays: bool,
+) -> None:  # fmt: skip
+    """A null in which a start 17 ms late had 0.28, and so had a motor that spins up."""
+    _, found = demo
+    name = found.choice.chosen.effects[0]
+    alone = replace(found.choice, chosen=replace(found.choice.chosen, effects=(name,)))
+    monkeypatch.setattr("pipeline.mismatch.nameless.shares_in_place",
+                        lambda *_: {name: own, "motor_spin_up": other})  # fmt: skip
+    kept = without_doubtful(_bench(demo), alone)
+    assert kept.chosen.effects == ((name,) if stays else ())
+
+
 def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> None:
     """2.5 % slow in all trials; then 1, 4 and 8 % at three powers, as a supply that sags."""
     none = np.zeros(1)

@@ -125,21 +125,30 @@ def not_outdone(bench: Bench, choice: Choice) -> Choice:
 
 
 def without_doubtful(bench: Bench, choice: Choice) -> Choice:
-    """Choice without the causes beside others that are more likely something else, or nothing."""
+    """Choice without the causes beside others that are more likely something else, or nothing; one
+    that stands alone goes where it is more likely nothing.
+    """
     for _ in choice.chosen.effects[1:]:
         told = {name: shares_in_place(choice, name) for name in choice.chosen.effects}
         doubtful = [name for name in told if _is_doubtful(told[name], name)]
         if not doubtful:
             break
         choice = dropped(bench, choice, [min(doubtful, key=lambda e: told[e][e])])
-    return choice
+    alone = choice.chosen.effects if len(choice.chosen.effects) == 1 else ()
+    idle = [e for e in alone if _is_likelier_nothing(shares_in_place(choice, e), e)]
+    return dropped(bench, choice, idle)
 
 
 def _is_doubtful(shares: Mapping[str, float], name: str) -> bool:
     """Whether a further cause is more likely something else in its place, or nothing."""
     own, others = shares[name], [share for e, share in shares.items() if e != name]
     likeliest = own > LEAST_WEIGHT and own >= max(others, default=0.0)
-    return own < 1.0 - own - sum(others) or not (own > DOUBTFUL or likeliest)
+    return _is_likelier_nothing(shares, name) or not (own > DOUBTFUL or likeliest)
+
+
+def _is_likelier_nothing(shares: Mapping[str, float], name: str) -> bool:
+    """Whether a cause is less likely than none of all candidates."""
+    return shares[name] < 1.0 - sum(shares.values())
 
 
 def shares_in_place(choice: Choice, name: str, *, beside: bool = True) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -13,12 +14,12 @@ from pipeline.integrate import compiled
 from pipeline.mismatch import Bench, Trialled, find_mismatch, trialled
 from pipeline.mismatch.find import KINDS
 from pipeline.mismatch.parts import LEAST, Part, part_of_trials, parts_of, with_part
-from pipeline.mismatch.setting import PART_FLAG
+from pipeline.mismatch.setting import PART_FLAG, steady_errors
 from pipeline.mismatch.story import mismatch_json
 from pipeline.model import plates
 from pipeline.study import Study
 from pipeline.synthetic.design import bare_design
-from pipeline.tuning import thin, tune
+from pipeline.tuning import Tuned, thin, tune
 
 KERNEL = compiled(plates())
 
@@ -94,6 +95,21 @@ def test_outside_the_part_no_fault_acts_and_nothing_is_told_of_one(bare: Measure
     slot = KERNEL.system.constants.index(PART_FLAG)
     assert [s.constants[slot] for s in out] == [1.0] * 3 + [0.0] * (len(out) - 3)
     assert [{*s.evidence} for s in out] == [{"clock_ratio"}] * 3 + [set()] * (len(out) - 3)
+
+
+def test_steady_errors_outside_a_part_are_those_without_the_fault(bare: Measured) -> None:
+    tuned = tune(thin(bare.series))
+    base = tuned.base.copy()
+    base[KERNEL.system.slot["clock_error.k"]] = 0.3
+    wrong = replace(tuned, base=base)
+
+    def speed_error(model: Tuned, series: Sequence[Series]) -> float:
+        errors = steady_errors(bare.study, KERNEL, model, series, bare.steady)
+        return errors["speed_error_pct"]
+
+    outside = with_part(KERNEL, bare.series, Part("clock_error", (), 99.0))
+    assert speed_error(wrong, outside) == pytest.approx(speed_error(tuned, bare.series))
+    assert speed_error(wrong, bare.series) > 2 * speed_error(tuned, bare.series)
 
 
 def _two_rates(bare: Measured, odd: set[str]) -> Study:

@@ -78,9 +78,7 @@ def left_over(found: Found) -> str:
 
 
 def _called(found: Found, cause: Mapping[str, Any]) -> str:
-    """Its name, with the share of the trials it is in where that is a part, and its weight where
-    that is low.
-    """
+    """Its name, with how many trials it is in where these are a part, and its weight where low."""
     name, weight = str(cause["name"]), float(cause["weight"])
     if found.part and name in PARTIAL:
         name += f" (in {len(found.part.trials)} trials, unlike the others)"

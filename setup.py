@@ -16,7 +16,7 @@ class BuildWithWorkflow(build_py):
         """Copy after the package's own files; an editable install uses those of the checkout."""
         super().run()
         if not self.editable_mode:
-            home = Path(self.build_lib) / "pipeline" / "workflow" / "files"
+            home = Path(self.build_lib) / "bluekoi" / "workflow" / "files"
             shutil.copytree(ROOT / "config", home / "config", dirs_exist_ok=True)
             shutil.copy2(ROOT / "Snakefile", home / "Snakefile")
 

@@ -26,12 +26,12 @@ from pathlib import Path
 import av
 import numpy as np
 
-from pipeline.footage import frames, open_recording
-from pipeline.keypoints import silhouette
-from pipeline.study import Study, Trial, load_study
-from pipeline.synthetic.campaign import render_study
-from pipeline.synthetic.conditions import MIDDLE
-from pipeline.synthetic.design import ladder_design
+from bluekoi.footage import frames, open_recording
+from bluekoi.keypoints import silhouette
+from bluekoi.study import Study, Trial, load_study
+from bluekoi.synthetic.campaign import render_study
+from bluekoi.synthetic.conditions import MIDDLE
+from bluekoi.synthetic.design import ladder_design
 
 BAR = 0.93
 MEMORY_MB = 600

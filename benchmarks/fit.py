@@ -28,11 +28,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from test_model import plain_law
 
-from pipeline.fitting import Fit, Free, Series, fit, fit_paths
-from pipeline.integrate import compiled
-from pipeline.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
-from pipeline.tuning import thin
-from pipeline.tuning.joint import FIRST_NOISE
+from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
+from bluekoi.integrate import compiled
+from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
+from bluekoi.tuning import thin
+from bluekoi.tuning.joint import FIRST_NOISE
 from robots import SETUP
 
 TRUTH = dict(TABLE_1[75])

@@ -30,9 +30,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 from test_model import plain_equations
 
-from pipeline.integrate import LANES, System, compiled
-from pipeline.integrate.batch import propagate
-from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
+from bluekoi.integrate import LANES, System, compiled
+from bluekoi.integrate.batch import propagate
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
 from robots import SETUP
 
 HERE = Path(__file__).resolve().parent
@@ -187,12 +187,12 @@ def on_two_cores(run: Run, seconds: float) -> None:
 def first_calls() -> None:
     """Print the time to the first simulation with an empty cache, and in a later process."""
     line = (
-        "from pipeline.model import simulate, TABLE_1; from robots import SETUP;"
+        "from bluekoi.model import simulate, TABLE_1; from robots import SETUP;"
         "simulate(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=0.5, flap_hz=4.0,"
         " duration_s=8.0)"
     )
     with tempfile.TemporaryDirectory() as cache:
-        path = os.pathsep.join([str(HERE.parent / "tests"), str(HERE.parent)])
+        path = os.pathsep.join([str(HERE.parent / "tests"), str(HERE.parent / "pipeline")])
         places = os.environ | {"BLUEKOI_CACHE": cache, "PYTHONPATH": path}
         for what in ("first call, nothing compiled", "first call of a later process"):
             start = time.perf_counter()

@@ -25,12 +25,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
+from bluekoi.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
+from bluekoi.integrate import LANES, compiled
+from bluekoi.model import plates
+from bluekoi.tuning import thin, tune
+from bluekoi.tuning.joint import servo
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
-from pipeline.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
-from pipeline.integrate import LANES, compiled
-from pipeline.model import plates
-from pipeline.tuning import thin, tune
-from pipeline.tuning.joint import servo
 
 NAMES = tuple(COEFFICIENTS)
 TRUTH = np.array([COEFFICIENTS[name] for name in NAMES])

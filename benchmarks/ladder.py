@@ -25,13 +25,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pipeline.data import PARTS, Keypoints
-from pipeline.footage import frames, open_recording
-from pipeline.keypoints import source
-from pipeline.study import Study, Trial, load_study
-from pipeline.synthetic.campaign import render_study
-from pipeline.synthetic.conditions import LADDER, conditions
-from pipeline.synthetic.design import ladder_design
+from bluekoi.data import PARTS, Keypoints
+from bluekoi.footage import frames, open_recording
+from bluekoi.keypoints import source
+from bluekoi.study import Study, Trial, load_study
+from bluekoi.synthetic.campaign import render_study
+from bluekoi.synthetic.conditions import LADDER, conditions
+from bluekoi.synthetic.design import ladder_design
 
 MEDIAN_PX = 0.3
 PULLS = (0.9, 1.1)

@@ -12,6 +12,7 @@ import argparse
 import csv
 import math
 import os
+import resource
 import shutil
 import statistics
 import subprocess
@@ -24,9 +25,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from pipeline.synthetic.campaign import render_trial, write_study_files  # noqa: E402
-from pipeline.synthetic.conditions import Conditions  # noqa: E402
-from pipeline.synthetic.design import ladder_design  # noqa: E402
+from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
+from bluekoi.synthetic.conditions import Conditions  # noqa: E402
+from bluekoi.synthetic.design import ladder_design  # noqa: E402
 from studies import small_study  # noqa: E402
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -111,7 +112,8 @@ def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
     command += ["--workflow-profile", str(ROOT / "config/profiles/default"), "--cores", str(cores)]
     command += ["--config", f"study={study}", f"results={results}"]
     start, used, told = time.monotonic(), Used(), 0.0
-    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    env = os.environ | {"PYTHONPATH": str(ROOT / "pipeline")}
     with (results.parent / "snakemake.log").open("a") as log:
         process = subprocess.Popen(command, cwd=study.parent, stderr=log, env=env)
         while process.poll() is None:
@@ -122,6 +124,8 @@ def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
                 jobs = sum(1 for _ in (results / "benchmarks").rglob("*.tsv"))
                 print(f"  {used.wall:.0f} s: {jobs} jobs; {share(used)}", flush=True)
             time.sleep(0.1)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = replace(used, all=after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
     if process.returncode:
         sys.exit(f"the run of {study} failed; see {log.name}")
     return used

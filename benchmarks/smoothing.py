@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
 import motions
 import rivals
-from pipeline.smoothing import smooth
+from bluekoi.smoothing import smooth
 
 CONDITIONS = {
     "2.37 Hz, 8 s": (motions.Seen(hz=2.37, gap_s=(4.0, 4.5)), 240),

@@ -13,14 +13,15 @@ from pathlib import Path
 from types import ModuleType
 
 HERE = Path(__file__).resolve().parent
-PACKAGE = HERE.parent / "pipeline"
+PACKAGE = HERE.parent / "pipeline/bluekoi"
 FOLDERS = {"effects": "Physics", "measurement": "Faults of the measurement"}
 HEAD = """# What may have been left out
 
-Made by `python docs/effects_page.py` from the files of `pipeline/effects/` and
-`pipeline/measurement/`; edit those. The search of `mismatch` refits each on whole trajectories
-together with the coefficients of the plain model. Axes: surge forward, sway to the left, yaw
-counter-clockwise; `u`, `v` velocity along and across the core, `r` yaw rate, `rho` water density.
+Made by `python docs/effects_page.py` from the files of `pipeline/bluekoi/effects/` and
+`pipeline/bluekoi/measurement/`; edit those. The search of `mismatch` refits each on whole
+trajectories together with the coefficients of the plain model. Axes: surge forward, sway to the
+left, yaw counter-clockwise; `u`, `v` velocity along and across the core, `r` yaw rate,
+`rho` water density.
 """
 
 
@@ -33,7 +34,7 @@ def _part(folder: str) -> Iterator[str]:
     yield f"## {FOLDERS[folder]}\n"
     for path in sorted((PACKAGE / folder).glob("*.py")):
         if not path.stem.startswith("_"):
-            yield from _entry(path.stem, import_module(f"pipeline.{folder}.{path.stem}"))
+            yield from _entry(path.stem, import_module(f"bluekoi.{folder}.{path.stem}"))
 
 
 def _entry(name: str, module: ModuleType) -> Iterator[str]:

@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Series
+from bluekoi.data import Float
+from bluekoi.fitting import Series
 
 
 def block_means(times: Float, seen: Float, length_s: float) -> tuple[Float, Float]:

@@ -8,19 +8,19 @@ from typing import ParamSpec
 
 import click
 
-from pipeline.faults import Fault, printable
+from bluekoi.errors import InputError, printable
 
 P = ParamSpec("P")
 
 
 def plainly(command: Callable[P, None]) -> Callable[P, None]:
-    """The command, ending with the message of a `Fault` and exit code 1 where there is one."""
+    """The command, ending with the message of a `InputError` and exit code 1 where there is one."""
 
     @wraps(command)
     def told(*args: P.args, **kwargs: P.kwargs) -> None:
         try:
             command(*args, **kwargs)
-        except Fault as fault:
-            raise click.ClickException(printable(str(fault))) from None
+        except InputError as error:
+            raise click.ClickException(printable(str(error))) from None
 
     return told

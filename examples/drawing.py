@@ -9,15 +9,15 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from pipeline.figures.drawing.look import AFTER, BEFORE, COLOURS, LOOK, MEASURED
-from pipeline.files import whole_file
+from bluekoi.figures.drawing.style import AFTER, BEFORE, COLOURS, MEASURED, RC_PARAMS
+from bluekoi.files import whole_file
 
 __all__ = ["AFTER", "BEFORE", "COLOURS", "MEASURED", "write"]
 
 
 def write(path: Path, draw: Callable[[], Figure]) -> None:
     """The figure that `draw` makes, as png."""
-    with matplotlib.rc_context(LOOK):
+    with matplotlib.rc_context(RC_PARAMS):
         figure = draw()
         FigureCanvasAgg(figure)
         with whole_file(path) as temporary:

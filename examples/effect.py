@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pipeline.integrate import Effect, Parameter
-from pipeline.integrate.system import Function
+from bluekoi.integrate import Effect, Parameter
+from bluekoi.integrate.system import Function
 
 Row = tuple[str, str, float, float, float, str]
 

@@ -1,6 +1,6 @@
 """The search for what was left out, for any system: one place where the examples meet the engine.
 
-The same steps as for the robot (docs/mismatch.md): the bare model by prediction errors with its
+The steps of the first finder: the bare model by prediction errors with its
 noise, candidates chosen by held-out conditions, each chosen one taken away again. What differs from
 recording to recording is the system, its series and what an error means there.
 """
@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import (
+from bluekoi.data import Float
+from bluekoi.fitting import (
     Free,
     Noise,
     Series,
@@ -25,11 +25,11 @@ from pipeline.fitting import (
     shoot,
     trial_values,
 )
-from pipeline.integrate import Kernel, System, compiled
-from pipeline.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
-from pipeline.mismatch.rounds import one_round
-from pipeline.mismatch.search import candidate_frees, with_starts
-from pipeline.mismatch.select import in_place, pruned
+from bluekoi.integrate import Kernel, System, compiled
+from bluekoi.mismatch import Bench, Choice, Trialled, choose, trialled, try_effects, weights
+from bluekoi.mismatch.rounds import one_round
+from bluekoi.mismatch.search import candidate_frees, with_starts
+from bluekoi.mismatch.select import in_place, pruned
 
 MOST_AT_ONCE = 4
 

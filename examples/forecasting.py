@@ -1,6 +1,6 @@
 """What a fitted model foretells of the rest of a trial from its beginning, and how surely.
 
-A free run (`pipeline.fitting.shoot`) begins where whole trials suit it best; here the filter alone
+A free run (`bluekoi.fitting.shoot`) begins where whole trials suit it best; here the filter alone
 says where a trial stands when the forecast begins, lasting errors and all, and nothing later is
 used.
 """
@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Noise, Series, filter_series, smooth
-from pipeline.fitting.filtering import with_noise
-from pipeline.integrate import LANES, Kernel
-from pipeline.integrate.batch import propagate
+from bluekoi.data import Float
+from bluekoi.fitting import Noise, Series, filter_series, smooth
+from bluekoi.fitting.filtering import with_noise
+from bluekoi.integrate import LANES, Kernel
+from bluekoi.integrate.batch import propagate
 
 
 @dataclass(frozen=True)

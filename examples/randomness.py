@@ -1,7 +1,7 @@
 """What is random in a recording: pushes of the surroundings, and errors that last for a while.
 
 Both are first-order processes, x' = -x / tau, whose size and memory are fitted to the recordings
-(`pipeline.fitting.fit_noise`). States are named g_1, g_2, ... (pushes) and e_1, e_2, ... (errors).
+(`bluekoi.fitting.fit_noise`). States are named g_1, g_2, ... (pushes) and e_1, e_2, ... (errors).
 Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation
 (2001), sec. 8.2.
 """
@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pipeline.integrate import Effect
-from pipeline.integrate.system import Function
+from bluekoi.integrate import Effect
+from bluekoi.integrate.system import Function
 
 from .effect import effect
 

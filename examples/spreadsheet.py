@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.faults import fault
+from bluekoi.data import Float
+from bluekoi.errors import input_error
 
 _CELL = re.compile(r'<c r="([A-Z]+)(\d+)"([^>]*?)(?:/>|>(.*?)</c>)', re.S)
 _VALUE = re.compile(r"<v>(.*?)</v>", re.S)
@@ -21,13 +21,13 @@ Sheet = dict[str, dict[int, str]]
 def sheets(path: Path) -> dict[str, Sheet]:
     """Sheet name -> column letter -> row number -> text of the cell.
 
-    Raises: Fault where the file is not an Excel 2007+ file.
+    Raises: InputError where the file is not an Excel 2007+ file.
     """
     try:
         with zipfile.ZipFile(path) as archive:
             return _sheets(archive)
     except (zipfile.BadZipFile, KeyError) as error:
-        raise fault(path, "", f"no workbook ({error})", "an Excel 2007+ file") from None
+        raise input_error(path, "", f"no workbook ({error})", "an Excel 2007+ file") from None
 
 
 def _sheets(archive: zipfile.ZipFile) -> dict[str, Sheet]:

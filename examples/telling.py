@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from pipeline.integrate import Parameter
+from bluekoi.integrate import Parameter
 
 from .engine import Beside, Case, Outcome
 

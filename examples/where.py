@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from pipeline.data import Float
-from pipeline.fitting import Noise, Series
-from pipeline.mismatch import MissingForce, Trialled, dependences, missing_force
+from bluekoi.data import Float
+from bluekoi.fitting import Noise, Series
+from bluekoi.mismatch import MissingForce, Trialled, dependences, missing_force
 
 from .engine import Case, values_of
 from .telling import table

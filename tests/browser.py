@@ -14,7 +14,7 @@ READY = "new Promise(r => document.readyState === 'complete' ? r() : (onload = r
 
 
 class Browser:
-    """Chromium without a screen, spoken to over its pipe."""
+    """Chromium without a screen, controlled over its pipe."""
 
     def __init__(self, program: str, profile: Path, width: int) -> None:
         to_read, self.to = os.pipe()
@@ -70,17 +70,17 @@ class Tab:
             self.call("Emulation.setDeviceMetricsOverride", width=390, height=844,
                       deviceScaleFactor=2, mobile=True)  # fmt: skip
         self.call("Page.navigate", url=page.as_uri())
-        self.tell(READY)
+        self.evaluate(READY)
 
     def call(self, method: str, **parameters: object) -> dict:
         return self.browser.call(method, self.session, **parameters)
 
-    def tell(self, script: str) -> Any:
+    def evaluate(self, script: str) -> Any:
         """Value of a script, promises awaited."""
-        told = self.call("Runtime.evaluate", expression=script, awaitPromise=True,
+        result = self.call("Runtime.evaluate", expression=script, awaitPromise=True,
                          returnByValue=True)  # fmt: skip
-        assert "exceptionDetails" not in told, told
-        return told["result"].get("value")
+        assert "exceptionDetails" not in result, result
+        return result["result"].get("value")
 
     def press(self, key: str, code: int, text: str = "") -> None:
         for kind in ("keyDown", "keyUp"):
@@ -88,6 +88,6 @@ class Tab:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key,
                       windowsVirtualKeyCode=code, **more)  # fmt: skip
 
-    def complaints(self) -> list[dict]:
+    def console_messages(self) -> list[dict]:
         """Errors, warnings and messages on the console."""
         return [event for event in self.browser.events if event.get("method") in BAD]

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.data import Flapping, Float, Pose
-from pipeline.fitting import Series
-from pipeline.integrate import LANES, compiled
-from pipeline.integrate.batch import propagate
-from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
-from pipeline.smoothing import smooth
-from pipeline.study import Trial
-from pipeline.tuning import trial_series
+from bluekoi.data import Flapping, Float, Pose
+from bluekoi.fitting import Series
+from bluekoi.integrate import LANES, compiled
+from bluekoi.integrate.batch import propagate
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
+from bluekoi.smoothing import smooth
+from bluekoi.study import Trial
+from bluekoi.tuning import trial_series
 from robots import SETUP
 
 FPS = 30.0

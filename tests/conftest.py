@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from bluekoi.mismatch import Found, find_mismatch
+from bluekoi.synthetic.design import demo_design
 from measured import Measured, measured
-from pipeline.mismatch import Found, find_mismatch
-from pipeline.synthetic.design import demo_design
 
 ROOT = Path(__file__).resolve().parents[1]
 

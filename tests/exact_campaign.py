@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.campaign import Campaign
-from pipeline.data import Float, Steady, Track
-from pipeline.model import COEFFICIENTS, FLAP_HZ, TABLE_1
-from pipeline.study import Camera, Robot, Setup, Study, Trial
+from bluekoi.campaign import Campaign
+from bluekoi.data import Float, Steady, Track
+from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1
+from bluekoi.study import Camera, Robot, Setup, Study, Trial
 
 CORNERS = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
 """500 px a metre, straight from above, no lens: pool (x, y) is at (360 + 500 x, 930 - 500 y)."""
@@ -139,6 +139,13 @@ GEOMETRY = {
             "std": [[0.001, 0.001]], "count": [[400.0, 300.0]], "model": [[-0.015, -0.015]]},
 }  # fmt: skip
 
+LAW = {
+    "variable": "yaw_rate_rad_s", "unit": "rad/s", "x": [-1.0, 0.0, 1.0],
+    "y": [0.02, 0.0, -0.02], "low": [0.018, 0.0, -0.022], "high": [0.022, 0.0, -0.018],
+    "channel": "yaw", "y_unit": "N m",
+}  # fmt: skip
+"""Law of the damping that `searched` finds."""
+
 
 def searched(base: Campaign) -> Campaign:
     """The campaign with a search that found a linear yaw damping of 0.02 N m s in it."""
@@ -154,7 +161,8 @@ def searched(base: Campaign) -> Campaign:
     damping = {"linear_yaw_damping.N_r": {"value": 0.02, "std": 0.001}}
     cause = {"name": "linear_yaw_damping", "kind": "physics", "channels": ["yaw"], "weight": 0.98,
              "regime": "turns", "sentence": "Turning is resisted in proportion to the yaw rate.",
-             "parameters": {"N_r": {"value": 0.02, "std": 0.001, "unit": "N m s"}}}  # fmt: skip
+             "parameters": {"N_r": {"value": 0.02, "std": 0.001, "unit": "N m s"}},
+             "law": LAW}  # fmt: skip
     errors = {"path_rmse_m": 0.031, "radius_error_pct": 9.8, "speed_error_pct": 3.1}
     return Campaign(**{
         **base.__dict__,

@@ -8,21 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.camera import map_keypoints, pool_camera
-from pipeline.data import Flapping, Steady
-from pipeline.fitting import Series, shoot
-from pipeline.integrate import compiled
-from pipeline.keypoints.deeplabcut import read
-from pipeline.model import plates
-from pipeline.pose import rigid_pose
-from pipeline.smoothing import smooth
-from pipeline.stages.mismatch import with_clock
-from pipeline.stages.tracks import flapping_of
-from pipeline.steady import steady_state
-from pipeline.study import Study, load_study
-from pipeline.synthetic.design import Design
-from pipeline.synthetic.tracking import keypoint_study
-from pipeline.tuning import Tuned, trial_series
+from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.data import Flapping, Steady
+from bluekoi.fitting import Series, shoot
+from bluekoi.integrate import compiled
+from bluekoi.keypoints.deeplabcut import read
+from bluekoi.model import plates
+from bluekoi.pose import rigid_pose
+from bluekoi.smoothing import smooth
+from bluekoi.stages.mismatch import with_clock
+from bluekoi.stages.tracks import flapping_of
+from bluekoi.steady import steady_state
+from bluekoi.study import Study, load_study
+from bluekoi.synthetic.design import Design
+from bluekoi.synthetic.tracking import keypoint_study
+from bluekoi.tuning import Tuned, trial_series
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import lfilter
 
-from pipeline.data import Float, Pose
+from bluekoi.data import Float, Pose
 
 FPS = 30000 / 1001
 

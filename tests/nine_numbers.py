@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-from pipeline.design_space import Condition, steady_states
-from pipeline.model import FLAP_HZ, TABLE_1, TABLE_2_PCT, plates
-from pipeline.study import Setup
+from bluekoi.design_space import Condition, steady_states
+from bluekoi.model import FLAP_HZ, TABLE_1, TABLE_2_PCT, plates
+from bluekoi.study import Setup
 from robots import SETUP
 
 POWERS = (50, 75, 100)

@@ -6,7 +6,7 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from pipeline.integrate import Parameter, Stage, System
+from bluekoi.integrate import Parameter, Stage, System
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 randomness = import_module("examples.randomness")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.integrate import Effect, Parameter, Stage, System
+from bluekoi.integrate import Effect, Parameter, Stage, System
 
 
 def damping(c: float) -> tuple[float]:

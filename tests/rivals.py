@@ -13,9 +13,9 @@ from scipy.interpolate import make_smoothing_spline
 from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter
 
-from pipeline.data import Float, Pose
-from pipeline.smoothing.chain import Chain
-from pipeline.smoothing.twin import smoothed
+from bluekoi.data import Float, Pose
+from bluekoi.smoothing.kalman_numba import smoothed
+from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 
 Rates = tuple[Float, Float]
 
@@ -60,7 +60,7 @@ def constant_velocity(pose: Pose, setting: float) -> Rates:
     columns = []
     for channel in z.T:
         x0, P0 = np.array([channel[0], 0.0]), np.diag([1e4, 1e4])
-        chain = Chain(F, setting * Q, H, R, channel[:, None], x0, P0)
+        chain = LinearGaussianModel(F, setting * Q, H, R, channel[:, None], x0, P0)
         columns.append(smoothed(chain, np.ones(n, bool)).x[:, 1])
     rate = np.column_stack(columns)
     return rate[:, :2], rate[:, 2]

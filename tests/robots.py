@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.study import Setup
+from bluekoi.study import Setup
 
 SETUP = Setup.model_validate(
     {

@@ -6,8 +6,8 @@ import csv
 from dataclasses import replace
 from pathlib import Path
 
-from pipeline.synthetic.design import bare_design
-from pipeline.synthetic.tracking import keypoint_study
+from bluekoi.synthetic.design import bare_design
+from bluekoi.synthetic.tracking import keypoint_study
 
 PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degrees, -45 degrees
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-import pipeline
-from pipeline.cli.stage import stage_names
-from pipeline.workflow.provenance import PACKAGE, fingerprint, source_files
+import bluekoi
+from bluekoi.workflow.provenance import PACKAGE, fingerprint, source_files
+from bluekoi.workflow.stage_call import stage_names
 
-ROOT = PACKAGE.parent
+ROOT = PACKAGE.parents[1]
 SNAKEFILE = (ROOT / "Snakefile").read_text(encoding="utf-8")
 MODULES = {
     path.stem if path.is_file() else path.name
@@ -25,9 +25,9 @@ MODULES = {
 
 def contents() -> list[str]:
     """Modules as the package's table of contents lists them, in its order."""
-    flow, rest = pipeline.__doc__.split("data, files, faults")
-    top = re.findall(r"stages|workflow|cli", rest.splitlines()[1])
-    return [*re.findall(r"^    (\w+) ", flow, re.M), "data", "files", "faults", *top]
+    flow, rest = bluekoi.__doc__.split("data, files, errors")
+    top = re.findall(r"stages|workflow|cli", rest.splitlines()[2])
+    return [*re.findall(r"^    (\w+) ", flow, re.M), "data", "files", "errors", "vectors", *top]
 
 
 def rules() -> dict[str, str]:
@@ -58,7 +58,7 @@ def test_every_rule_is_a_stage_of_its_name_and_short():
         lines = [line for line in body.splitlines() if line.strip()]
         assert len(lines) < 15, f"rule {name} has {len(lines) + 1} lines"
         if name != "all":
-            assert f"pipeline stage {name} " in body
+            assert f"bluekoi stage {name} " in body
             assert "run:" not in body
             assert "log:" in body
     assert set(found) - {"all"} == set(stage_names())
@@ -99,7 +99,7 @@ def test_the_fingerprint_of_one_figure_leaves_the_others_out():
     others = {path.stem for path in (PACKAGE / "figures").glob("*.py")} - {"__init__", "fig3"}
     found = source_files("stages.figure", "figures.fig3")
     assert "figures/fig3.py" in found
-    assert "figures/drawing/look.py" in found
+    assert "figures/drawing/style.py" in found
     assert not [name for name in others if f"figures/{name}.py" in found]
 
 
@@ -107,15 +107,15 @@ def test_the_fingerprint_of_one_figure_leaves_the_others_out():
 def test_a_fingerprint_changes_with_a_file_it_covers(stage, tmp_path, monkeypatch):
     import shutil
 
-    from pipeline.workflow import provenance
+    from bluekoi.workflow import provenance
 
-    copy = tmp_path / "pipeline"
+    copy = tmp_path / "bluekoi"
     shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(provenance, "PACKAGE", copy)
     assert fingerprint(f"stages.{stage}") == (before := fingerprint(f"stages.{stage}"))
     covered = copy / source_files(f"stages.{stage}")[-1]
     covered.write_text(covered.read_text() + "\n# changed\n")
-    provenance._imported.cache_clear()
+    provenance._read.cache_clear()
     assert fingerprint(f"stages.{stage}") != before
 
 
@@ -131,7 +131,7 @@ def test_files_are_short_enough_to_read_in_one_go():
 def test_every_file_of_the_package_is_installed_with_it():
     """`pip install .` takes what package-data names; a template left out breaks the first fit."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
-    patterns = project["package-data"]["pipeline"]
+    patterns = project["package-data"]["bluekoi"]
     named = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
     other = {
         path

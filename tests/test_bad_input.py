@@ -1,4 +1,4 @@
-"""Bad input: one clear message with file and cure, a non-zero exit, nothing half-written."""
+"""Bad input: one clear message with file and remedy, a non-zero exit, nothing half-written."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 import yaml
 from click.testing import CliRunner
 
-from pipeline.cli import main
+from bluekoi.cli import main
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -222,13 +222,14 @@ BAD_STUDIES = {
 
 
 @pytest.mark.parametrize("name", BAD_STUDIES)
-def test_a_bad_study_is_told_at_the_door(study, tmp_path, name):
+def test_a_bad_study_is_refused_before_any_work(study, tmp_path, name, capfd):
     spoil, words = BAD_STUDIES[name]
     spoil(study)
     for command in ("check", "run"):
         result = bluekoi(command, study)
+        shown = result.output + capfd.readouterr().err  # `run` leaves the message to its workflow
         assert result.exit_code == 1
-        assert all(word in result.output for word in words), result.output
+        assert all(word in shown for word in words), shown
     assert not (tmp_path / "results").exists()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.camera import (
+from bluekoi.camera import (
     Lens,
     PoolCamera,
     camera_from_corners,
@@ -14,12 +14,12 @@ from pipeline.camera import (
     project,
     to_pool,
 )
-from pipeline.camera.displacement import error_forms, lens_strength
-from pipeline.camera.resection import rectangle
-from pipeline.faults import Fault
-from pipeline.measurement import lens_error, scale_error, uncorrected_refraction
-from pipeline.model import simulation
-from pipeline.study import Setup
+from bluekoi.camera.displacement import error_forms, lens_strength
+from bluekoi.camera.resection import rectangle
+from bluekoi.errors import InputError
+from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
+from bluekoi.model import simulation
+from bluekoi.study import Setup
 from robots import SETUP
 
 DEPTH_M, WATER = 0.06, 1.333
@@ -115,7 +115,7 @@ def test_corners_that_fit_no_pose_stop_no_simulation():
     setup = stated()
     a, b, c, d = setup.camera.pool_corners_px
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
-    with pytest.raises(Fault):
+    with pytest.raises(InputError):
         pool_camera(setup.model_copy(update={"camera": crossed}))
     assert error_forms(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)
 

@@ -2,22 +2,20 @@
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from pipeline.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
-from pipeline.camera.corners_picture import pool_corners_picture
-from pipeline.camera.distances import Geometry
-from pipeline.camera.geometry import check_distances, check_geometry, estimate_depth
-from pipeline.camera.resection import pose, pose_near, rectangle
-from pipeline.camera.suspects import estimate
-from pipeline.camera.uncertainty import calibration_covariance, calibration_modes
-from pipeline.camera.whole_length import systematic, whole_lengths
-from pipeline.data import Positions
-from pipeline.faults import Fault
-from pipeline.study import Robot, Setup
+from bluekoi.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
+from bluekoi.camera.distances import Geometry
+from bluekoi.camera.geometry import check_distances, check_geometry, estimate_depth
+from bluekoi.camera.geometry_hypotheses import fit_hypothesis
+from bluekoi.camera.resection import pose, pose_near, rectangle
+from bluekoi.camera.uncertainty import calibration_covariance, calibration_modes
+from bluekoi.camera.whole_length import systematic_share, whole_lengths
+from bluekoi.data import Positions
+from bluekoi.errors import InputError
+from bluekoi.study import Robot
 
 ROBOT = {
     "mass_kg": 0.68,
@@ -111,7 +109,7 @@ def test_nothing_is_said_of_clean_data(seed):
 def test_what_a_detector_does_everywhere_alike_is_no_geometry_error():
     """A nose marked 0.05 mm short in every frame of every trial: sure, and nothing."""
     found = checked(TRUTH, tip_m=0.11995, noise_px=0.05)
-    nose = next(e for e in found.estimates if e.suspect.parameters == ("head_tip_m",))
+    nose = next(e for e in found.fits if e.hypothesis.parameters == ("head_tip_m",))
     assert nose.p_value < 1e-6
     assert nose.share < 0.0005
     assert found.outcome == "nothing"
@@ -122,7 +120,7 @@ def test_a_pool_measured_short_is_a_scale_error():
     believed = camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333)
     found = checked(believed)
     assert found.outcome == "scale_error" or "scale_error" in found.rivals
-    scale = next(e for e in found.estimates if e.suspect.name == "scale_error")
+    scale = next(e for e in found.fits if e.hypothesis.name == "scale_error")
     assert scale.values[0] == pytest.approx(0.015, abs=0.002)
     assert found.mean_excess == pytest.approx(-0.015, abs=0.002)
 
@@ -141,7 +139,9 @@ def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
         trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
     lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
     geometry = Geometry(believed, DEPTH_M)
-    return check_distances(geometry, lengths, least=systematic(geometry, lengths), given=given)
+    return check_distances(
+        geometry, lengths, min_share=systematic_share(geometry, lengths), given=given
+    )
 
 
 @pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])
@@ -156,19 +156,19 @@ def test_the_whole_length_alone_shows_a_scale_error(share, outcome):
 def test_a_depth_that_was_given_gives_way_to_the_scale(monkeypatch):
     """The patterns are nearly the same: which is ahead by a hair is left to the light."""
 
-    def by_a_hair(suspect, *args):
-        found = estimate(suspect, *args)
-        ahead = 4.0 if suspect.name == "keypoint_depth" else 0.0
+    def by_a_hair(hypothesis, *args):
+        found = fit_hypothesis(hypothesis, *args)
+        ahead = 4.0 if hypothesis.name == "keypoint_depth" else 0.0
         return replace(found, gain=found.gain + ahead)
 
-    monkeypatch.setattr("pipeline.camera.geometry.estimate", by_a_hair)
+    monkeypatch.setattr("bluekoi.camera.geometry.fit_hypothesis", by_a_hair)
     free = whole_checked(TRUTH, depth_m=DEPTH_M + 0.03)
     given = whole_checked(TRUTH, ("keypoint_depth",), depth_m=DEPTH_M + 0.03)
     assert (free.outcome, given.outcome) == ("keypoint_depth", "scale_error")
     assert "scale_error" in free.rivals
     assert "keypoint_depth" in given.rivals
     assert "the pool is larger than stated" in given.sentence
-    assert not any(e.suspect.name == "keypoint_bias" for e in free.estimates)
+    assert not any(e.hypothesis.name == "keypoint_bias" for e in free.fits)
 
 
 def test_a_wrong_distortion_is_a_lens_error():
@@ -220,7 +220,7 @@ def test_a_robot_that_sinks_during_each_trial_is_no_error_of_scale():
 def test_a_head_tip_marked_short_is_a_keypoint_bias_of_that_part():
     found = checked(TRUTH, tip_m=0.117)
     assert found.outcome == "keypoint_bias"
-    assert found.best.suspect.parameters == ("head_tip_m",)
+    assert found.best.hypothesis.parameters == ("head_tip_m",)
     assert found.best.values[0] == pytest.approx(-0.003, abs=0.0004)
 
 
@@ -248,7 +248,7 @@ def test_depth_comes_from_the_same_distances_with_an_honest_std():
 def test_trials_without_rigid_pairs_are_a_fault():
     trials = campaign(TRUTH)[:1]
     blind = replace(trials[0], likelihood=np.zeros((120, 4)))
-    with pytest.raises(Fault, match="no two neighbouring rigid keypoints"):
+    with pytest.raises(InputError, match="no two neighbouring rigid keypoints"):
         check_geometry(TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**ROBOT))
 
 
@@ -281,48 +281,3 @@ def test_pose_of_nearby_corners_is_the_whole_fits_to_two_hundredths_of_the_chang
                                   strict=True):  # fmt: skip
         assert np.abs(own - right).max() < 0.02 * np.abs(right - before).max()
     assert near[2] == pytest.approx(whole[2], abs=1e-2)
-
-
-def drawn_pool(camera: PoolCamera) -> np.ndarray:
-    """A frame with a bright floor inside dark rims, the edges curved as the lens makes them."""
-    along = np.linspace(0, 1, 60)[:, None]
-    ring = [a + along * (b - a) for a, b in zip(camera.corners_m, np.roll(camera.corners_m, -1, 0),
-                                                strict=True)]  # fmt: skip
-    outline = project(camera, np.concatenate(ring))
-    frame = np.full((1080, 1920), 60, np.uint8)
-    cv2.fillPoly(frame, [np.round(outline * 16).astype(np.int32)], 170, cv2.LINE_AA, 4)
-    noise = np.random.default_rng(1).normal(0, 3, frame.shape)
-    return np.clip(cv2.GaussianBlur(frame, (0, 0), 1.2) + noise, 0, 255).astype(np.uint8)
-
-
-def setup_with(corners_px: np.ndarray) -> Setup:
-    return Setup.model_validate(
-        {
-            "robot": ROBOT,
-            "camera": {
-                "model": "pinhole",
-                "image_size_px": (1920, 1080),
-                "matrix": LENS.matrix.tolist(),
-                "distortion": LENS.distortion.tolist(),
-                "pool_corners_px": corners_px.tolist(),
-            },
-        }
-    )
-
-
-def test_pool_picture_finds_better_corners_than_those_clicked(tmp_path):
-    clicked = TRUTH.corners_px + np.array([[5.0, -4], [-6, 3], [4, 6], [-3, -5]])
-    found = pool_corners_picture(drawn_pool(TRUTH), setup_with(clicked), tmp_path / "pool.png")
-    assert np.abs(found.suggested_px - TRUTH.corners_px).max() < 1.0
-    assert np.abs(found.offset_px).max() > 1.0
-    assert np.all(found.share > 0.8)
-    assert np.all(found.bend_px < 0.7)
-    assert any("pool_corners_px: [[" in line for line in found.sentences)
-    assert (tmp_path / "pool.png").stat().st_size > 10_000
-
-
-def test_pool_picture_is_drawn_even_where_the_corners_fit_no_camera(tmp_path):
-    rolled = np.roll(TRUTH.corners_px, 1, axis=0)
-    found = pool_corners_picture(drawn_pool(TRUTH), setup_with(rolled), tmp_path / "pool.png")
-    assert "begin with the corner now listed second" in found.sentences[0]
-    assert (tmp_path / "pool.png").exists()

@@ -12,19 +12,20 @@ import pytest
 import yaml
 from exact_campaign import GEOMETRY, campaign
 
-from pipeline.camera import pool_camera
-from pipeline.camera.uncertainty import calibration_at
-from pipeline.campaign import Campaign
-from pipeline.data import read_track
-from pipeline.figures import draw
-from pipeline.keypoints.deeplabcut import read, write
-from pipeline.stages.depth import keypoint_depth
-from pipeline.stages.geometry import geometry
-from pipeline.stages.keypoints import keypoints
-from pipeline.stages.layout import Layout
-from pipeline.stages.mismatch import rigid_evidence
-from pipeline.stages.tracks import tracks
-from pipeline.study import load_study
+from bluekoi.camera import pool_camera
+from bluekoi.camera.displacement import error_forms
+from bluekoi.camera.uncertainty import calibration_at
+from bluekoi.campaign import Campaign, load_campaign
+from bluekoi.data import read_track
+from bluekoi.figures import draw
+from bluekoi.keypoints.deeplabcut import read, write
+from bluekoi.stages.depth import keypoint_depth
+from bluekoi.stages.geometry import geometry
+from bluekoi.stages.keypoints import keypoints
+from bluekoi.stages.layout import Layout
+from bluekoi.stages.mismatch import rigid_evidence
+from bluekoi.stages.tracks import tracks
+from bluekoi.study import load_study
 from studies import PLANS, small_study
 
 
@@ -89,7 +90,7 @@ def frames_of(share: float, spread: float) -> list[list[float]]:
 
 
 @pytest.mark.parametrize("share", [0.97, 1.02])
-def test_the_whole_length_of_a_silhouette_tells_the_scale(detected, tmp_path, share):
+def test_the_whole_length_of_a_silhouette_gives_the_scale(detected, tmp_path, share):
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", frames_of(share, 0.001))
@@ -101,7 +102,7 @@ def test_the_whole_length_of_a_silhouette_tells_the_scale(detected, tmp_path, sh
     assert evidence["scale"] == pytest.approx((share - 1, 0.0035), abs=0.002)
 
 
-def test_whole_lengths_a_little_off_tell_of_nothing(detected, tmp_path):
+def test_whole_lengths_a_little_off_show_no_error(detected, tmp_path):
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", frames_of(0.9975, 0.001))
@@ -126,10 +127,10 @@ def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_p
     for spread in (0.0005, 0.004):
         shown(tmp_path / "results", frames_of(0.995, spread))
         found = told(study, tmp_path / "results")
-        least.append(found["least"])
+        least.append(found["min_share"])
         assert found["likely"] == "nothing"
         evidence = rigid_evidence(found, load_study(study).setup)
-        assert evidence["scale"][1] >= found["least"]
+        assert evidence["scale"][1] >= found["min_share"]
     assert 0.003 < least[0] < 0.0045 < least[1]
 
 
@@ -185,10 +186,25 @@ def test_depth_that_is_not_given_is_estimated_and_used(detected, tmp_path):
     assert not found["depth_given"]
     std = found["depth_estimate_std_m"]
     assert found["depth_estimate_m"] == pytest.approx(0.04, abs=4 * std)
-    taken = found["depth_estimate_m"] if std < 0.01 else 0.04
+    taken = round(found["depth_estimate_m"], 3) if std < 0.01 else 0.04
     assert found["depth_m"] == pytest.approx(taken)
     assert keypoint_depth(load_study(copy).setup, Layout(results)) == pytest.approx(taken)
     told(study, results)
+
+
+def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected, tmp_path):
+    study, _ = detected
+    copy = tmp_path / "study"
+    copy.mkdir()
+    for name in ("study.yaml", "trials.csv"):
+        (copy / name).write_bytes((study / name).read_bytes())
+    edited(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
+    (tmp_path / "geometry.json").write_text(json.dumps({"depth_m": 0.09}))
+    setup = load_campaign(tmp_path, load_study(copy)).study.setup
+    assert (setup.robot.keypoint_depth_m, setup.robot.depth_given) == (0.09, False)
+    assert error_forms(setup) != error_forms(load_study(copy).setup)
+    given = load_campaign(tmp_path, load_study(study)).study.setup
+    assert given.robot.keypoint_depth_m == 0.04
 
 
 def test_no_keypoints_at_all_are_said_and_stop_nothing(tmp_path):
@@ -214,15 +230,15 @@ def test_stated_deviations_of_positions_hold_the_calibrations(detected):
     assert (cov[:, 0, 0] > 0).all()
 
 
-def test_the_figure_shows_the_map_and_the_suspects():
+def test_the_figure_shows_the_map_and_the_hypotheses():
     base = campaign()
     figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": GEOMETRY}))
     left, middle, right = figure.axes[:3]
     assert left.collections[0].get_array().compressed() == pytest.approx([-1.4, -1.6])
-    assert middle.get_title() == "likeliest: scale error"
+    assert middle.get_title() == "likeliest source: scale error"
     assert [t.get_text() for t in right.get_yticklabels()] == ["scale error: scale"]
     assert "-1.50 +- 0.20 %" in figure.get_suptitle()
-    assert "40 mm deep, as given" in figure.get_suptitle()
+    assert "keypoint depth 40 mm, from study.yaml" in figure.get_suptitle()
 
 
 def test_the_figure_says_when_there_is_no_map():

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.camera.lens import Lens, directions, fold_radius, pixels
+from bluekoi.camera.lens import Lens, directions, fold_radius, pixels
 
 MATRIX = np.array([[1130.0, 0, 955], [0, 1128, 542], [0, 0, 1]])
 PINHOLES = {

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.camera import (
+from bluekoi.camera import (
     Lens,
     PoolCamera,
     camera_from_corners,
@@ -18,12 +18,12 @@ from pipeline.camera import (
     project,
     to_pool,
 )
-from pipeline.camera.refraction import refracted, surface_share
-from pipeline.camera.resection import rectangle
-from pipeline.data import Keypoints
-from pipeline.faults import Fault
-from pipeline.study import Setup
-from pipeline.study.filmed import as_filmed, in_study
+from bluekoi.camera.refraction import refracted, surface_share
+from bluekoi.camera.resection import rectangle
+from bluekoi.data import Keypoints
+from bluekoi.errors import InputError
+from bluekoi.study import Setup
+from bluekoi.study.filmed import as_filmed, in_study
 
 ROBOT = {
     "mass_kg": 0.68,
@@ -162,18 +162,18 @@ def test_recording_scaled_alike_is_followed_and_another_shape_refused():
     twice = pool_camera(setup(truth), size_px=(3840, 2160))
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
     assert np.allclose(to_pool(twice, project(truth, xyz) * 2 + 0.5, 0.04), xyz[:, :2], atol=1e-6)
-    with pytest.raises(Fault, match="turned by 90 degrees"):
+    with pytest.raises(InputError, match="turned by 90 degrees"):
         pool_camera(setup(truth), size_px=(1080, 1920))
-    with pytest.raises(Fault, match="field of view"):
+    with pytest.raises(InputError, match="field of view"):
         pool_camera(setup(truth), size_px=(1920, 1440))
 
 
 def test_corners_begun_elsewhere_are_named_with_the_order_that_fits():
     truth = overhead()
     rolled = np.roll(truth.corners_px, 1, axis=0).tolist()
-    with pytest.raises(Fault, match="begin with the corner now listed second"):
+    with pytest.raises(InputError, match="begin with the corner now listed second"):
         pool_camera(setup(truth, pool_corners_px=rolled))
-    with pytest.raises(Fault, match="swap the second and the fourth"):
+    with pytest.raises(InputError, match="swap the second and the fourth"):
         camera_from_corners(LENS, truth.corners_px[[0, 3, 2, 1]], CORNERS_M, 1.333)
 
 
@@ -181,7 +181,7 @@ def test_corners_of_no_pool_are_refused_and_doubtful_ones_remarked():
     truth = overhead()
     moved = truth.corners_px.copy()
     moved[2] += [150, -120]
-    with pytest.raises(Fault, match=r"No order fits either.*raw frame"):
+    with pytest.raises(InputError, match=r"No order fits either.*raw frame"):
         pool_camera(setup(truth, pool_corners_px=moved.tolist()))
     moved = truth.corners_px.copy()
     moved[2] += [12, -8]
@@ -224,7 +224,7 @@ def test_homography_alone_maps_its_plane_and_states_a_bound_that_holds():
 
 def test_homography_alone_still_catches_a_wrong_first_corner():
     rolled = np.roll(overhead().corners_px, 1, axis=0).tolist()
-    with pytest.raises(Fault, match="begin with the corner now listed second"):
+    with pytest.raises(InputError, match="begin with the corner now listed second"):
         pool_camera(setup(overhead(), pool_corners_px=rolled, matrix=None, distortion=None))
 
 
@@ -255,5 +255,5 @@ def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
 
 
 def test_a_film_of_another_shape_is_refused():
-    with pytest.raises(Fault, match="1440 x 1080"):
+    with pytest.raises(InputError, match="1440 x 1080"):
         as_filmed(setup(overhead()), (1440, 1080))

@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from pipeline.challenge.make import make_one, sealed_folder
-from pipeline.challenge.plan import SHARES, deal, recipe_of
-from pipeline.challenge.rivals import sparse, stlsq
-from pipeline.challenge.score import Judged, judge, opened
-from pipeline.challenge.table import lines, summary, told
-from pipeline.cli import main
-from pipeline.faults import Fault
-from pipeline.files import write_json
-from pipeline.study import load_study
-from pipeline.synthetic.concealed.effects import OUTSIDE, PHYSICS
-from pipeline.synthetic.concealed.faults import FAULTS
+from bluekoi.challenge.make import make_one, sealed_folder
+from bluekoi.challenge.plan import SHARES, deal, recipe_of
+from bluekoi.challenge.rivals import sparse, stlsq
+from bluekoi.challenge.score import Judged, judge, opened
+from bluekoi.challenge.table import lines, summary, told
+from bluekoi.cli import main
+from bluekoi.errors import InputError
+from bluekoi.files import write_json
+from bluekoi.study import load_study
+from bluekoi.synthetic.concealed.effects import OUTSIDE, PHYSICS
+from bluekoi.synthetic.concealed.faults import FAULTS
 
 
 def test_kinds_come_by_their_shares_and_effects_come_round_evenly():
@@ -93,7 +93,7 @@ def test_a_changed_seal_is_refused(made, tmp_path):
     forged = json.dumps({**truth, "kind": "null"})
     sealed_folder(copy).mkdir()
     (sealed_folder(copy) / "S001.json").write_text(forged)
-    with pytest.raises(Fault, match="as published"):
+    with pytest.raises(InputError, match="as published"):
         opened(copy, "S001")
 
 
@@ -101,7 +101,7 @@ def test_the_finders_process_and_its_children_cannot_read_the_seals(made):
     folder, _, _ = made
     code = (
         "import subprocess, sys; from pathlib import Path\n"
-        "from pipeline.challenge.guard import shut_out\n"
+        "from bluekoi.challenge.guard import shut_out\n"
         "sealed = Path(sys.argv[1]); print(shut_out(sealed))\n"
         "try:\n    (sealed / 'S001.json').read_text(); print('read')\n"
         "except PermissionError: print('refused')\n"
@@ -185,7 +185,7 @@ def test_the_table_counts_what_it_says():
 
 
 def test_sparse_regression_finds_the_terms_of_a_sparse_law():
-    from pipeline.challenge.accelerations import Problem
+    from bluekoi.challenge.accelerations import Problem
 
     rng = np.random.default_rng(2)
     X = rng.standard_normal((600, 12)) * np.geomspace(0.1, 10, 12)
@@ -207,7 +207,7 @@ def test_challenge_refuses_a_folder_that_holds_one(made):
 @pytest.mark.long
 def test_a_small_challenge_from_making_to_score(tmp_path):
     """What CI runs: six studies; every one ends in a verdict, the kernel keeps the seals shut."""
-    folder, bluekoi = tmp_path / "c", [sys.executable, "-m", "pipeline", "challenge"]
+    folder, bluekoi = tmp_path / "c", [sys.executable, "-m", "bluekoi", "challenge"]
     for words in (["make", "--seed", "7", "--count", "6"], ["find"], ["score"], ["compare"]):
         subprocess.run([*bluekoi, words[0], str(folder), *words[1:]], check=True)
     score = json.loads((folder / "score.json").read_text())

@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.model import simulate
-from pipeline.study import load_study
-from pipeline.synthetic.concealed.effects import OUTSIDE, PHYSICS
-from pipeline.synthetic.concealed.recipe import Chosen, draw_recipe, effect_of, with_effect
-from pipeline.synthetic.concealed.strength import left_over, paths, scaled, span_of_the_rest
-from pipeline.synthetic.laws import Fin, Run, Tank, bare_tank
-from pipeline.synthetic.swimmer.motion import states, swim
-from pipeline.synthetic.swimmer.quantities import NO_EDDIES, Body, Command, Laws
-from pipeline.synthetic.swimmer.water import as_rows, eddy_flow
-from pipeline.synthetic.tank import simulate as first_tank
-from pipeline.synthetic.water import current, draw_eddies
+from bluekoi.model import simulate
+from bluekoi.study import load_study
+from bluekoi.synthetic.concealed.effects import OUTSIDE, PHYSICS
+from bluekoi.synthetic.concealed.recipe import Chosen, draw_recipe, effect_of, with_effect
+from bluekoi.synthetic.concealed.strength import left_over, paths, scaled, span_of_the_rest
+from bluekoi.synthetic.laws import Fin, Run, Tank, bare_tank
+from bluekoi.synthetic.swimmer.motion import states, swim
+from bluekoi.synthetic.swimmer.quantities import NO_EDDIES, Body, Command, Laws
+from bluekoi.synthetic.swimmer.water import as_rows, eddy_flow
+from bluekoi.synthetic.tank import simulate as first_tank
+from bluekoi.synthetic.water import current, draw_eddies
 from studies import small_study
 
 BODY = Body(0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 4.5e-3, 0.5, 2.5, 3.14, 0.1, 0.13, 0.0)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import click
@@ -13,11 +15,13 @@ import numpy as np
 import pytest
 import yaml
 from click.testing import CliRunner
+from snakemake.cli import parse_config
 
-from pipeline.cli import main
-from pipeline.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
-from pipeline.faults import fault
-from pipeline.footage import encode
+from bluekoi.cli import main
+from bluekoi.cli.outputs import refuse_study_files
+from bluekoi.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
+from bluekoi.errors import InputError, input_error
+from bluekoi.footage import encode
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,7 +37,7 @@ def test_help_imports_nothing_heavy():
     """What makes `bluekoi --help` come at once; every command's own help as well."""
     for words in (["--help"], *([name, "--help"] for name in main.commands)):
         code = (
-            "import sys\nfrom pipeline.cli import main\n"
+            "import sys\nfrom bluekoi.cli import main\n"
             f"try:\n    main({words!r})\nexcept SystemExit as end:\n    assert end.code == 0\n"
             f"heavy = {HEAVY!r} & set(sys.modules)\nassert not heavy, heavy"
         )
@@ -48,7 +52,7 @@ def test_help_names_every_command_and_the_exit_codes():
     text = bluekoi("--help").output
     for name, known in main.commands.items():
         assert (f"  {name} " in text) is not known.hidden
-    assert "Exit codes: 0 done; 1 a fault" in text
+    assert "Exit codes: 0 done; 1 an error" in text
 
 
 def test_every_command_has_a_sentence():
@@ -79,7 +83,7 @@ def test_commands_that_no_robot_can_follow_are_refused(tmp_path):
 def test_a_fault_is_its_message_alone_and_exits_with_1(monkeypatch):
     @click.command()
     def broken():
-        raise fault("a\x1b[31m.csv", "row 1", "x", "y")
+        raise input_error("a\x1b[31m.csv", "row 1", "x", "y")
 
     monkeypatch.setitem(main.commands, "broken", broken)
     result = bluekoi("broken")
@@ -143,7 +147,7 @@ def test_a_number_of_jobs_that_is_none_is_wrong_use(tmp_path, cores):
     assert "expected 1 or more, or 'all'" in result.output
 
 
-def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path):
+def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path, monkeypatch):
     status = tmp_path / "status"
     (status / "keypoints").mkdir(parents=True)
     bad, good = {"ok": False, "message": "no frames"}, {"ok": True, "message": ""}
@@ -151,8 +155,10 @@ def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path):
     (status / "keypoints/T2.json").write_text(json.dumps(bad))
     (status / "T2.json").write_text(json.dumps(good))
     (status / "T3.json").write_text(json.dumps(bad))
-    assert _went_wrong(tmp_path, {"T1", "T2"}) == ["T1: no frames"]
-    assert _went_wrong(tmp_path, None) == ["T1: no frames", "T3: no frames"]
+    module = sys.modules["bluekoi.cli.run"]
+    monkeypatch.setattr(module, "_trials", lambda study: {"T1", "T2"} if study == "lab" else set())
+    assert _went_wrong(tmp_path, "lab") == ["T1: no frames"]
+    assert _went_wrong(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
 
 
 def test_check_names_missing_files(tmp_path):
@@ -195,7 +201,7 @@ def test_doctor_looks_at_every_dependency():
 
 
 def test_doctor_tells_what_to_install(monkeypatch):
-    module = sys.modules["pipeline.cli.doctor"]
+    module = sys.modules["bluekoi.cli.doctor"]
     monkeypatch.setattr(module, "requires", lambda name: ["no-such-package>=3"])
     result = bluekoi("doctor")
     assert result.exit_code == 1
@@ -215,15 +221,15 @@ def test_without_a_place_for_compiled_code_it_is_said_with_the_cure(tmp_path, mo
 def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert (workflow_folder() / "Snakefile").is_file()
     found = command("my = study", Path("out"), "2", ("--dry-run",))
-    assert 'study="my = study"' in found
-    assert 'results="out"' in found
+    assert 'study= "my = study" ' in found
+    assert 'results= "out" ' in found
     assert found[-1] == "--dry-run"
 
 
 def test_folders_keep_the_letters_they_are_named_with():
     words = command("studé x", Path("/lab/res é out"), "2", ())
-    assert 'study="studé x"' in words
-    assert 'results="/lab/res é out"' in words
+    assert 'study= "studé x" ' in words
+    assert 'results= "/lab/res é out" ' in words
 
 
 @pytest.mark.parametrize(
@@ -243,7 +249,7 @@ def test_a_request_to_terminate_is_handed_on_and_waited_for():
         "print('there', flush=True); time.sleep(60)"
     )
     parent = (
-        "import sys; from pipeline.cli.run import _returned; "
+        "import sys; from bluekoi.cli.run import _returned; "
         f"sys.exit(_returned([sys.executable, '-c', {child!r}]))"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as run:
@@ -259,7 +265,7 @@ def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
     words = command("lab", Path("out"), "2", given)
     assert words.count("--config") == 1
     at = words.index("--config")
-    keys = ['study="lab"', 'results="out"', "overlays=none", "demo_folder=d", "x=1"]
+    keys = ['study= "lab" ', 'results= "out" ', "overlays=none", "demo_folder=d", "x=1"]
     assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
     assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
 
@@ -288,7 +294,7 @@ def test_run_hands_on_to_snakemake(tmp_path, monkeypatch):
     study = small_study(tmp_path / "study")
     monkeypatch.chdir(tmp_path)
     done = subprocess.run(
-        [sys.executable, "-m", "pipeline", "run", str(study), "--cores", "1", "--", "--dry-run"],
+        [sys.executable, "-m", "bluekoi", "run", str(study), "--cores", "1", "--", "--dry-run"],
         capture_output=True,
         text=True,
         check=False,
@@ -320,7 +326,8 @@ def test_pool_draws_corners_on_a_frame(tmp_path):
     encode(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
     edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
     result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == 1, "no edge confirms the corners"
+    assert "The corners given are not confirmed" in result.output
     assert (tmp_path / "pool.png").stat().st_size > 1000
 
 
@@ -349,8 +356,8 @@ def test_pool_takes_a_picture_of_ones_own(tmp_path):
     frame = tmp_path / "frame.png"
     cv2.imwrite(str(frame), np.full((1080, 1920, 3), 90, np.uint8))
     result = bluekoi("pool", study, frame, "--out", tmp_path / "pool.png")
-    assert result.exit_code == 0, result.output
-    assert "corners miss the best pose" in result.output
+    assert "the corners given" in result.output
+    assert (tmp_path / "pool.png").stat().st_size > 1000
 
 
 def test_calibrate_takes_a_missing_picture_as_a_fault(tmp_path):
@@ -364,7 +371,6 @@ def test_pool_tells_corners_in_the_pixels_of_study_yaml(tmp_path):
     study, frame = small_study(tmp_path / "study"), tmp_path / "frame.png"
     cv2.imwrite(str(frame), np.full((720, 1280, 3), 90, np.uint8))
     result = bluekoi("pool", study, frame, "--out", tmp_path / "pool.png")
-    assert result.exit_code == 0, result.output
     assert "the frame has 1280 x 720 px, image_size_px says 1920 x 1080" in result.output
 
 
@@ -400,3 +406,91 @@ def test_check_tells_of_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_
     assert result.exit_code == 1
     assert "but videos/T10.mp4 (trial T10) has 640 x 480" in result.output
     assert "T11.csv: found 0 of" in result.output
+
+
+def test_files_in_the_working_directory_are_never_imported(tmp_path):
+    """A lab's own `pipeline.py`, `bluekoi.py` or `yaml.py` beside its study must not run."""
+    for name in ("pipeline", "bluekoi", "yaml"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('shadowed')\n")
+    interpreter = command("study", None, "1", ())[:4]
+    done = subprocess.run(
+        [*interpreter, "--version"], cwd=tmp_path, check=False, capture_output=True, text=True
+    )
+    assert "shadowed" not in done.stdout + done.stderr
+    assert done.returncode == 0
+
+
+def test_a_pipe_a_device_and_nested_brackets_are_refused_at_once(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "study.yaml").unlink()
+    os.mkfifo(study / "study.yaml")
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    assert "a pipe or a device, not a file" in result.output
+    study = small_study(tmp_path / "other")
+    result = bluekoi("simulate", study, "--schedule", "/dev/urandom")
+    assert result.exit_code == 1
+    assert "a pipe or a device, not a file" in result.output
+    (tmp_path / "nested.json").write_text("[" * 100_000)
+    for source in ("/dev/zero", tmp_path / "nested.json"):
+        result = bluekoi("calibrate", source, "--out", tmp_path / "camera.yaml")
+        assert result.exit_code == 1, result.output
+        assert "Traceback" not in result.output
+        assert str(source) in result.output
+
+
+def test_a_million_rows_are_refused_at_once(tmp_path):
+    study = small_study(tmp_path / "study")
+    lines = (study / "trials.csv").read_text().splitlines()
+    for rows, found in ((20_000, "rows; expected 10000 trials"), (1_000_000, "bytes, more than")):
+        (study / "trials.csv").write_text("\n".join([lines[0], *[lines[1]] * rows]))
+        start = time.monotonic()
+        result = bluekoi("check", study)
+        assert result.exit_code == 1
+        assert found in result.output
+        assert time.monotonic() - start < 10
+
+
+@pytest.mark.parametrize("name", ["trials.csv", "study.yaml", "motor/T09.csv", "keypoints/T10.csv"])
+def test_no_command_replaces_a_file_of_the_study(tmp_path, name):
+    study = small_study(tmp_path / "study")
+    (study / "linked.csv").symlink_to(study / name)
+    before = (study / name).read_bytes()
+    for out in (study / name, study / "linked.csv"):
+        result = bluekoi("simulate", study, "--flap-hz", "5", "--seconds", "1", "--out", out)
+        assert result.exit_code == 1
+        assert "a file of the study" in result.output
+    assert (study / name).read_bytes() == before
+
+
+def test_an_export_does_not_replace_a_file_of_the_study(tmp_path):
+    study = small_study(tmp_path / "study")
+    (study / "motor/T09.csv").rename(study / "motor/coefficients.csv")
+    edit_rows(study, T09={"motor_log": "motor/coefficients.csv"})
+    with pytest.raises(InputError, match="a file of the study"):
+        refuse_study_files(study, [study / "motor/coefficients.csv"])
+
+
+@pytest.mark.parametrize("name", ["lab {1}", "<b>", "new\nline"])
+def test_check_refuses_names_that_a_run_cannot_use(tmp_path, name):
+    result = bluekoi("check", small_study(tmp_path / name))
+    assert result.exit_code == 1
+    assert "Name another one with --results" in result.output
+
+
+@pytest.mark.parametrize(
+    "name", ["20261123", "007", "[1]", "null", "a: b", "trail ", "a\\b", 'q"q']
+)
+def test_names_that_look_like_other_values_reach_snakemake_as_they_are(name):
+    (entry,) = (w for w in command(name, None, "1", ()) if w.startswith("study="))
+    assert parse_config([entry]) == {"study": name}
+
+
+def test_a_run_says_nothing_before_its_answer(tmp_path, monkeypatch):
+    study = small_study(tmp_path / "study")
+    monkeypatch.chdir(tmp_path)
+    words = [sys.executable, "-m", "bluekoi", "run", str(study), "--", "--until", "keypoints"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("[0/")
+    assert done.stdout == ""

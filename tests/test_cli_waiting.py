@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeline.cli import waiting
-from pipeline.cli.challenge import _teller
-from pipeline.cli.waiting import Wait
+from bluekoi.cli import waiting
+from bluekoi.cli.challenge import _teller
+from bluekoi.cli.waiting import Wait
 
 
 class Terminal(io.StringIO):

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline import data
-from pipeline.data import Keypoints, Pose, Positions, Track
-from pipeline.faults import Fault
+from bluekoi import data
+from bluekoi.data import Keypoints, Pose, Positions, Track, confident, poorly_seen
+from bluekoi.errors import InputError
 
 TIMES = np.arange(5) / 30
 
@@ -20,7 +20,7 @@ def track(**changes) -> Track:
 
 
 def test_a_wrong_shape_names_every_field_that_is_wrong():
-    with pytest.raises(Fault) as caught:
+    with pytest.raises(InputError) as caught:
         Keypoints(TIMES, ("hinge",), np.zeros((5, 2)), np.zeros((4, 1)), np.zeros((5, 1, 2, 2)))
     text = str(caught.value)
     assert "xy_px: found shape (5, 2); expected shape (5, 1, 2)" in text
@@ -30,7 +30,7 @@ def test_a_wrong_shape_names_every_field_that_is_wrong():
 
 @pytest.mark.parametrize("times", [[0, 1, 1, 2, 3], [0, 2, 1, 3, 4], [0, 1, np.nan, 2, 3]])
 def test_times_that_repeat_go_back_or_are_missing_are_refused(times):
-    with pytest.raises(Fault, match="increasing times"):
+    with pytest.raises(InputError, match="increasing times"):
         Pose(np.array(times, float), np.zeros((5, 4)), np.zeros((5, 4, 4)))
 
 
@@ -82,7 +82,7 @@ def test_a_pose_goes_through_its_file_with_its_covariance(tmp_path):
 def test_an_unreadable_table_names_file_and_row(tmp_path, text, expected):
     path = tmp_path / "t.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with pytest.raises(Fault, match=r"t\.csv") as caught:
+    with pytest.raises(InputError, match=r"t\.csv") as caught:
         data.read_columns(path, ("a", "b"))
     assert expected in str(caught.value)
 
@@ -118,7 +118,7 @@ def test_a_cell_with_a_comma_or_quote_is_quoted(tmp_path):
 def test_a_csv_that_is_not_what_it_seems_is_refused_with_its_row(tmp_path, text, words):
     path = tmp_path / "t.csv"
     path.write_text(text)
-    with pytest.raises(Fault) as told:
+    with pytest.raises(InputError) as told:
         data.read_columns(path, ("a", "b"))
     assert all(word in str(told.value) for word in words)
 
@@ -126,3 +126,12 @@ def test_a_csv_that_is_not_what_it_seems_is_refused_with_its_row(tmp_path, text,
 def test_quoted_numbers_are_numbers(tmp_path):
     (tmp_path / "t.csv").write_text('"a","b"\n"1.5","2"\n')
     assert data.read_columns(tmp_path / "t.csv", ("a",))["a"].tolist() == [1.5]
+
+
+def test_a_point_counts_from_a_likelihood_of_0_6_on_or_where_none_is_stated():
+    assert confident(np.array([0.59, 0.6, 1.0, np.nan])).tolist() == [False, True, True, True]
+
+
+def test_a_frame_ten_times_less_sure_than_usual_is_poorly_seen():
+    variance = np.array([1.0, 99.0, 101.0, np.nan])
+    assert poorly_seen(variance, 1.0).tolist() == [False, False, True, True]

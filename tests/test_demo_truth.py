@@ -21,12 +21,12 @@ import pytest
 from conftest import ROOT
 from scipy.stats import t as student
 
-from pipeline.data import Steady
-from pipeline.steady import read_steady
-from pipeline.synthetic.campaign import render_study
-from pipeline.synthetic.design import Plan, bare_design, demo_design
-from pipeline.synthetic.laws import Coefficients
-from pipeline.synthetic.trial import prepare
+from bluekoi.data import Steady
+from bluekoi.steady import read_steady
+from bluekoi.synthetic.campaign import render_study
+from bluekoi.synthetic.design import Plan, bare_design, demo_design
+from bluekoi.synthetic.laws import Coefficients
+from bluekoi.synthetic.trial import prepare
 
 pytestmark = pytest.mark.long
 PLANS = {plan.trial_id: plan for plan in demo_design().plans}

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from pipeline import design_space
-from pipeline.cli import main
-from pipeline.design_space import (
+from bluekoi import design_space
+from bluekoi.cli import main
+from bluekoi.design_space import (
     MANOEUVRES,
     Condition,
     Design,
@@ -25,9 +25,9 @@ from pipeline.design_space import (
     smallest_radius,
     steady_states,
 )
-from pipeline.faults import Fault
-from pipeline.model import FLAP_HZ, TABLE_1, constants, plates, simulate_at, steady_turn
-from pipeline.study import load_study
+from bluekoi.errors import InputError
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate_at, steady_turn
+from bluekoi.study import load_study
 from robots import SETUP
 from studies import small_study
 
@@ -122,14 +122,14 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
     best, low, high = found[0].radius_m
     assert low < best < high
     assert 0.005 < math.log(high / best) / 1.96 < 0.05
-    with pytest.raises(Fault, match="mass_kg"):
+    with pytest.raises(InputError, match="mass_kg"):
         designs(fitted(results), loaded.setup, tested, powers=(100,), angles_deg=(45,),
                 lengths_m=(0.12,), other={"mass": (1.0,)})  # fmt: skip
 
 
 def test_an_extended_model_is_asked_for_only_where_there_is_one(results: Path) -> None:
     assert fitted(results).model == "joint"
-    with pytest.raises(Fault, match="mismatch_detail"):
+    with pytest.raises(InputError, match="mismatch_detail"):
         fitted(results, model="extended")
 
 
@@ -186,7 +186,7 @@ def test_schedules_are_read_and_their_faults_told(tmp_path: Path) -> None:
         ("time_s,flap_hz,head_angle_deg\n", "no row"),
     ):
         file.write_text(text)
-        with pytest.raises(Fault, match=message):
+        with pytest.raises(InputError, match=message):
             read_schedule(file, float)
 
 
@@ -254,7 +254,7 @@ def broken(results: Path, folder: Path, change) -> Path:
 def test_incomplete_results_are_told_with_their_file(
     results: Path, tmp_path: Path, change, words: str
 ) -> None:
-    with pytest.raises(Fault, match=words) as told:
+    with pytest.raises(InputError, match=words) as told:
         fitted(broken(results, tmp_path / "r", change))
     assert str(tmp_path / "r/coefficients.json") in str(told.value)
     assert "Run the analysis again" in str(told.value)
@@ -264,10 +264,12 @@ def test_an_incomplete_search_is_told_with_its_file(results: Path, tmp_path: Pat
     folder = broken(results, tmp_path / "r", lambda c: None)
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text("{}")
-    with pytest.raises(Fault, match=r"mismatch\.json: found incomplete content.*'verdict'"):
+    with pytest.raises(InputError, match=r"mismatch\.json: found incomplete content.*'verdict'"):
         fitted(folder)
     (folder / "mismatch.json").write_text('{"verdict": "physics"}')
-    with pytest.raises(Fault, match=r"mismatch_detail\.json: found incomplete.*'coefficients'"):
+    with pytest.raises(
+        InputError, match=r"mismatch_detail\.json: found incomplete.*'coefficients'"
+    ):
         fitted(folder)
 
 

@@ -6,28 +6,30 @@ import importlib.util
 import re
 from pathlib import Path
 
-from pipeline.cli import main
+import pytest
+
+from bluekoi.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
 
-def effects_page():
-    spec = importlib.util.spec_from_file_location("effects_page", DOCS / "effects_page.py")
+def script(name: str):
+    spec = importlib.util.spec_from_file_location(name, DOCS / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_the_page_of_effects_is_current():
-    made = effects_page().page()
-    again = "docs/effects.md is not current: run python docs/effects_page.py"
-    assert (DOCS / "effects.md").read_text(encoding="utf-8") == made, again
+@pytest.mark.parametrize("name", ["effects", "study_keys"])
+def test_generated_pages_are_current(name):
+    again = f"docs/{name}.md is not current: run python docs/{name}_page.py"
+    assert (DOCS / f"{name}.md").read_text(encoding="utf-8") == script(f"{name}_page").page(), again
 
 
 def test_the_page_of_effects_has_every_file():
     found = set(re.findall(r"^### `(\w+)`", (DOCS / "effects.md").read_text(), re.M))
-    parts = (ROOT / "pipeline" / name for name in ("effects", "measurement"))
+    parts = (ROOT / "pipeline/bluekoi" / name for name in ("effects", "measurement"))
     files = {path.stem for part in parts for path in part.glob("*.py")}
     assert found == {name for name in files if not name.startswith("_")}
 
@@ -57,7 +59,7 @@ def test_links_between_pages_lead_somewhere():
 
 def test_the_study_of_the_tutorial_is_one_that_the_tool_takes(tmp_path):
     """Its study.yaml and trials.csv, as printed, are read without complaint."""
-    from pipeline.study import load_study
+    from bluekoi.study import load_study
 
     text = (DOCS / "tutorial.md").read_text()
     study = re.search(r"```yaml\n(pool:.*?)```", text, re.S)

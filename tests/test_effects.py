@@ -8,10 +8,10 @@ import inspect
 import numpy as np
 import pytest
 
-from pipeline import effects, measurement
-from pipeline.integrate import Effect
-from pipeline.model import TABLE_1, effect_names, plates, residual, simulate
-from pipeline.model.equations import flow
+from bluekoi import effects, measurement
+from bluekoi.integrate import Effect
+from bluekoi.model import TABLE_1, effect_names, plates, residual, simulate
+from bluekoi.model.equations import flow
 from robots import SETUP
 
 CONTRACT = {
@@ -308,12 +308,13 @@ def test_added_mass_without_its_munk_moment() -> None:
 
 
 def test_terms_of_heading_and_head_angle() -> None:
-    """c11 sin 2 psi + c12 cos 2 psi + c9 + c10 f in yaw, b8 u^2 sin phi in sway."""
+    """Sin 2 psi, cos 2 psi, a constant and f in yaw; u^2 sin phi in sway."""
     none = {p.name: 0.0 for p in residual.PARAMETERS}
     given = {"cpsi": np.cos(0.7), "spsi": np.sin(0.7), "phi": 0.5, "sphi": np.sin(0.5), "f": 4.0}
-    told = {"b8": 2.0, "c9": 0.1, "c10": 0.2, "c11": 0.3, "c12": 0.4}
+    strengths = {"sway_u2_sinphi": 2.0, "yaw_constant": 0.1, "yaw_f": 0.2, "yaw_sin2psi": 0.3,
+                 "yaw_cos2psi": 0.4}  # fmt: skip
     X, Y, N = call(plates().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
-                   **none | given | told)  # fmt: skip
+                   **none | given | strengths)  # fmt: skip
     expected = 0.1 + 0.2 * 4 + 0.3 * np.sin(1.4) + 0.4 * np.cos(1.4)
     assert pytest.approx((0.0, 2 * 0.09 * np.sin(0.5), expected)) == (X, Y, N)
 

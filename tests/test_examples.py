@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from bluekoi.fitting import Free, Noise, Series, normal_equations
+from bluekoi.integrate import compiled
 from one_mass import SYSTEM
-from pipeline.fitting import Free, Noise, Series, normal_equations
-from pipeline.integrate import compiled
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 forecasting = import_module("examples.forecasting")

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import csv
 import importlib.util
-import sys
 from importlib.metadata import version
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from exact_campaign import campaign
+from scipy.io import netcdf_file
 
-from pipeline.cli import main
-from pipeline.cli.export import _rows, _xarray, write_netcdf
-from pipeline.data import write_track
-from pipeline.faults import Fault
+from bluekoi.cli import main
+from bluekoi.cli.export import _rows, write_netcdf
+from bluekoi.data import write_track
 from studies import small_study
 
 HAS_MOVEMENT = importlib.util.find_spec("movement") is not None
@@ -23,10 +22,18 @@ SINGULAR = not HAS_MOVEMENT or tuple(map(int, version("movement").split(".")[:2]
 """Before 0.17 movement called its dimensions keypoints and individuals."""
 
 
-def test_without_xarray_it_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(Fault, match=r"pip install 'bluekoi\[netcdf\]'"):
-        _xarray()
+def test_what_is_written_can_be_read_without_xarray(tmp_path):
+    made = campaign()
+    name = next(iter(made.tracks))
+    write_netcdf(made, name, tmp_path / "one.nc")
+    with netcdf_file(tmp_path / "one.nc", mmap=False) as read:
+        assert read.variables["position"].dimensions == ("time", "space", "keypoint", "individual")
+        assert read.variables["position"].units == b"m"
+        labels = [b"".join(row).rstrip(b"\0") for row in read.variables["keypoint"][:]]
+        assert labels == [b"head_tip", b"hinge", b"core_center", b"tail_base"]
+        center = read.variables["position"][:, :, 2, 0]
+        track = made.tracks[name]
+        assert center == pytest.approx(np.column_stack([track.x_m, track.y_m]))
 
 
 def test_a_run_without_tracks_is_a_fault(tmp_path):
@@ -96,7 +103,6 @@ def test_movement_reads_it_and_agrees_about_the_velocity(tmp_path):
 
 
 def test_the_command_writes_chosen_trials(tmp_path):
-    pytest.importorskip("xarray")
     made = campaign()
     study = small_study(tmp_path / "study")
     track = next(iter(made.tracks.values()))

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
 import pytest
 from exact_campaign import SPEED, campaign, radius_of, searched, setup, trial, turn
+from matplotlib.figure import Figure
 from PIL import Image
 
-from pipeline import figures
-from pipeline.campaign import Campaign
-from pipeline.faults import Fault
-from pipeline.figures import mismatch_dependence
-from pipeline.figures.drawing import groups
-from pipeline.figures.drawing.circles import circle, measured_arc
-from pipeline.figures.drawing.lacking import lacking, put_in_its_place, variable
-from pipeline.figures.drawing.look import COLOURS, power_styles
-from pipeline.figures.drawing.pool import body
-from pipeline.figures.drawing.sweeps import extended, over_angle, radius, tuned
-from pipeline.model import FLAP_HZ, TABLE_1, steady_turn
-from pipeline.study import Study
+from bluekoi import figures
+from bluekoi.campaign import Campaign
+from bluekoi.errors import InputError
+from bluekoi.figures import mismatch_dependence
+from bluekoi.figures.drawing import groups
+from bluekoi.figures.drawing.circles import circle, measured_arc
+from bluekoi.figures.drawing.extraction import extract
+from bluekoi.figures.drawing.missing_force import force_of_effects, missing_forces, variable
+from bluekoi.figures.drawing.pool import body
+from bluekoi.figures.drawing.style import COLOURS, power_styles
+from bluekoi.figures.drawing.sweeps import extended, over_angle, radius, tuned
+from bluekoi.model import FLAP_HZ, TABLE_1, steady_turn
+from bluekoi.study import Study
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +56,7 @@ def test_every_figure_says_what_it_is_and_draws(name, whole):
 
 
 def test_a_figure_that_does_not_exist_is_named_with_the_nearest():
-    with pytest.raises(Fault, match="fig3"):
+    with pytest.raises(InputError, match="fig3"):
         figures.draw("fig33", campaign())
 
 
@@ -73,13 +76,22 @@ def test_any_study_is_drawn(name, given):
     assert figure.axes or figure.texts
 
 
-def test_what_is_missing_is_said_in_the_panel():
+def test_an_empty_panel_states_the_reason():
     straight_only = campaign(powers=(75,), angles=(0,), heads=(0.12,))
     assert "no turn" in texts(figures.draw("fig3", straight_only))
     assert "no turn" in texts(figures.draw("fig5", straight_only)).replace("\n", " ")
     nothing = Campaign(study=straight_only.study)
     assert "steady" in figures.missing("fig3", nothing)[1]
     assert "has no" in figures.draw("fig3", nothing).texts[1].get_text()
+
+
+def test_figures_of_the_search_survive_a_detail_file_of_another_format(whole):
+    for detail in ({"version": 2}, {"forces": {"T02": {}}, "candidates": [{"name": "stall"}]}):
+        other = Campaign(**{**whole.__dict__, "mismatch_detail": detail})
+        for name in figures.names():
+            figure = figures.draw(name, other)
+            figure.canvas.draw()
+            assert figure.axes or figure.texts
 
 
 def test_averages_are_over_repeats_and_sides():
@@ -142,7 +154,7 @@ def test_paths_and_circles_keep_their_shape(whole):
     assert [axes.get_aspect() for axes in rings] == [1.0, 1.0]
 
 
-def test_of_a_large_study_the_worst_paths_are_shown():
+def test_a_large_study_shows_the_trials_with_the_largest_errors():
     base = campaign(powers=(75,), heads=(0.12,))
     trials, tracks, simulations = [], {}, {}
     for number in range(1, 71):
@@ -176,7 +188,7 @@ def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
     assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
 
 
-def test_coefficients_are_drawn_along_lines_beyond_the_tested_powers(whole):
+def test_coefficients_are_extrapolated_linearly_over_power(whole):
     rows = extended(whole)
     assert list(rows) == [50, 75, 100, 125, 150]
     assert [row.tested for row in rows.values()] == [True, True, True, False, False]
@@ -217,17 +229,17 @@ def test_the_robot_is_drawn_with_its_measures(whole):
     assert np.hypot(*(hinge - tail)) == pytest.approx(0.331 - 0.12)
 
 
-def test_the_extended_model_puts_its_effect_in_place_of_the_missing_moment(whole):
+def test_the_force_of_the_effect_equals_the_missing_moment(whole):
     """To 1e-3 mN and mN m: what differencing over 1 microsecond leaves."""
-    for one in lacking(whole).values():
+    for one in missing_forces(whole).values():
         rate = variable(whole, one, "yaw_rate_rad_s")
-        assert put_in_its_place(whole, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
-        assert put_in_its_place(whole, one)[:, :2] == pytest.approx(0, abs=1e-3)
+        assert force_of_effects(whole, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
+        assert force_of_effects(whole, one)[:, :2] == pytest.approx(0, abs=1e-3)
         assert one.force[:, 2] == pytest.approx(-20 * rate)
 
 
 def test_motion_variables_of_a_steady_turn(whole):
-    one = lacking(whole)["T02"]
+    one = missing_forces(whole)["T02"]
     steady = whole.steady["T02"]
     assert variable(whole, one, "speed_m_s") == pytest.approx(steady.speed_m_s)
     assert variable(whole, one, "sway_speed_m_s") == pytest.approx(0, abs=1e-9)
@@ -264,7 +276,7 @@ PROTANOPIA = np.array(
 
 
 @pytest.mark.parametrize("sight", [np.eye(3), DEUTERANOPIA, PROTANOPIA])
-def test_powers_can_be_told_apart_by_the_colour_blind(sight):
+def test_powers_are_distinguishable_with_colour_vision_deficiencies(sight):
     rgb = np.array([[int(c[i : i + 2], 16) / 255 for i in (1, 3, 5)] for c in COLOURS[:5]])
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     seen = np.clip(linear @ sight.T, 0, 1) ** (1 / 2.2)
@@ -279,13 +291,13 @@ def test_averages_stand_where_their_frames_are():
     """Straight runs at exactly 0 among turns to both sides: their average is drawn at 0."""
     x = [np.zeros(50), np.zeros(50), np.full(50, 0.8), np.full(50, 0.82), np.full(50, -0.9),
          np.full(50, -0.95)]  # fmt: skip
-    at, mean, std = mismatch_dependence._averages(x, [10 * one for one in x])
+    at, mean, std = mismatch_dependence._binned_means(x, [10 * one for one in x])
     assert np.abs(at).min() == 0
     np.testing.assert_allclose(mean, 10 * at, atol=1e-12)
     assert (std < 0.3).all()
 
 
-def test_errors_too_small_to_tell_of_are_hollow_whatever_they_explain(whole):
+def test_errors_below_the_detector_accuracy_are_hollow(whole):
     one = {**whole.geometry["estimates"][0], "share": 0.0002, "seen": False, "gain": 1e5}
     small = Campaign(**{**whole.__dict__, "geometry": {**whole.geometry, "estimates": [one]}})
     fills = {
@@ -295,3 +307,76 @@ def test_errors_too_small_to_tell_of_are_hollow_whatever_they_explain(whole):
     assert fills["small"] == (1.0, 1.0, 1.0)
     assert fills["seen"] != fills["small"]
     assert "0.02 %" in texts(figures.draw("geometry", small))
+
+
+def test_a_figure_is_written_as_csv_with_the_data_of_each_trial(tmp_path, whole):
+    figures.draw_file("paths", whole, tmp_path / "paths.png", tmp_path / "paths.pdf")
+    with (tmp_path / "paths.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["trial_id"] == "T02"]
+    track = whole.tracks["T02"]
+    assert [float(row["x"]) for row in rows] == pytest.approx(track.x_m.tolist(), rel=1e-4)
+    assert {(row["kind"], row["series"], row["y_label"]) for row in rows} == {
+        ("line", "measured", "y (m)")
+    }
+
+
+def test_extraction_covers_lines_error_bars_bars_bands_and_maps():
+    figure = Figure()
+    line, bars, coloured = figure.subplots(1, 3)
+    line.plot([0, 1], [2, 3], "--", label="model", gid="T01")
+    line.axhline(5)
+    line.set(xlabel="x (m)", xlim=(0, 4))
+    line.errorbar([1.0], [2.0], yerr=[[0.5], [0.25]], fmt="o", label="mean")
+    line.fill_between([0.0, 1.0], [1.0, 2.0], [3.0, 5.0])
+    bars.barh([0, 1], [7.0, 8.0])
+    bars.set_yticks([0, 1], ["stall", "trim"])
+    coloured.pcolormesh([0.0, 2.0], [0.0, 1.0], [[9.0]])
+    found = extract(figure)
+    by_kind = {kind: [p for p in found if p.kind == kind and p.panel == 0] for kind in
+               ("line", "dashed line", "points", "band")}  # fmt: skip
+    assert [(p.x, p.y, p.trial_id) for p in by_kind["dashed line"]] == [
+        (0, 2, "T01"), (1, 3, "T01"),
+    ]  # fmt: skip
+    assert [(p.x, p.y) for p in by_kind["line"]] == [(0, 5), (4, 5)]  # over the whole axis
+    assert [(p.y, p.low, p.high, p.series) for p in by_kind["points"]] == [(2, 1.5, 2.25, "mean")]
+    assert [(p.low, p.high) for p in by_kind["band"]] == [(1, 3), (2, 5)]
+    assert [(p.x, p.y) for p in found if p.panel == 1] == [(7, "stall"), (8, "trim")]
+    assert [(p.x, p.y, p.value) for p in found if p.panel == 2] == [(1, 0.5, 9)]
+
+
+def test_the_law_of_a_cause_is_drawn_with_its_band_through_the_missing_force(whole):
+    figure = figures.draw("mismatch_laws", whole)
+    found = extract(figure)
+    assert "linear yaw damping" in texts(figure)
+    law = [(p.x, p.y) for p in found if p.series == "estimate"]
+    assert law == [(-1, 0.02), (0, 0), (1, -0.02)]
+    assert [(p.low, p.high) for p in found if p.kind == "band"] == [
+        (0.018, 0.022), (0, 0), (-0.022, -0.018),
+    ]  # fmt: skip
+    dots = [p for p in found if p.kind == "points"]
+    assert {p.trial_id for p in dots} == set(whole.tracks)
+    assert [p.y for p in dots] == pytest.approx([-0.02 * p.x for p in dots], rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law", [None, {}, {"x": [0, 1]}, {"x": [0.0, 1.0], "y": [1.0, 2.0], "variable": "depth_m"}]
+)
+def test_an_incomplete_law_is_left_out_or_drawn_without_band(whole, law):
+    cause = {**whole.mismatch["causes"][0], "law": law}
+    other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "causes": [cause]}})
+    figure = figures.draw("mismatch_laws", other)
+    figure.canvas.draw()
+    drawn = law is not None and "y" in law
+    assert bool(figure.axes) == drawn
+    assert drawn or "no law" in figure.texts[1].get_text()
+
+
+def test_probabilities_replace_the_gains_where_the_search_reports_them(whole):
+    given = {"linear_yaw_damping": 0.97, "stall": 0.02}
+    other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "probabilities": given},
+                        "mismatch_detail": None})  # fmt: skip
+    found = extract(figures.draw("mismatch_candidates", other))
+    assert [(p.y, p.x) for p in found if p.kind == "bar"] == [
+        ("linear yaw damping", 0.97), ("stall", 0.02),
+    ]  # fmt: skip
+    assert "belongs to the model" in figures.caption("mismatch_candidates", other)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.faults import Fault, fault, nearest, printable
-from pipeline.files import plain, read_json, whole_file, write_json, write_text
+from bluekoi.errors import InputError, input_error, nearest, printable
+from bluekoi.files import plain, read_json, whole_file, write_json, write_text
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
@@ -36,7 +36,7 @@ def test_a_write_makes_its_folder_and_keeps_the_usual_permissions(tmp_path):
 
 def test_a_folder_that_cannot_be_made_is_a_fault_with_a_cure(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(Fault, match="choose another results folder"):
+    with pytest.raises(InputError, match="choose another results folder"):
         write_text(tmp_path / "file" / "b.txt", "x")
 
 
@@ -44,8 +44,8 @@ def test_a_full_disk_is_a_fault_and_leaves_nothing(tmp_path, monkeypatch):
     def full(*args):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pipeline.files.os.replace", full)
-    with pytest.raises(Fault, match="No space left on device"):
+    monkeypatch.setattr("bluekoi.files.os.replace", full)
+    with pytest.raises(InputError, match="No space left on device"):
         write_text(tmp_path / "a.txt", "x")
     assert list(tmp_path.iterdir()) == []
 
@@ -60,12 +60,12 @@ def test_json_goes_round_with_numpy_and_without_nan(tmp_path):
 @pytest.mark.parametrize("text", ["", "{", "[1]", "\x00"])
 def test_unreadable_json_is_a_fault_that_names_the_file(tmp_path, text):
     (tmp_path / "a.json").write_text(text)
-    with pytest.raises(Fault, match=r"a\.json"):
+    with pytest.raises(InputError, match=r"a\.json"):
         read_json(tmp_path / "a.json")
 
 
 def test_a_fault_says_place_found_expected_and_cure():
-    error = fault("trials.csv", "row 3", "'x'", "a number", "Mend it.")
+    error = input_error("trials.csv", "row 3", "'x'", "a number", "Mend it.")
     assert str(error) == "trials.csv: row 3: found 'x'; expected a number. Mend it."
 
 

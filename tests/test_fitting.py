@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from one_mass import SYSTEM
-from pipeline.fitting import (
+from bluekoi.fitting import (
     Free,
     Noise,
     Series,
@@ -20,9 +19,10 @@ from pipeline.fitting import (
     thinned,
     with_forces_of,
 )
-from pipeline.fitting.gram import set_whitened_products
-from pipeline.fitting.linear import likelihood_slopes, linearised, log_likelihood
-from pipeline.integrate import compiled
+from bluekoi.fitting.gram import set_whitened_products
+from bluekoi.fitting.linear import likelihood_slopes, linearised, log_likelihood
+from bluekoi.integrate import compiled
+from one_mass import SYSTEM
 
 STEP_S = 0.05
 WHITE = 0.004

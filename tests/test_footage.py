@@ -10,10 +10,10 @@ import av
 import numpy as np
 import pytest
 
-from pipeline.faults import Fault
-from pipeline.footage import frames, open_recording
-from pipeline.footage.chapters import in_order
-from pipeline.footage.reading import spread
+from bluekoi.errors import InputError
+from bluekoi.footage import frames, open_recording
+from bluekoi.footage.chapters import in_order
+from bluekoi.footage.reading import spread
 
 SIZE = (160, 96)
 
@@ -104,7 +104,7 @@ def test_part_of_a_recording(tmp_path):
 
 
 def test_start_after_the_end_is_a_fault(tmp_path):
-    with pytest.raises(Fault, match="start_s"):
+    with pytest.raises(InputError, match="start_s"):
         open_recording([write_video(tmp_path / "a.mp4", STEADY)], start_s=60.0)
 
 
@@ -129,7 +129,7 @@ def test_chapters_are_joined_without_losing_time(tmp_path):
     ],
 )
 def test_wrong_chapters_are_refused(names, message):
-    with pytest.raises(Fault, match=message):
+    with pytest.raises(InputError, match=message):
         in_order([Path(name) for name in names])
 
 

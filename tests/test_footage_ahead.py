@@ -9,25 +9,25 @@ from collections.abc import Iterator
 import pytest
 from test_footage import STEADY, write_video
 
-from pipeline.footage import frames, open_recording
-from pipeline.footage.ahead import MOST, Ahead
-from pipeline.footage.reading import Film
-from pipeline.footage.recording import Recording
+from bluekoi.footage import frames, open_recording
+from bluekoi.footage.ahead import MOST, Ahead
+from bluekoi.footage.reading import Film
+from bluekoi.footage.recording import Recording
 
 
 class Source:
-    """Numbers up to a count, or to a fault; knows how many it gave and whether it was closed."""
+    """Numbers up to a count, or to a error; knows how many it gave and whether it was closed."""
 
-    def __init__(self, count: int, fault: Exception | None = None) -> None:
+    def __init__(self, count: int, error: Exception | None = None) -> None:
         self.given, self.closed = 0, False
-        self._count, self._fault = count, fault
+        self._count, self._error = count, error
 
     def __iter__(self) -> Iterator[int]:
         return self
 
     def __next__(self) -> int:
         if self.given == self._count:
-            raise self._fault or StopIteration
+            raise self._error or StopIteration
         self.given += 1
         return self.given - 1
 

@@ -11,10 +11,10 @@ import pytest
 from gopro_files import with_lens_mode
 from test_footage import SIZE, STEADY, patched, picture, write_video
 
-from pipeline.faults import Fault
-from pipeline.footage import encode, frames, open_recording
-from pipeline.stages.keypoints import unread
-from pipeline.study import Trial
+from bluekoi.errors import InputError
+from bluekoi.footage import encode, frames, open_recording
+from bluekoi.stages.keypoints import unread
+from bluekoi.study import Trial
 
 
 def test_cut_file_gives_its_readable_frames(tmp_path):
@@ -32,7 +32,7 @@ def test_file_without_index_names_the_rescue(tmp_path):
     path = write_video(tmp_path / "dead.mp4", STEADY, front=False)
     data = path.read_bytes()
     path.write_bytes(data[: data.rindex(b"moov") - 4])
-    with pytest.raises(Fault, match="untrunc"):
+    with pytest.raises(InputError, match="untrunc"):
         open_recording([path])
 
 
@@ -48,7 +48,7 @@ def test_file_without_index_names_the_rescue(tmp_path):
 def test_what_is_no_video_is_told_so(tmp_path, content, message):
     path = tmp_path / "x.mp4"
     path.write_bytes(content)
-    with pytest.raises(Fault, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         open_recording([path])
     assert "x.mp4" in str(caught.value)
 
@@ -58,12 +58,12 @@ def test_a_codec_that_nobody_knows_is_told_so(tmp_path):
     data = path.read_bytes()
     assert b"avc1" in data
     path.write_bytes(data.replace(b"avc1", b"qqz9"))
-    with pytest.raises(Fault, match="no video stream that can be decoded"):
+    with pytest.raises(InputError, match="no video stream that can be decoded"):
         open_recording([path])
 
 
 def test_missing_file(tmp_path):
-    with pytest.raises(Fault, match="no such file"):
+    with pytest.raises(InputError, match="no such file"):
         open_recording([tmp_path / "none.mp4"])
 
 
@@ -72,7 +72,7 @@ def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
     path = write_video(tmp_path / "s.mp4", STEADY[:4], front=False)
     with_lens_mode(path, letter)
     if refused:
-        with pytest.raises(Fault, match=r"SuperView|HyperView"):
+        with pytest.raises(InputError, match=r"SuperView|HyperView"):
             open_recording([path])
     else:
         assert open_recording([path]).frames_present == 4

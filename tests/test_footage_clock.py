@@ -10,10 +10,10 @@ import pytest
 from gopro_files import payload, with_lens_mode
 from test_footage import SIZE, numbers, picture, write_video
 
-from pipeline.faults import Fault
-from pipeline.footage import frames, open_recording
-from pipeline.footage import telemetry as told
-from pipeline.footage.telemetry import camera_seconds
+from bluekoi.errors import InputError
+from bluekoi.footage import frames, open_recording
+from bluekoi.footage import telemetry as told
+from bluekoi.footage.telemetry import camera_seconds
 
 
 class Entry:
@@ -37,11 +37,11 @@ def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch,
     frames_at = [1001 * i for i in range(6)]
     path = write_video(tmp_path / "GX010001.MP4", frames_at, front=False)
     with_lens_mode(path, b"L")
-    monkeypatch.setattr("pipeline.footage.recording.camera_seconds", lambda _: ran)
+    monkeypatch.setattr("bluekoi.footage.recording.camera_seconds", lambda _: ran)
     if not refused:
         assert open_recording([path]).frames_present == 6
         return
-    with pytest.raises(Fault, match="time-lapse or TimeWarp") as caught:
+    with pytest.raises(InputError, match="time-lapse or TimeWarp") as caught:
         open_recording([path])
     assert "GX010001.MP4" in str(caught.value)
     assert open_recording([path], fps=3.0).fps == 3.0

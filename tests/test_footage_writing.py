@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from test_footage import SIZE, picture
 
-from pipeline.footage import encode, frames, open_recording
-from pipeline.footage.writing import encoder
+from bluekoi.footage import encode, frames, open_recording
+from bluekoi.footage.writing import encoder
 
 
 def shown(path) -> list[float]:

@@ -1,4 +1,4 @@
-"""No file, however spoilt, ends in a traceback or a hang: a value or a Fault, within seconds.
+"""No file, however spoilt, ends in a traceback or a hang: a value or a InputError, within seconds.
 
 BLUEKOI_FUZZ sets how many cases each target gets; the long test makes 10,000 in all:
     pytest -m long tests/test_fuzz.py -o addopts=
@@ -25,14 +25,14 @@ from fuzzing import absurd_numbers, spoilt_bytes, spoilt_table, spoilt_yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pipeline.faults import Fault
-from pipeline.footage import encode, frames, open_recording
-from pipeline.keypoints.deeplabcut import read
-from pipeline.motor import flapping_from_log
-from pipeline.report.numbers import words
-from pipeline.stages.keypoints import keypoints
-from pipeline.stages.tracks import tracks
-from pipeline.study import Trial, load_study, missing_files
+from bluekoi.errors import InputError
+from bluekoi.footage import encode, frames, open_recording
+from bluekoi.keypoints.deeplabcut import read
+from bluekoi.motor import flapping_from_log
+from bluekoi.report.numbers import readable
+from bluekoi.stages.keypoints import keypoints
+from bluekoi.stages.tracks import tracks
+from bluekoi.study import Trial, load_study, missing_files
 from studies import edit_rows, small_study
 
 CASES = int(os.environ.get("BLUEKOI_FUZZ", "40"))
@@ -96,8 +96,8 @@ def value_or_fault(work: Callable[[], object]) -> str:
     with in_time():
         try:
             work()
-        except Fault as fault:
-            findings = [*fault.findings] or ["a fault without findings"]
+        except InputError as error:
+            findings = [*error.findings] or ["an error without findings"]
     assert all(finding.found and finding.expected for finding in findings)
     return "\n".join(map(str, findings))
 
@@ -301,7 +301,7 @@ def test_mp4_header(data, folder):
 @checked
 @given(text=st.text(max_size=40))
 def test_words_for_the_page_are_never_an_error(text):
-    assert isinstance(words(text), str)
+    assert isinstance(readable(text), str)
 
 
 def test_a_yaml_that_would_fill_the_memory_is_refused_in_time(study, folder):

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bluekoi.integrate import LANES, System, compiled
+from bluekoi.integrate.batch import each, propagate
+from bluekoi.integrate.branchless import exponential, power
+from bluekoi.integrate.inlining import Lines, written_out
+from bluekoi.integrate.writing import source
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
 from pendulum import PENDULUM
-from pipeline.integrate import LANES, System, compiled
-from pipeline.integrate.batch import each, propagate
-from pipeline.integrate.branchless import exponential, power
-from pipeline.integrate.inlining import Lines, written_out
-from pipeline.integrate.writing import source
-from pipeline.model import FLAP_HZ, TABLE_1, constants, plates
 from robots import SETUP
 
 TIMES = np.arange(241) / 30
@@ -177,7 +177,7 @@ def test_a_source_is_the_same_every_time_and_holds_what_does_not_move(general: b
 def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
     from dataclasses import replace
 
-    from pipeline.integrate import Stage
+    from bluekoi.integrate import Stage
 
     def rates(rate: float, missing: float) -> tuple[float, float]:
         return rate, missing

@@ -9,11 +9,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pipeline.data import PARTS, Keypoints
-from pipeline.faults import Fault
-from pipeline.keypoints import deeplabcut, source, sources
-from pipeline.keypoints.files.noise import white_noise_px
-from pipeline.study import Trial
+from bluekoi.data import PARTS, Keypoints
+from bluekoi.errors import InputError
+from bluekoi.keypoints import deeplabcut, source, sources
+from bluekoi.keypoints.files.noise import white_noise_px
+from bluekoi.study import Trial
+from bluekoi.study.csv_file import read_trials
 
 
 def trial(**changes) -> Trial:
@@ -47,7 +48,7 @@ def save(path: Path, rows: list[list[str]]) -> Path:
 def test_sources_are_the_modules_of_the_folder():
     assert {"deeplabcut", "sleap", "silhouette"} <= set(sources())
     assert source("deeplabcut") is deeplabcut
-    with pytest.raises(Fault, match="Did you mean 'silhouette'"):
+    with pytest.raises(InputError, match="Did you mean 'silhouette'"):
         source("silhouete")
 
 
@@ -89,7 +90,7 @@ def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
 def test_likelihoods_in_percent_are_told_with_their_row(tmp_path):
     rows = table()
     rows[4][3] = "92"
-    with pytest.raises(Fault, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
+    with pytest.raises(InputError, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
         deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
 
 
@@ -125,7 +126,7 @@ def test_body_parts_are_mapped_names_with_spaces_too(tmp_path):
     path = save(tmp_path / "k.csv", table(names))
     mapped = {"head_tip": "Nose tip", "core_center": "Butt/Proximal Tail"}
     assert deeplabcut.read(path, trial(), mapped).names == PARTS
-    with pytest.raises(Fault, match="no head_tip"):
+    with pytest.raises(InputError, match="no head_tip"):
         deeplabcut.read(path, trial())
 
 
@@ -143,7 +144,7 @@ def test_part_of_the_recording(tmp_path):
     path = save(tmp_path / "k.csv", table(rows=60))
     found = deeplabcut.read(path, trial(start_s=0.5, end_s=1.0))
     assert found.time_s[[0, -1]] == pytest.approx([0.5, 1.0])
-    with pytest.raises(Fault, match="no frame in that part"):
+    with pytest.raises(InputError, match="no frame in that part"):
         deeplabcut.read(path, trial(start_s=50.0))
 
 
@@ -166,7 +167,7 @@ def test_part_of_the_recording(tmp_path):
 )
 def test_wrong_files_are_told_with_the_place(tmp_path, change, message):
     path = save(tmp_path / "k.csv", change(table()))
-    with pytest.raises(Fault, match=message) as caught:
+    with pytest.raises(InputError, match=message) as caught:
         deeplabcut.read(path, trial())
     assert "k.csv" in str(caught.value)
 
@@ -178,7 +179,7 @@ def test_wrong_files_are_told_with_the_place(tmp_path, change, message):
 def test_any_text_is_read_or_a_fault(tmp_path, text):
     path = tmp_path / "f.csv"
     path.write_text("scorer,s,s\n" + text, encoding="utf-8", newline="")
-    with pytest.raises(Fault, match=r"f\.csv"):
+    with pytest.raises(InputError, match=r"f\.csv"):
         deeplabcut.read(path, trial())
 
 
@@ -244,3 +245,13 @@ def test_zebrafish_files_read(recordings):
     found = [deeplabcut.read_any(path, 1000.0) for path in files]
     assert len(found) == 7
     assert all(one.names == ("TS", "S1", "S2", "T1", "T2", "T3", "T4") for one in found)
+
+
+def test_a_sleap_project_is_refused_with_the_export_that_helps(tmp_path):
+    table = tmp_path / "trials.csv"
+    table.write_text(
+        "trial_id,source,power_pct,head_angle_deg,head_length_m\nT1,fish.slp,50,0,0.1\n"
+    )
+    findings: list = []
+    read_trials(table, findings)
+    assert "Export Analysis HDF5" in str(findings[0])

@@ -13,17 +13,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_keypoints_files import trial
 
-from pipeline.data import PARTS
-from pipeline.faults import Fault
-from pipeline.keypoints import deeplabcut, sleap
-from pipeline.keypoints.files.literals import NotLiteral, literal
+from bluekoi.data import PARTS
+from bluekoi.errors import InputError
+from bluekoi.keypoints import deeplabcut, sleap
+from bluekoi.keypoints.files.literals import NotLiteral, literal
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"scorer\n"])
 def test_damaged_h5_is_a_fault(tmp_path, content):
     path = tmp_path / "k.h5"
     path.write_bytes(content)
-    with pytest.raises(Fault, match=r"k\.h5"):
+    with pytest.raises(InputError, match=r"k\.h5"):
         deeplabcut.read(path, trial())
 
 
@@ -59,7 +59,7 @@ def test_fixed_h5(tmp_path):
 def test_links_out_of_an_h5_are_refused(tmp_path):
     link = h5py.ExternalLink("/etc/other.h5", "/values")
     path = fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
-    with pytest.raises(Fault, match="link to elsewhere"):
+    with pytest.raises(InputError, match="link to elsewhere"):
         deeplabcut.read(path, trial())
 
 
@@ -87,7 +87,7 @@ def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monk
     good = table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
     assert deeplabcut.read(good, trial()).names == PARTS
     bad = table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], Evil()], 0))
-    with pytest.raises(Fault, match="no readable h5"):
+    with pytest.raises(InputError, match="no readable h5"):
         deeplabcut.read(bad, trial())
     with pytest.raises(NotLiteral):
         literal(pickle.dumps(Evil(), protocol))
@@ -156,7 +156,7 @@ def test_sleap_of_two_tracks_takes_one_and_tells(tmp_path):
 
 
 def test_sleap_without_a_track_is_told_so(tmp_path):
-    with pytest.raises(Fault, match="no tracked animal"):
+    with pytest.raises(InputError, match="no tracked animal"):
         deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=0), trial())
 
 

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.keypoints import markers
-from pipeline.keypoints.dots.spread import hidden_variances
-from pipeline.keypoints.dots.unmixing import unmixed
+from bluekoi.keypoints import markers
+from bluekoi.keypoints.dots.spread import hidden_variances
+from bluekoi.keypoints.dots.unmixing import unmixed
 
 SKIN, WATER = np.array([84.0, 62, 47]), np.array([200.0, 190, 150])
 RADIUS, FINER = 5.0, 8

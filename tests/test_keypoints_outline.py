@@ -10,24 +10,24 @@ import numpy as np
 import pytest
 from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
-from pipeline.camera import pool_camera, project
-from pipeline.data import Frame
-from pipeline.keypoints.outline.background import (
+from bluekoi.camera import pool_camera, project
+from bluekoi.data import Frame
+from bluekoi.keypoints.outline.background import (
     STRIP_ROWS,
     median,
     ranked,
     sample,
     without_resident,
 )
-from pipeline.keypoints.outline.clearing import _bare
-from pipeline.keypoints.outline.edges import edge_offset
-from pipeline.keypoints.outline.plane import plane_of
-from pipeline.keypoints.outline.tail import tail_length
-from pipeline.keypoints.outline.template import first_template, learned, median_seen
-from pipeline.synthetic.conditions import LADDER
-from pipeline.synthetic.design import ladder_design
-from pipeline.synthetic.optics import gopro_like
-from pipeline.synthetic.trial import frame_truth, prepare
+from bluekoi.keypoints.outline.edges import edge_offset
+from bluekoi.keypoints.outline.ghost_removal import _bare
+from bluekoi.keypoints.outline.plane import plane_of
+from bluekoi.keypoints.outline.tail_detection import tail_length
+from bluekoi.keypoints.outline.template import first_template, learned, median_seen
+from bluekoi.synthetic.conditions import LADDER
+from bluekoi.synthetic.design import ladder_design
+from bluekoi.synthetic.optics import gopro_like
+from bluekoi.synthetic.trial import frame_truth, prepare
 
 
 def step_picture(place: float, *, blur: float = 1.0, angle: float = 0.3) -> np.ndarray:
@@ -63,8 +63,9 @@ def test_plane_agrees_with_independent_optics():
     truth = frame_truth(design, trial)
     plane = plane_of(setup_of(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
-    assert np.abs(plane.pixels(m) - px).max() < 0.06
-    assert np.abs(plane.metres(px) - m).max() < 2e-4
+    length_m = design.tank.robot.body_length_m
+    assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
+    assert np.abs(plane.body_lengths(px) * length_m - m).max() < 2e-4
 
 
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
@@ -75,8 +76,9 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     places = np.column_stack([x.ravel(), y.ravel()])
     plane = plane_of(setup)
     seen = project(pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)]))
-    assert np.abs(plane.pixels(places) - seen).max() < 0.06
-    assert np.abs(plane.metres(seen) - places).max() < 2e-4
+    length_m = setup.robot.body_length_m
+    assert np.abs(plane.pixels(places / length_m) - seen).max() < 0.06
+    assert np.abs(plane.body_lengths(seen) * length_m - places).max() < 2e-4
 
 
 def bar() -> tuple[np.ndarray, np.ndarray]:
@@ -143,16 +145,18 @@ def test_resting_body_is_bridged():
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
     design = ladder_design(LADDER["middle"])
     setup, trial = setup_of(design), trial_of(design.plans[1])
-    start = first_template(setup.robot, trial, 0.034, 60.0)
+    start = first_template(setup.robot, trial, 0.103, 60.0)
     kept = start.kept()
     shift = np.full((4, len(kept)), np.nan)
-    shift[:, kept] = 0.002
+    shift[:, kept] = 0.006
     wider = learned(start, shift, np.full(shift.shape, 70.0))
-    assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.002, atol=4e-4)
+    assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.006, atol=1.2e-3)
     assert wider.radii[0] == pytest.approx(start.radii[0], abs=1e-9)
     points, normals, part, skin = wider.shape()
     assert np.allclose(np.hypot(*normals.T), 1.0)
-    assert points[part == 0, 0].max() == pytest.approx(trial.head_length_m)
+    assert points[part == 0, 0].max() == pytest.approx(
+        trial.head_length_m / setup.robot.body_length_m
+    )
     assert np.all(skin[2:-2] == 70.0)
     assert len(points) == len(skin) == len(part) == wider.kept().sum()
 

@@ -9,15 +9,15 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.data import PARTS, Frame
-from pipeline.faults import Fault
-from pipeline.keypoints import ends, markers, silhouette
-from pipeline.study import Setup, Trial
-from pipeline.synthetic.conditions import LADDER
-from pipeline.synthetic.design import ladder_design
-from pipeline.synthetic.film import frames_of
-from pipeline.synthetic.optics import pool_corners
-from pipeline.synthetic.trial import camera_at, frame_truth, prepare
+from bluekoi.data import PARTS, Frame
+from bluekoi.errors import InputError
+from bluekoi.keypoints import markers, silhouette
+from bluekoi.study import Setup, Trial
+from bluekoi.synthetic.conditions import LADDER
+from bluekoi.synthetic.design import ladder_design
+from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.optics import pool_corners
+from bluekoi.synthetic.trial import camera_at, frame_truth, prepare
 
 RIGID = (0, 1, 2)
 STRAIGHT, LEFT, RIGHT = "T01", "T02", "T03"
@@ -105,7 +105,35 @@ def test_the_whole_length_is_seen_to_a_quarter_of_a_percent(name, stated):
     assert np.nanmedian(found.length_seen) == pytest.approx(stated, abs=0.0025)
 
 
-def test_a_second_robot_in_the_picture_is_told():
+LENGTHS = ("length_m", "width_m", "depth_m")
+ROBOT_LENGTHS = ("body_length_m", "head_length_m", "head_span_m", "hinge_to_com_m",
+                 "tail_length_m", "keypoint_depth_m")  # fmt: skip
+
+
+def declared(setup: Setup, trial: Trial, body_length_m: float) -> tuple[Setup, Trial]:
+    """The same setup and trial with all lengths scaled to a body length."""
+    scale = body_length_m / setup.robot.body_length_m
+    pool = {name: scale * getattr(setup.pool, name) for name in LENGTHS}
+    robot = {name: scale * getattr(setup.robot, name) for name in ROBOT_LENGTHS}
+    changed = {
+        "pool": setup.pool.model_copy(update=pool),
+        "robot": setup.robot.model_copy(update=robot),
+    }
+    head = {"head_length_m": scale * trial.head_length_m}
+    return setup.model_copy(update=changed), trial.model_copy(update=head)
+
+
+@pytest.mark.parametrize("body_length_m", [0.005, 0.05, 5.0])
+def test_detection_does_not_depend_on_the_metric_scale_that_a_study_declares(body_length_m):
+    """Issue 31, point 1: same pixels, same result, from 5 mm to 5 m."""
+    film, setup, trial, _ = rendered("middle", LEFT, seconds=1.2)
+    usual = silhouette.detect(lambda: film, setup, trial)
+    found = silhouette.detect(lambda: film, *declared(setup, trial, body_length_m))
+    for name in ("xy_px", "likelihood", "cov_px2"):
+        np.testing.assert_allclose(getattr(found, name), getattr(usual, name), rtol=1e-9)
+
+
+def test_a_second_robot_in_the_picture_is_reported():
     """The film laid over itself turned by half a turn: two dark bodies of one shape."""
     film, setup, trial, truth = rendered("middle", LEFT)
     both = [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
@@ -171,7 +199,7 @@ def test_things_in_the_way_never_make_a_confident_wrong_point(step, name):
     assert np.mean(found.likelihood[:, 2] > 0.5) > 0.6
 
 
-def test_a_robot_that_never_moves_is_found_and_told():
+def test_a_robot_that_never_moves_is_found_and_reported():
     film, setup, trial, truth = rendered("middle", LEFT)
     still = [replace(frame, luma=film[0].luma) for frame in film[:6]]
     found = silhouette.detect(lambda: still, setup, trial)
@@ -189,10 +217,10 @@ def test_an_empty_pool_has_no_robot():
     ]
     found = silhouette.detect(lambda: noisy, setup, trial)
     assert np.all(found.likelihood < 0.5)
-    assert any("without the robot" in r or "no robot" in r for r in found.remarks)
+    assert any("without the robot" in r or "No robot" in r for r in found.remarks)
 
 
-def test_a_nudged_camera_is_told_and_a_still_one_is_not():
+def test_a_nudged_camera_is_reported_and_a_still_one_is_not():
     film, setup, trial, _ = rendered("nudged", STRAIGHT)
     found = silhouette.detect(lambda: film, setup, trial)
     assert any("the camera moved by about" in remark for remark in found.remarks)
@@ -203,9 +231,8 @@ def test_a_nudged_camera_is_told_and_a_still_one_is_not():
 
 def test_no_frames_is_a_fault():
     _, setup, trial, _ = rendered("middle", LEFT)
-    for source in (silhouette, ends):
-        with pytest.raises(Fault, match="no frames"):
-            source.detect(list, setup, trial)
+    with pytest.raises(InputError, match="no frames"):
+        silhouette.detect(list, setup, trial)
 
 
 def test_a_brighter_robot_is_found_as_well():
@@ -224,11 +251,11 @@ def test_markers_are_found_by_hue():
     off = errors(found, truth)
     assert np.all(np.nanmedian(off, axis=0) < 0.6)
     assert not np.any((off > 5) & (found.likelihood > 0.9))
-    with pytest.raises(Fault, match="colour frames"):
+    with pytest.raises(InputError, match="colour frames"):
         markers.detect(lambda: [replace(film[0], bgr=None)], setup, trial)
 
 
 def test_markers_need_hues():
     film, setup, trial, _ = rendered("middle", LEFT)
-    with pytest.raises(Fault, match="marker_hues_deg"):
+    with pytest.raises(InputError, match="marker_hues_deg"):
         markers.detect(lambda: film, setup, trial)

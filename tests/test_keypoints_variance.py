@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.keypoints.outline.variance import (
+from bluekoi.keypoints.outline.variance import (
     clues,
     kernels,
     usual_covariance,

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.faults import Fault
-from pipeline.files import write_text
-from pipeline.stages.status import attempt
-from pipeline.workflow.plan import make_plan
-from pipeline.workflow.provenance import source_files
+from bluekoi.errors import InputError
+from bluekoi.files import write_text
+from bluekoi.stages.status import attempt
+from bluekoi.workflow.plan import make_plan
+from bluekoi.workflow.provenance import source_files
 from studies import small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -47,7 +47,7 @@ def mounted(tmp_path):
 
 
 def stage(name: str, study: Path, results: Path, *further: str, limit=None):
-    command = [sys.executable, "-m", "pipeline", "stage", name, "--study", str(study)]
+    command = [sys.executable, "-m", "bluekoi", "stage", name, "--study", str(study)]
     return subprocess.run(
         [*command, "--results", str(results), *further],
         cwd=ROOT,
@@ -79,7 +79,7 @@ def test_what_stood_before_the_disk_was_full_stands_after(mounted):
     disk = mounted("64k")
     write_text(disk / "a.json", "whole")
     (disk / "filler").write_bytes(b"x" * 50_000)
-    with pytest.raises(Fault, match=r"a\.json.*No space left on device"):
+    with pytest.raises(InputError, match=r"a\.json.*No space left on device"):
         write_text(disk / "a.json", "y" * 40_000)
     assert (disk / "a.json").read_text() == "whole"
     assert sorted(path.name for path in disk.iterdir()) == ["a.json", "filler"]
@@ -102,7 +102,7 @@ def test_results_that_are_read_only_are_told_at_the_door(study, mounted, monkeyp
     (disk / "results").mkdir()
     subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)
     settings = {"study": str(study), "results": str(disk / "results"), "demo_folder": "d"}
-    with pytest.raises(Fault, match=r"Read-only file system.*can be written to"):
+    with pytest.raises(InputError, match=r"Read-only file system.*can be written to"):
         make_plan({**settings, "overlays": "none"})
     done = stage("keypoints", study, disk / "results", "--trial", "T09")
     assert done.returncode == 1
@@ -140,7 +140,7 @@ def test_a_stage_in_too_little_memory_ends_and_can_be_done_again(study, tmp_path
 def test_the_overlays_do_not_depend_on_the_pages_code():
     found = source_files("stages.overlay")
     assert "report/overlay.py" in found
-    assert "report/drawing.py" in found
+    assert "report/overlay_frame.py" in found
     pages = {"page.py", "page.html", "story.py", "tables.py", "trials.py", "media.py"}
     assert not [name for name in found if name.startswith("report/") and Path(name).name in pages]
 
@@ -148,7 +148,7 @@ def test_the_overlays_do_not_depend_on_the_pages_code():
 def test_geometry_does_not_hang_on_smoothing_nor_tracks_on_the_check_of_distances():
     assert "smoothing/chain.py" not in source_files("stages.geometry")
     assert "camera/geometry.py" not in source_files("stages.tracks")
-    assert os.path.exists(ROOT / "pipeline/stages/geometry.py")
+    assert os.path.exists(ROOT / "pipeline/bluekoi/stages/geometry.py")
 
 
 @pytest.mark.parametrize("results", [".", "keypoints", "motor", "../linked"])
@@ -158,7 +158,7 @@ def test_results_are_not_written_among_the_files_of_the_study(tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     settings = {"study": "study", "demo_folder": "demo", "overlays": "none"}
     before = {path: path.read_bytes() for path in study.rglob("*") if path.is_file()}
-    with pytest.raises(Fault, match="a folder of its own for the results"):
+    with pytest.raises(InputError, match="a folder of its own for the results"):
         make_plan({**settings, "results": str(study / results)})
     assert {path: path.read_bytes() for path in study.rglob("*") if path.is_file()} == before
     for fine in (".", "study/results"):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pipeline.model import FLAP_HZ, TABLE_1, constants, simulate, steady_turn
-from pipeline.tuning import growth_per_s
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, simulate, steady_turn
+from bluekoi.tuning import growth_per_s
 from robots import SETUP
 
 FIN = {"tail_fin_lift": {"S": 0.012, "a": 0.15}}

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pipeline.data import Flapping, Positions
-from pipeline.faults import Fault
-from pipeline.motor import (
+from bluekoi.data import Flapping, Positions
+from bluekoi.errors import InputError
+from bluekoi.motor import (
     beat_lag,
     clock_delay,
+    clock_ratio,
+    common_ratio,
     compare,
     flapping_from_log,
     flapping_given,
+    other_clock,
     read_log,
     tail_beat,
 )
-from pipeline.motor.shaft import wrapped
+from bluekoi.motor.shaft import wrapped
 
 
 def write_log(path, time_s, angle_deg, header="time_s,angle_deg"):
@@ -135,7 +140,7 @@ def test_wrong_logs_are_told_with_their_cure(tmp_path, name, message):
         "short": lambda: write_log(path, t[:80], a[:80]),
         "back": lambda: write_log(path, np.concatenate([t[:500], t[400:]]), np.append(a, a[:100])),
     }[name]()
-    with pytest.raises(Fault, match=message) as raised:
+    with pytest.raises(InputError, match=message) as raised:
         flapping_from_log(path)
     assert path.name in str(raised.value)
 
@@ -214,17 +219,57 @@ def test_tail_beat_follows_the_motor_through_spin_up():
     assert found == pytest.approx(4.0, rel=0.004)
 
 
-def test_clocks_that_disagree_are_told_with_the_ratio():
+def test_clocks_that_disagree_are_named_with_their_ratio():
     motor = Flapping(4.0, 0.0005, "motor_log")
-    same = compare(motor, (4.002, 0.001))
+    same = compare(motor, 1.0005, 0.0003)
     assert same.agrees
-    assert same.video_hz == 4.002
-    other = compare(motor, (4.08, 0.002))
+    assert same.video_hz == pytest.approx(4.002)
+    other = compare(motor, 1.02, 0.0005)
     assert not other.agrees
     assert "1.0200 +- 0.0005" in other.remarks[-1]
-    unseen = compare(motor, (float("nan"), float("nan")))
-    assert unseen.agrees
-    assert np.isnan(unseen.video_hz)
+    assert compare(motor, float("nan"), float("nan")) == motor
+
+
+@pytest.mark.parametrize("factor", [1 / 8, 1 / 4, 1 / 2, 29.97 / 50, 1.0, 1.02, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize("hz", [1.9, 5.8])
+def test_a_frame_rate_stated_too_high_by_a_factor_shows_in_the_ratio_of_the_clocks(factor, hz):
+    seen = beating(np.random.default_rng(14), hz, frames=240)
+    motor = Flapping(hz, 1e-4 * hz, "motor_log")
+    ratio, std = clock_ratio(replace(seen, time_s=seen.time_s / factor), motor)
+    assert ratio == pytest.approx(factor, rel=1e-3)
+    assert abs(ratio - factor) < 5 * std
+
+
+def test_the_ratio_of_the_clocks_is_found_through_spin_up():
+    t = np.linspace(0, 8, 400)
+    hz = 4.0 * (1 - np.exp(-t / 0.5))
+    turns = np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * np.diff(t))])
+    video = np.arange(230) / 29.97
+    beat = with_tail(video, 0.35 * np.sin(2 * np.pi * np.interp(video, t, turns)))
+    ratio, _ = clock_ratio(replace(beat, time_s=video / 4), Flapping(4.0, 1e-3, "log", t, hz))
+    assert ratio == pytest.approx(4.0, rel=0.004)
+
+
+def test_a_strong_harmonic_is_not_taken_for_the_beat():
+    t = np.arange(240) / 29.97
+    tail = 0.3 * np.sin(2 * np.pi * 2.4 * t) + 0.2 * np.sin(2 * np.pi * 4.8 * t)
+    seen = with_tail(t, tail + np.random.default_rng(15).normal(0, 0.02, len(t)))
+    assert clock_ratio(seen, Flapping(2.4, 1e-3, "motor_log"))[0] == pytest.approx(1.0, rel=1e-3)
+
+
+def of_ratio(value):
+    return Flapping(4.0, 0.001, "motor_log", ratio=value, agrees=abs(value - 1) < 0.01)
+
+
+def test_trials_agree_on_a_ratio_only_by_majority():
+    four = [of_ratio(4.001), of_ratio(3.998), of_ratio(4.0)]
+    assert common_ratio(four)[0] == pytest.approx(4.0, abs=1e-3)
+    assert common_ratio([*four, of_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
+    assert common_ratio([of_ratio(4.0), of_ratio(1.0)]) is None
+    assert common_ratio([of_ratio(4.0), of_ratio(float("nan"))]) is None
+    assert other_clock(of_ratio(1.0), (4.0, 0.001))
+    assert not other_clock(of_ratio(4.0), (4.0, 0.001))
+    assert other_clock(of_ratio(4.0), None)
 
 
 def test_given_frequency():

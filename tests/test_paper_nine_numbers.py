@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bluekoi.design_space import steady_states
+from bluekoi.model import FLAP_HZ, TABLE_1, plates
+from bluekoi.tuning import growth_per_s
 from nine_numbers import POWERS, TURNS, conditions, fitted, geometries, radii_and_speeds
-from pipeline.design_space import steady_states
-from pipeline.model import FLAP_HZ, TABLE_1, plates
-from pipeline.tuning import growth_per_s
 from robots import SETUP
 
 FIN = {"tail_fin_lift": {"S": 0.012, "a": 0.15}}

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from pipeline.data import PARTS, Positions
-from pipeline.faults import Fault
-from pipeline.pose import rigid_pose, unwrapped
-from pipeline.study import Robot
+from bluekoi.data import PARTS, Positions
+from bluekoi.errors import InputError
+from bluekoi.pose import rigid_pose, unwrapped
+from bluekoi.study import Robot
 
 ROBOT = Robot(
     mass_kg=0.68,
@@ -242,12 +242,12 @@ def test_a_confident_wrong_point_is_left_out(part):
 
 
 @pytest.mark.parametrize("stated", [True, False])
-@pytest.mark.parametrize("aside_m", [0.008, -0.014])
-def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(aside_m, stated):
+@pytest.mark.parametrize("offset_m", [0.008, -0.014])
+def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(offset_m, stated):
     expected = truth(phi=0.0)
     given = positions(expected, 0.0012, stated=stated)
     psi = expected[:, 2]
-    beside = aside_m * np.column_stack([-np.sin(psi), np.cos(psi)])
+    beside = offset_m * np.column_stack([-np.sin(psi), np.cos(psi)])
     xy = given.xy_m.copy()
     xy[:, PARTS.index("core_center")] += beside
     pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
@@ -255,9 +255,9 @@ def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(aside_m, 
     bend -= 2 * np.pi * np.round(np.median(bend) / (2 * np.pi))
     # least squares turn the axis of hinge, core centre and tail base (40, 0 and -171 mm) by
     # aside * 43.7 mm / 25 130 mm2
-    assert np.median(bend) == pytest.approx(aside_m * 0.0437 / 0.02513, abs=0.002)
+    assert np.median(bend) == pytest.approx(offset_m * 0.0437 / 0.02513, abs=0.002)
     assert np.std(bend) < 0.012
-    assert any("core_center" in r and "marked beside" in r for r in pose.remarks)
+    assert any("core_center" in r and "marked in the wrong place" in r for r in pose.remarks)
     assert not any("left out" in r for r in pose.remarks)
 
 
@@ -267,7 +267,7 @@ def test_a_point_that_wanders_is_not_taken_for_one_beside_its_place():
     xy = given.xy_m.copy()
     xy[:, PARTS.index("core_center")] += np.random.default_rng(3).normal(0, 0.02, (300, 2))
     pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
-    assert not any("marked beside" in r for r in pose.remarks)
+    assert not any("marked in the wrong place" in r for r in pose.remarks)
     assert any("left out" in r for r in pose.remarks)
 
 
@@ -275,5 +275,5 @@ def test_a_trial_without_a_head_is_a_fault():
     given = positions(truth(n=50))
     likelihood = given.likelihood.copy()
     likelihood[:, 0] = 0.1
-    with pytest.raises(Fault, match=r"head_tip in 0.*of 50 frames.*bodyparts"):
+    with pytest.raises(InputError, match=r"head_tip in 0.*of 50 frames.*bodyparts"):
         rigid_pose(changed(given, likelihood=likelihood), ROBOT, HEAD_M)

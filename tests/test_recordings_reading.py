@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.faults import Fault
-from pipeline.fitting import Series
+from bluekoi.errors import InputError
+from bluekoi.fitting import Series
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 spreadsheet = import_module("examples.spreadsheet")
@@ -50,7 +50,7 @@ def test_cells_come_by_column_and_row_and_rows_with_a_gap_are_left_out(tmp_path)
 def test_what_is_no_workbook_is_named(tmp_path):
     path = tmp_path / "a.xlsx"
     path.write_text("not a zip")
-    with pytest.raises(Fault, match=r"a\.xlsx.*expected an Excel 2007"):
+    with pytest.raises(InputError, match=r"a\.xlsx.*expected an Excel 2007"):
         spreadsheet.sheets(path)
 
 
@@ -135,13 +135,13 @@ def test_a_broken_fish_file_is_named(tmp_path, name, text, message):
     path = tmp_path / name
     path.parent.mkdir()
     path.write_text(text)
-    with pytest.raises(Fault, match=message):
+    with pytest.raises(InputError, match=message):
         fish.read(path)
 
 
 @pytest.mark.parametrize("module", [balls, fish, pool, ship, yaw])
 def test_a_folder_without_recordings_is_named(module, tmp_path):
-    with pytest.raises(Fault, match="expected"):
+    with pytest.raises(InputError, match="expected"):
         module.read_folder(tmp_path)
 
 

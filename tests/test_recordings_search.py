@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from pipeline.fitting import Series
+from bluekoi.fitting import Series
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 engine = import_module("examples.engine")

@@ -1,4 +1,4 @@
-"""The page: offline, escaped, whole, and true to the campaign it was made from."""
+"""The page: offline, escaped, well-formed, with the values of its campaign."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from exact_campaign import campaign, searched
 
-from pipeline import figures
-from pipeline.campaign import Campaign
-from pipeline.report.media import clips
-from pipeline.report.numbers import measured, number, percent
-from pipeline.report.page import write_report
-from pipeline.report.story import verdict
+from bluekoi import figures
+from bluekoi.campaign import Campaign
+from bluekoi.report.findings import verdict, warnings
+from bluekoi.report.media import clips
+from bluekoi.report.numbers import measured, number, percent
+from bluekoi.report.page import write_report
 
 VOID = {"meta", "link", "img", "input", "br", "rect", "polyline"}
 
@@ -29,7 +29,7 @@ class Page(HTMLParser):
         self.links: list[str] = []
         self.heads: list[str] = []
         self.open: list[str] = []
-        self.faults: list[str] = []
+        self.errors: list[str] = []
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
@@ -42,20 +42,20 @@ class Page(HTMLParser):
 
     def handle_startendtag(self, tag, attrs):
         if tag not in VOID:
-            self.faults.append(tag)
+            self.errors.append(tag)
 
     def handle_endtag(self, tag):
         if not self.open or self.open.pop() != tag:
-            self.faults.append(tag)
+            self.errors.append(tag)
 
 
-def told() -> dict[str, tuple[str, str]]:
+def figure_texts() -> dict[str, tuple[str, str]]:
     return {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
 
 
 def write(base: Campaign, folder: Path) -> str:
     path = folder / "report.html"
-    write_report(base, told(), folder / "figures", folder / "overlays", path)
+    write_report(base, figure_texts(), folder / "figures", folder / "overlays", path)
     return path.read_text(encoding="utf-8")
 
 
@@ -64,17 +64,20 @@ def found() -> Campaign:
     return searched(campaign())
 
 
-def test_the_page_is_whole_and_needs_no_network(tmp_path, found):
+def test_the_page_is_well_formed_and_needs_no_network(tmp_path, found):
     for name in ("fig3", "paths"):
         draw = tmp_path / "figures" / name
         figures.draw_file(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
     text = write(found, tmp_path)
     page = Page(text)
-    assert not page.faults
+    assert not page.errors
     assert not page.open
     assert len(page.ids) == len(set(page.ids))
     assert not re.search(
-        r"(?:https?:)?//[a-z]", re.sub(r"data:[^\"]*", "", text.split("<script>")[0])
+        r"(?:https?:)?//[a-z]",
+        re.sub(
+            r"data:[^\"]*|<script type=\"text/plain\".*?</script>", "", text.split("<script>")[0]
+        ),
     )
     inner = {link[1:] for link in page.links if link.startswith("#")}
     assert inner <= set(page.ids)
@@ -83,7 +86,7 @@ def test_the_page_is_whole_and_needs_no_network(tmp_path, found):
     assert page.heads[0] == "h1"
     assert page.heads.count("h1") == 1
     assert text.count('src="data:image/png;base64,') == 2
-    assert text.count("is not there") == len(figures.names()) - 2
+    assert text.count("does not exist") == len(figures.names()) - 2
 
 
 def test_all_text_is_escaped(tmp_path):
@@ -106,54 +109,54 @@ def test_all_text_is_escaped(tmp_path):
     assert text.count("<script>") == 1
 
 
-def test_left_out_trials_are_named_with_the_reason(tmp_path):
+def test_excluded_trials_are_named_with_the_reason(tmp_path):
     base = campaign(powers=(75,))
     gone = base.study.trials[1].trial_id
     tracks = {k: v for k, v in base.tracks.items() if k != gone}
     statuses = {gone: {"ok": False, "message": "videos/T02.mp4: found 0 bytes; expected a video."}}
     text = write(Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path)
     assert f'<a href="#trial-{gone}">{gone}</a>: videos/T02.mp4: found 0 bytes' in text
-    assert "No trial was left out" not in text
+    assert "All trials were analysed" not in text
     assert f"{len(base.study.trials) - 1} of {len(base.study.trials)} trials analysed" in text
 
 
-def test_names_and_variables_are_told_in_words(tmp_path, found):
-    told_of = {
+def test_names_and_variables_are_written_in_words(tmp_path, found):
+    mismatch = {
         **found.mismatch,
         "sentence": "Physics left out: linear_yaw_damping and a_thing.",
         "where": [{"channel": "yaw", "variable": "sway_speed_m_s", "share": 0.5, "trials": []}],
         "next_trial": {"power_pct": 50, "why": "here tail_fin_lift and crossflow_drag part most"},
     }
-    text = write(Campaign(**{**found.__dict__, "mismatch": told_of}), tmp_path)
+    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
     assert "Physics left out: linear yaw damping and a_thing." in text
-    assert "sideways speed, to the left (m/s)" in text
+    assert "sway speed, positive to the left (m/s)" in text
     assert "here tail fin lift and crossflow drag part most" in text
     assert "linear yaw damping: N_r (N m s)" in text
 
 
-def test_a_model_that_ran_away_is_told_in_words(tmp_path, found):
+def test_a_diverged_model_is_reported_as_diverging(tmp_path, found):
     errors = {"path_rmse_m": 3.9e10, "radius_error_pct": 27342.0, "speed_error_pct": None}
-    told_of = {**found.mismatch, "verdict": "none", "held_out": {
+    mismatch = {**found.mismatch, "verdict": "none", "held_out": {
         "trials": ["T02"], "baseline": errors, "extended": errors,
         "noise_floor_path_rmse_m": 2.9e28}}  # fmt: skip
-    base = Campaign(**{**found.__dict__, "mismatch": told_of})
+    base = Campaign(**{**found.__dict__, "mismatch": mismatch})
     draw = tmp_path / "figures/mismatch_held_out"
     figures.draw_file("mismatch_held_out", base, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
     text = write(base, tmp_path)
-    assert text.count("<td>runs away</td>") == 4
-    assert "× 10" not in text[text.index("Errors on held-out") : text.index("Held out:")]
+    assert text.count("<td>diverges</td>") == 4
+    assert "× 10" not in text[text.index("<h3>Errors on held-out") : text.index("Held out:")]
 
 
-def test_a_verdict_over_a_fit_that_determines_nothing_says_so(found):
-    assert "determine none" not in verdict(found)["sentence"]
+def test_a_fit_that_determines_no_coefficient_gives_a_warning(found):
+    assert warnings(found) == []
     cells = found.coefficients["joint"]["coefficients"]
     open_ = {name: {**cell, "determined": False} for name, cell in cells.items()}
     coefficients = {**found.coefficients, "joint": {"coefficients": open_}}
     unsure = Campaign(**{**found.__dict__, "coefficients": coefficients})
-    assert "determine none of the model's coefficients" in verdict(unsure)["sentence"]
+    assert "determine none of the model's coefficients" in warnings(unsure)[0]
 
 
-def test_left_out_files_are_named_from_the_study_folder(tmp_path):
+def test_files_of_excluded_trials_are_named_from_the_study_folder(tmp_path):
     base = campaign(powers=(75,))
     gone = base.study.trials[0].trial_id
     tracks = {k: v for k, v in base.tracks.items() if k != gone}
@@ -164,13 +167,13 @@ def test_left_out_files_are_named_from_the_study_folder(tmp_path):
     assert str(base.study.root) + "/videos" not in text
 
 
-def test_every_number_has_its_place(tmp_path, found):
+def test_the_page_contains_every_result(tmp_path, found):
     text = write(found, tmp_path)
     assert "linear yaw damping" in text
     assert "N_r = 0.0200 ± 0.0020 N m s (95 % intervals)" in text
     assert "0.552 m/s" in text
     assert "31.0 → 3.1 mm" in text
-    assert "not determined: hardly any turn &lt;b&gt;" in text
+    assert "no: hardly any turn &lt;b&gt;" in text
     for cell in (
         "-10.0 %",
         "predicted",
@@ -184,7 +187,7 @@ def test_every_number_has_its_place(tmp_path, found):
     assert 'data-key="1e99">straight' in text
 
 
-def test_table_2_stands_beside_the_papers(tmp_path, found):
+def test_table_2_is_compared_with_the_published_one(tmp_path, found):
     text = write(found, tmp_path)
     row = text[text.index("50 %, 45°, 1.5x head") :].split("</tr>")[0]
     assert [re.sub("<.*?>", "", c) for c in re.findall("<td>.*?</td>", row)] == [
@@ -203,29 +206,29 @@ def test_verdicts_in_words(kind):
     assert (
         said["heading"]
         == {
-            "none": "Nothing beyond the noise",
-            "physics": "Physics left out",
-            "measurement": "The measurement is at fault",
-            "unexplained": "Something is missing that no known cause explains",
+            "none": "No mismatch beyond the noise",
+            "physics": "Missing physics",
+            "measurement": "Measurement error",
+            "unexplained": "A mismatch that no known cause explains",
         }[kind]
     )
 
 
-def test_a_run_without_search_or_fit_says_so(tmp_path):
+def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):
     text = write(Campaign(study=campaign(powers=(75,)).study), tmp_path)
-    assert "was not part of this run" in text
+    assert "did not search for causes" in text
     assert "no fitted coefficients" in text
     assert "not run yet" in text
-    assert not Page(text).faults
+    assert not Page(text).errors
 
 
-def test_films_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
+def test_videos_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
     folder = tmp_path / "overlays"
     folder.mkdir()
     for name, size in (("T01", 900), ("T02", 5000), ("T03", 900), ("T04", 300)):
         (folder / f"{name}.mp4").write_bytes(bytes(range(256)) * (size // 256))
-    monkeypatch.setattr("pipeline.report.media.CLIP_BYTES", 2000)
-    monkeypatch.setattr("pipeline.report.media.ALL_CLIPS_BYTES", 1200)
+    monkeypatch.setattr("bluekoi.report.media.CLIP_BYTES", 2000)
+    monkeypatch.setattr("bluekoi.report.media.ALL_CLIPS_BYTES", 1200)
     shown = clips(folder, tmp_path, found)
     assert [bool(clip.data) for clip in shown.values()] == [True, False, False, True]
     assert base64.b64decode(shown["T01"].data) == (folder / "T01.mp4").read_bytes()
@@ -247,7 +250,7 @@ def test_films_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
         (0.25, None, "0.250"),
     ],
 )
-def test_values_are_given_to_the_place_of_their_uncertainty(value, std, text):
+def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, text):
     assert measured(value, std) == text
 
 
@@ -260,3 +263,18 @@ def test_numbers_for_people():
 
 def test_the_same_campaign_gives_the_same_page(tmp_path, found):
     assert write(found, tmp_path) == write(found, tmp_path)
+
+
+def test_optional_results_of_the_search_are_shown(tmp_path, found):
+    mismatch = {
+        **found.mismatch,
+        "warnings": ["The clock of trial T02 disagrees with its motor log: check fps."],
+        "probabilities": {"stall": 0.04, "linear_yaw_damping": 0.96},
+        "held_out": {**found.mismatch["held_out"], "baseline_fitted_to": "trajectories"},
+        "causes": [{**found.mismatch["causes"][0], "credible_set": ["added_mass", "stall"]}],
+    }
+    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
+    assert text.index("The clock of trial T02 disagrees") < text.index("trials analysed</span>")
+    assert text.index(">0.960<") < text.index(">0.040<")
+    assert "added mass, stall: the data do not distinguish" in text
+    assert "fitted to whole trajectories" in text

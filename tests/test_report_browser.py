@@ -12,11 +12,11 @@ from pathlib import Path
 import pytest
 from exact_campaign import campaign, searched
 
+from bluekoi import figures
+from bluekoi.campaign import Campaign
+from bluekoi.report.overlay import trial_overlay
+from bluekoi.report.page import write_report
 from browser import Browser, Tab
-from pipeline import figures
-from pipeline.campaign import Campaign
-from pipeline.report.overlay import trial_overlay
-from pipeline.report.page import write_report
 
 pytestmark = pytest.mark.long
 
@@ -26,21 +26,39 @@ PROBE = """(async () => {
     .map((row) => Number(row.cells[5].dataset.key));
   headings[5].focus(); headings[5].click();
   const up = cells(); headings[5].click(); const down = cells();
+  const focus = document.activeElement === headings[5];
+  location.hash = "trial-T02";
   const video = document.querySelector("video");
-  video.scrollIntoView();
   await new Promise((done) => { video.oncanplay = done; setTimeout(done, 8000); });
-  await video.play();
-  await new Promise((done) => setTimeout(done, 800));
+  document.getElementById("explorer-play").click();
+  for (let k = 0; k < 100 && !(video.currentTime > 0.3 && now.time > 0.3); k += 1) {
+    await new Promise((done) => setTimeout(done, 100));
+  }
+  const time = Number(document.getElementById("explorer-time").value);
+  const [film, size] = [video.currentTime, [video.videoWidth, video.videoHeight]];
   const field = document.getElementById("filter");
   field.value = "straight"; field.dispatchEvent(new Event("input"));
   const left = document.querySelectorAll("#trial-table tbody tr:not([hidden])").length;
-  return { up, down, left, time: video.currentTime, size: [video.videoWidth, video.videoHeight],
-    focus: document.activeElement === headings[5], images: document.images.length,
+  const listed = document.querySelectorAll("#explorer-select option").length;
+  return { up, down, left, listed, time, film, size, focus,
+    images: document.images.length,
     blank: [...document.images].filter((image) => !image.naturalWidth).length,
     wide: document.documentElement.scrollWidth - document.documentElement.clientWidth };
 })()"""
+UNTIL = """new Promise((done) => {
+  const end = performance.now() + 20000;
+  const look = () => {
+    if (CONDITION) done(true);
+    else if (performance.now() > end) done(false);
+    else setTimeout(look, 30);
+  };
+  look();
+})"""
+STATE = """[document.activeElement.id, now.id,
+  Number(document.getElementById("explorer-time").value),
+  document.getElementById("explorer-play").textContent]"""
 FOCUSED = "(() => { const e = document.activeElement, s = getComputedStyle(e); return " \
-    "[e.tagName, e.textContent.trim(), e.closest('table') ? e.closest('table').id : '', " \
+    "[e.tagName, e.textContent.trim(), e.closest('th') ? e.closest('table').id : '', " \
     "s.outlineStyle, parseFloat(s.outlineWidth)]; })()"  # fmt: skip
 SMALLEST = """(() => Math.min(...
   [...document.querySelectorAll("p, td, th, li, figcaption, summary")]
@@ -48,23 +66,40 @@ SMALLEST = """(() => Math.min(...
   .map((e) => parseFloat(getComputedStyle(e).fontSize))))()"""
 OFFSCREEN = """(() => [...document.querySelectorAll("body *")].filter((e) => {
   const box = e.getBoundingClientRect();
-  return box.width && box.right > innerWidth + 1 && !e.closest(".scroll, figure, svg, .skip");
+  return box.width && box.right > innerWidth + 1 &&
+    !e.closest(".scroll, figure, svg, .skip, .chart");
 }).map((e) => e.tagName + "." + e.className))()"""
 
 
-def told() -> dict[str, tuple[str, str]]:
+def figure_texts() -> dict[str, tuple[str, str]]:
     return {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
 
 
 def written(base: Campaign, folder: Path) -> Path:
     page = folder / "report.html"
-    write_report(base, told(), folder / "figures", folder / "overlays", page)
+    write_report(base, figure_texts(), folder / "figures", folder / "overlays", page)
     return page
+
+
+def repeated(few: Campaign, count: int) -> Campaign:
+    """The trials of a campaign again and again under new names."""
+    ids = [trial.trial_id for trial in few.study.trials]
+    trials = [
+        few.study.trial(ids[k % len(ids)]).model_copy(update={"trial_id": f"N{k:04d}"})
+        for k in range(count)
+    ]
+    of = {trial.trial_id: ids[k % len(ids)] for k, trial in enumerate(trials)}
+    return replace(
+        few,
+        study=few.study.model_copy(update={"trials": tuple(trials)}),
+        tracks={name: few.tracks[old] for name, old in of.items()},
+        steady={name: few.steady[old] for name, old in of.items()},
+    )
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory) -> Path:
-    """The page of a campaign with two figures and one film."""
+    """The page of a campaign with two figures and one video."""
     folder, found = tmp_path_factory.mktemp("page"), searched(campaign())
     for name in ("fig3", "mismatch_map"):
         draw = folder / "figures" / name
@@ -84,33 +119,141 @@ def browser(tmp_path):
 
 
 @pytest.mark.parametrize("phone", [False, True])
-def test_it_opens_sorts_filters_and_plays_without_a_word_on_the_console(page, browser, phone):
+def test_it_opens_sorts_filters_and_plays_without_console_messages(page, browser, phone):
     tab = Tab(browser, page, phone=phone)
-    seen = tab.tell(PROBE)
-    assert tab.complaints() == []
+    seen = tab.evaluate(PROBE)
+    assert tab.console_messages() == []
     assert seen["up"] == sorted(seen["up"])
     assert seen["down"] == sorted(seen["up"], reverse=True)
-    assert seen["left"] == 6  # one straight run a power and head
+    assert seen["left"] == seen["listed"] == 6  # one straight run per power and head
     assert (seen["images"], seen["blank"], seen["size"]) == (2, 0, [640, 400])
     assert seen["time"] > 0.2
+    assert seen["film"] > 0.2
     assert seen["focus"]
     assert seen["wide"] <= 0
 
 
+def wait(tab: Tab, condition: str) -> None:
+    assert tab.evaluate(UNTIL.replace("CONDITION", condition)), condition
+
+
+@pytest.mark.parametrize("phone", [False, True])
+def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
+    tab = Tab(browser, page, phone=phone)
+    for _ in range(200):
+        tab.press("Tab", 9)
+        if tab.evaluate("document.activeElement.matches('a[href=\"#trial-T02\"]')"):
+            break
+    tab.press("Enter", 13, "\r")
+    wait(tab, "now.id === 'T02' && now.drawn")
+    assert tab.evaluate(STATE) == ["explorer", "T02", 0, "Play"]
+    tab.press("ArrowRight", 39)
+    assert tab.evaluate(STATE)[2] == pytest.approx(1 / 30, abs=2e-4)
+    tab.press("End", 35)
+    assert tab.evaluate(STATE)[2] == pytest.approx(89 / 30, abs=2e-4)
+    tab.press("Home", 36)
+    tab.press("+", 187, "+")
+    wait(tab, "document.getElementById('explorer-series').layout.xaxis.range[1] < 2")
+    tab.press(" ", 32, " ")
+    wait(tab, "now.time > 0.1 && now.playing")
+    tab.press(" ", 32, " ")
+    assert tab.evaluate(STATE)[3] == "Play"
+    tab.press("n", 78, "n")
+    wait(tab, "now.id === 'T03' && now.drawn")
+    assert tab.console_messages() == []
+
+
+def test_the_explorer_shows_the_values_of_the_track(page, browser):
+    base = searched(campaign())
+    tab = Tab(browser, page)
+    tab.evaluate("location.hash = 'trial-T02'")
+    wait(tab, "now.id === 'T02' && now.drawn")
+    tab.evaluate("seek(1.5)")
+    cells = "[...document.querySelectorAll('#explorer-readout tbody tr')].map((r) => " \
+        "[r.cells[0].textContent, r.cells[1].textContent])"  # fmt: skip
+    shown, track = dict(tab.evaluate(cells)), base.tracks["T02"]
+    assert shown["x"] == f"{track.x_m[45]:.3f} m"
+    assert shown["speed"].startswith(f"{track.speed_m_s[45]:.3f} ± 0.002")
+    assert shown["yaw rate"].endswith(" rad/s")
+    stored = tab.evaluate("now.data.measured.x_m")
+    assert stored == pytest.approx(track.x_m.tolist(), abs=5.1e-5)
+
+
+def test_tables_figures_and_trials_are_downloaded_as_csv(page, browser, tmp_path):
+    tab = Tab(browser, page)
+    browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    tab.evaluate("location.hash = 'trial-T02'")
+    wait(tab, "now.id === 'T02' && now.drawn")
+    for place in ("#trial-table", "#figure-fig3", "#explorer"):
+        click = "'#explorer-csv'" if place == "#explorer" else f"'{place} .download'"
+        tab.evaluate(f"document.querySelector({click}).click()")
+    names = {"all_trials_of_the_study.csv", "fig3.csv", "T02.csv"}
+    end = time.monotonic() + 20
+    while time.monotonic() < end and {p.name for p in tmp_path.glob("*.csv")} < names:
+        tab.evaluate("new Promise((done) => setTimeout(done, 100))")
+    found = {p.name: p.read_text().splitlines() for p in tmp_path.glob("*.csv")}
+    assert found.keys() == names
+    assert len(found["all_trials_of_the_study.csv"]) == 1 + len(campaign().study.trials)
+    assert found["T02.csv"][0].startswith("time_s,x_m,y_m,speed_m_s")
+    assert found["fig3.csv"][0].startswith("panel,title,x_label,y_label")
+
+
+def test_a_click_in_an_interactive_figure_opens_the_trial(page, browser):
+    tab = Tab(browser, page)
+    tab.evaluate("document.querySelector('#figure-fig3 details').open = true")
+    wait(tab, "document.querySelector('#figure-fig3 .panels').dataset.ready")
+    trial = tab.evaluate("""(() => {
+      const charts = [...document.querySelectorAll("#figure-fig3 .chart")];
+      const chart = charts.find((one) => one.data.some((d) => d.meta));
+      const data = chart.data.find((one) => one.meta);
+      chart.emit("plotly_click", { points: [{ data }] });
+      return data.meta; })()""")
+    wait(tab, f"now.id === '{trial}' && now.drawn")
+    assert tab.console_messages() == []
+
+
+def test_videos_beside_the_page_are_loaded_on_demand(tmp_path, browser, monkeypatch):
+    monkeypatch.setattr("bluekoi.report.media.CLIP_BYTES", 0)
+    found = searched(campaign())
+    trial_overlay(found, "T02", tmp_path, tmp_path / "overlays" / "T02.mp4")
+    page = written(found, tmp_path)
+    assert 'id="clip-T02"' not in page.read_text(encoding="utf-8")
+    tab = Tab(browser, page)
+    assert not tab.evaluate("document.querySelector('video').getAttribute('src')")
+    tab.evaluate("location.hash = 'trial-T02'")
+    wait(tab, "document.querySelector('video').readyState > 1")
+    assert tab.evaluate("document.querySelector('video').videoWidth") == 640
+    assert tab.console_messages() == []
+
+
+def test_a_page_of_200_trials_with_videos_opens_in_two_seconds(page, tmp_path, browser):
+    film = (page.parent / "overlays" / "T02.mp4").read_bytes()
+    many = repeated(searched(campaign()), 200)
+    (tmp_path / "overlays").mkdir()
+    for trial in many.study.trials:
+        (tmp_path / "overlays" / f"{trial.trial_id}.mp4").write_bytes(film + bytes(200_000))
+    tab = Tab(browser, written(many, tmp_path))
+    loaded = "performance.getEntriesByType('navigation')[0].loadEventEnd"
+    assert 0 < tab.evaluate(loaded) < 2000
+    tab.evaluate("location.hash = 'trial-N0199'")
+    wait(tab, "now.id === 'N0199' && now.drawn && document.querySelector('video').readyState > 1")
+    assert tab.console_messages() == []
+
+
 def test_it_can_be_read_on_a_phone(page, browser):
     tab = Tab(browser, page, phone=True)
-    assert tab.tell("document.documentElement.clientWidth") == 390
-    assert tab.tell(SMALLEST) >= 12
-    assert tab.tell(OFFSCREEN) == []
+    assert tab.evaluate("document.documentElement.clientWidth") == 390
+    assert tab.evaluate(SMALLEST) >= 12
+    assert tab.evaluate(OFFSCREEN) == []
 
 
 def test_the_keyboard_reaches_and_sorts_with_a_ring_around_what_has_the_focus(page, browser):
     tab = Tab(browser, page)
     tab.press("Tab", 9)
-    assert "Skip" in tab.tell(FOCUSED)[1]
+    assert "Skip" in tab.evaluate(FOCUSED)[1]
     for _ in range(60):
         tab.press("Tab", 9)
-        tag, text, table, style, width = tab.tell(FOCUSED)
+        tag, text, table, style, width = tab.evaluate(FOCUSED)
         assert style != "none", (tag, text)
         assert width >= 2, (tag, text)
         if tag == "BUTTON" and table == "trial-table":
@@ -118,45 +261,33 @@ def test_the_keyboard_reaches_and_sorts_with_a_ring_around_what_has_the_focus(pa
     assert (tag, table) == ("BUTTON", "trial-table")
     tab.press("Enter", 13, "\r")
     heading = "document.activeElement.closest('th').getAttribute('aria-sort')"
-    assert tab.tell(heading) == "ascending"
+    assert tab.evaluate(heading) == "ascending"
     tab.press("Enter", 13, "\r")
-    assert tab.tell(heading) == "descending"
+    assert tab.evaluate(heading) == "descending"
 
 
 def test_on_paper_nothing_is_hidden_or_cut_off(page, browser):
     tab = Tab(browser, page)
     tab.call("Emulation.setEmulatedMedia", media="print")
-    assert tab.tell("getComputedStyle(document.querySelector('nav')).display") == "none"
+    assert tab.evaluate("getComputedStyle(document.querySelector('nav')).display") == "none"
     done = tab.call("Page.printToPDF", paperWidth=8.27, paperHeight=11.69)
     pdf = base64.b64decode(done["data"])
     assert pdf.startswith(b"%PDF")
     assert len(re.findall(rb"/Type\s*/Page\b", pdf)) >= 4
-    assert tab.tell("[...document.querySelectorAll('details')].every((part) => part.open)")
-    assert tab.complaints() == []
+    assert tab.evaluate("[...document.querySelectorAll('details')].every((part) => part.open)")
+    assert tab.console_messages() == []
 
 
 def test_the_page_of_a_thousand_trials_opens_and_sorts_at_once(tmp_path, browser):
-    few = searched(campaign())
-    ids = [trial.trial_id for trial in few.study.trials]
-    trials = [
-        few.study.trial(ids[k % len(ids)]).model_copy(update={"trial_id": f"N{k:04d}"})
-        for k in range(1000)
-    ]
-    of = {trial.trial_id: ids[k % len(ids)] for k, trial in enumerate(trials)}
-    many = replace(
-        few,
-        study=few.study.model_copy(update={"trials": tuple(trials)}),
-        tracks={name: few.tracks[old] for name, old in of.items()},
-        steady={name: few.steady[old] for name, old in of.items()},
-    )
+    many = repeated(searched(campaign()), 1000)
     page = written(many, tmp_path)
     assert page.stat().st_size < 5_000_000
     start = time.monotonic()
     tab = Tab(browser, page)
     assert time.monotonic() - start < 15
     rows = "document.querySelectorAll('#trial-table tbody tr').length"
-    assert tab.tell(rows) == 1000
+    assert tab.evaluate(rows) == 1000
     sort = "(() => { const t = performance.now(); document.querySelectorAll(" \
         "'#trial-table thead button')[5].click(); return performance.now() - t; })()"  # fmt: skip
-    assert tab.tell(sort) < 2000
-    assert tab.complaints() == []
+    assert tab.evaluate(sort) < 2000
+    assert tab.console_messages() == []

@@ -1,4 +1,4 @@
-"""Colours of page, figures and films: legible, and told apart by people who see fewer colours."""
+"""Colours of page, figures and videos: legible, distinguishable with colour vision deficiencies."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from pipeline.figures.drawing import look
-from pipeline.report import drawing
+from bluekoi.figures.drawing import style
+from bluekoi.report import overlay_frame
 
-CSS = files("pipeline.report").joinpath("page.css").read_text(encoding="utf-8")
+CSS = files("bluekoi.report").joinpath("page.css").read_text(encoding="utf-8")
 # Machado, Oliveira and Fernandes (2009), Table 1, severity 1.0, on linear RGB.
 SEEN = {
     "all three": np.eye(3),
@@ -72,13 +72,13 @@ def test_text_on_tags_stands_out():
 PATHS = {
     "page": [re.search(rf"polyline\.{kind} {{ stroke: (#[0-9a-f]+)", CSS)[1]
              for kind in ("measured", "before", "after")],
-    "figures": [look.MEASURED, look.BEFORE, look.AFTER],
-    "films": [hex_of(colour) for colour in (drawing.MEASURED, drawing.BEFORE, drawing.AFTER)],
+    "figures": [style.MEASURED, style.BEFORE, style.AFTER],
+    "videos": [hex_of(getattr(overlay_frame, k)) for k in ("MEASURED", "BEFORE", "AFTER")],
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("sight", SEEN)
 @pytest.mark.parametrize("where", PATHS)
-def test_the_three_paths_are_told_apart(where, sight):
+def test_the_three_paths_are_distinguishable(where, sight):
     seen = [lab(np.asarray(SEEN[sight]) @ linear(colour)) for colour in PATHS[where]]
     assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > DISTINCT

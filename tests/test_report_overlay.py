@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from exact_campaign import campaign, setup
 
-from pipeline.camera import pool_camera
-from pipeline.campaign import Campaign
-from pipeline.data import Frame, Keypoints
-from pipeline.report.drawing import (
+from bluekoi.camera import pool_camera
+from bluekoi.campaign import Campaign
+from bluekoi.data import Frame, Keypoints
+from bluekoi.report.overlay import frame_rate, paths, trial_overlay, write_overlay
+from bluekoi.report.overlay_frame import (
     AFTER,
     BEFORE,
     MEASURED,
@@ -20,7 +21,6 @@ from pipeline.report.drawing import (
     annotated,
     empty_pool,
 )
-from pipeline.report.overlay import frame_rate, paths, trial_overlay, write_overlay
 
 STRIP = 40
 SCALE = 640 / 1920
@@ -53,8 +53,8 @@ def test_paths_are_drawn_where_the_camera_sees_them(base):
     for prefix, offset in (("joint", 0.1), ("extended", -0.1)):
         shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
     lines = paths(camera, track, shift, 0.0)
-    scene = Scene("T02", (1920, 1080), lines, floor=empty_pool(camera, 640))
-    picture = annotated(scene.floor.copy(), scene, float(track.time_s[60]), SCALE)
+    scene = Scene("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
+    picture = annotated(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]
     assert [line.name for line in lines] == ["measured path", "model after", "model before"]
     assert near(picture, pixel(x, y), MEASURED)
@@ -92,7 +92,7 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
 
 def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
     path = tmp_path / "T02.mp4"
-    count = trial_overlay(base, "T02", tmp_path, path)
+    count, first_s = trial_overlay(base, "T02", tmp_path, path)
     with av.open(str(path)) as film:
         stream = film.streams.video[0]
         pictures = [frame.to_ndarray(format="bgr24") for frame in film.decode(video=0)]
@@ -100,6 +100,7 @@ def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
         assert stream.codec_context.pix_fmt == "yuv420p"
         assert float(stream.average_rate) == pytest.approx(30, rel=1e-3)
     assert count == len(pictures) == 90
+    assert first_s == base.tracks["T02"].time_s[0]
     assert pictures[0].shape == (400, 640, 3)
     rim = pictures[0][pixel(1.3, 0.0)]
     assert np.all(rim > 180)

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from exact_campaign import campaign, searched
 
-from pipeline.campaign import Campaign
-from pipeline.report.hidden import hidden
-from pipeline.report.page import write_report
-from pipeline.report.truth import true_steady
-from pipeline.stages.demo import lay_out
-from pipeline.study.seal import Seal, open_seal, seal_files
-from pipeline.synthetic.design import demo_design
-from pipeline.synthetic.trial import mean_path, prepare, summary
-from pipeline.workflow.provenance import PACKAGE
+from bluekoi.campaign import Campaign
+from bluekoi.report.ground_truth import ground_truth
+from bluekoi.report.page import write_report
+from bluekoi.report.sealed_truth import true_steady
+from bluekoi.stages.demo import lay_out
+from bluekoi.study.seal import Seal, open_seal, seal_files
+from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.trial import mean_path, prepare, summary
+from bluekoi.workflow.provenance import PACKAGE
 
 TRUTH = {"hidden": {"linear_yaw_damping": {"N_r": 0.02}}, "note": "<b>glass</b>"}
 
@@ -40,7 +40,7 @@ def text_of(base: Campaign, seal: Seal | None, folder: Path) -> str:
 def test_no_seal_shows_nothing(tmp_path):
     assert open_seal(tmp_path) is None
     assert seal_files(tmp_path) == []
-    assert "hidden-heading" not in text_of(campaign(powers=(75,)), None, tmp_path)
+    assert "ground-truth-heading" not in text_of(campaign(powers=(75,)), None, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,7 @@ def test_a_truth_held_back_is_said_and_its_hash_shown(tmp_path):
     found = open_seal(folder)
     assert (found.truth, found.broken) == ({}, False)
     text = text_of(campaign(powers=(75,)), found, tmp_path)
-    assert "under seal: truth.json is not there yet" in text
+    assert "is sealed: truth.json is not there yet" in text
     assert hashlib.sha256(b"{}").hexdigest() in text
 
 
@@ -83,8 +83,8 @@ def test_a_broken_seal_shows_no_truth(tmp_path, change, word):
     assert found.truth == {}
     text = text_of(campaign(powers=(75,)), found, tmp_path)
     assert word in text
-    assert "The seal does not hold" in text
-    assert "put in, and what the search made" not in text
+    assert "The seal is broken" in text
+    assert "Injected and identified causes" not in text
 
 
 def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
@@ -94,9 +94,9 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
         "extra": {"a": [1, 2], "b": "<b>glass</b>"},
     }
     base = searched(campaign())
-    shown = hidden(base, Seal("0" * 64, truth))
+    shown = ground_truth(base, Seal("0" * 64, truth))
     rows = {row.name: row for row in shown.causes}
-    assert rows["linear yaw damping"].cells[-1] == "found"
+    assert rows["linear yaw damping"].cells[-1] == "identified"
     assert not rows["linear yaw damping"].marked
     assert rows["stall"].cells[-1] == "missed"
     assert rows["stall"].marked
@@ -104,12 +104,12 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
     assert ("extra.b", "<b>glass</b>") in shown.further
     text = text_of(base, Seal("0" * 64, truth), tmp_path)
     assert "&lt;b&gt;glass&lt;/b&gt;" in text
-    assert text.index("hidden-heading") > text.index("settings-heading")
+    assert text.index("ground-truth-heading") > text.index("settings-heading")
 
 
-def test_a_cause_named_in_vain_is_said():
-    shown = hidden(searched(campaign()), Seal("0" * 64, {"hidden": {}}))
-    assert [row.cells[-1] for row in shown.causes] == ["named, but not in what was hidden"]
+def test_a_cause_that_was_not_injected_is_a_false_positive():
+    shown = ground_truth(searched(campaign()), Seal("0" * 64, {"hidden": {}}))
+    assert [row.cells[-1] for row in shown.causes] == ["false positive"]
 
 
 def test_causes_may_be_listed_as_the_search_lists_them():
@@ -118,16 +118,16 @@ def test_causes_may_be_listed_as_the_search_lists_them():
         "body": {"C_T": 4.5e-3, "C_D0": 0.5, "mass_kg": 0.68},
         "trials": 24,
     }
-    shown = hidden(searched(campaign()), Seal("0" * 64, truth))
+    shown = ground_truth(searched(campaign()), Seal("0" * 64, truth))
     assert [row.cells[0] for row in shown.causes] == ["N_r = 0.02000 N m s"]
-    assert shown.causes[0].cells[-1] == "found"
+    assert shown.causes[0].cells[-1] == "identified"
     assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
     assert shown.trials == []
 
 
-def test_nothing_hidden_and_nothing_found_agree():
+def test_no_injected_and_no_identified_cause_agree():
     base = replace(searched(campaign()), mismatch={"verdict": "none", "causes": []})
-    assert hidden(base, Seal("0" * 64, {"hidden": {}})).causes[0].cells[-1] == "found: nothing"
+    assert ground_truth(base, Seal("0" * 64, {"hidden": {}})).causes[0].cells[-1] == "correct: none"
 
 
 def test_a_truth_of_any_form_does_not_break_the_page(tmp_path):
@@ -137,7 +137,7 @@ def test_a_truth_of_any_form_does_not_break_the_page(tmp_path):
     trials = [3, {"trial_id": None}, {"trial_id": name, "mean_path": path, "speed_m_s": "fast"}]
     odd = {"hidden": [1], "coefficients": "x", "trials": trials, "n": None, "big": 10**400}
     shown = text_of(base, Seal("0" * 64, odd), tmp_path)
-    assert "hidden-heading" in shown
+    assert "ground-truth-heading" in shown
     assert "<td>fast</td>" in shown
 
 

@@ -7,6 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bluekoi.data import Pose
+from bluekoi.errors import InputError
+from bluekoi.smoothing import smooth
+from bluekoi.smoothing.speed import speed_and_std
 from motions import (
     MOTIONS,
     Seen,
@@ -20,10 +24,6 @@ from motions import (
     turning_start,
     wandering,
 )
-from pipeline.data import Pose
-from pipeline.faults import Fault
-from pipeline.smoothing import smooth
-from pipeline.smoothing.speed import speed_and_std
 
 FAST = Seen(hz=5.82, gap_s=(2.0, 2.3))
 
@@ -191,7 +191,7 @@ def test_gap_is_bridged_with_growing_deviation():
     assert middle > 1.3 * np.median(track.x_m_std[~inside])
     error = np.hypot(track.x_m - truth.xy[:, 0], track.y_m - truth.xy[:, 1])[inside]
     assert error.max() < 0.01
-    assert any("bridged" in remark for remark in track.remarks)
+    assert any("interpolated" in remark for remark in track.remarks)
 
 
 def test_wrong_points_do_not_pull_the_path():
@@ -204,7 +204,7 @@ def test_wrong_points_do_not_pull_the_path():
     better = smooth(clean, 5.82)
     assert rms(track.x_m - better.x_m) < 0.001
     assert rms(track.yaw_rate_rad_s - truth.yaw_rate) < 0.02
-    assert any("8 frames set aside" in remark for remark in track.remarks)
+    assert any("8 frames rejected" in remark for remark in track.remarks)
 
 
 def test_frames_of_variable_rate():
@@ -259,7 +259,7 @@ def test_head_angle():
 def test_too_few_frames():
     pose = observe(rest(times(30)), np.random.default_rng(12))
     values = np.where(np.arange(30)[:, None] < 5, pose.values, np.nan)
-    with pytest.raises(Fault, match="5 frames with a pose"):
+    with pytest.raises(InputError, match="5 frames with a pose"):
         smooth(Pose(pose.time_s, values, pose.cov), 2.37)
 
 

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from bluekoi.smoothing import kalman_numba
+from bluekoi.smoothing.coloured_noise import with_coloured_noise
+from bluekoi.smoothing.grid import filter_grid
+from bluekoi.smoothing.kalman_filterpy import filter_and_smooth, rauch_tung_striebel
+from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
+from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
+from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
+from bluekoi.smoothing.quasi_newton import minimise
 from motions import Seen, circle, observe, startup, times
-from pipeline.smoothing import twin
-from pipeline.smoothing.chain import Chain
-from pipeline.smoothing.course import rough_speed, steady_course
-from pipeline.smoothing.descent import descend
-from pipeline.smoothing.grid import filter_grid
-from pipeline.smoothing.lasting import with_lasting
-from pipeline.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
-from pipeline.smoothing.reference import filter_and_smooth, rauch_tung_striebel
 
 NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5])
 PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6])
 
 
-def chain_of(recoil: bool) -> tuple[Chain, np.ndarray]:
+def chain_of(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     """A planar chain with a lively noise, gaps among its measurements."""
     hz = 2.37 if recoil else 0.0
     truth = circle(times(60))
@@ -33,14 +33,14 @@ def chain_of(recoil: bool) -> tuple[Chain, np.ndarray]:
     z = np.where(used[:, None], pose.values[:, :2], 0.0)
     H = planar_measurement(truth.heading, hz)
     P0 = np.diag([1.0] * 2 + [0.3] * 4 + [1e-5] * (d - 6))
-    return Chain(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
+    return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
 
 @pytest.mark.parametrize("recoil", [True, False])
 def test_twin_is_filterpy(recoil):
     chain, used = chain_of(recoil)
     ours, theirs, mixed = (
-        twin.smoothed(chain, used),
+        kalman_numba.smoothed(chain, used),
         rauch_tung_striebel(chain, used),
         filter_and_smooth(chain, used),
     )
@@ -73,14 +73,16 @@ def test_likelihood_is_that_of_the_joint_normal():
     S = H @ full @ H.T + R
     z = chain.z[:n].ravel()
     expected = np.linalg.slogdet(2 * np.pi * S)[1] + z @ np.linalg.solve(S, z)
-    part = Chain(*(getattr(chain, k)[:n] for k in "FQHRz"), chain.x0, chain.P0)
-    assert twin.likelihood(part, used[:n], np.inf) == pytest.approx(expected, rel=1e-8)
+    part = LinearGaussianModel(*(getattr(chain, k)[:n] for k in "FQHRz"), chain.x0, chain.P0)
+    assert kalman_numba.likelihood(part, used[:n], np.inf) == pytest.approx(expected, rel=1e-8)
 
 
 def test_motion_without_process_noise_is_smoothed():
     """filterpy's own smoother inverts a singular matrix here."""
     chain, used = chain_of(recoil=True)
-    exact = Chain(chain.F, 1e-22 * chain.Q, chain.H, chain.R, chain.z, chain.x0, chain.P0)
+    exact = LinearGaussianModel(
+        chain.F, 1e-22 * chain.Q, chain.H, chain.R, chain.z, chain.x0, chain.P0
+    )
     found = filter_and_smooth(exact, used)
     assert np.isfinite(found.x).all()
     assert (np.einsum("nii->ni", found.P) > 0).all()
@@ -88,7 +90,7 @@ def test_motion_without_process_noise_is_smoothed():
 
 def test_mean_motion_solves_its_differential_equation():
     tau, dt = 0.8, 0.033
-    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, steady_course(2))
+    F, Q = heading_matrices(NOISE, np.array([0.0, dt]), 0.0, steady_motion(2))
     A = np.array([[0, 1, 0], [0, 0, 1], [0, 0, -1 / tau]])
     assert F[1] == pytest.approx(expm(A * dt), abs=1e-12)
     fine = np.linspace(0, dt, 4001)
@@ -104,7 +106,7 @@ def test_a_steady_turn_is_exact_over_one_step():
     """Surge and sway constant, heading turning: the step ends on the circle."""
     w, dt, speed = 1.5, 0.05, 0.4
     theta = np.array([0.3, 0.3 + w * dt])
-    F, _ = planar_matrices(PLANAR_NOISE, np.array([0.0, dt]), 0.0, steady_course(2), theta)
+    F, _ = planar_matrices(PLANAR_NOISE, np.array([0.0, dt]), 0.0, steady_motion(2), theta)
     state = np.array([0.0, 0.0, speed, 0.0, 0.0, 0.0])
     radius = speed / w
     expected = radius * np.array(
@@ -131,11 +133,11 @@ def test_a_start_against_quadratic_drag_needs_no_process_noise():
 
 def test_noise_of_surge_and_sway_turns_with_the_body():
     """Heading along y: what disturbs surge moves y, and sway's share of it moves x."""
-    course = steady_course(2)
+    course = steady_motion(2)
     course[:, 2] = 1e-3
     dt, theta = np.array([0.0, 0.05]), np.full(2, np.pi / 2)
     _, Q = planar_matrices(PLANAR_NOISE, dt, 0.0, course, theta)
-    _, along = heading_matrices(NOISE, dt, 0.0, steady_course(2))
+    _, along = heading_matrices(NOISE, dt, 0.0, steady_motion(2))
     assert Q[1, 1, 1] == pytest.approx(along[1, 0, 0])
     assert Q[1, 3, 3] == pytest.approx(0.3 * along[1, 1, 1] + 1e-3 * 0.05, rel=1e-9)
     assert Q[1, 0, 0] == pytest.approx(Q[1, 3, 3] * 0.05**2 / 3, rel=0.01)
@@ -154,7 +156,7 @@ def test_errors_that_last_are_correlated_as_stated():
     """cov(e_j, e_k) = variance exp(-|t_j - t_k| / T), through the chain's own matrices."""
     chain, _ = chain_of(recoil=False)
     dt = np.diff(times(60), prepend=0.0)
-    longer = with_lasting(chain, dt, 4e-6, 0.1)
+    longer = with_coloured_noise(chain, dt, 4e-6, 0.1)
     assert longer.H.shape == (60, 2, 8)
     assert longer.H[5, 0] @ np.array([1, 0, 0, 0, 0, 0, 3, 0]) == 4
     P, at = longer.P0, slice(6, 8)
@@ -166,8 +168,8 @@ def test_errors_that_last_are_correlated_as_stated():
 
 
 def test_recoil_keeps_its_variance():
-    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_course(400))
-    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_course(400))
+    _, Q = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_motion(400))
+    F, _ = heading_matrices(NOISE, np.full(400, 0.033), 2.37, steady_motion(400))
     P = np.zeros((2, 2))
     for k in range(1, 400):
         P = F[k, 3:, 3:] @ P @ F[k, 3:, 3:].T + Q[k, 3:, 3:]
@@ -191,6 +193,6 @@ def test_descent_finds_the_minimum_of_a_narrow_bowl():
         away = at - middle
         return 7.0 + away @ bowl @ away + 0.5 * away[2] ** 4
 
-    place, value = descend(cost, np.array([4.0, 4.0, -4.0]), enough=1e-3, steps=60)
+    place, value = minimise(cost, np.array([4.0, 4.0, -4.0]), enough=1e-3, steps=60)
     assert place == pytest.approx(middle, abs=0.05)
     assert value == pytest.approx(7.0, abs=0.02)

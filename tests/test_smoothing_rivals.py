@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rivals
+from bluekoi.smoothing import smooth
 from motions import MOTIONS, Seen, observe, times
-from pipeline.smoothing import smooth
 
 FRAMES, SEEN = 150, Seen(hz=5.82, gap_s=(2.0, 2.3))
 

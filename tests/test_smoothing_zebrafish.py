@@ -10,10 +10,10 @@ import csv
 import numpy as np
 import pytest
 
-from pipeline.data import Pose, Positions
-from pipeline.keypoints.deeplabcut import read_any
-from pipeline.motor import tail_beat
-from pipeline.smoothing import smooth
+from bluekoi.data import Pose, Positions
+from bluekoi.keypoints.deeplabcut import read_any
+from bluekoi.motor import tail_beat
+from bluekoi.smoothing import smooth
 
 MM_PER_PX = 0.0222
 LARVAE = ("01128", "01129", "01130", "01137", "01140", "01146", "01149")

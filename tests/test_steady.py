@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from bluekoi.data import Steady, Track
+from bluekoi.errors import InputError
+from bluekoi.motor import flapping_given
+from bluekoi.smoothing import smooth
+from bluekoi.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
 from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
-from pipeline.data import Steady, Track
-from pipeline.faults import Fault
-from pipeline.motor import flapping_given
-from pipeline.smoothing import smooth
-from pipeline.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
 
 SEEN = Seen(hz=5.82, gap_s=(2.0, 2.3))
 
@@ -188,11 +188,11 @@ def test_table_comes_back(tmp_path):
 def test_broken_tables_are_told(tmp_path):
     path = tmp_path / "steady.csv"
     path.write_text("trial_id,flap_hz\nT01,2.0\n")
-    with pytest.raises(Fault, match="a column speed_m_s"):
+    with pytest.raises(InputError, match="a column speed_m_s"):
         read_steady(path)
-    with pytest.raises(Fault, match="unreadable"):
+    with pytest.raises(InputError, match="unreadable"):
         read_steady(tmp_path / "none.csv")
     write_steady(path, {"T01": state_of(line(times(60)))})
     path.write_text(path.read_text().replace("5.82", "fast"))
-    with pytest.raises(Fault, match="row 2"):
+    with pytest.raises(InputError, match="row 2"):
         read_steady(path)

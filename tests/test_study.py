@@ -1,4 +1,4 @@
-"""The door: every fault of a study at once, each with file, place, found, expected and cure."""
+"""The door: every fault of a study at once, each with file, place, found, expected and remedy."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pipeline.faults import Fault
-from pipeline.study import Camera, Robot, Trial, load_study, missing_files
+from bluekoi.errors import InputError
+from bluekoi.study import Camera, Robot, Trial, load_study, missing_files
 
 SETUP = {
     "pool": {"length_m": 2.6, "width_m": 1.6, "depth_m": 0.3},
@@ -55,7 +55,7 @@ def write(folder: Path, content=None, rows=(ROW,), header=HEADER) -> Path:
 
 
 def findings(folder: Path):
-    with pytest.raises(Fault) as caught:
+    with pytest.raises(InputError) as caught:
         load_study(folder)
     return caught.value.findings
 
@@ -267,7 +267,7 @@ def test_missing_files_are_named_by_trial(tmp_path):
 
 def test_an_unknown_trial_names_the_nearest(tmp_path):
     study = load_study(write(tmp_path / "s"))
-    with pytest.raises(Fault, match="Did you mean 'T01'"):
+    with pytest.raises(InputError, match="Did you mean 'T01'"):
         study.trial("T1")
 
 
@@ -296,7 +296,7 @@ def test_corners_in_any_rotation_of_the_right_order_pass():
 def test_any_bytes_are_a_fault_and_never_another_error(tmp_path, yaml_bytes, csv_bytes):
     (tmp_path / "study.yaml").write_bytes(yaml_bytes)
     (tmp_path / "trials.csv").write_bytes(csv_bytes)
-    with pytest.raises(Fault):
+    with pytest.raises(InputError):
         load_study(tmp_path)
 
 
@@ -319,7 +319,7 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
     write(tmp_path, yaml.safe_dump(content, allow_unicode=True))
     try:
         sound = load_study(tmp_path).setup.robot.mass_kg > 0
-    except Fault as caught:
+    except InputError as caught:
         places = (section, "robot.") if section in ("pool", "water") else (section,)
         sound = all(f.where.startswith(places) or not f.where for f in caught.findings)
     assert sound
@@ -328,13 +328,13 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
 def test_one_trial_is_read_without_checking_the_others(tmp_path):
     study = write(tmp_path / "s", rows=(ROW, "T02,x.csv,full,30,0.12,29.97,,,,"))
     assert [t.trial_id for t in load_study(study, only="T01").trials] == ["T01"]
-    with pytest.raises(Fault, match=r"row 3 \(T02\), power_pct"):
+    with pytest.raises(InputError, match=r"row 3 \(T02\), power_pct"):
         load_study(study, only="T02")
-    with pytest.raises(Fault, match=r"row 3 \(T02\), power_pct"):
+    with pytest.raises(InputError, match=r"row 3 \(T02\), power_pct"):
         load_study(study, only="T99")  # none of that name: all is looked at
 
 
 def test_one_trial_named_twice_is_told_where_it_alone_is_read(tmp_path):
     study = write(tmp_path / "s", rows=(ROW, ROW))
-    with pytest.raises(Fault, match=r"'T01' 2 times \(rows 2, 3\)"):
+    with pytest.raises(InputError, match=r"'T01' 2 times \(rows 2, 3\)"):
         load_study(study, only="T01")

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from pipeline.synthetic.optics import (
+from bluekoi.synthetic.optics import (
     Camera,
     gopro_like,
     looking_down,

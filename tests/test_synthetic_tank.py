@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.faults import Fault
-from pipeline.synthetic.design import FLAP_HZ, TABLE_1
-from pipeline.synthetic.hidden import LAWS, check_hidden
-from pipeline.synthetic.laws import Fin, Run, Tank, aerodynamic_arm, bare_tank
-from pipeline.synthetic.tank import simulate, steady_turn
-from pipeline.synthetic.water import current, draw_eddies
+from bluekoi.errors import InputError
+from bluekoi.synthetic.design import FLAP_HZ, TABLE_1
+from bluekoi.synthetic.hidden import LAWS, check_hidden
+from bluekoi.synthetic.laws import Fin, Run, Tank, aerodynamic_arm, bare_tank
+from bluekoi.synthetic.tank import simulate, steady_turn
+from bluekoi.synthetic.water import current, draw_eddies
 
 BARE = bare_tank(Tank())
 STILL = Tank(recoil=None)
@@ -105,7 +105,7 @@ def test_every_hidden_law_bends_a_path(name: str) -> None:
     "chosen", [{"linear_yaw_dampin": {"N_r": 1.0}}, {"linear_yaw_damping": {"k": 1.0}}]
 )
 def test_unknown_hidden_law_is_refused(chosen: dict) -> None:
-    with pytest.raises(Fault, match=r"linear_yaw_damping|N_r"):
+    with pytest.raises(InputError, match=r"linear_yaw_damping|N_r"):
         check_hidden(chosen)
 
 

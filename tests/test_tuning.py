@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from scipy.stats import t as student
 
-from measured import Measured, measured
-from pipeline.data import Pose
-from pipeline.model import TABLE_1
-from pipeline.smoothing import smooth
-from pipeline.synthetic.design import bare_design
-from pipeline.tuning import (
+from bluekoi.data import Pose
+from bluekoi.model import TABLE_1
+from bluekoi.smoothing import smooth
+from bluekoi.synthetic.design import bare_design
+from bluekoi.tuning import (
     coefficients,
     simulations,
     table_1,
@@ -20,6 +19,7 @@ from pipeline.tuning import (
     trial_series,
     tune,
 )
+from measured import Measured, measured
 
 TRUTH = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1}
 
@@ -63,7 +63,7 @@ def test_bare_study_gives_back_what_it_determines(bare: Measured) -> None:
 
 
 def _common() -> dict[str, float]:
-    from pipeline.synthetic.laws import Coefficients
+    from bluekoi.synthetic.laws import Coefficients
 
     common = Coefficients()
     return {"C_Da": common.C_Da, "C_Md": common.C_Md}

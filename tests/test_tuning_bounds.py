@@ -9,15 +9,15 @@ import exact_campaign as exact
 import numpy as np
 import pytest
 
+from bluekoi.fitting import Fit, Free, Normal, moving, spread_over_trials
+from bluekoi.integrate import compiled
+from bluekoi.model import plates
+from bluekoi.report import identifiability, tables
+from bluekoi.study import Study, Trial
+from bluekoi.tuning import cell, table, table_1, thin, three_steps, tune
+from bluekoi.tuning.joint import FIRST_NOISE, Tuned
+from bluekoi.tuning.results import straight_swimming
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
-from pipeline.fitting import Fit, Free, Normal, moving, spread_over_trials
-from pipeline.integrate import compiled
-from pipeline.model import plates
-from pipeline.report import identify, tables
-from pipeline.study import Study, Trial
-from pipeline.tuning import cell, table, table_1, thin, three_steps, tune
-from pipeline.tuning.joint import FIRST_NOISE, Tuned
-from pipeline.tuning.results import straight_swimming
 from robots import SETUP
 
 NAMES = tuple(COEFFICIENTS)
@@ -170,16 +170,16 @@ def shown():
 
 def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> None:
     row = next(r for r in tables.joint(shown) if r.name == "C_Da")
-    assert "(at its bound, up to " in row.cells[0]
+    assert "(at its bound, 95 % limit " in row.cells[0]
     assert row.cells[1] == "–"
     assert row.marked
     (power,) = tables.table_1(shown)
     text, open_, why = power["cells"][2]
-    assert "(at its bound, up to " in text
+    assert "(at its bound, 95 % limit " in text
     assert open_
     assert "at its bound" in why
     assert not any("± 0.0000" in c[0] or c[0].endswith("± 0") for c in power["cells"])
-    (one,) = identify.profiles(shown)
+    (one,) = identifiability.profiles(shown)
     assert one.interval.startswith("its bound to 1.50")
 
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bluekoi.fitting import Series, moving, spread_over_trials
+from bluekoi.fitting.joint import AT_BOUND
+from bluekoi.integrate import compiled
+from bluekoi.model import plates
+from bluekoi.tuning import Tuned, table, thin, tune
+from bluekoi.tuning.identify import profiles, sizes, spectrum
+from bluekoi.tuning.new_trial import best_new_trial, imaginable
+from bluekoi.tuning.turns import open_without_turns, outcome
+from bluekoi.tuning.words import undetermined
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
-from pipeline.fitting import Series, moving, spread_over_trials
-from pipeline.fitting.joint import AT_BOUND
-from pipeline.integrate import compiled
-from pipeline.model import plates
-from pipeline.tuning import Tuned, table, thin, tune
-from pipeline.tuning.identify import profiles, sizes, spectrum
-from pipeline.tuning.new_trial import best_new_trial, imaginable
-from pipeline.tuning.turns import open_without_turns, outcome
-from pipeline.tuning.words import undetermined
 from robots import SETUP
 
 NAMES = tuple(COEFFICIENTS)

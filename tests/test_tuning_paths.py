@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bluekoi.fitting import Free, Series, fit_paths
+from bluekoi.fitting.gram import set_products
+from bluekoi.integrate import compiled
+from bluekoi.model import FLAP_HZ, constants, plates, simulate
 from campaigns import COEFFICIENTS
-from pipeline.fitting import Free, Series, fit_paths
-from pipeline.fitting.gram import set_products
-from pipeline.integrate import compiled
-from pipeline.model import FLAP_HZ, constants, plates, simulate
 from robots import SETUP
 
 NAMES = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")

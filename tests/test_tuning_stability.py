@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.model import TABLE_1
-from pipeline.tuning.stability import growth_per_s, verdict
+from bluekoi.model import TABLE_1
+from bluekoi.tuning.stability import growth_per_s, verdict
 from robots import SETUP
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from test_tuning_bounds import at_lower_bound
 
-from campaigns import Errors, plans, sixteen
-from pipeline.fitting import (
+from bluekoi.fitting import (
     Fit,
     Free,
     Normal,
@@ -19,13 +18,14 @@ from pipeline.fitting import (
     moving,
     spread_over_trials,
 )
-from pipeline.integrate import compiled
-from pipeline.model import plates
-from pipeline.tuning import Tuned, thin, tune
-from pipeline.tuning.carried import carried, gain
-from pipeline.tuning.draws import along, drawn
-from pipeline.tuning.joint import FIRST_NOISE
-from pipeline.tuning.paper_steps import _second, draws
+from bluekoi.integrate import compiled
+from bluekoi.model import plates
+from bluekoi.tuning import Tuned, thin, tune
+from bluekoi.tuning.carried import carried, gain
+from bluekoi.tuning.draws import along, drawn
+from bluekoi.tuning.joint import FIRST_NOISE
+from bluekoi.tuning.paper_steps import _second, draws
+from campaigns import Errors, plans, sixteen
 
 FRAMES = 20
 PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))

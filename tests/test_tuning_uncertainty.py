@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.fitting import Lasting, Normal, jackknife_cov, scatter_cov, spread_over_trials
-from pipeline.fitting.resampling import LEAST_LEFT, RIDGE
-from pipeline.fitting.sandwich import _widened
+from bluekoi.fitting import Lasting, Normal, jackknife_cov, scatter_cov, spread_over_trials
+from bluekoi.fitting.resampling import LEAST_LEFT, RIDGE
+from bluekoi.fitting.sandwich import _widened
 
 TRUTH = np.array([1.0, -0.5, 0.3])
 FRAMES, MEMORY = 30, 8.0

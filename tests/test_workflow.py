@@ -21,14 +21,15 @@ from types import SimpleNamespace
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.faults import Fault
-from pipeline.files import whole_file
-from pipeline.workflow import without_rate_limit
-from pipeline.workflow.lock import forget_stale, hold, sweep
-from pipeline.workflow.lost import forget_lost
-from pipeline.workflow.plan import figure_names, make_plan
-from pipeline.workflow.progress import Hush, Progress, killed_by
-from pipeline.workflow.remaining import Timing, duration, usual
+from bluekoi.errors import InputError
+from bluekoi.files import whole_file
+from bluekoi.workflow import plan as plan_module
+from bluekoi.workflow import provenance
+from bluekoi.workflow.begin import without_rate_limit
+from bluekoi.workflow.lock import forget_stale, hold, sweep
+from bluekoi.workflow.plan import figure_names, make_plan
+from bluekoi.workflow.progress import Hush, Progress, killed_by
+from bluekoi.workflow.remaining import Timing, duration, usual
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -53,7 +54,7 @@ class Home:
         return [*command, "config/profiles/default", *arguments, "--config", "study=study"]
 
     def environment(self) -> dict[str, str]:
-        return {**os.environ, "PYTHONPATH": str(self.root)}
+        return {**os.environ, "PYTHONPATH": str(self.root / "pipeline")}
 
     def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
@@ -67,9 +68,10 @@ class Home:
         )
 
     def planned(self) -> dict[str, int]:
-        """How many jobs of each rule a run would do now; the last word aside."""
+        """How many trials, or jobs, of each rule a run would process now; `outcome` aside."""
         run = self.snakemake("--dry-run")
         rows = dict(re.findall(r"^(\w+) +(\d+)$", run.stdout + run.stderr, re.M))
+        rows |= dict(re.findall(r"^(\w+) is due for (\d+)", run.stderr, re.M))
         return {rule: int(n) for rule, n in rows.items() if rule not in ("all", "total", "outcome")}
 
 
@@ -92,6 +94,12 @@ def home(done, tmp_path):
     return fresh
 
 
+def modified(home: Home, pattern: str) -> dict[str, int]:
+    """When each file of the results that matches a pattern was written, by name."""
+    found = (home.root / "results/study").glob(pattern)
+    return {path.name: path.stat().st_mtime_ns for path in found}
+
+
 def append(path: Path, text: str) -> None:
     path.write_text(path.read_text() + text)
 
@@ -108,9 +116,13 @@ def test_a_study_runs_to_its_figures_and_says_little(done):
     assert "Traceback" not in run.stderr
     assert len(run.stderr.splitlines()) < 30
     assert re.search(r"^\[\d+/\d+\] keypoints", run.stderr, re.M)
-    for stage in ("keypoints/T09", "tracks/T09", "tuning"):
+    for stage, trial in (
+        ("keypoints/01", "keypoints/T09"),
+        ("tracks/01", "tracks/T09"),
+        2 * ("tuning",),
+    ):
         assert (results / "logs" / f"{stage}.log").is_file()
-        assert (results / "benchmarks" / f"{stage}.tsv").is_file()
+        assert (results / "benchmarks" / f"{trial}.tsv").is_file()
 
 
 def test_nothing_runs_twice(home):
@@ -119,17 +131,17 @@ def test_nothing_runs_twice(home):
 
 
 def test_the_code_of_one_figure_redraws_that_figure_alone(home):
-    append(home.root / "pipeline/figures/fig3.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/figures/fig3.py", "\n# changed\n")
     assert home.planned() == {"figure": 1, "report": 1}
 
 
 def test_the_code_of_the_page_makes_the_page_alone(home):
-    append(home.root / "pipeline/report/story.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/report/findings.py", "\n# changed\n")
     assert home.planned() == {"report": 1}
 
 
 def test_the_code_of_the_distances_checks_them_again_and_searches(home):
-    append(home.root / "pipeline/camera/geometry.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/camera/geometry.py", "\n# changed\n")
     found = home.planned()
     assert found["geometry"] == found["mismatch"] == 1
     assert "tracks" not in found
@@ -137,7 +149,7 @@ def test_the_code_of_the_distances_checks_them_again_and_searches(home):
 
 
 def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(home):
-    append(home.root / "pipeline/camera/resection.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/camera/resection.py", "\n# changed\n")
     found = home.planned()
     assert found["tracks"] == 3
     assert "keypoints" not in found
@@ -150,7 +162,7 @@ def test_a_depth_that_is_not_given_is_told_by_the_distances_before_the_tracks(ho
 
 
 def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
-    append(home.root / "pipeline/smoothing/chain.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/smoothing/chain.py", "\n# changed\n")
     assert home.planned() == {"tracks": 3} | AFTER_TRACKS
 
 
@@ -170,6 +182,42 @@ def test_a_source_that_was_only_copied_anew_runs_nothing_again(home):
     os.utime(home.study / "keypoints/T10.csv")
     os.utime(home.study / "motor/T11.csv")
     assert home.planned() == {}
+
+
+def test_rows_in_another_order_track_nothing_again(home):
+    text = (home.study / "study.yaml").read_text()
+    (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
+    assert home.snakemake("--until", "steady").returncode == 0
+    before = modified(home, "tracks/*.csv")
+    header, *rows = (home.study / "trials.csv").read_text().splitlines()
+    (home.study / "trials.csv").write_text("\n".join([header, *rows[::-1]]) + "\n")
+    assert "tracks is due" not in home.snakemake("--dry-run").stderr
+    assert home.snakemake("--until", "steady").returncode == 0
+    assert modified(home, "tracks/*.csv") == before
+
+
+def test_without_a_depth_a_row_that_says_nothing_on_it_tracks_its_trial_alone(home):
+    text = (home.study / "study.yaml").read_text()
+    (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
+    assert home.snakemake("--until", "steady").returncode == 0
+    before = modified(home, "tracks/*.csv")
+    edit_rows(home.study, T10={"power_pct": "99"})
+    assert home.snakemake("--until", "steady").returncode == 0
+    after = modified(home, "tracks/*.csv")
+    assert {name for name in after if after[name] != before[name]} == {"T10.csv"}
+
+
+def test_a_dry_run_lists_the_trials_whose_results_were_damaged(home):
+    results = home.root / "results/study"
+    for name in ("tracks/T10.csv", "keypoints/T11.csv"):
+        (results / name).unlink()
+    said = home.snakemake("--dry-run").stderr
+    assert "keypoints is due for 1: T11\n" in said
+    assert "tracks is due for 2: T10, T11\n" in said
+    found = home.planned()
+    assert found["keypoints"] == 1
+    assert found["tracks"] == 2
+    assert found["report"] == 1
 
 
 def test_another_role_does_not_track_again(home):
@@ -203,23 +251,25 @@ def test_a_result_that_was_deleted_comes_back(home):
     assert track.read_bytes() == before
 
 
-def test_a_status_whose_results_are_gone_or_cut_is_forgotten(done, tmp_path, monkeypatch):
+def test_trials_whose_results_are_gone_or_cut_short_are_due(done, tmp_path, monkeypatch):
     shutil.copytree(done[0].root, tmp_path / "home")
     monkeypatch.chdir(tmp_path / "home")
+    monkeypatch.setattr(plan_module, "PACKAGE", tmp_path / "home/pipeline/bluekoi")
+    monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "home/pipeline/bluekoi")
     plan = make_plan({**SETTINGS, "study": "study"})
-    assert forget_lost(plan) == []
+    assert plan.due == {"keypoints": set(), "tracks": set(), "overlay": set()}
     track = plan.results / "tracks/T10.csv"
     track.write_bytes(track.read_bytes()[:100])
     (plan.results / "status/T11.json").write_text("{")
-    lost = [plan.results / "status/T10.json", plan.results / "status/T11.json"]
-    assert forget_lost(plan) == lost
-    assert not any(path.exists() for path in lost)
+    again = make_plan({**SETTINGS, "study": "study"})
+    assert again.due["tracks"] == {"T10", "T11"}
+    assert again.due["keypoints"] == set()
 
 
 def test_results_that_cannot_be_written_are_told_at_the_door(done, tmp_path, monkeypatch):
     monkeypatch.chdir(done[0].root)
     (tmp_path / "file").touch()
-    with pytest.raises(Fault, match="a results folder that can be written to"):
+    with pytest.raises(InputError, match="a results folder that can be written to"):
         make_plan({**SETTINGS, "study": "study", "results": str(tmp_path / "file" / "below")})
 
 
@@ -300,7 +350,7 @@ def test_times_are_said_as_a_person_does(s, text):
 
 def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
     handle = hold(tmp_path)
-    with pytest.raises(Fault, match="another run at work in this folder"):
+    with pytest.raises(InputError, match="another run at work in this folder"):
         hold(tmp_path)
     handle.close()
     hold(tmp_path).close()
@@ -403,7 +453,7 @@ def heeding_ctrl_c() -> Iterator[None]:
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
 def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home, heeding_ctrl_c):
     edit_rows(home.study, T10={"head_length_m": "0.121"})
-    command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
+    command = [sys.executable, "-m", "bluekoi", "run", "study", "--cores", "2"]
     run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
     stage_at_work(run, "tracks")
@@ -417,7 +467,7 @@ def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home, heedin
 
 @pytest.mark.parametrize("after_s", [1.2, 2.0, 2.6])
 def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, heeding_ctrl_c, after_s):
-    command = [sys.executable, "-m", "pipeline", "run", "study", "--cores", "2"]
+    command = [sys.executable, "-m", "bluekoi", "run", "study", "--cores", "2"]
     run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
     time.sleep(after_s)

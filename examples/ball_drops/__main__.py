@@ -9,9 +9,9 @@ from pathlib import Path
 import click
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Noise, Series
-from pipeline.mismatch import MissingForce, Trialled
+from bluekoi.data import Float
+from bluekoi.fitting import Noise, Series
+from bluekoi.mismatch import MissingForce, Trialled
 
 from ..command import plainly
 from ..drawing import write

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeline.fitting import Series, filter_all
-from pipeline.mismatch import Trialled
+from bluekoi.fitting import Series, filter_all
+from bluekoi.mismatch import Trialled
 
 from ..engine import Case, narrowed, refitted, values_of, with_own_noise
 from ..forecasting import Forecast, forecast, state_of

@@ -5,8 +5,8 @@ Drag coefficients are those of a sphere of the ball's circumference: F = 1/2 rho
 
 from __future__ import annotations
 
-from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.branchless import smooth_step
+from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.integrate.branchless import smooth_step
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.faults import fault
-from pipeline.fitting import Noise, Series
+from bluekoi.errors import input_error
+from bluekoi.fitting import Noise, Series
 
 from ..spreadsheet import columns, sheets
 from .model import AIR_KG_M3, DRAG_SPREAD, GRAVITY, SYSTEM
@@ -49,16 +49,16 @@ balls.txt has question marks there."""
 def read_folder(folder: Path) -> dict[str, tuple[Series, ...]]:
     """Ball -> its drops.
 
-    Raises: Fault where the workbook or the table of balls is missing or lacks a ball.
+    Raises: InputError where the workbook or the table of balls is missing or lacks a ball.
     """
     book, table = folder / "Ball_drops_data.xls", folder / "balls.txt"
     for path in (book, table):
         if not path.is_file():
-            raise fault(path, "", "no such file", "the workbook and balls.txt in one folder")
+            raise input_error(path, "", "no such file", "the workbook and balls.txt in one folder")
     sizes, found = read_balls(table), sheets(book)
     missing = [name for name in BALLS if name not in found]
     if missing:
-        raise fault(book, "sheets", ", ".join(found), f"sheets {', '.join(missing)}")
+        raise input_error(book, "sheets", ", ".join(found), f"sheets {', '.join(missing)}")
     return {ball: _drops(ball, columns(found[ball], "ABC"), *sizes[row])
             for ball, row in BALLS.items()}  # fmt: skip
 

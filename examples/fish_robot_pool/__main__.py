@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from pipeline.fitting import Free, Series
+from bluekoi.fitting import Free, Series
 
 from ..command import plainly
 from ..drawing import write

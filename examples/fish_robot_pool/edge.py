@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from pipeline.data import Float
+from bluekoi.data import Float
 
 from ..averaging import block_means
 from .reading import Run

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.branchless import sin_cos
+from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.integrate.branchless import sin_cos
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pipeline.data import Float
-from pipeline.faults import fault
-from pipeline.fitting import Noise, Series
+from bluekoi.data import Float
+from bluekoi.errors import input_error
+from bluekoi.fitting import Noise, Series
 
 from ..averaging import averaged
 from .model import SYSTEM
@@ -43,11 +43,11 @@ class Run:
 def read_folder(folder: Path) -> list[Run]:
     """All runs of a folder of `data_FREQUENCY_AMPLITUDE_LAG_STAMP.csv`.
 
-    Raises: Fault where there is none.
+    Raises: InputError where there is none.
     """
     paths = sorted(Path(folder).glob("data_*.csv"))
     if not paths:
-        raise fault(folder, "", "no data_*.csv", "one file a run")
+        raise input_error(folder, "", "no data_*.csv", "one file a run")
     return [read(path) for path in paths]
 
 

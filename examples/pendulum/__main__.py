@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from pipeline.fitting import Series
+from bluekoi.fitting import Series
 
 from ..command import plainly
 from ..drawing import write

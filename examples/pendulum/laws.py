@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Series, filter_series, shoot
-from pipeline.mismatch import Trialled, try_effects
+from bluekoi.data import Float
+from bluekoi.fitting import Series, filter_series, shoot
+from bluekoi.mismatch import Trialled, try_effects
 
 from ..engine import Case, case, refitted, values_of, with_own_noise
 from .model import SYSTEM

@@ -5,8 +5,8 @@ Per unit of inertia, so that every friction has the unit of an angular accelerat
 
 from __future__ import annotations
 
-from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.branchless import sin_cos
+from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.integrate.branchless import sin_cos
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.fitting import Series
+from bluekoi.fitting import Series
 
 from ..drawing import COLOURS, MEASURED
 from .laws import Law, turning_points

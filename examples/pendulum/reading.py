@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.faults import fault
-from pipeline.fitting import Noise, Series
+from bluekoi.errors import input_error
+from bluekoi.fitting import Noise, Series
 
 ANGLE_STD, RATE_STD = 0.01, 0.01
 FIRST_NOISE = Noise(np.array([0.0, 0.01, 0.01]), np.array([0.5, 0.3, 0.3]), np.ones(2))
@@ -19,11 +19,11 @@ STRETCHES = 6
 def read_folder(folder: Path) -> Series:
     """The recording; columns trial, time s, angle rad, rate rad/s.
 
-    Raises: Fault where there is no such file.
+    Raises: InputError where there is no such file.
     """
     paths = sorted(folder.glob("*.txt"))
     if not paths:
-        raise fault(folder, "", "no .txt", "the pendulum's recording")
+        raise input_error(folder, "", "no .txt", "the pendulum's recording")
     table = np.loadtxt(paths[0], comments="%")
     return series("whole", table[:, 1], table[:, 2:4])
 

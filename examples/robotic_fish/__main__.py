@@ -8,9 +8,9 @@ from pathlib import Path
 import click
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Noise
-from pipeline.mismatch import Trialled
+from bluekoi.data import Float
+from bluekoi.fitting import Noise
+from bluekoi.mismatch import Trialled
 
 from ..command import plainly
 from ..drawing import write

@@ -8,9 +8,9 @@ from itertools import combinations
 
 import numpy as np
 
-from pipeline.data import Float
-from pipeline.fitting import Series, shoot
-from pipeline.mismatch import Trialled
+from bluekoi.data import Float
+from bluekoi.fitting import Series, shoot
+from bluekoi.mismatch import Trialled
 
 from ..engine import Case, refitted, values_of
 from .reading import Recording, series

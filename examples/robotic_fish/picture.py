@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.data import Float
+from bluekoi.data import Float
 
 from ..drawing import AFTER, BEFORE, COLOURS, MEASURED
 from .asymmetry import side_by_side

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.data import Float, Pose, Track
-from pipeline.faults import fault
-from pipeline.fitting import Series
-from pipeline.motor import tail_beat
-from pipeline.smoothing import smooth
+from bluekoi.data import Float, Pose, Track
+from bluekoi.errors import input_error
+from bluekoi.fitting import Series
+from bluekoi.motor import tail_beat
+from bluekoi.smoothing import smooth
 
 from ..averaging import averaged
 from .model import CONSTANTS, GEOMETRY, SYSTEM
@@ -51,11 +51,11 @@ class Recording:
 def read_folder(folder: Path) -> list[Recording]:
     """All trials of a folder of `AmpABiasB/STATESn.txt`, by amplitude and bias.
 
-    Raises: Fault where there is none, or where a file does not hold seven columns of numbers.
+    Raises: InputError where there is none, or where a file does not hold seven columns of numbers.
     """
     found = sorted(p for p in Path(folder).glob("Amp*Bias*/*STATES*.txt"))
     if not found:
-        raise fault(folder, "", "no AmpABiasB/STATESn.txt", "one folder a condition")
+        raise input_error(folder, "", "no AmpABiasB/STATESn.txt", "one folder a condition")
     recordings = [read(path) for path in found]
     return sorted(recordings, key=lambda r: (r.amplitude_deg, r.bias_deg, r.name))
 
@@ -64,7 +64,7 @@ def read(path: Path) -> Recording:
     """One trial; columns t s, v1, v2 m/s, yaw rate rad/s, heading rad, x, y m."""
     name = _FOLDER.search(path.parent.name)
     if name is None:
-        raise fault(path, "folder", path.parent.name, "a name like Amp15Bias-20")
+        raise input_error(path, "folder", path.parent.name, "a name like Amp15Bias-20")
     rows = _numbers(path)
     times = rows[:, 0] - rows[0, 0]
     seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
@@ -80,11 +80,13 @@ def _numbers(path: Path) -> Float:
     try:
         rows = np.loadtxt(path, ndmin=2)
     except ValueError as error:
-        raise fault(path, "", str(error), "rows of seven numbers") from None
+        raise input_error(path, "", str(error), "rows of seven numbers") from None
     if rows.shape[1] != COLUMNS or len(rows) < 20 or not np.isfinite(rows).all():
-        raise fault(path, "", f"{rows.shape[0]} rows of {rows.shape[1]}", "20 or more rows of 7")
+        raise input_error(
+            path, "", f"{rows.shape[0]} rows of {rows.shape[1]}", "20 or more rows of 7"
+        )
     if np.any(np.diff(rows[:, 0]) <= 0):
-        raise fault(path, "column 1", "times that do not increase", "increasing times")
+        raise input_error(path, "column 1", "times that do not increase", "increasing times")
     return rows
 
 

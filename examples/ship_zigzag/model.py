@@ -13,8 +13,8 @@ modulus and cubic terms); single-screw asymmetry as constant force and moment.
 # ruff: noqa: PLR0913, PLR0917 -- arguments are named after what an equation needs
 from __future__ import annotations
 
-from pipeline.integrate import Parameter, Stage, System
-from pipeline.integrate.branchless import sin_cos
+from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.integrate.branchless import sin_cos
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

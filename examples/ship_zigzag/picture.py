@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.data import Float
-from pipeline.fitting import Series
+from bluekoi.data import Float
+from bluekoi.fitting import Series
 
 from ..drawing import AFTER, BEFORE, MEASURED
 from ..forecasting import Forecast

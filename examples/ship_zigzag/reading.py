@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.faults import fault
-from pipeline.fitting import Noise, Series, thinned
+from bluekoi.errors import input_error
+from bluekoi.fitting import Noise, Series, thinned
 
 from .model import LENGTH_M, SYSTEM
 
@@ -31,11 +31,11 @@ START_STD = np.array([0.05, 0.05, 0.02, 0.05, 0.05, 0.01])
 def read_folder(folder: Path) -> tuple[Series, ...]:
     """One `Series` a manoeuvre, at about one observation a second.
 
-    Raises: Fault where there is none, or where a file lacks columns.
+    Raises: InputError where there is none, or where a file lacks columns.
     """
     paths = sorted(Path(folder).glob("*.dat"))
     if not paths:
-        raise fault(folder, "", "no .dat", "one file a manoeuvre")
+        raise input_error(folder, "", "no .dat", "one file a manoeuvre")
     return tuple(thinned(read(path), RATE_HZ) for path in paths)
 
 
@@ -44,7 +44,7 @@ def read(path: Path) -> Series:
     lines = path.read_text(encoding="cp1252").splitlines()[HEADER_LINES:]
     table = np.array([row for row in map(_numbers, lines) if len(row) == COLUMNS])
     if len(table) < 100:
-        raise fault(path, "", f"{len(table)} rows of {COLUMNS}", "100 or more")
+        raise input_error(path, "", f"{len(table)} rows of {COLUMNS}", "100 or more")
     times, rudder = table[:, 0], np.radians(table[:, 8])
     seen = np.column_stack([table[:, 1], table[:, 2], np.radians(table[:, 3])])
     n, states = len(times), len(SYSTEM.all_states)

@@ -8,8 +8,8 @@ from pathlib import Path
 import click
 import numpy as np
 
-from pipeline.fitting import Noise, Series, Shot, thinned
-from pipeline.mismatch import try_effects
+from bluekoi.fitting import Noise, Series, Shot, thinned
+from bluekoi.mismatch import try_effects
 
 from ..command import plainly
 from ..drawing import write

@@ -6,7 +6,7 @@ has one of them, the others are candidates.
 
 from __future__ import annotations
 
-from pipeline.integrate import Stage, System
+from bluekoi.integrate import Stage, System
 
 from ..effect import effect
 from ..randomness import lasting_errors, pushes

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 
-from pipeline.data import Float
-from pipeline.fitting import Series
+from bluekoi.data import Float
+from bluekoi.fitting import Series
 
 from ..drawing import AFTER, BEFORE, MEASURED
 

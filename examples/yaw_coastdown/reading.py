@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.faults import fault
-from pipeline.fitting import Noise, Series
+from bluekoi.errors import input_error
+from bluekoi.fitting import Noise, Series
 
 from ..spreadsheet import columns, sheets
 from .model import YAW_INERTIA
@@ -21,11 +21,11 @@ COMPASS_STD = 0.015
 def read_folder(folder: Path) -> tuple[Series, ...]:
     """One `Series` a workbook.
 
-    Raises: Fault where there is none, or where one has no rows of rate and time.
+    Raises: InputError where there is none, or where one has no rows of rate and time.
     """
     paths = sorted(Path(folder).glob("*.xlsx"))
     if not paths:
-        raise fault(folder, "", "no .xlsx", "one workbook a spin-down")
+        raise input_error(folder, "", "no .xlsx", "one workbook a spin-down")
     return tuple(read(path) for path in paths)
 
 
@@ -33,7 +33,7 @@ def read(path: Path) -> Series:
     """One spin-down."""
     table = columns(sheets(path).get("Sheet1", {}), "JI")
     if len(table) < 20:
-        raise fault(path, "Sheet1", f"{len(table)} rows", "20 or more with columns I and J")
+        raise input_error(path, "Sheet1", f"{len(table)} rows", "20 or more with columns I and J")
     times, rate = np.ascontiguousarray(table.T)
     n = len(times)
     return Series(

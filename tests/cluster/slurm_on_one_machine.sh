@@ -81,8 +81,8 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from pipeline.synthetic.design import bare_design
-from pipeline.synthetic.tracking import keypoint_study
+from bluekoi.synthetic.design import bare_design
+from bluekoi.synthetic.tracking import keypoint_study
 
 design, root = bare_design(), Path(sys.argv[1])
 plans = tuple(p for p in design.plans if p.trial_id in ("T09", "T10", "T11"))

@@ -1,0 +1,36 @@
+"""docs/study_keys.md from the fields of a study; a test checks that it is current.
+
+python docs/study_keys_page.py
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from bluekoi.study.keys import FILES, keys
+
+PAGE = Path(__file__).resolve().parent / "study_keys.md"
+HEAD = """# Keys of a study
+
+Made by `python docs/study_keys_page.py` from the fields in `pipeline/bluekoi/study/` (`setup.py`,
+`types.py`); edit those. `bluekoi check --explain KEY` shows one of them. A key that is not listed
+is refused. Units are SI where the name says nothing else; angles are counter-clockwise positive,
+seen from above."""
+
+
+def page() -> str:
+    """Text of docs/study_keys.md."""
+    return "\n".join([HEAD, *(line for file in FILES for line in _table(file))]) + "\n"
+
+
+def _table(file: str) -> Iterator[str]:
+    yield f"\n## {file}\n"
+    yield "| key | unit | default | allowed | meaning |\n|---|---|---|---|---|"
+    for k in keys():
+        if k.file == file:
+            yield f"| `{k.name}` | {k.unit} | {k.default} | {k.allowed} | {k.meaning} |"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,31 @@
+"""BlueKoi: overhead footage of a fish-like robot in, coefficients and left-out physics out.
+
+Modules in the order of the data flow:
+
+    study         a study folder, read and checked at the door
+    footage       frames with true timestamps from one recording
+    keypoints     where the parts of the robot are, in pixels: one source a file
+    camera        lens, pose and refraction: from pixels to metres
+    motor         flapping frequency from the motor log
+    pose          pose of the rigid parts, frame by frame
+    smoothing     motion with its rates and their uncertainty
+    steady        steady speed and turn of a trial
+    integrate     compiled simulation of any state-space model
+    fitting       fits on whole trajectories
+    engine        the finder for any system: probabilities of the causes it left out
+    effects       candidate physics: one effect a file
+    measurement   candidate measurement errors: one a file
+    model         the paper's equations, with effects added
+    tuning        the paper's three steps and the joint fit
+    design_space  other designs and manoeuvres of the fitted robot
+    mismatch      the finder of the robot: mismatch.json
+    campaign      a study and everything its run has written
+    figures       one figure a file
+    report        one self-contained page with all of it
+    challenge     concealed studies made, analysed without their truth, scored
+    synthetic     footage rendered from known truth; imports nothing that it tests
+
+    data, files, errors    types that flow, files written whole, messages for mistakes in the input
+    vectors                the widest vectors of the processor, for compiled functions
+    stages, workflow, cli  files in and files out, what Snakemake asks, what a person calls
+"""

@@ -1,0 +1,76 @@
+"""Whether a recording shows the pool where the corners of study.yaml put it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..study import Setup
+from ..study.filmed import as_filmed
+from .boards import Grey
+from .corner_fit import CornerFit, fit_corners
+from .corners import lens_of_study, pool_corners_m
+from .resection import diagonal_px
+
+MOVED_SHARE = 0.004
+"""Edges farther from the corners given than this share of the pool's diagonal in the picture: twice
+what `bluekoi pool` puts down to a corner given by eye.
+"""
+
+
+@dataclass(frozen=True)
+class EdgesOfRecording:
+    """Edges of the pool in a frame against the corners of study.yaml.
+
+    found: number of edges found. off_px, off_m: largest distance of a corner from where edges meet
+    (of an edge where they do not), None where fewer than two edges were found. moved: whether that
+    is more than corners given by eye are off; turned: whether the frame fits turned by 180 degrees.
+    """
+
+    found: int
+    off_px: float | None
+    off_m: float | None
+    moved: bool
+    turned: bool
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """A warning where the camera was moved or turned; else empty."""
+        if self.turned:
+            return ("the recording is turned by 180 degrees against the corners of study.yaml",)
+        if not self.moved or self.off_m is None:
+            return ()
+        return (
+            f"the pool's edges lie up to {self.off_px:.0f} px ({1000 * self.off_m:.0f} mm) from "
+            "the corners of study.yaml: was the camera moved, or are the corners wrong?",
+        )
+
+
+def edges_of_recording(grey: Grey, setup: Setup) -> EdgesOfRecording:
+    """The pool's edges in one frame of a recording, against the corners of the study."""
+    camera, corners_m = (
+        as_filmed(setup, (grey.shape[1], grey.shape[0])).camera,
+        pool_corners_m(setup),
+    )
+    given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_study(camera)
+    diagonal = diagonal_px(given)
+    fit = fit_corners(grey, given, lens, corners_m)
+    off = _distance_px(fit, given)
+    moved = off is not None and off > MOVED_SHARE * diagonal
+    turned = False
+    if moved or off is None:
+        about = np.array(grey.shape[::-1]) - 1.0 - given
+        off_turned = _distance_px(fit_corners(grey, about, lens, corners_m), about)
+        turned = off_turned is not None and off_turned <= MOVED_SHARE * diagonal
+    px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
+    found = sum(line is not None for line in fit.lines)
+    return EdgesOfRecording(found, off, None if off is None else off / px_per_m, moved, turned)
+
+
+def _distance_px(fit: CornerFit, given_px: Float) -> float | None:
+    if np.isfinite(fit.corners_px).all():
+        return float(np.max(np.linalg.norm(fit.corners_px - given_px, axis=1)))
+    ends = [np.max(np.abs(line.ends_px)) for line in fit.lines if line is not None]
+    return float(np.max(ends)) if len(ends) >= 2 else None

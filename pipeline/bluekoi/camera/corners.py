@@ -1,0 +1,124 @@
+"""The camera of a study, from its lens and pool corners, checked by their reprojection."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Float
+from ..errors import input_error
+from ..study import Camera, Pool, Setup
+from ..study.filmed import as_filmed
+from .lens import Lens
+from .plane import ASSUMED_DEPTH_M, plane_camera
+from .pool import PoolCamera
+from .resection import PLACES, WRONG_SHARE, diagonal_px, fitting_order, pose, rectangle
+
+CLICK_PX = 1.0
+DOUBT_SHARE = 0.002
+REFERENCE_WIDTH_PX = 1920
+
+
+def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCamera:
+    """Camera of a study: lens, pose from the pool corners, refractive index, remarks.
+
+    size_px: (width, height) of the recording at hand, where known; a recording scaled in both
+    directions alike is accepted, any other size is an error. Without a matrix the corners give a
+    homography; `bound_m` and the remarks state its error.
+
+    Raises: InputError where the corners fit no pose; its remedy says which order of corners would.
+    """
+    given = (as_filmed(setup, size_px) if size_px else setup).camera
+    depth_m = setup.robot.keypoint_depth_m
+    return camera_over(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
+
+
+def camera_over(
+    given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None,
+    depth_m: float = ASSUMED_DEPTH_M,
+) -> PoolCamera:  # fmt: skip
+    """`pool_camera` of a camera, a pool and a refractive index as stated."""
+    corners_px = np.array(given.pool_corners_px, dtype=float)
+    corners_m = rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
+    lens = lens_of_study(given)
+    if lens is None:
+        return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px, depth_m)
+    return camera_from_corners(lens, corners_px, corners_m, index)
+
+
+def pool_corners_m(setup: Setup) -> Float:
+    """The pool's corners (4, 3), m, at the height at which their images are given."""
+    pool = setup.pool
+    return rectangle(pool.length_m, pool.width_m, setup.camera.pool_corners_height_m)
+
+
+def lens_of_study(given: Camera) -> Lens | None:
+    """Lens of a camera section; None where it has no matrix."""
+    if given.matrix is None:
+        return None
+    assert given.image_size_px is not None
+    distortion = np.array(given.distortion or np.zeros(4), dtype=float)
+    return Lens(given.model, np.array(given.matrix, dtype=float), distortion, given.image_size_px)
+
+
+def camera_from_corners(
+    lens: Lens, corners_px: Float, corners_m: Float, index: float
+) -> PoolCamera:
+    """Camera whose pose brings the corners (4, 3) m nearest to their images (4, 2) px.
+
+    Raises: InputError where they lie outside the lens model or miss by more than 1.5 % of the
+    pool's diagonal in the picture.
+    """
+    rotation, translation, residuals = pose(lens, corners_px, corners_m, index)
+    width = lens.size_px[0]
+    spread = CLICK_PX * width / REFERENCE_WIDTH_PX
+    camera = PoolCamera(
+        size_px=lens.size_px,
+        corners_px=corners_px,
+        corners_m=corners_m,
+        refractive_index=index,
+        residuals_px=residuals,
+        corner_std_px=float(np.sqrt((np.sum(residuals**2) + 4 * spread**2) / 6)),
+        lens=lens,
+        rotation=rotation,
+        translation=translation,
+    )
+    _check_pose(camera)
+    return replace(camera, remarks=_doubts(camera))
+
+
+def _check_pose(camera: PoolCamera) -> None:
+    limit = WRONG_SHARE * diagonal_px(camera.corners_px)
+    if camera.rms_px <= limit and camera.center_m[2] > 0:
+        return
+    assert camera.lens is not None
+    fits = fitting_order(camera.lens, camera.corners_px, camera.corners_m, camera.refractive_index)
+    reasons = (
+        f"Another order fits: {fits}."
+        if fits
+        else "No order fits either: check pool length and width, matrix, distortion and model, and "
+        "that the corners were read in a raw frame (not undistorted) of this size."
+    )
+    worst = int(np.argmax(np.linalg.norm(camera.residuals_px, axis=1)))
+    raise input_error(
+        "study.yaml",
+        "camera.pool_corners_px",
+        f"corners that miss the best pose by {camera.rms_px:.0f} px rms "
+        f"(most at pool {PLACES[worst]})",
+        f"images of pool {', '.join(PLACES)} in this order, within {limit:.0f} px",
+        reasons,
+    )
+
+
+def _doubts(camera: PoolCamera) -> tuple[str, ...]:
+    limit = DOUBT_SHARE * diagonal_px(camera.corners_px)
+    if camera.rms_px <= limit:
+        return ()
+    scale = np.linalg.norm(camera.corners_m[2] - camera.corners_m[0]) / diagonal_px(
+        camera.corners_px
+    )
+    return (
+        f"the pool corners miss the best pose by {camera.rms_px:.1f} px rms "
+        f"(about {1000 * scale * camera.rms_px:.0f} mm): look at them with `bluekoi pool`",
+    )

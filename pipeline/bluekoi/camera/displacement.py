@@ -1,0 +1,157 @@
+"""Displacement of places by a lens error and by uncorrected refraction, in a few parameters.
+
+They depend on where the camera stands, and on how much of a lens error the pose compensates, since
+it was fitted to the corners under the same wrong lens.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ..data import Float
+from ..errors import InputError
+from ..study import Camera, Pool, Setup
+from .corners import camera_over
+from .distances import CHANGES, Geometry, pixels_of, with_errors
+from .pool import PoolCamera, to_pool
+
+WATER = 1.333
+UNCORRECTED = 1.05
+"""A study with a smaller index leaves refraction out; with a larger one the depth may be wrong."""
+GRID, RADII = (12, 8), 50
+INSIDE = 0.08
+MIN_DISPLACEMENT = 1e-9
+
+
+@dataclass(frozen=True)
+class ErrorForms:
+    """Numbers that the forms of a camera's errors over a pool depend on.
+
+    below_m: (x, y) under the camera. bend_1_m2: what is drawn in by refraction goes as
+    rho (1 + bend rho^2), rho from there. A wrong lens moves p by k ((r^2 - q Q)(p - c) + a), with
+    r = |p - c|, q near 1: lens_m is c, lens_rest_m2 is Q (where the pose makes up for it),
+    lens_pull_m3 is a.
+    """
+
+    below_m: tuple[float, float]
+    bend_1_m2: float
+    lens_m: tuple[float, float]
+    lens_rest_m2: float
+    lens_pull_m3: tuple[float, float]
+
+
+def error_forms(setup: Setup) -> ErrorForms:
+    """The numbers of a study's camera; those of one over the middle where no lens is stated or the
+    corners fit no pose (an error of the stages that need one).
+    """
+    index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
+    return _error_forms(setup.camera, setup.pool, index, depth_m)
+
+
+@lru_cache(maxsize=8)
+def _error_forms(given: Camera, pool: Pool, index: float, depth_m: float) -> ErrorForms:
+    middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
+    above = ErrorForms(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+    try:
+        camera = camera_over(given, pool, index)
+    except InputError:
+        return above
+    if camera.lens is None:
+        return above
+    x, y, height = map(float, camera.center_m)
+    return ErrorForms(
+        (x, y),
+        _bend(index, height, float(np.hypot(*middle))),
+        *_lens_parameters(camera, depth_m, middle),
+    )
+
+
+def _bend(index: float, height_m: float, reach_m: float) -> float:
+    """The b of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
+
+    Snell's law, t = rho / H the tangent of the angle in air: in water it is
+    t / sqrt(n^2 + (n^2 - 1) t^2). Not corrected at all, t less that is seen too far out; corrected
+    for a wrong depth, that alone. Places are weighed by their area.
+    """
+    rho = np.linspace(0.0, reach_m, RADII)[1:]
+    t = rho / height_m
+    in_water = t / np.sqrt(WATER**2 + (WATER**2 - 1) * t**2)
+    drawn_in = t - in_water if index < UNCORRECTED else in_water
+    design = np.column_stack([rho, rho**3]) * np.sqrt(rho)[:, None]
+    first, third = np.linalg.lstsq(design, drawn_in * np.sqrt(rho), rcond=None)[0]
+    return float(third / first)
+
+
+def _lens_parameters(
+    camera: PoolCamera, depth_m: float, middle: tuple[float, float]
+) -> tuple[tuple[float, float], float, tuple[float, float]]:
+    """c, Q and a of `ErrorForms` from the displacements that a small error of the lens makes; those
+    of a lens over the middle where they come out outside the pool.
+    """
+    places = _places(camera)
+    moved = _displacements(camera, places, depth_m)
+    seen = np.isfinite(moved).all(axis=1)
+    rest = float(np.dot(middle, middle))
+    size = float(np.abs(moved[seen]).max(initial=0.0))
+    if size < MIN_DISPLACEMENT:
+        return middle, rest, (0.0, 0.0)
+    target = np.ravel(moved[seen] / size)
+
+    def shape(numbers: Float) -> Float:
+        cx, cy, made_up, ax, ay = numbers
+        return np.ravel(_lens_shape(places[seen], (cx, cy), made_up, (ax, ay)))
+
+    start = np.array([*middle, rest, 0.0, 0.0])
+    first = shape(start)
+    k = float(first @ target) / float(first @ first)
+    found = least_squares(lambda n: n[0] * shape(n[1:]) - target, np.array([k, *start])).x
+    cx, cy, made_up, ax, ay = map(float, found[1:])
+    if not np.hypot(cx - middle[0], cy - middle[1]) < np.hypot(*middle):
+        return middle, rest, (0.0, 0.0)
+    return (cx, cy), made_up, (ax, ay)
+
+
+def _lens_shape(
+    places: Float, center: tuple[float, float], rest: float, pull: tuple[float, float]
+) -> Float:
+    """(r^2 - Q)(p - c) + a of `ErrorForms` at places p (n, 2)."""
+    off = places - np.array(center)
+    shape: Float = (np.sum(off**2, axis=1) - rest)[:, None] * off + np.array(pull)
+    return shape
+
+
+def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
+    """Strength of `measurement/lens_error.py` at q = 1 that moves places as errors of a
+    camera do.
+
+    errors: parameter of `CHANGES` -> true value minus value used. Raises: InputError where the
+    study's corners fit no pose.
+    """
+    used = Geometry(camera_over(setup.camera, setup.pool, setup.water.refractive_index),
+                    setup.robot.keypoint_depth_m)  # fmt: skip
+    places, forms = _places(used.camera), error_forms(setup)
+    pixels = pixels_of(with_errors(used, errors), places)
+    moved = to_pool(used.camera, pixels, used.depth_m) - places
+    shape = _lens_shape(places, forms.lens_m, forms.lens_rest_m2, forms.lens_pull_m3)
+    seen = np.isfinite(moved).all(axis=1)
+    return float(np.sum(shape[seen] * moved[seen]) / np.sum(shape[seen] ** 2))
+
+
+def _places(camera: PoolCamera) -> Float:
+    """Places (n, 2) all over a pool."""
+    x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
+                         for side, n in zip(camera.pool_size_m, GRID, strict=True)))  # fmt: skip
+    return np.column_stack([x.ravel(), y.ravel()])
+
+
+def _displacements(camera: PoolCamera, places: Float, depth_m: float) -> Float:
+    """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
+    geometry, (change, step) = Geometry(camera, depth_m), CHANGES["k1"]
+    pixels = pixels_of(geometry, places)
+    high, low = (to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
+    return (high - low) / (2 * step)

@@ -1,0 +1,144 @@
+"""Straight steps in brightness near an expected edge of the pool."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..data import Float
+from .boards import Grey
+
+Picture = npt.NDArray[np.float32]
+SAMPLES = 80
+STEP_PX = 0.25
+SMOOTH_PX = 1.0
+INLIER_PX = 1.5
+MIN_SHARE = 0.4
+MIN_CONTRAST = 4.0
+CORNER_MARGIN = 0.05
+MAX_LINES = 5
+LEAST_APART_PX = 3.0
+FLOOR_PX = 0.1
+"""Steps are found to about a tenth of a pixel (docs/measuring.md), however many agree."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Expected edge: points (n, 2) px from one corner to the next and their unit normals (n, 2)."""
+
+    points_px: Float
+    normal_px: Float
+
+    @property
+    def along(self) -> Float:
+        """Place along the edge (n,), 0 at its first corner, 1 at its second."""
+        return np.linspace(0, 1, len(self.points_px))
+
+
+@dataclass(frozen=True)
+class EdgeLine:
+    """A line found near an expected edge.
+
+    steps_px: (n,) offset along the normal of the steps that lie on it, else NaN. share: part of the
+    samples on it. ends_px, ends_std_px: (2,) offset at the two corners and its std. bend_px: rms of
+    the steps about the line.
+    """
+
+    steps_px: Float
+    share: float
+    ends_px: Float
+    ends_std_px: Float
+    bend_px: float
+
+    @property
+    def middle_px(self) -> float:
+        """Offset at the middle of the edge."""
+        return float(self.ends_px.mean())
+
+
+def smoothed(grey: Grey) -> Picture:
+    """The frame as `find_lines` takes it, without noise from pixel to pixel."""
+    return np.asarray(cv2.GaussianBlur(grey, (0, 0), SMOOTH_PX), dtype=np.float32)
+
+
+def find_lines(picture: Picture, curve: Curve, reach_px: float) -> tuple[EdgeLine, ...]:
+    """Lines within `reach_px` of a curve, those with the most samples first."""
+    along = curve.along
+    inner = (along >= CORNER_MARGIN) & (along <= 1 - CORNER_MARGIN)
+    across, is_step = _steps(picture, curve, reach_px)
+    is_step = is_step & inner[:, None]
+    lines: list[EdgeLine] = []
+    for _ in range(MAX_LINES):
+        start = _most_voted(across, along, is_step)
+        line = _refined(across, along, is_step, start)
+        if line is None or line.share < MIN_SHARE:
+            break
+        lines.append(line)
+        off = np.abs(across - np.interp(along, [0, 1], line.ends_px)[:, None])
+        is_step = is_step & (off > LEAST_APART_PX)
+    return tuple(lines)
+
+
+def _steps(picture: Picture, curve: Curve, reach_px: float) -> tuple[Float, npt.NDArray[np.bool_]]:
+    """Offsets (n, m) along the normals, refined at peaks of the gradient, and which are peaks."""
+    across = np.arange(-reach_px, reach_px + STEP_PX, STEP_PX)
+    points = curve.points_px[:, None] + across[:, None] * curve.normal_px[:, None]
+    maps = points.astype(np.float32)
+    profile = cv2.remap(
+        picture, maps[:, :, 0], maps[:, :, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    slope = np.abs(np.gradient(profile, axis=1)) / STEP_PX
+    wide = max(3, int(2 * LEAST_APART_PX / STEP_PX) | 1)
+    highest = cv2.dilate(slope, np.ones((1, wide), np.uint8))
+    limit = np.maximum(MIN_CONTRAST * np.median(slope), 1.0)
+    peak = (slope >= highest) & (slope > limit)
+    peak[:, [0, -1]] = False
+    left, right = np.roll(slope, 1, axis=1), np.roll(slope, -1, axis=1)
+    curvature = np.where(peak, left - 2 * slope + right, -1)
+    shift = np.where(peak & (curvature < 0), (left - right) / np.minimum(2 * curvature, -1e-9), 0)
+    return across + np.clip(shift, -1, 1) * STEP_PX, peak
+
+
+def _most_voted(across: Float, along: Float, is_step: npt.NDArray[np.bool_]) -> Float:
+    """Straight line (slope, offset at 0) near the most samples' steps: a Hough transform."""
+    near = cv2.dilate(is_step.astype(np.uint8), np.ones((1, int(2 * INLIER_PX / STEP_PX) | 1)))
+    ends = np.arange(across[0, 0], across[0, -1], 1.0)
+    votes = np.zeros((len(ends), len(ends)), dtype=np.int32)
+    for row, place in zip(near, along, strict=True):
+        at = ends[:, None] * (1 - place) + ends * place
+        column = np.round((at - ends[0]) / STEP_PX).astype(np.intp)
+        votes += row[np.clip(column, 0, len(row) - 1)]
+    first, second = np.unravel_index(np.argmax(votes), votes.shape)
+    return np.array([ends[second] - ends[first], ends[first]])
+
+
+def _refined(
+    across: Float, along: Float, is_step: npt.NDArray[np.bool_], start: Float
+) -> EdgeLine | None:
+    line, steps = start, np.full(len(along), np.nan)
+    for reach in (3 * INLIER_PX, 2 * INLIER_PX, INLIER_PX, INLIER_PX):
+        off = np.where(is_step, across - np.polyval(line, along)[:, None], np.inf)
+        nearest = np.argmin(np.abs(off), axis=1)[:, None]
+        miss = np.take_along_axis(off, nearest, axis=1)[:, 0]
+        steps = np.take_along_axis(across, nearest, axis=1)[:, 0]
+        steps = np.where(np.abs(miss) < reach, steps, np.nan)
+        on = np.isfinite(steps)
+        if on.sum() < 8 or np.ptp(along[on]) < 0.5:
+            return None
+        line = np.polyfit(along[on], steps[on], 1)
+    on = np.isfinite(steps)
+    design = np.vander(along[on], 2)
+    bend = float(np.sqrt(np.sum((steps[on] - design @ line) ** 2) / (on.sum() - 2)))
+    ends = np.vander([0.0, 1.0], 2)
+    spread = np.einsum("ij,jk,ik->i", ends, np.linalg.inv(design.T @ design), ends)
+    inner = np.sum((along >= CORNER_MARGIN) & (along <= 1 - CORNER_MARGIN))
+    return EdgeLine(
+        steps_px=steps,
+        share=float(on.sum() / inner),
+        ends_px=ends @ line,
+        ends_std_px=np.hypot(np.sqrt(spread) * bend, FLOOR_PX),
+        bend_px=bend,
+    )

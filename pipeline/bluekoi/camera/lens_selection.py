@@ -1,0 +1,193 @@
+"""Lens models compared on held-out views, and the reasons that refuse a calibration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..data import Float
+from .boards import View
+from .bundle import LensFit, adjust, fit_lens, held_out_residuals, rms_px
+from .image_circle import ImageCircle
+from .lens import Lens, fold_radius, fold_radius_px, parameters
+from .opencv_comparison import opencv_lens
+
+MODELS_COMPARED = (("pinhole", 4), ("pinhole", 5), ("fisheye", 4), ("pinhole", 8))
+FOLDS = 5
+MIN_VIEWS = 8
+MAX_FOCAL_DIFFERENCE = 0.05
+MAX_CENTRE_OFFSET = 0.10
+MAX_RMS_SHARE = 1 / 1280
+FRONTAL_DEG = 15.0
+MIN_TILTED = 3
+MAX_FOCAL_STD = 0.02
+OUTLIER_VIEW = 4.0
+SIMPLER_WITHIN = 1.01
+CELLS = (8, 6)
+
+
+@dataclass(frozen=True)
+class LensCandidate:
+    """One lens model's fit, its held-out error, and the reasons that refuse it (if any)."""
+
+    model: str
+    terms: int
+    fit: LensFit
+    views: tuple[View, ...]
+    left_out: tuple[str, ...]
+    held_out_px: float
+    refusals: tuple[str, ...]
+
+    @property
+    def label(self) -> str:
+        """Model and number of distortion coefficients."""
+        return f"{self.model}, {self.terms} coefficients"
+
+
+def evaluate_model(
+    views: list[View], model: str, terms: int, size_px: tuple[int, int], *,
+    circle: ImageCircle | None = None, simpler: Sequence[Lens] = (),
+) -> LensCandidate:  # fmt: skip
+    """One model fitted to the views, without gross outliers, with its held-out error.
+
+    simpler: fits of the same model with fewer coefficients, to start from. Raises ValueError where
+    no start suits the model.
+    """
+    fit = fit_lens(views, model, terms, size_px, simpler)
+    errors = np.array([rms_px([r]) for r in fit.residuals])
+    limit = max(OUTLIER_VIEW * float(np.median(errors)), size_px[0] * MAX_RMS_SHARE)
+    left_out = [f"{v.name} ({e:.1f} px)" for v, e in zip(views, errors, strict=True) if e > limit]
+    if left_out and np.sum(errors <= limit) >= MIN_VIEWS:
+        views = [v for v, e in zip(views, errors, strict=True) if e <= limit]
+        fit = fit_lens(views, model, terms, size_px, [*simpler, fit.lens])
+    else:
+        left_out = []
+    held_out = held_out_rms(views, lambda kept: _refitted(fit, views, kept))
+    reasons = tuple(refusals(fit, size_px, circle))
+    return LensCandidate(model, terms, fit, tuple(views), tuple(left_out), held_out, reasons)
+
+
+def _refitted(fit: LensFit, views: list[View], kept: list[int]) -> Lens:
+    return adjust(fit.lens, fit.poses[kept], [views[i] for i in kept], iterations=15).lens
+
+
+def held_out_rms(views: Sequence[View], lens_from: Callable[[list[int]], Lens | None]) -> float:
+    """Corner error, px rms, of views whose lens was fitted without them, over five folds.
+
+    lens_from: lens fitted to the views of the given numbers. Infinite where a fold has no lens.
+    """
+    residuals = []
+    folds = min(FOLDS, len(views))
+    for fold in range(folds):
+        kept = [i for i in range(len(views)) if i % folds != fold]
+        lens = lens_from(kept) if kept else None
+        if lens is None:
+            return float("inf")
+        try:
+            residuals += held_out_residuals(lens, list(views[fold::folds]))
+        except ValueError:
+            return float("inf")
+    return rms_px(residuals)
+
+
+def opencv_held_out_rms(best: LensCandidate, size_px: tuple[int, int]) -> float:
+    """Held-out error, px rms, of OpenCV's calibration: same model, same views, same folds."""
+    return held_out_rms(
+        best.views,
+        lambda kept: opencv_lens([best.views[i] for i in kept], best.model, best.terms, size_px),
+    )
+
+
+def select_lens(candidates: list[LensCandidate]) -> LensCandidate | None:
+    """The model with the least held-out error of those not refused; a simpler one within 1 %."""
+    accepted = [c for c in candidates if not c.refusals]
+    if not accepted:
+        return None
+    least = min(c.held_out_px for c in accepted)
+    close = [c for c in accepted if c.held_out_px <= SIMPLER_WITHIN * least]
+    return min(close, key=lambda c: (c.terms, c.held_out_px))
+
+
+def refusals(
+    fit: LensFit, size_px: tuple[int, int], circle: ImageCircle | None = None
+) -> list[str]:
+    """Reasons why this lens cannot be right; empty where there are none."""
+    std = np.sqrt(np.diag(fit.lens_cov))[:2] / parameters(fit.lens)[:2]
+    tilts = tilts_deg(fit.poses)
+    tilted = int(np.sum(tilts > FRONTAL_DEG))
+    checks = {
+        f"only {len(fit.poses)} views; at least {MIN_VIEWS} are needed": len(fit.poses) < MIN_VIEWS,
+        f"the boards are seen frontally: {tilted} of {len(tilts)} tilted by more than "
+        f"{FRONTAL_DEG:.0f} degrees, which leaves the focal length open": tilted < MIN_TILTED,
+        f"the focal length is known to {100 * max(std):.1f} % only": max(std) > MAX_FOCAL_STD,
+    }
+    found = [reason for reason, applies in checks.items() if applies]
+    return [*found, *lens_refusals(fit.lens, size_px, fit.rms_px, circle)]
+
+
+def lens_refusals(
+    lens: Lens, size_px: tuple[int, int], corner_rms_px: float, circle: ImageCircle | None = None
+) -> list[str]:
+    """Reasons why a lens with this corner error (NaN: not known) cannot be right.
+
+    The projection must be monotonic wherever a corner can be: inside the image circle, else inside
+    the picture.
+    """
+    fx, fy, cx, cy = parameters(lens)[:4]
+    if not (np.isfinite([*lens.matrix.ravel(), *lens.distortion]).all() and min(fx, fy) > 0):
+        return ["focal lengths, centre and distortion are not all numbers, or not above 0"]
+    width, height = size_px
+    u, v = circle.center_px if circle else ((width - 1) / 2, (height - 1) / 2)
+    across, down = (2 * circle.radius_px,) * 2 if circle else (width, height)
+    offset = max(abs(cx - u) / across, abs(cy - v) / down)
+    limit = width * MAX_RMS_SHARE
+    where = "image circle" if circle else "picture"
+    checks = {
+        f"focal lengths fx {fx:.0f} and fy {fy:.0f} lie more than 5 % apart": abs(fx / fy - 1)
+        > MAX_FOCAL_DIFFERENCE,
+        f"the optical centre ({cx:.0f}, {cy:.0f}) lies {100 * offset:.0f} % off the middle of the "
+        f"{where}": offset > MAX_CENTRE_OFFSET,
+        f"the distortion is not monotonic inside the {where}: it folds over "
+        f"{fold_radius_px(lens):.0f} px from the centre": folds_inside(lens, circle),
+        f"corners miss by {corner_rms_px:.2f} px rms, more than {limit:.2f}": corner_rms_px > limit,
+    }
+    return [reason for reason, applies in checks.items() if applies]
+
+
+def folds_inside(lens: Lens, circle: ImageCircle | None = None) -> bool:
+    """Whether the projection stops growing where a corner can be.
+
+    That is inside the image circle. Where none is known: inside the picture, and within 90 degrees
+    of the axis of a fisheye, since a camera above a pool sees no corner beyond.
+    """
+    width, height = lens.size_px
+    cx, cy = lens.matrix[:2, 2]
+    farthest = float(np.hypot(max(cx, width - cx), max(cy, height - cy)))
+    if circle:
+        return fold_radius_px(lens) < min(farthest, circle.farthest_px(cx, cy))
+    beyond_horizon = lens.model == "fisheye" and fold_radius(lens) > np.pi / 2
+    return fold_radius_px(lens) < farthest and not beyond_horizon
+
+
+def tilts_deg(poses: Float) -> Float:
+    """Angle of each board (views,) against the picture plane, degrees."""
+    normals = Rotation.from_rotvec(poses[:, :3]).as_matrix()[:, :, 2]
+    return np.degrees(np.arccos(np.clip(np.abs(normals[:, 2]), 0, 1)))
+
+
+def coverage(
+    views: Sequence[View], size_px: tuple[int, int], circle: ImageCircle | None = None
+) -> float:
+    """Share of an 8 x 6 grid over the picture, or the image circle, with a corner of some view."""
+    points = np.concatenate([view.image_px for view in views])
+    low, side = np.zeros(2), np.array(size_px, dtype=float)
+    if circle:
+        low, side = np.array(circle.center_px) - circle.radius_px, np.full(2, 2 * circle.radius_px)
+    cells = np.floor((points - low) / side * CELLS).astype(int)
+    grid = np.indices(CELLS).reshape(2, -1).T
+    usable = grid[np.hypot(*((grid + 0.5) / CELLS - 0.5).T) < 0.5] if circle else grid
+    covered = {tuple(cell) for cell in cells} & {tuple(cell) for cell in usable}
+    return len(covered) / len(usable)

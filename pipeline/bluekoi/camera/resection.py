@@ -1,0 +1,151 @@
+"""Pose of a lens from the images of four known marks (resection)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ..data import Float
+from ..errors import input_error
+from .lens import Lens, directions, pixels
+from .refraction import seen_from
+
+PLACES = ("(0, 0)", "(length, 0)", "(length, width)", "(0, width)")
+ORDERS = {
+    (1, 2, 3, 0): "begin with the corner now listed second and keep going round the same way",
+    (3, 2, 1, 0): "list the four in reverse",
+    (0, 3, 2, 1): "swap the second and the fourth",
+}
+WRONG_SHARE = 0.015
+STEP = 1e-7
+EXACT = {"ftol": 1e-12, "xtol": 1e-12, "gtol": 1e-12}
+CLEARLY_WORSE = 30.0
+
+
+def pose(
+    lens: Lens, corners_px: Float, corners_m: Float, index: float
+) -> tuple[Float, Float, Float]:
+    """Rotation (3, 3), translation (3,) and residuals (4, 2) px of the nearest pose.
+
+    Both planar solutions (cv2.SOLVEPNP_IPPE) are refined by Levenberg-Marquardt on the pixels,
+    refracted where the marks lie under water; the nearer one with the camera above wins.
+    """
+    rays = directions(lens, corners_px)
+    lost = np.flatnonzero(~np.isfinite(rays).all(axis=1) | (rays[:, 2] <= 0))
+    if len(lost):
+        raise _outside_lens(corners_px, int(lost[0]))
+
+    residuals = _residuals(lens, corners_px, corners_m, index)
+    starts = _starts(rays[:, :2] / rays[:, 2:], corners_m)
+    costs = [float(np.sum(residuals(start) ** 2)) for start in starts]
+    likely = [s for s, c in zip(starts, costs, strict=True) if c <= CLEARLY_WORSE * min(costs)]
+    fits = [
+        least_squares(residuals, start, method="lm", x_scale="jac", **EXACT) for start in likely
+    ]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    turn, shift = Rotation.from_rotvec(best.x[:3]).as_matrix(), best.x[3:]
+    return turn, shift, np.asarray(best.fun, dtype=np.float64).reshape(4, 2)
+
+
+def pose_near(
+    lens: Lens,
+    corners_px: Float,
+    corners_m: Float,
+    index: float,
+    *,
+    rotation: Float,
+    translation: Float,
+) -> tuple[Float, Float, Float]:
+    """Rotation (3, 3), translation (3,), residuals (4, 2) px of the nearest pose to a first order.
+
+    One Gauss-Newton step from the pose found for a lens and corners that hardly differ.
+    """
+    residuals_at = _residuals(lens, corners_px, corners_m, index)
+    state = np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), translation])
+    residuals = residuals_at(state)
+    steps = np.eye(6) * STEP
+    slope = np.column_stack([(residuals_at(state + step) - residuals) / STEP for step in steps])
+    state = state - np.linalg.lstsq(slope, residuals, rcond=None)[0]
+    turn = Rotation.from_rotvec(state[:3]).as_matrix()
+    return turn, state[3:], residuals_at(state).reshape(4, 2)
+
+
+def _residuals(
+    lens: Lens, corners_px: Float, corners_m: Float, index: float
+) -> Callable[[Float], Float]:
+    """Residuals (8,) px of the marks as a function of rotation vector and translation (6,)."""
+
+    def residuals(parameters: Float) -> Float:
+        turn = Rotation.from_rotvec(parameters[:3]).as_matrix()
+        shift = parameters[3:]
+        seen = seen_from(-turn.T @ shift, corners_m, index)
+        image = pixels(lens, seen @ turn.T + shift)
+        return np.nan_to_num(corners_px - image, nan=1e4).ravel()
+
+    return residuals
+
+
+def rectangle(length_m: float, width_m: float, height_m: float) -> Float:
+    """The pool's corners (4, 3), m: (0, 0), (L, 0), (L, W), (0, W) at one height."""
+    flat = [(0, 0), (length_m, 0), (length_m, width_m), (0, width_m)]
+    return np.array([(x, y, height_m) for x, y in flat], dtype=float)
+
+
+def fitting_order(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
+    """Words for the order of corners that fits, or nothing where no order does."""
+    limit = WRONG_SHARE * diagonal_px(corners_px)
+    for order, words in ORDERS.items():
+        turn, shift, residuals = pose(lens, corners_px[list(order)], corners_m, index)
+        above = (-turn.T @ shift)[2] > 0
+        if above and rms(residuals) < limit / 2:
+            return words
+    return ""
+
+
+def diagonal_px(corners_px: Float) -> float:
+    """Mean length of the pool's two diagonals in the picture, px."""
+    return float(np.mean(np.linalg.norm(corners_px[:2] - corners_px[2:], axis=1)))
+
+
+def rms(residuals_px: Float) -> float:
+    """Root mean square length of residuals (n, 2), px."""
+    return float(np.sqrt(np.mean(np.sum(residuals_px**2, axis=-1))))
+
+
+def _starts(plane: Float, corners_m: Float) -> list[Float]:
+    """Starting poses (6,) = rotation vector, translation, with the camera above the water."""
+    middle = corners_m.mean(axis=0)
+    found = cv2.solvePnPGeneric(
+        corners_m - middle, plane.reshape(-1, 1, 2), np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
+    )
+    starts = []
+    for turn, shift in zip(found[1], found[2], strict=True):
+        rotation = cv2.Rodrigues(turn)[0]
+        moved = shift.ravel() - rotation @ middle
+        if (-rotation.T @ moved)[2] > middle[2]:
+            starts.append(np.concatenate([turn.ravel(), moved]))
+    return starts or [_from_above(plane, corners_m)]
+
+
+def _from_above(plane: Float, corners_m: Float) -> Float:
+    """A camera that looks straight down from where the pool has its size: a last resort."""
+    size = float(np.linalg.norm(corners_m[2] - corners_m[0]))
+    height = size / max(1e-6, float(np.linalg.norm(plane[2] - plane[0])))
+    rotation = np.diag([1.0, -1.0, -1.0])
+    center = np.array([*corners_m[:, :2].mean(axis=0), height])
+    return np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), -rotation @ center])
+
+
+def _outside_lens(corners_px: Float, which: int) -> Exception:
+    u, v = corners_px[which]
+    return input_error(
+        "study.yaml",
+        "camera.pool_corners_px",
+        f"corner {PLACES[which]} at ({u:g}, {v:g}) px, outside what the lens model can map",
+        "corners where the distortion still grows outwards",
+        "Check camera.model and camera.distortion, or calibrate with boards near the corners.",
+    )

@@ -1,0 +1,52 @@
+"""A frame under a grid of pixels, to read the pool's corners off before any are known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from .png import Picture, write_png
+
+LINES = 20
+LIGHT, DARK = (255, 255, 255), (40, 40, 40)
+
+
+def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
+    """A frame (height, width, 3) bgr with labelled lines every so many pixels, as a png.
+
+    Returns what a person has to do, in sentences. Raises: InputError where the file cannot be
+    written.
+    """
+    canvas = np.ascontiguousarray(frame).copy()
+    height, width = canvas.shape[:2]
+    step = _round_number(max(height, width) / LINES)
+    for at in range(step, width, step):
+        cv2.line(canvas, (at, 0), (at, height), LIGHT, 1)
+        _label(canvas, str(at), (at + 3, 16))
+        _label(canvas, str(at), (at + 3, height - 6))
+    for at in range(step, height, step):
+        cv2.line(canvas, (0, at), (width, at), LIGHT, 1)
+        _label(canvas, str(at), (3, at - 4))
+        _label(canvas, str(at), (width - 60, at - 4))
+    write_png(out, canvas)
+    return (
+        f"{out} has a line every {step} px: u from the left edge, v from the top edge",
+        "read off where the pool's four inner corners meet the water, in the order (0,0), (L,0), "
+        "(L,W), (0,W), so that they go once around the pool",
+        "write into study.yaml, under camera: pool_corners_px: [[u, v], [u, v], [u, v], [u, v]]",
+        "then run this command again: it draws the mapped grid and finds where the edges meet",
+    )
+
+
+def _round_number(least: float) -> int:
+    """The next of 1, 2, 5 times a power of ten, at least 10."""
+    power = 10 ** int(np.floor(np.log10(max(least, 10.0))))
+    return int(next(power * k for k in (1, 2, 5, 10) if power * k >= least))
+
+
+def _label(canvas: Picture, text: str, place: tuple[int, int]) -> None:
+    for colour, thick in ((DARK, 3), (LIGHT, 1)):
+        cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, thick,
+                    cv2.LINE_AA)  # fmt: skip

@@ -1,0 +1,100 @@
+"""Whole length of the body, nose to tail: the scale where keypoints lie at stated lengths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..data import Float, Positions, confident
+from ..errors import input_error
+from ..study import Robot
+from .distances import LENGTH_STD, Distances, Geometry, pixels_of, scatter
+
+WHOLE_LENGTH = "whole length"
+"""`measured` in geometry.json, where it replaces the rigid distances."""
+ENDS = ("head_tip", "tail_tip")
+CONFIDENT_PARTS = ("head_tip", "hinge", "core_center")
+"""Not the tail: its likelihood is lower where the tail is shorter than stated."""
+PAIR = 3.0
+"""Number of this pair, after those of `distances.PAIRS`; no keypoint bias changes it."""
+END_PX, BLUR_SHARE = 0.5, 0.8
+"""Systematic error of an end, px, and as a share of the frames' spread by motion blur
+(docs/measuring.md).
+"""
+TRIAL_STD = 0.003
+"""Relative error common to all frames of a trial."""
+MIN_TRIALS = 3
+MAX_SPREAD = 0.006
+"""Frames that differ by more were exposed so long that the tail has no visible end."""
+MIN_FRAMES = 10
+
+
+def whole_lengths(
+    trials: Sequence[Positions],
+    seen: Sequence[Float],
+    head_lengths_m: Sequence[float],
+    robot: Robot,
+) -> Distances:
+    """Whole lengths of all trials against the stated ones.
+
+    seen: of each trial (n, 2) frame and length seen over stated. The straight line between the
+    ends represents the body; a bent body is longer by a few hundredths.
+
+    Raises: InputError where fewer than `MIN_TRIALS` show both ends sharply in `MIN_FRAMES` frames.
+    """
+    core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
+    rest_m = core_m + robot.tail_length_m
+    parts = [
+        found
+        for t, (one, pairs, head_m) in enumerate(zip(trials, seen, head_lengths_m, strict=True))
+        if (found := _of_trial(one, np.asarray(pairs).reshape(-1, 2), head_m + rest_m, t))
+    ]
+    if len(parts) < MIN_TRIALS:
+        raise input_error("keypoints",
+                          "", f"{len(parts)} trials in which nose and tail's end are seen",
+                    f"{MIN_TRIALS} trials with both in {MIN_FRAMES} frames")  # fmt: skip
+    return Distances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
+
+
+def systematic_share(geometry: Geometry, distances: Distances) -> float:
+    """Relative error common to all trials where nothing is wrong: ruler, ends, motion blur."""
+    ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
+    long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
+    share = distances.excess_m / distances.known_m
+    spread = [scatter(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
+    blur = BLUR_SHARE * float(np.median(spread))
+    return float(np.sqrt(LENGTH_STD**2 + (END_PX / long_px) ** 2 + blur**2))
+
+
+def _of_trial(
+    positions: Positions, pairs: Float, known_m: float, label: int
+) -> dict[str, Float] | None:
+    frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
+    front, back = (positions.part(name)[frames] for name in ENDS)
+    body = [positions.names.index(name) for name in CONFIDENT_PARTS]
+    good = confident(positions.likelihood[frames][:, body]).all(axis=1)
+    good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
+    if good.sum() < MIN_FRAMES:
+        return None
+    std, near = scatter(ratio, good)
+    if std > MAX_SPREAD:
+        return None
+    good &= near
+    n = int(good.sum())
+    return {
+        "front_m": front[good],
+        "back_m": back[good],
+        "excess_m": (ratio[good] - 1.0) * known_m,
+        "std_m": np.full(n, _frame_std(std, n) * known_m),
+        "known_m": np.full(n, known_m),
+        "trial": np.full(n, float(label)),
+        "pair": np.full(n, PAIR),
+        "bend_rad": np.zeros(n),
+        "time_s": positions.time_s[frames][good] - positions.time_s[0],
+    }
+
+
+def _frame_std(std: float, frames: int) -> float:
+    """Standard deviation of one frame for which all frames together have that of their trial."""
+    return float(np.sqrt(std**2 + frames * (TRIAL_STD**2 + (BLUR_SHARE * std) ** 2)))

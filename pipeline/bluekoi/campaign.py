@@ -1,0 +1,174 @@
+"""A study and everything its run has written: what figures and report are made from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
+from .files import read_json
+from .steady import read_steady
+from .study import Study, Trial
+from .study.depth import study_with_depth
+
+T = TypeVar("T")
+Tree = Mapping[str, Any]
+LEAST_SHARE = 0.8
+"""Share of a track that a simulated path must cover to be judged."""
+MOST_PCT = 1000.0
+"""A larger error is told as a model that ran away."""
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Results of one study, by trial id; a trial that failed is in `statuses` alone.
+
+    geometry: content of geometry.json, None before it is there.
+    coefficients: content of coefficients.json, empty before the tuning. mismatch and
+    mismatch_detail: content of mismatch.json and mismatch_detail.json, None before the search.
+    simulations: columns of simulations/ID.csv and extended/ID.csv, model paths from each trial's
+    fitted start.
+    """
+
+    study: Study
+    tracks: Mapping[str, Track] = field(default_factory=dict)
+    poses: Mapping[str, Pose] = field(default_factory=dict)
+    steady: Mapping[str, Steady] = field(default_factory=dict)
+    coefficients: Tree = field(default_factory=dict)
+    mismatch: Tree | None = None
+    mismatch_detail: Tree | None = None
+    simulations: Mapping[str, Mapping[str, Float]] = field(default_factory=dict)
+    statuses: Mapping[str, Tree] = field(default_factory=dict)
+    geometry: Tree | None = None
+
+    @property
+    def analysed(self) -> tuple[Trial, ...]:
+        """Trials with a track and a steady state, in the order of trials.csv."""
+        both = self.tracks.keys() & self.steady.keys()
+        return tuple(trial for trial in self.study.trials if trial.trial_id in both)
+
+    @property
+    def left_out(self) -> tuple[tuple[Trial, str], ...]:
+        """Trials without a track or a steady state, each with the reason."""
+        done = {trial.trial_id for trial in self.analysed}
+        return tuple(
+            (trial, self.why_left_out(trial.trial_id))
+            for trial in self.study.trials
+            if trial.trial_id not in done
+        )
+
+    @property
+    def has_additions(self) -> bool:
+        """Whether the search put anything into the model: else before and after are one model."""
+        causes = (self.mismatch or {}).get("causes") or []
+        return any(cause.get("parameters") for cause in causes)
+
+    def model_columns(self, trial_id: str) -> Mapping[str, Float]:
+        """Columns of a trial's model paths; those after only where they are another model's."""
+        columns = self.simulations.get(trial_id, {})
+        if self.has_additions:
+            return columns
+        return {name: c for name, c in columns.items() if not name.startswith("extended_")}
+
+    def path_rmse_m(self, trial_id: str, prefix: str) -> float:
+        """Root mean square distance of a simulated path to the track, at the track's times, m.
+
+        prefix: `joint`, `paper` or `extended`. NaN where there is no such path, or where it ends
+        early or is off by more than the pool is wide (a simulation that ran away).
+        """
+        track, columns = self.tracks[trial_id], self.simulations.get(trial_id, {})
+        if f"{prefix}_x_m" not in columns:
+            return float("nan")
+        t, times = track.time_s, columns["time_s"]
+        x, y = (
+            np.interp(t, times, columns[f"{prefix}_{k}"], np.nan, np.nan) for k in ("x_m", "y_m")
+        )
+        square = (x - track.x_m) ** 2 + (y - track.y_m) ** 2
+        known = np.isfinite(square)
+        enough = known.mean() > LEAST_SHARE
+        found = float(np.sqrt(square[known].mean())) if enough else float("nan")
+        return found if found < self.study.setup.pool.width_m else float("nan")
+
+    @property
+    def held_out_models(self) -> tuple[str, ...]:
+        """Models with errors on held-out trials: one alone where nothing was added to it."""
+        return ("baseline", "extended") if self.has_additions else ("baseline",)
+
+    def held_out_error(self, model: str, key: str) -> float:
+        """Error on held-out trials, from mismatch.json; NaN where none is told.
+
+        model: `baseline` or `extended`; key as in mismatch.json. Infinite where the model ran
+        away: a path off by more than the pool is wide, a radius or speed by more than tenfold.
+        """
+        told = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
+        value = float("nan") if told.get(key) is None else float(told[key])
+        most = self.study.setup.pool.width_m if key.endswith("_m") else MOST_PCT
+        return float("inf") if value > most else value
+
+    def why_left_out(self, trial_id: str) -> str:
+        """Message of a trial's status, or that it was never run."""
+        status = self.statuses.get(trial_id)
+        return str(status.get("message") or "no reason given") if status else "not run yet"
+
+
+def load_campaign(
+    folder: str | Path, study: Study, *, trial_ids: Iterable[str] | None = None,
+    measured: bool = False,
+) -> Campaign:  # fmt: skip
+    """What stands in a results folder for a study; files that are not there yet are left out.
+
+    trial_ids: read the files of these trials only (an overlay needs one of a thousand). measured:
+    what was measured alone, nothing that a fit has written: two fits may be at work at once.
+
+    The study of the campaign has the keypoint depth that its tracks were made with.
+
+    Raises: InputError where a file is there and cannot be read.
+    """
+    root = Path(folder)
+    ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)
+    table = root / "steady.csv"
+    steady = read_steady(table) if table.is_file() else {}
+    geometry = _optional(root / "geometry.json")
+    found = Campaign(
+        study=study_with_depth(study, geometry),
+        tracks=_per_trial(root / "tracks", ids, ".csv", read_track),
+        poses=_per_trial(root / "poses", ids, ".csv", read_pose),
+        steady={name: steady[name] for name in ids if name in steady},
+        statuses=_per_trial(root / "status", ids, ".json", read_json),
+        geometry=geometry,
+    )
+    if measured:
+        return found
+    return replace(
+        found,
+        coefficients=_optional(root / "coefficients.json") or {},
+        mismatch=_optional(root / "mismatch.json"),
+        mismatch_detail=_optional(root / "mismatch_detail.json"),
+        simulations=_simulations(root, ids),
+    )
+
+
+def _per_trial(
+    folder: Path, ids: Iterable[str], suffix: str, read: Callable[[Path], T]
+) -> dict[str, T]:
+    paths = {name: folder / f"{name}{suffix}" for name in ids}
+    return {name: read(path) for name, path in paths.items() if path.is_file()}
+
+
+def _optional(path: Path) -> dict[str, Any] | None:
+    return read_json(path) if path.is_file() else None
+
+
+def _simulations(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
+    """Trial -> columns of its model paths, those of the search beside those of the tuning."""
+    tuned, extended = (_per_trial(root / folder, ids, ".csv", _simulation)
+                       for folder in ("simulations", "extended"))  # fmt: skip
+    return {name: tuned.get(name, {}) | extended.get(name, {}) for name in {**tuned, **extended}}
+
+
+def _simulation(path: Path) -> dict[str, Float]:
+    return read_columns(path, ("time_s",))

@@ -1,0 +1,59 @@
+"""The command `bluekoi`; each command imports what it needs only when it is called."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from ..errors import INTERRUPTED, InputError, printable
+from .camera import calibrate, pool
+from .challenge import challenge
+from .check import check
+from .design import design
+from .doctor import doctor
+from .export import export
+from .run import run
+from .simulate import simulate
+from .stage import stage
+from .watch import watch
+
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""How many threads linear algebra takes, one unless the environment says more: matrices are small
+here, threads only wait for each other and take the cores from the work beside them.
+"""
+EXIT_CODES = """\b
+Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong use of this command;
+3 done, but some trials went wrong (each is named); 130 interrupted.
+"""
+
+
+class _Plainly(click.Group):
+    """Commands that tell an input error as its message, exit code 1, and end with 130 on Ctrl-C."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            click.echo(printable(str(error)), err=True)
+            ctx.exit(1)
+        except KeyboardInterrupt:
+            click.echo("Interrupted.", err=True)
+            ctx.exit(INTERRUPTED)
+
+
+@click.group(
+    cls=_Plainly,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog=EXIT_CODES,
+)
+@click.version_option(package_name="bluekoi", prog_name="bluekoi")
+def main() -> None:
+    """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
+    for name in BLAS_THREADS:
+        os.environ.setdefault(name, "1")
+
+
+_COMMANDS = (run, watch, check, doctor, calibrate, pool, simulate, design, challenge, export, stage)
+for _command in _COMMANDS:
+    main.add_command(_command)

@@ -1,0 +1,146 @@
+"""`bluekoi calibrate` and `bluekoi pool`: the lens, and the corners of the pool."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .named import Named
+from .outputs import refuse_study_files
+from .waiting import waiting
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..study import Study
+
+
+PICTURE_S = 1.0  # a photograph of 12 megapixels, its share of the fits included
+
+
+@click.command()
+@click.argument("images", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--pattern", default="9x6", show_default=True, help="Inner corners of the board.")
+@click.option("--square-mm", default=25.0, show_default=True, help="Side of a square.")
+@click.option("--board", default="chessboard", show_default=True, help="Kind of board.")
+@click.option("--model", default="auto", show_default=True, help="Lens model.",
+              type=click.Choice(["auto", "pinhole", "fisheye"]))  # fmt: skip
+@click.option("--out", default="camera.yaml", show_default=True, type=click.Path(path_type=Path))
+def calibrate(
+    *, images: tuple[Path, ...], pattern: str, square_mm: float, board: str, model: str, out: Path
+) -> None:
+    """Calibrate the lens from photographs or videos of a board, or take a lens-profile json.
+
+    Writes the camera section for study.yaml, and a picture of coverage and residuals beside it.
+    """
+    from ..camera.calibrate import calibrate_files  # noqa: PLC0415
+    from ..errors import input_error  # noqa: PLC0415
+
+    _spare(out, (".yaml", ".yml"), images)
+    _spare(out.with_suffix(".png"), (".png",), images)
+    if odd := next((path for path in images if path.exists() and not path.is_file()), None):
+        raise input_error(odd, "", "no regular file", "pictures, videos or a lens profile")
+    with waiting(f"calibrating from {len(images)} files", PICTURE_S * len(images)):
+        found = calibrate_files(
+            images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
+        )
+    for remark in found.remarks:
+        click.echo(remark)
+    click.echo(f"{out}: {found.quality}")
+    if [image.suffix.lower() for image in images] != [".json"]:
+        click.echo(f"Drawn: {out.with_suffix('.png')}")
+
+
+@click.command()
+@click.argument("study", type=Named(path_type=Path))
+@click.argument("frame", required=False, type=click.Path(path_type=Path))
+@click.option("--trial", "trial_id", help="Trial to take the frame from; else the first filmed.")
+@click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))
+@click.pass_context
+def pool(
+    ctx: click.Context, study: Path, frame: Path | None, trial_id: str | None, out: Path
+) -> None:
+    """Draw the pool corners of STUDY on FRAME, and check them against the edges seen.
+
+    FRAME is a picture or a video; without it the first frame of a trial. While study.yaml has no
+    corners yet, a ruled picture is drawn to read them off. Exit code 0 only where the edges are
+    found with certainty and confirm the corners given.
+    """
+    from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
+    from ..camera.rulers import ruled_picture  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
+
+    _spare(out, (".png",), (frame,) if frame else ())
+    confirmed = True
+    if not lacks_corners(study / "study.yaml"):
+        refuse_study_files(study, (out,))
+    if lacks_corners(study / "study.yaml"):
+        films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
+        source = frame or (films[0] if films else None)
+        sentences = ruled_picture(_picture(source or study / "trials.csv"), out)
+    else:
+        loaded = load_study(study)
+        if trial_id is not None:
+            loaded.trial(trial_id)
+        source, fps = (frame, None) if frame else _film(study, loaded, trial_id)
+        picture = _picture(source, fps=fps)
+        check = pool_corners_picture(picture, loaded.setup, out)
+        sentences, confirmed = check.sentences, check.confirmed
+    for sentence in sentences:
+        click.echo(sentence)
+    click.echo(f"Drawn: {out}")
+    if not confirmed:
+        click.echo("The corners given are not confirmed.")
+        ctx.exit(1)
+
+
+def _spare(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None:
+    """Raises: InputError where writing `out` would cost an input or a study, or it is no such
+    file.
+    """
+    from ..errors import input_error  # noqa: PLC0415
+
+    if out.suffix.lower() not in suffixes:
+        raise input_error(out, "--out", f"a name that ends in '{out.suffix}'", f"{suffixes[0]}",
+                    "Nothing was written.")  # fmt: skip
+    if out.name == "study.yaml" and out.exists():
+        raise input_error(out, "--out", "a study.yaml that is there already", "a file of its own",
+                    "Nothing was written: write camera.yaml and copy its section.")  # fmt: skip
+    if any(out.resolve() == path.resolve() for path in inputs):
+        raise input_error(out, "--out", "a file that is read here", "another name",
+                    "Nothing was written.")  # fmt: skip
+
+
+def _film(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
+    """First file and frame rate of the named trial's film, or of the first filmed trial's."""
+    from ..errors import input_error  # noqa: PLC0415
+
+    filmed = [trial for trial in study.trials if not trial.reads_keypoints]
+    if trial_id is not None:
+        filmed = [study.trial(trial_id)]
+    if not filmed or filmed[0].reads_keypoints:
+        raise input_error(folder / "trials.csv", "", "no footage to draw on",
+                          "a trial with a video",
+                    "Or name a picture: bluekoi pool STUDY FRAME.")  # fmt: skip
+    return study.paths(filmed[0])[0], filmed[0].fps
+
+
+def _picture(path: Path, *, fps: float | None = None) -> Any:
+    """A picture file, or the first frame of a video, (height, width, 3) bgr."""
+    import cv2  # noqa: PLC0415
+
+    from ..errors import input_error  # noqa: PLC0415
+    from ..footage import frames, open_recording  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES  # noqa: PLC0415
+
+    if path.suffix.lower() in VIDEO_SUFFIXES:
+        first = next(iter(frames(open_recording([path], fps=fps), colour=True)), None)
+        found: Any = first.bgr if first else None
+    else:
+        found = cv2.imread(str(path)) if path.is_file() else None
+    if found is None:
+        raise input_error(path, "", "no picture", "a picture or a video to draw on",
+                    "Name one: bluekoi pool STUDY FRAME.")  # fmt: skip
+    return found

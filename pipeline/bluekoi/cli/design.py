@@ -1,0 +1,109 @@
+"""`bluekoi design`: what the fitted robot could do beyond what was tested."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .named import Named
+from .numbers import Finite, Numbers
+from .outputs import refuse_study_files
+from .waiting import waiting
+
+if TYPE_CHECKING:
+    from ..design_space import Design
+
+
+@click.command()
+@click.argument("study", type=Named(path_type=Path))
+@click.option("--results", type=click.Path(path_type=Path), help="Default: results/STUDY.")
+@click.option("--model", type=click.Choice(["joint", "extended"]),
+              help="Default: extended by the causes found, where there are any.")  # fmt: skip
+@click.option("--powers", type=Numbers(0, 300), default="50:150:25", show_default=True, help="%")
+@click.option("--angles-deg", type=Numbers(-120, 120), default="10:60:5",
+              show_default=True)  # fmt: skip
+@click.option("--lengths-m", type=Numbers(0.001, 10), default="0.04:0.24:0.02", show_default=True,
+              help="Head lengths.")  # fmt: skip
+@click.option("--robot", "other", multiple=True, metavar="KEY=NUMBERS",
+              help="A further key of robot in study.yaml: mass_kg=0.5,0.7.")  # fmt: skip
+@click.option("--speed-m-s", type=Finite(min=0), default=0.0, show_default=True,
+              help="The turn must be at least so fast.")  # fmt: skip
+@click.option("--tested-only", is_flag=True, help="Answer from the tested range alone.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
+def design(
+    *,
+    study: Path,
+    results: Path | None,
+    model: str | None,
+    powers: tuple[float, ...],
+    angles_deg: tuple[float, ...],
+    lengths_m: tuple[float, ...],
+    other: tuple[str, ...],
+    speed_m_s: float,
+    tested_only: bool,
+    out: Path | None,
+) -> None:
+    """Speed and radius of other designs of STUDY's robot, and the tightest turn among them.
+
+    Writes designs.csv and designs.png; designs that no other beats in speed and radius are on the
+    front.
+    """
+    from ..data import write_columns  # noqa: PLC0415
+    from ..design_space import columns, designs, fitted, smallest_radius, tested_range  # noqa: PLC0415
+    from ..design_space.picture import designs_figure, save  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    loaded = load_study(study)
+    home = results or Path("results") / study.resolve().name
+    fit = fitted(home, model=model, study=loaded)
+    further = _further(other)
+    folder = out or home / "design"
+    refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))
+    with waiting("trying designs"):
+        found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
+                        angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
+    write_columns(folder / "designs.csv", columns(found))
+    save(designs_figure(found, least_speed_m_s=speed_m_s), folder / "designs.png")
+    best = smallest_radius(found, least_speed_m_s=speed_m_s, tested_only=tested_only)
+    click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
+    click.echo(_answer(best, speed_m_s) if best else _none(found, speed_m_s, tested_only))
+    for sentence in fit.warnings:
+        click.echo(f"Beware: {sentence}.", err=True)
+
+
+def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
+    """Values by key of `--robot KEY=NUMBERS`, which may be repeated."""
+    out: dict[str, tuple[float, ...]] = {}
+    for text in given:
+        key, sign, values = text.partition("=")
+        if not sign or not key or key in out:
+            twice = " a second time: give its values in one" if key in out else ""
+            raise click.UsageError(f"--robot '{text}'{twice}: write mass_kg=0.5,0.7")
+        out[key] = Numbers().convert(values, None, None)
+    return out
+
+
+def _none(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
+    """Why there is no answer: what the designs can do at most."""
+    turns = [d for d in found if math.isfinite(d.radius_m[0]) and not (tested_only and d.beyond)]
+    where = " within the tested range" if tested_only else ""
+    if not turns:
+        return f"no design{where} settles into a turn"
+    fastest = max(d.speed_m_s[0] for d in turns)
+    return (
+        f"no design{where} turns at {speed_m_s:g} m/s or more: the fastest does {fastest:.3f} m/s"
+    )
+
+
+def _answer(best: Design, speed_m_s: float) -> str:
+    radius, low, high = best.radius_m
+    more = "".join(f", {k} {v:g}" for k, v in best.other.items())
+    warning = f" - extrapolated in {' and '.join(best.beyond)}" if best.beyond else ""
+    return (
+        f"tightest turn at {speed_m_s:g} m/s or more: radius {radius:.3f} m ({low:.3f} to "
+        f"{high:.3f}), {best.speed_m_s[0]:.3f} m/s, at {best.power_pct:g} % power, head angle "
+        f"{best.head_angle_deg:g} degrees, head {best.head_length_m:g} m{more}{warning}"
+    )

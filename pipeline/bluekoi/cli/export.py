@@ -1,0 +1,170 @@
+"""`bluekoi export`: results in the forms that other programs read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .named import Named
+from .outputs import refuse_study_files
+from .waiting import waiting
+
+if TYPE_CHECKING:
+    from ..campaign import Campaign
+    from ..data import Float, Track
+
+PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+RATES = {
+    "heading_rad": "rad",
+    "head_angle_rad": "rad",
+    "speed_m_s": "m/s",
+    "vx_m_s": "m/s",
+    "vy_m_s": "m/s",
+    "yaw_rate_rad_s": "rad/s",
+    "x_m": "m",
+    "y_m": "m",
+}
+INDIVIDUAL = "robot"
+
+
+@click.command()
+@click.argument("study", type=Named(path_type=Path))
+@click.option("--results", type=click.Path(path_type=Path), help="Folder with the results.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
+@click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
+def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
+    """Write the tracks of STUDY as netCDF for `movement` (0.17 or newer), coefficients as csv.
+
+    One file a trial, OUT/ID.nc, smoothed keypoints in the pool frame in metres; OUT is
+    RESULTS/export without --out.
+    """
+    from ..campaign import load_campaign  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    folder = results or Path("results") / study.resolve().name
+    target = out or folder / "export"
+    with waiting("reading results"):
+        campaign = load_campaign(folder, load_study(study))
+    chosen = _chosen(campaign, trials, folder)
+    names = ("coefficients.csv", *(f"{name}.nc" for name in chosen))
+    refuse_study_files(study, (target / name for name in names))
+    if campaign.coefficients:
+        _write_coefficients(campaign.coefficients, target / "coefficients.csv")
+    with waiting(f"writing {len(chosen)} trials") as wait:
+        for done, name in enumerate(chosen, 1):
+            write_netcdf(campaign, name, target / f"{name}.nc")
+            wait.share = done / len(chosen)
+    click.echo(f"{len(chosen)} trials written to {target}")
+
+
+def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:
+    from ..errors import input_error, nearest  # noqa: PLC0415
+
+    known = [t.trial_id for t in campaign.study.trials if t.trial_id in campaign.tracks]
+    if not known:
+        raise input_error(folder / "tracks", "", "no tracks", "those of a run", "bluekoi run STUDY")
+    for name in trials:
+        if name not in known:
+            raise input_error(
+                folder / "tracks", "", f"no '{name}'", "a track", nearest(name, known)
+            )
+    return [name for name in known if not trials or name in trials]
+
+
+def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
+    """Write one trial as a `poses` dataset of movement: time, space, keypoint, individual.
+
+    position (time, space, keypoint, individual), m; confidence without space, NaN; each rate and
+    its standard deviation (time,). The classic netCDF format, which xarray reads.
+    """
+    import numpy as np  # noqa: PLC0415
+    from scipy.io import netcdf_file  # noqa: PLC0415
+
+    from ..files import whole_file  # noqa: PLC0415
+
+    track = campaign.tracks[trial_id]
+    position = _position(campaign, trial_id, track)[..., None]
+    names = {"space": ("x", "y"), "keypoint": PARTS, "individual": (INDIVIDUAL,)}
+    with whole_file(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
+        for name, value in _attributes(campaign, trial_id).items():
+            setattr(out, name, value)
+        out.createDimension("time", len(track.time_s))
+        for name, labels in names.items():
+            out.createDimension(name, len(labels))
+            _write_labels(out, name, labels)
+        _write(out, "time", ("time",), track.time_s)
+        _write(out, "position", ("time", *names), position, "m")
+        unknown = np.full((len(position), len(PARTS), 1), np.nan)
+        _write(out, "confidence", ("time", "keypoint", "individual"), unknown)
+        for name, unit in RATES.items():
+            for column in (name, f"{name}_std"):
+                _write(out, column, ("time",), getattr(track, column), unit)
+
+
+def _write(out: Any, name: str, dims: tuple[str, ...], values: Float, unit: str = "") -> None:
+    variable = out.createVariable(name, "d", dims)
+    variable[:] = values
+    if unit:
+        variable.units = unit
+
+
+def _write_labels(out: Any, name: str, labels: Sequence[str]) -> None:
+    """A coordinate of texts: characters (labels, longest), as the format has no strings."""
+    import numpy as np  # noqa: PLC0415
+
+    text = np.array(labels, dtype="S")
+    out.createDimension(f"{name}_characters", text.itemsize)
+    variable = out.createVariable(name, "c", (name, f"{name}_characters"))
+    variable[:] = text.view("S1").reshape(len(text), text.itemsize)
+    variable._Encoding = "utf-8"  # which xarray takes for texts rather than bytes
+
+
+def _attributes(campaign: Campaign, trial_id: str) -> dict[str, str | float]:
+    import numpy as np  # noqa: PLC0415
+
+    trial = campaign.study.trial(trial_id)
+    return {
+        "ds_type": "poses",
+        "source_software": "BlueKoi",
+        "source_file": str(trial.source),
+        "time_unit": "seconds",
+        "fps": float(1 / np.median(np.diff(campaign.tracks[trial_id].time_s))),
+        "trial_id": trial_id,
+        "power_pct": trial.power_pct,
+        "head_angle_deg": trial.head_angle_deg,
+        "head_length_m": trial.head_length_m,
+        "frame": "pool: origin at one corner on the water surface, x along the length, z up",
+    }
+
+
+def _position(campaign: Campaign, trial_id: str, track: Track) -> Float:
+    """Rigid keypoints of the smoothed motion, (frames, 2, parts), m."""
+    import numpy as np  # noqa: PLC0415
+
+    robot, trial = campaign.study.setup.robot, campaign.study.trial(trial_id)
+    core = np.column_stack([np.cos(track.heading_rad), np.sin(track.heading_rad)])
+    theta = track.heading_rad - track.head_angle_rad
+    head = np.column_stack([np.cos(theta), np.sin(theta)])
+    center = np.column_stack([track.x_m, track.y_m])
+    hinge = center + robot.hinge_to_com_m * core
+    tip = hinge + trial.head_length_m * head
+    tail = center - robot.com_to_tail_base_m * core
+    return np.stack([tip, hinge, center, tail], axis=2)
+
+
+def _write_coefficients(content: Mapping[str, Any], path: Path) -> None:
+    from ..files import write_text  # noqa: PLC0415
+
+    lines = ["fit,coefficient,value,std,unit,determined", *_rows(content)]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _rows(content: Mapping[str, Any]) -> Iterator[str]:
+    fits = {f"paper_{power}_pct": fit for power, fit in content.get("paper_steps", {}).items()}
+    for fit, found in {**fits, "joint": content.get("joint") or {}}.items():
+        for name, one in (found.get("coefficients") or {}).items():
+            cells = (one.get(key) for key in ("value", "std", "unit", "determined"))
+            yield ",".join([fit, name, *("" if cell is None else str(cell) for cell in cells)])

@@ -1,0 +1,27 @@
+"""Files that a command writes: never in the place of a file of the study."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+STUDY_FILES = ("study.yaml", "trials.csv", "truth.sha256", "truth.json")
+
+
+def refuse_study_files(study: Path, outputs: Iterable[Path | None]) -> None:
+    """Raises: InputError where an output, or what it links to, is a file of the study."""
+    from ..errors import input_error  # noqa: PLC0415
+    from ..study import load_study  # noqa: PLC0415
+
+    written = [path for path in outputs if path is not None and path.exists()]
+    if not written:
+        return
+    loaded = load_study(study)
+    logs = (loaded.motor_path(trial) for trial in loaded.trials)
+    sources = (path for trial in loaded.trials for path in loaded.paths(trial))
+    own = [study / name for name in STUDY_FILES] + [*sources, *(log for log in logs if log)]
+    for path in written:
+        if any(file.exists() and os.path.samefile(path, file) for file in own):
+            expected, remedy = "another file to write to", "Nothing was written."
+            raise input_error(path, "", "a file of the study", expected, remedy)

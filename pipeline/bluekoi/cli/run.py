@@ -1,0 +1,169 @@
+"""`bluekoi run`: the whole way, by Snakemake."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+
+from ..errors import INTERRUPTED
+from .named import Named
+
+PACKAGE = Path(__file__).resolve().parents[1]
+SOME_TRIALS_BAD = 3
+TERMINATED = 128 + signal.SIGTERM
+
+
+def workflow_folder() -> Path:
+    """Folder with Snakefile and config: the checkout, or the copy that installing makes."""
+    checkout = PACKAGE.parents[1]
+    return checkout if (checkout / "Snakefile").is_file() else PACKAGE / "workflow" / "files"
+
+
+def command(study: str, results: Path | None, cores: str, further: tuple[str, ...]) -> list[str]:
+    """Arguments that start Snakemake on a study."""
+    home = workflow_folder()
+    values = {"study": study} | ({"results": str(results)} if results else {})
+    keys, rest = _keys(further)
+    return [
+        *(sys.executable, "-P", "-m", "bluekoi.cli.start", "--snakefile", str(home / "Snakefile")),
+        *("--workflow-profile", "none", *_profile(home)),
+        *("--cores", cores, "--config"),
+        *(f"{key}={_as_text(value)}" for key, value in values.items()),
+        *keys,
+        *rest,
+    ]
+
+
+def _as_text(value: str) -> str:
+    """A value that Snakemake reads as this very text, even where it looks like a number or a list.
+
+    It strips quotes at the ends and reads the rest as yaml; the spaces keep the quotes.
+    """
+    return f" {json.dumps(value, ensure_ascii=False)} "
+
+
+def _profile(home: Path) -> list[str]:
+    """Options of the default profile; Snakemake announces a profile that it reads itself."""
+    import yaml  # noqa: PLC0415
+
+    text = (home / "config/profiles/default/config.yaml").read_text(encoding="utf-8")
+    given = {key: value for key, value in yaml.safe_load(text).items() if value is not False}
+    return [w for key, value in given.items() for w in (f"--{key}", str(value)) if w != "True"]
+
+
+def _keys(further: tuple[str, ...]) -> tuple[list[str], list[str]]:
+    """Configuration keys among the further options, and the others.
+
+    Snakemake takes the last `--config` alone, which would make it forget the study.
+    """
+    keys: list[str] = []
+    rest: list[str] = []
+    inside = False
+    for word in further:
+        if word.startswith("-"):
+            name, _, value = word.partition("=")
+            inside = name in ("--config", "-C")
+            if inside:
+                keys += [value] if value else []
+                continue
+        (keys if inside else rest).append(word)
+    return keys, rest
+
+
+def check_cores(_ctx: click.Context, _param: click.Parameter, value: str) -> str:
+    """How many jobs at once, as Snakemake takes it."""
+    if value == "all" or (value.isdecimal() and int(value) > 0):
+        return value
+    raise click.BadParameter(f"'{value}'; expected 1 or more, or 'all'.")
+
+
+@click.command()
+@click.argument("study", default="demo", type=Named(path_type=str))
+@click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
+@click.option(
+    "--cores", default="all", show_default=True, callback=check_cores, help="How many jobs at once."
+)
+@click.argument("further", nargs=-1, type=click.UNPROCESSED)
+@click.pass_context
+def run(
+    ctx: click.Context, study: str, results: Path | None, cores: str, further: tuple[str, ...]
+) -> None:
+    """Analyse STUDY, a folder or `demo`; what was done already is kept.
+
+    FURTHER options go to Snakemake as they stand, after `--`.
+    """
+    returned = _returned(command(study, results, cores, further))
+    folder = _folder(study, results, further)
+    dry = {"-n", "--dry-run", "--dryrun"} & set(further)
+    if returned == 0 and not dry and (bad := _went_wrong(folder, study)):
+        click.echo("\n".join(bad), err=True)
+        ctx.exit(SOME_TRIALS_BAD)
+    ctx.exit(_exit_code(returned, folder))
+
+
+def _folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
+    """Where the results are, given as an option, as a key of Snakemake's or not at all."""
+    named = [key.partition("=")[2] for key in _keys(further)[0] if key.startswith("results=")]
+    return Path(named[-1]) if named else results or Path("results") / Path(study).resolve().name
+
+
+def _returned(words: list[str]) -> int:
+    """Exit code of a command, 130 where it was interrupted, 143 where it was asked to terminate.
+
+    Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed. A request to
+    terminate (a supervisor's, `kill`) reaches this process alone and is handed on to Snakemake,
+    which ends after the jobs at work.
+    """
+    stopped = 0
+    with subprocess.Popen(words) as running:  # noqa: S603
+
+        def terminate(*_: object) -> None:
+            nonlocal stopped
+            stopped = TERMINATED
+            running.terminate()
+
+        before = signal.signal(signal.SIGTERM, terminate)
+        try:
+            while True:
+                try:
+                    return stopped if running.wait() and stopped else running.returncode
+                except KeyboardInterrupt:
+                    stopped = INTERRUPTED
+        finally:
+            signal.signal(signal.SIGTERM, before)
+
+
+def _went_wrong(results: Path, study: str) -> list[str]:
+    """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
+    from ..files import read_json  # noqa: PLC0415
+    from ..stages.outcome import complaint  # noqa: PLC0415
+
+    found = {p.stem: p for folder in ("status/keypoints", "status")
+             for p in sorted((results / folder).glob("*.json"))}  # fmt: skip
+    complaints = {name: complaint(read_json(path)) for name, path in found.items()}
+    bad = {name: text for name, text in sorted(complaints.items()) if text}
+    known = _trials(study) if bad else set()
+    return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]
+
+
+def _trials(study: str) -> set[str]:
+    """Ids of the trials of a study; none of the demo, all of whose trials are known."""
+    from ..study import load_study  # noqa: PLC0415
+
+    return set() if study == "demo" else {t.trial_id for t in load_study(study).trials}
+
+
+def _exit_code(returned: int, results: Path) -> int:
+    """0 where all is well, 3 where all is there but some trials are bad, else 1."""
+    if returned in (0, INTERRUPTED, TERMINATED):
+        return returned
+    from ..stages.layout import Layout  # noqa: PLC0415
+
+    last = Layout(results).last_results
+    complained = not (results / "outcome.json").is_file()
+    return SOME_TRIALS_BAD if complained and all(path.is_file() for path in last) else 1

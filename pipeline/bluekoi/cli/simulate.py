@@ -1,0 +1,215 @@
+"""`bluekoi simulate`: the model's path for a robot under commands that change over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .named import Named
+from .numbers import Finite
+from .outputs import refuse_study_files
+from .waiting import waiting
+
+if TYPE_CHECKING:
+    from ..design_space import Fitted, Schedule
+    from ..model import Simulation
+    from ..study import Setup, Study
+
+NAMES = ("s-turn", "underpowered-turn", "start-stop")
+DT_S = 1 / 60
+PICTURES = (".png", ".pdf", ".svg")
+
+
+@click.command()
+@click.argument("study", type=Named(path_type=Path))
+@click.option("--flap-hz", type=Finite(0, 100), help="Flapping frequency.")
+@click.option("--power-pct", type=Finite(0, 300), help="Or motor power.")
+@click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")
+@click.option("--schedule", type=click.Path(path_type=Path),
+              help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
+@click.option("--manoeuvre", type=click.Choice(NAMES), help="Or a well-known one, made from "
+              "frequency, head angle and seconds.")  # fmt: skip
+@click.option("--head-length-m", type=Finite(0, 10, min_open=True), help="Default: 1x.")
+@click.option("--seconds", type=Finite(0.1, 600),
+              help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
+@click.option("--results", type=click.Path(path_type=Path),
+              help="Results whose fit is used; else Table I of the paper at 100 %.")  # fmt: skip
+@click.option("--model", type=click.Choice(["joint", "extended"]),
+              help="Default: extended by the causes found, where there are any.")  # fmt: skip
+@click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")
+@click.option("--picture", type=click.Path(path_type=Path), help="png, pdf or svg to draw it to.")
+def simulate(
+    *,
+    study: Path,
+    flap_hz: float | None,
+    power_pct: float | None,
+    head_angle_deg: float | None,
+    schedule: Path | None,
+    manoeuvre: str | None,
+    head_length_m: float | None,
+    seconds: float | None,
+    results: Path | None,
+    model: str | None,
+    out: Path | None,
+    picture: Path | None,
+) -> None:
+    """Simulate the robot of STUDY from rest, under constant commands or a schedule of them."""
+    from ..study import load_study  # noqa: PLC0415
+
+    commanded = {"--flap-hz": flap_hz, "--power-pct": power_pct,
+                 "--head-angle-deg": head_angle_deg, "--manoeuvre": manoeuvre}  # fmt: skip
+    _refuse_idle(schedule, commanded, results, model)
+    _refuse_targets(schedule, out, picture)
+    refuse_study_files(study, (out, picture))
+    loaded = load_study(study)
+    with waiting("reading the model"):
+        setup, fit = loaded.setup, _fit(results, model, loaded)
+    length, angle = head_length_m or setup.robot.head_length_m, math.radians(head_angle_deg or 0.0)
+    if schedule is not None:
+        from ..design_space import read_schedule  # noqa: PLC0415
+
+        told = read_schedule(schedule, fit.at_power)
+        lasts = seconds or max(10.0, float(told.time_s[-1]))
+    else:
+        hz, lasts = _frequency(flap_hz, power_pct, fit), seconds or 10.0
+        told = _made(manoeuvre, hz, angle, lasts)
+        if manoeuvre is None:
+            _say_steady(fit, setup, length, hz, angle)
+    with waiting("simulating (the first time on a machine the model is compiled)"):
+        run = _run(fit, setup, length, told, lasts)
+    if schedule is not None or manoeuvre is not None:
+        _say_path(run)
+    _save(run, told, setup, length, out=out, picture=picture)
+    for sentence in _warnings(fit, run, told, power_pct):
+        click.echo(f"Beware: {sentence}.", err=True)
+
+
+def _refuse_idle(
+    schedule: Path | None, commanded: Mapping[str, object], results: Path | None, model: str | None
+) -> None:
+    """Options that would have no effect are not taken in silence."""
+    given = [name for name, value in commanded.items() if value is not None]
+    if schedule is not None and given:
+        raise click.UsageError(f"--schedule holds all commands: leave out {', '.join(given)}")
+    if model is not None and results is None:
+        raise click.UsageError("--model chooses between the fits of --results: give both")
+
+
+def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | None) -> None:
+    """Before anything is written: a picture's format, and files that would replace one another."""
+    if picture is not None and picture.suffix.lower() not in PICTURES:
+        raise click.UsageError(f"--picture {picture}: its ending must be {', '.join(PICTURES)}")
+    files = [path.resolve() for path in (schedule, out, picture) if path is not None]
+    if len(set(files)) < len(files):
+        raise click.UsageError("--schedule, --out and --picture must be different files")
+
+
+def _save(
+    run: Simulation, told: Schedule, setup: Setup, length: float, *, out: Path | None,
+    picture: Path | None,
+) -> None:  # fmt: skip
+    if out is not None:
+        _write(out, run, told)
+        click.echo(f"Written: {out}")
+    if picture is not None:
+        from ..design_space.picture import path_figure, save  # noqa: PLC0415
+
+        save(path_figure(run, told, setup, length), picture)
+        click.echo(f"Drawn: {picture}")
+
+
+def _warnings(fit: Fitted, run: Simulation, told: Schedule, power_pct: float | None) -> list[str]:
+    """Sentences on what the answer does not hold for."""
+    import numpy as np  # noqa: PLC0415
+
+    out = list(fit.warnings)
+    low, high = min(fit.flap_hz), max(fit.flap_hz)
+    if power_pct is not None and not low <= power_pct <= high:
+        out.append(f"{power_pct:g} % power lies outside the tested {low:g} to {high:g} %, its "
+                   "flapping frequency is extrapolated")  # fmt: skip
+    if told.time_s[-1] > run.time_s[-1] + DT_S:
+        out.append(f"the schedule goes on to {told.time_s[-1]:g} s, the simulation ends at "
+                   f"{run.time_s[-1]:g} s")  # fmt: skip
+    lost = np.flatnonzero(~np.isfinite(run.state).all(axis=1))
+    if len(lost):
+        out.append(f"the model runs away: no numbers after {run.time_s[lost[0]]:.2f} s")
+    return out
+
+
+def _fit(results: Path | None, model: str | None, study: Study) -> Fitted:
+    from ..design_space import Fitted, fitted  # noqa: PLC0415
+    from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
+
+    if results is not None:
+        return fitted(results, model=model, study=study)
+    hz = {float(power): value for power, value in FLAP_HZ.items()}
+    return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
+
+
+def _frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:
+    if (flap_hz is None) == (power_pct is None):
+        raise click.UsageError("give --flap-hz or --power-pct, one of them (or --schedule)")
+    return fit.at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
+
+
+def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) -> Schedule:
+    import numpy as np  # noqa: PLC0415
+
+    from ..design_space import MANOEUVRES, Schedule  # noqa: PLC0415
+
+    if manoeuvre is not None:
+        return MANOEUVRES[manoeuvre](hz, angle_rad, seconds)
+    return Schedule(np.zeros(1), np.full(1, hz), np.full(1, angle_rad))
+
+
+def _say_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
+    from ..design_space import Condition, steady_states  # noqa: PLC0415
+
+    with waiting("looking for the steady state (the first time the model is compiled)", 20.0):
+        found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
+    speed, radius = float(found.speed_m_s[0, 0]), float(found.radius_m[0, 0])
+    turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"
+    settled = f"steady: {speed:.3f} m/s, {turn}"
+    click.echo(settled if math.isfinite(speed) else "it does not settle within half a minute")
+
+
+def _run(fit: Fitted, setup: Setup, length: float, told: Schedule, seconds: float) -> Simulation:
+    import numpy as np  # noqa: PLC0415
+
+    from ..model import constants, simulate_at  # noqa: PLC0415
+
+    times = np.arange(round(seconds / DT_S) + 1, dtype=np.float64) * DT_S
+    hz, angle = told.at(times)
+    start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
+    inputs = np.column_stack([angle, hz])
+    return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
+
+
+def _say_path(run: Simulation) -> None:
+    import numpy as np  # noqa: PLC0415
+
+    moved = np.hypot(*(run.state[-1, :2] - run.state[0, :2]))
+    turned = math.degrees(run.heading_rad[-1] - run.heading_rad[0])
+    click.echo(
+        f"after {run.time_s[-1]:g} s: {moved:.2f} m from the start, turned by {turned:.0f} degrees,"
+        f" {run.speed_m_s[-1]:.3f} m/s (fastest {run.speed_m_s.max():.3f})"
+    )
+
+
+def _write(out: Path, run: Simulation, told: Schedule) -> None:
+    import numpy as np  # noqa: PLC0415
+
+    from ..data import write_columns  # noqa: PLC0415
+
+    hz, angle = told.at(run.time_s)
+    names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "yaw_rate_rad_s")
+    columns = {name: run.state[:, i] for i, name in enumerate(names)}
+    write_columns(
+        out,
+        {"time_s": run.time_s, **columns, "heading_rad": run.heading_rad, "flap_hz": hz,
+         "head_angle_deg": np.degrees(angle)},
+    )  # fmt: skip

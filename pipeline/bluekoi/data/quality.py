@@ -1,0 +1,28 @@
+"""Which points and frames are used: one rule for all stages.
+
+A point counts where its likelihood is at least `CONFIDENT`, the cut-off that DeepLabCut uses, or
+not stated (NaN). A frame whose standard deviation is `POORLY_SEEN` times the usual one of its trial
+says nothing by itself.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .types import Float
+
+CONFIDENT = 0.6
+POORLY_SEEN = 10.0
+
+
+def confident(likelihood: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Where a likelihood, of any shape, is that of a point that counts."""
+    return np.asarray(~(likelihood < CONFIDENT))
+
+
+def poorly_seen(variance: Float, usual: Float | float) -> npt.NDArray[np.bool_]:
+    """Where a variance, of any shape, exceeds the usual one by too much, or is unknown (NaN)."""
+    return np.asarray(~(variance <= POORLY_SEEN**2 * np.asarray(usual)))

@@ -1,0 +1,149 @@
+"""The fitted robot as a results folder tells it, with what must be known before it is believed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ..data import Float
+from ..errors import input_error, nearest
+from ..files import read_json
+from ..integrate import LANES
+from ..model import COEFFICIENTS, plates
+from ..study import Study
+
+T = TypeVar("T")
+DRAWS = LANES - 1
+"""Draws of the coefficients beside their best values: together they fill the lanes."""
+AGAIN = "Run the analysis again: bluekoi run STUDY."
+DOUBTFUL = ("measurement", "unexplained")
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """values (draws, parameters), the best ones first; flap_hz by power; which model it is.
+
+    warnings: sentences on why its answers may be wrong.
+    """
+
+    values: Float
+    flap_hz: Mapping[float, float]
+    model: str
+    warnings: tuple[str, ...] = ()
+
+    def at_power(self, power_pct: float) -> float:
+        """Flapping frequency, Hz, between tested powers; beyond them along the line through all."""
+        powers, hz = np.array(list(self.flap_hz)), np.array(list(self.flap_hz.values()))
+        if len(powers) == 1:
+            return float(hz[0] * power_pct / powers[0])
+        inside = powers.min() <= power_pct <= powers.max()
+        order = np.argsort(powers)
+        if inside:
+            return float(np.interp(power_pct, powers[order], hz[order]))
+        slope, offset = np.polyfit(powers, hz, 1)
+        return float(np.maximum(slope * power_pct + offset, 0.0))
+
+
+def fitted(
+    results: Path, *, model: str | None = None, study: Study | None = None, seed: int = 0
+) -> Fitted:
+    """The fitted model of a results folder with draws of its coefficients.
+
+    model: `joint`, or `extended` by the causes that were found (with mismatch_detail.json; draws
+    from the deviations alone); None: extended where the verdict is physics. With `study`, results
+    of trials that it does not have are warned of.
+
+    Raises: InputError where the folder has no fit, an incomplete one, or no extended one.
+    """
+    path, detail = results / "coefficients.json", results / "mismatch_detail.json"
+    found = read_json(path)
+    verdict = _verdict(results / "mismatch.json") if detail.is_file() else "none"
+    chosen = model or ("extended" if verdict == "physics" else "joint")
+    rng = np.random.default_rng(seed)
+    if chosen == "extended":
+        if not detail.is_file():
+            raise input_error(detail, "", "no such file",
+                              "results of the search for what was left out",
+                        "Run the whole analysis first, or ask for the joint model.")  # fmt: skip
+        cells = read_json(detail)
+        values = _whole(detail, lambda: _extended(cells["coefficients"]["after"], detail, rng))
+    else:
+        values = _whole(path, lambda: _joint(found["joint"], rng))
+    flap_hz = _whole(path, lambda: _flap_hz(found["paper_steps"]))
+    doubts = _whole(path, lambda: _doubts(found, verdict, chosen))
+    strangers = _whole(path, lambda: _strangers(found, study)) if study else []
+    return Fitted(values, flap_hz, chosen, (*doubts, *strangers))
+
+
+def _whole(path: Path, read: Callable[[], T]) -> T:
+    try:
+        return read()
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        found = f"incomplete content ({type(error).__name__}: {error})"
+        raise input_error(path, "", found, "what a finished analysis writes", AGAIN) from error
+
+
+def _verdict(path: Path) -> str:
+    content = read_json(path)
+    return _whole(path, lambda: str(content["verdict"]))
+
+
+def _flap_hz(steps: Mapping[str, Any]) -> dict[float, float]:
+    found = {float(power): float(step["flap_hz"]) for power, step in steps.items()}
+    if not found:
+        raise ValueError("paper_steps without a power")
+    return found
+
+
+def _joint(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
+    best = {p.name: float(joint["coefficients"][p.name]["value"]) for p in COEFFICIENTS}
+    names = joint["ensemble"]["names"]
+    every = np.array(joint["ensemble"]["values"], dtype=float)
+    chosen = every[rng.choice(len(every), size=DRAWS, replace=len(every) < DRAWS)]
+    rows = [best, *(dict(zip(names, row.tolist(), strict=True)) for row in chosen)]
+    return np.array([plates().values(row) for row in rows])
+
+
+def _extended(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) -> Float:
+    best = plates().values({})
+    std = np.zeros(len(best))
+    for name, cell in cells.items():
+        slot = plates().slot.get(name)
+        if slot is None:
+            raise input_error(path, name, "an unknown parameter", "a known one",
+                        nearest(name, plates().slot))  # fmt: skip
+        best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
+    lower = np.array([p.lower for p in plates().parameters])
+    upper = np.array([p.upper for p in plates().parameters])
+    drawn = best + std * rng.standard_normal((DRAWS, len(best)))
+    return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
+
+
+def _doubts(found: Mapping[str, Any], verdict: str, chosen: str) -> list[str]:
+    """Coefficients that are guesses, and a verdict that speaks against the joint fit."""
+    cells = found["joint"]["coefficients"] if chosen == "joint" else {}
+    guesses = [name for name, cell in cells.items() if cell.get("determined") is False]
+    out = []
+    if guesses:
+        out.append(f"these trials do not determine {', '.join(guesses)}: numbers that hang on "
+                   "them are guesses (coefficients.json says why)")  # fmt: skip
+    if verdict in DOUBTFUL or (verdict == "physics" and chosen == "joint"):
+        out.append(f"the search ended with '{verdict}': this fit may be off by more than its "
+                   "bands (mismatch.json says where)")  # fmt: skip
+    return out
+
+
+def _strangers(found: Mapping[str, Any], study: Study) -> list[str]:
+    """A sentence where results are of trials or powers that the study does not have."""
+    known = {t.trial_id for t in study.trials}
+    powers = {t.power_pct for t in study.trials}
+    trials = [name for name in found["joint"].get("trials", ()) if name not in known]
+    others = [f"{p} %" for p in found["paper_steps"] if float(p) not in powers]
+    if not trials and not others:
+        return []
+    return [f"the results are of another study or an earlier state of it: {study.root} has no "
+            f"{', '.join([*trials[:5], *others[:5]])}"]  # fmt: skip

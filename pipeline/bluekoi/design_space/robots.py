@@ -1,0 +1,133 @@
+"""Designs of a fitted robot, and the range that was tested."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import ValidationError
+
+from ..data import Float
+from ..errors import InputError, input_error, nearest
+from ..study import Setup, Study
+from ..study.messages import explain
+from .fits import DRAWS, Fitted
+from .front import Design
+from .steady_states import Condition, steady_states
+
+MOST = 20_000
+"""Designs in one go."""
+
+
+@dataclass(frozen=True)
+class Range:
+    """What was tested: lowest and highest power, head angle (its size) and head length."""
+
+    power_pct: tuple[float, float]
+    head_angle_deg: tuple[float, float]
+    head_length_m: tuple[float, float]
+
+    def beyond(self, power_pct: float, head_angle_deg: float, head_length_m: float) -> list[str]:
+        """Names of what lies outside."""
+        given = (
+            ("power", power_pct, self.power_pct),
+            ("head angle", abs(head_angle_deg), self.head_angle_deg),
+            ("head length", head_length_m, self.head_length_m),
+        )
+        return [n for n, v, (low, high) in given if not low - 1e-9 <= v <= high + 1e-9]
+
+
+def tested_range(study: Study) -> Range:
+    """Range of a study's trials; head angles of its turns."""
+    trials = study.trials
+    angles = [abs(t.head_angle_deg) for t in trials if abs(t.head_angle_deg) >= 3]
+    return Range(
+        _span([t.power_pct for t in trials]),
+        _span(angles or [0.0]),
+        _span([t.head_length_m for t in trials]),
+    )
+
+
+def _span(values: Sequence[float]) -> tuple[float, float]:
+    return min(values), max(values)
+
+
+def designs(
+    fit: Fitted,
+    setup: Setup,
+    tested: Range,
+    *,
+    powers: Sequence[float],
+    angles_deg: Sequence[float],
+    lengths_m: Sequence[float],
+    other: Mapping[str, Sequence[float]] | None = None,
+) -> list[Design]:
+    """Every combination with its steady speed and radius and their 95 % bands.
+
+    other: values of further keys of `robot` in study.yaml, such as `mass_kg`; nothing else about
+    the robot changes with them.
+
+    Raises: InputError for a key that the robot does not have, a value that no robot can have, or
+    more designs than `MOST`.
+    """
+    _refuse_too_many((powers, angles_deg, lengths_m, *(other or {}).values()))
+    keys = list(other or {})
+    known = set(type(setup.robot).model_fields)
+    for key in keys:
+        if key not in known:
+            raise input_error("robot", key, "an unknown key", "a key of robot in study.yaml",
+                        nearest(key, known))  # fmt: skip
+    grid = list(itertools.product(powers, angles_deg, lengths_m, *(other or {}).values()))
+    robots = [_with(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid]
+    conditions = [
+        Condition(fit.at_power(p), float(np.radians(a)), h, robot)
+        for (p, a, h, *_), robot in zip(grid, robots, strict=True)
+    ]
+    states = steady_states(conditions, fit.values)
+    return [
+        Design(
+            power_pct=p,
+            flap_hz=c.flap_hz,
+            head_angle_deg=a,
+            head_length_m=h,
+            other=dict(zip(keys, rest, strict=True)),
+            speed_m_s=_band(states.speed_m_s[i]),
+            radius_m=_band(states.radius_m[i]),
+            beyond=tuple(tested.beyond(p, a, h)) + tuple(
+                k for k, v in zip(keys, rest, strict=True) if v != getattr(setup.robot, k)
+            ),
+        )
+        for i, ((p, a, h, *rest), c) in enumerate(zip(grid, conditions, strict=True))
+    ]  # fmt: skip
+
+
+def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
+    count = math.prod(len(values) for values in axes)
+    if count > MOST:
+        sizes = " x ".join(str(len(values)) for values in axes)
+        raise input_error("design", "", f"{count} designs ({sizes})", f"{MOST} at most",
+                    "Take larger steps or shorter ranges.")  # fmt: skip
+
+
+def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
+    if not changes:
+        return setup
+    told = setup.model_dump()
+    told["robot"] |= dict(changes)
+    try:
+        return type(setup).model_validate(told)
+    except ValidationError as error:
+        raise InputError(explain("--robot", error, type(setup))) from error
+
+
+def _band(draws: Float) -> tuple[float, float, float]:
+    """Best value, and 95 % bounds from the spread of the draws (in logarithms)."""
+    best, rest = draws[0], draws[1:]
+    rest = rest[np.isfinite(rest) & (rest > 0)]
+    if not np.isfinite(best) or best <= 0 or len(rest) < DRAWS // 2:
+        return float(best), float("nan"), float("nan")
+    spread = 1.96 * float(np.std(np.log(rest), ddof=1))
+    return float(best), float(best * np.exp(-spread)), float(best * np.exp(spread))

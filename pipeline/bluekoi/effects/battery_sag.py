@@ -1,0 +1,32 @@
+"""Thrust that falls during a trial.
+
+    dT = -k T (1 - exp(-w t)) / w,  t since the start of the trial
+
+which is -k t T at first (w = 0: throughout) and ends at -k T / w: a voltage that settles under
+load.
+Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
+ch. 2).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import exponential
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge",)
+VARIABLES = ("time",)
+STATEMENT = "The longer a trial lasts, the weaker the push: the supply sags."
+REGIME = "late in long trials"
+CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
+PARAMETERS = (
+    Parameter("k", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, at first"),
+    Parameter("w", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles", 0.3),
+)
+
+
+def thrust(
+    rho: float, A: float, f: float, t: float, C_T: float, k: float, w: float
+) -> tuple[float]:
+    """Change of thrust (N)."""
+    return (-k * (1.0 - exponential(-w * t)) / w * C_T * 0.5 * rho * A * f * f,)

@@ -1,0 +1,61 @@
+"""Sideways drag along core and tail, strip by strip.
+
+    dY = -1/2 rho C d_x (v + x r) |v + x r| dx,    N = integral x dY
+
+over the body from the hinge to the tail base (Gauss points of order 5), and over the tail behind it
+as one strip. The depth of the body goes from (1 + q) times the head's span at the hinge to (1 - q)
+times it at the tail base; the tail is w spans deep.
+Quadratic in the sideways speed: vanishes in straight swimming and without rotation.
+Source: Hoerner (1965), ch. 3; Fossen (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("sway", "yaw")
+VARIABLES = (
+    "drift",
+    "turn",
+)
+STATEMENT = (
+    "Core and tail are dragged sideways through the water when the robot drifts or turns, "
+    "strip by strip along the body."
+)
+REGIME = "tight turns with much drift"
+CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
+PARAMETERS = (
+    Parameter("C", "1", 0.5, 0.0, 5.0, "drag coefficient of a section across the flow"),
+    Parameter("q", "1", 0.1, -0.8, 0.8, "taper: how much deeper the body is at the hinge", 0.3),
+    Parameter("w", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans", 0.5),
+)
+
+
+def force(
+    rho: float,
+    span: float,
+    x_hinge: float,
+    x_tail: float,
+    l_tail: float,
+    vc: float,
+    rc: float,
+    C: float,
+    q: float,
+    w: float,
+) -> tuple[float, float, float]:
+    """Sway (N) and yaw (N m) from five strips between hinge and tail base, and one behind."""
+    middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
+    k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831
+    xa, xb, xc, xd = middle - ga * half, middle - gb * half, middle + gb * half, middle + ga * half
+    va, vb, vm, vd, ve = vc + xa * rc, vc + xb * rc, vc + middle * rc, vc + xc * rc, vc + xd * rc
+    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * abs(va)
+    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * abs(vb)
+    Ym = k * 0.5688888888888889 * vm * abs(vm)
+    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * abs(vd)
+    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * abs(ve)
+    xt = -x_tail - 0.5 * l_tail
+    vt = vc + xt * rc
+    Yt = -0.5 * rho * C * span * l_tail * w * vt * abs(vt)
+    N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
+    return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

@@ -1,0 +1,70 @@
+"""Lift that takes time to build up.
+
+Lift follows its steady value over the time in which the flow passes the plate:
+
+    z' = (V^(2 - e) sin 2 alpha - z) V / (s h),    y' = (z - y) V / (s h)
+
+and L uses V^e ((1 - w) z + w y) in place of the share k of V^2 sin 2 alpha. w = 0 is a lag of first
+order, w = 1 two of them in series (the flow turns, then the circulation follows). With e = 0 the
+force itself lags, with e = 1 the circulation, with e = 2 the lift coefficient alone; of the moment
+q C_Ma sin 2 alpha the share m k lags as well. h is the head length. Vanishes in steady motion.
+Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
+and ch. 9 (lags of pressure and boundary layer in series).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import power
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("sway", "yaw")
+VARIABLES = ("angle of attack",)
+STATEMENT = "The lift of the head follows changes of angle and speed with a delay."
+REGIME = "start of turns and every change; nothing in the steady circle"
+CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
+PARAMETERS = (
+    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the lift that lags"),
+    Parameter(
+        "s",
+        "1",
+        4.0,
+        0.1,
+        20.0,
+        "head lengths travelled while it builds up",
+        tries=(1.3, 10.0, 1.3),
+    ),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that lags twice", 0.4),
+    Parameter(
+        "e", "1", 0.0, 0.0, 2.0, "power of the speed that is felt at once", 0.7, (0.0, 0.0, 2.0)
+    ),
+    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does", 0.5),
+)
+STATES = ("z", "y_lag")
+
+
+def plate(
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float,
+    z: float, y_lag: float, k: float, w: float, e: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Lift that is not there yet, in the head's frame (N)."""
+    late = power(V, e) * (z + w * (y_lag - z))
+    L = 0.5 * rho * A * C_La * k * (late + 2.0 * uh * vh) / V
+    return -L * vh, L * uh
+
+
+def force(
+    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float,
+    z: float, y_lag: float, k: float, w: float, e: float, m: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Moment that is not there yet (N m)."""
+    late = power(V, e) * (z + w * (y_lag - z))
+    return 0.0, 0.0, 0.5 * rho * A * C_Ma * m * k * (late + 2.0 * uh * vh)
+
+
+def own_rates(
+    uh: float, vh: float, V: float, h: float, z: float, y_lag: float, s: float, e: float
+) -> tuple[float, float]:
+    """Derivatives of z and y, (m/s)^(2 - e) a second; not faster than the integrator follows."""
+    rate = min(V / (s * h), 60.0)
+    return (-2.0 * uh * vh * power(V, -e) - z) * rate, (z - y_lag) * rate

@@ -1,0 +1,39 @@
+"""A motor that takes time to reach its speed.
+
+    f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
+    z = max(1 - t / (2 tau), 0),  t since the start
+
+First order (w = 0), or what a controller makes (w = 1) in twice tau: a ramp, or with q = 1 a soft
+start, which begins and ends gently.
+
+Source: Nise (2015), sec. 2.8 (motor with load, first order).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import exponential
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge",)
+VARIABLES = ("early",)
+STATEMENT = (
+    "The tail does not beat at full frequency from the start: the motor takes time to spin up."
+)
+REGIME = "the first second of every trial"
+CONFUSED_WITH = ("added_mass", "time_offset", "thrust_loss_with_speed")
+PARAMETERS = (
+    Parameter("k", "1", 0.5, 0.0, 1.0, "share of the frequency missing at the start"),
+    Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant, half the length of a ramp"),
+    Parameter("w", "1", 0.5, 0.0, 1.0, "part that a controller makes"),
+    Parameter("q", "1", 0.0, 0.0, 1.0, "softness of the controller's ramp", spread=0.4),
+)
+
+
+def drive(
+    t: float, flap_hz: float, k: float, tau: float, w: float, q: float
+) -> tuple[float, float]:
+    """Change of head angle (rad) and flapping frequency (Hz)."""
+    z = max(1.0 - 0.5 * t / tau, 0.0)
+    ramp = z + q * (z * z * (3.0 - 2.0 * z) - z)
+    return 0.0, -flap_hz * k * ((1.0 - w) * exponential(-t / tau) + w * ramp)

@@ -1,0 +1,48 @@
+"""Forces that differ between the two sides.
+
+The head's lift is (1 + k) times as large with the flow from one side and (1 - k) from the other:
+
+    dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
+
+so that with w above 0 the sides differ less where the angle of attack is small; of its moment
+q C_Ma sin 2 alpha the part m does so as well. Even where the model is odd; vanishes with the flow
+straight on.
+Source: own statement (asymmetric hull or head cap).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("sway", "yaw")
+VARIABLES = ("side",)
+STATEMENT = "The robot turns better to one side than to the other."
+REGIME = "turns, with opposite sign to port and starboard"
+CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
+PARAMETERS = (
+    Parameter("k", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger"),
+    Parameter("w", "1", 0.03, 0.0, 1.0, "sine of 2 alpha up to which the sides differ less", 0.2),
+    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that differs as the lift does", 0.5),
+)
+
+
+def plate(
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float, k: float, w: float
+) -> tuple[float, float]:
+    """Additional lift, in the head's frame (N)."""
+    s = 2.0 * uh * vh
+    over = math.sqrt(s * s + (w * V * V) ** 2 + 1e-24)
+    L = 0.5 * rho * A * C_La * k * s * s / (over * V)
+    return -L * vh, L * uh
+
+
+def force(
+    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float, k: float, w: float, m: float
+) -> tuple[float, float, float]:
+    """Additional moment alone (N m)."""
+    s = 2.0 * uh * vh
+    over = math.sqrt(s * s + (w * V * V) ** 2 + 1e-24)
+    return 0.0, 0.0, 0.5 * rho * A * C_Ma * m * k * s * s / over

@@ -1,0 +1,49 @@
+"""A head that takes time to turn.
+
+    phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
+
+n = 1 and q = 0 is a first-order lag; a servo that turns at a limited rate and then stands has
+larger n and q = 1, since it needs the longer the further it has to turn. Of the turning the core
+takes the part c, psi' = r + c phi', and the head the rest: with c = 1 the head keeps its direction,
+which is the state of Eq. 8.
+Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import exponential, power
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("yaw", "sway")
+VARIABLES = ("early",)
+STATEMENT = "The head does not stand at its angle from the start: the servo takes time to turn it."
+REGIME = "the first second of turns"
+CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
+PARAMETERS = (
+    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start"),
+    Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
+    Parameter("n", "1", 1.5, 1.0, 5.0, "1: lag of first order, larger: limited rate"),
+    Parameter("q", "1", 0.5, 0.0, 1.0, "0: same time for all angles, 1: in proportion to them"),
+    Parameter(
+        "c", "1", 0.0, 0.0, 1.2, "part of the turning that the core takes", 0.5, (0.0, 0.0, 1.0)
+    ),
+)
+
+
+def drive(
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float
+) -> tuple[float, float]:
+    """Change of head angle (rad) and flapping frequency (Hz)."""
+    T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
+    return -head_angle * k * exponential(-power(max(t, 1e-9) / T, n)), 0.0
+
+
+def swing(
+    t: float, head_angle: float, k: float, tau: float, n: float, q: float, c: float
+) -> tuple[float]:
+    """Rate at which the core turns (rad/s): c times that of the head angle."""
+    T = tau * (1.0 - q + q * (abs(head_angle) + 1e-3) / 0.7853981633974483)
+    late = max(t, 1e-9) / T
+    left = power(late, n)
+    return (c * k * head_angle * exponential(-left) * left * n / (late * T),)

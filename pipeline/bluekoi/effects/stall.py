@@ -1,0 +1,47 @@
+"""Lift lost at a high angle of attack.
+
+Of the head plate's lift the share k w(alpha) is lost, where w rises from 0 to 1 as |sin alpha|
+goes from s0 to s0 + b, and of its moment q C_Ma sin 2 alpha the share m k w. Vanishes at small
+angles.
+Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
+and Borst, Fluid-Dynamic Lift (1975), ch. 4.
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import smooth_step
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("sway", "yaw")
+VARIABLES = ("angle of attack",)
+STATEMENT = (
+    "At a high angle of attack the flow separates from the head and part of its lift is lost."
+)
+REGIME = "large head angle, angle of attack beyond some 20 degrees"
+CONFUSED_WITH = ("head_angle_offset", "lift_lag", "servo_lag")
+PARAMETERS = (
+    Parameter("k", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow"),
+    Parameter("s0", "1", 0.4, 0.05, 0.8, "sine of the angle of attack where it begins"),
+    Parameter("b", "1", 0.25, 0.04, 0.8, "range of the sine over which it goes on", 0.1),
+    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is", 0.5),
+)
+
+
+def plate(
+    rho: float, A: float, uh: float, vh: float, V: float, C_La: float,
+    k: float, s0: float, b: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Lift taken away, in the head's frame (N)."""
+    L = 0.5 * rho * A * C_La * (-2.0 * uh * vh) / V
+    lost = -k * smooth_step((abs(vh) / V - s0) / b)
+    return -lost * L * vh, lost * L * uh
+
+
+def force(
+    rho: float, A: float, uh: float, vh: float, V: float, C_Ma: float,
+    k: float, s0: float, b: float, m: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Moment taken away (N m)."""
+    lost = m * k * smooth_step((abs(vh) / (V + 1e-9) - s0) / b)
+    return 0.0, 0.0, lost * 0.5 * rho * A * C_Ma * 2.0 * uh * vh

@@ -1,0 +1,58 @@
+"""Core and tail as a fin.
+
+A low-aspect-ratio fin at distance a behind the centre of mass meets the water at the sideways
+speed v_a = v - a r and gives the side force of a thin wing at small angle. A long one meets it at
+another speed at each station; two stations at a - b and a + b have the same mean and spread:
+
+    dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
+    dX = g dY w u / (u^2 + w^2)
+
+with S = C_La,fin x area. p = 0 is the wing's law at small angles; sideways flow that adds to the
+dynamic pressure, and the drag across the flow that comes with it, make it larger, a fin that stalls
+gently smaller. g is what of the force lies along the body: above 0 the drag that comes with lift,
+below 0 the pull of a rounded leading edge (-1 where all force stands across the flow). It vanishes
+without forward speed (p = 0) and is zero in straight swimming, which it makes stable.
+Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
+Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("sway", "yaw")
+VARIABLES = (
+    "drift",
+    "turn",
+)
+STATEMENT = (
+    "Core and tail act as a fin: moving sideways or turning, they feel a side force that "
+    "grows with forward speed and turns the nose back into the flow."
+)
+REGIME = "turning or drifting while moving forward; nothing in straight swimming"
+CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
+PARAMETERS = (
+    Parameter("S", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin"),
+    Parameter("a", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass"),
+    Parameter("b", "m", 0.03, 0.0, 0.09, "how far the fin spreads along the body", 0.02),
+    Parameter("p", "1", 0.2, -0.8, 4.0, "share of the sideways flow in the dynamic pressure", 0.4),
+    Parameter("g", "1", 0.0, -1.0, 2.0, "part of the force that lies along the body", 0.4),
+)
+
+
+def force(
+    rho: float, uc: float, vc: float, rc: float,
+    S: float, a: float, b: float, p: float, g: float,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Surge, sway (N) and yaw (N m) of the fin."""
+    front, rear = a - b, a + b
+    wf, wr = vc - front * rc, vc - rear * rc
+    k = -0.25 * rho * S
+    Yf = k * math.sqrt(max(uc * uc + p * wf * wf, 0.0) + 1e-12) * wf
+    Yr = k * math.sqrt(max(uc * uc + p * wr * wr, 0.0) + 1e-12) * wr
+    Xf = Yf * wf / (uc * uc + wf * wf + 1e-12)
+    Xr = Yr * wr / (uc * uc + wr * wr + 1e-12)
+    return g * uc * (Xf + Xr), Yf + Yr, -front * Yf - rear * Yr

@@ -1,0 +1,24 @@
+"""Thrust that does not grow with the head.
+
+    dT = -k T (1 - A_1 / A)
+
+As printed, Eq. 1 scales thrust with the head plate's area A; with k = 1 it scales with the area
+A_1 of the 1x head. Vanishes for the 1x head. Source: audit of Eq. 1, docs/paper.md.
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge",)
+VARIABLES = ("head length",)
+STATEMENT = "A longer head does not make the tail push harder, as Eq. 1 says it does."
+REGIME = "trials with another head than 1x"
+CONFUSED_WITH = ("centre_of_mass_shift", "added_mass")
+PARAMETERS = (Parameter("k", "1", 0.5, 0.0, 1.5, "share of the growth that is not there"),)
+
+
+def thrust(rho: float, f: float, C_T: float, A: float, A_ref: float, k: float) -> tuple[float]:
+    """Change of thrust (N)."""
+    return (-k * C_T * 0.5 * rho * (A - A_ref) * f * f,)

@@ -1,0 +1,31 @@
+"""Thrust that misses the centre of mass when the head is turned.
+
+    N = T d (sin(phi) + w (phi - sin(phi)))
+
+The head's mass swings to one side with phi, and with it the centre of mass: with sin(phi) about a
+hinge (w = 0); w is the part that grows with phi itself, as of a body that bends along an arc.
+Vanishes with the head straight. Source: rigid-body statics; MODEL equations place T through the
+centre of mass.
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("yaw",)
+VARIABLES = ("head angle",)
+STATEMENT = "With the head turned, the thrust passes beside the centre of mass and turns the robot."
+REGIME = "turns, in proportion to thrust; also before it moves"
+CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
+PARAMETERS = (
+    Parameter(
+        "d", "m", 0.003, -0.05, 0.05, "offset of the line of thrust at a head angle of 90 degrees"
+    ),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows with the angle itself", 0.4, (0.8,)),
+)
+
+
+def force(T: float, phi: float, sphi: float, d: float, w: float) -> tuple[float, float, float]:
+    """Yaw moment alone (N m)."""
+    return 0.0, 0.0, T * d * (sphi + w * (phi - sphi))

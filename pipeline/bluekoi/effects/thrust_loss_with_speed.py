@@ -1,0 +1,36 @@
+"""A tail that swims into its own advance.
+
+    dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
+
+Thrust falls with the advance in one beat, u / f: linearly, and by its square in the part w. With
+q = 0 the advance alone counts, as for a propeller; with q = 1 (w = 0) or 2 (w = 1) a share of the
+thrust is lost that hangs on the speed alone. Vanishes at rest, and for w = 0 with the tail at rest.
+Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
+Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import power
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge",)
+VARIABLES = (
+    "speed",
+    "beat",
+)
+STATEMENT = "The faster the robot already swims, the less thrust a tail beat gives."
+REGIME = "start-up against cruise: strong push at first, less at speed"
+CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
+PARAMETERS = (
+    Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance, at 0.15 m"),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared", 0.4, (0.8, 0.0)),
+    Parameter("q", "1", 0.0, 0.0, 2.0, "growth with the beat beyond the advance", 0.5, (0.0, 1.0)),
+)
+
+
+def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float, q: float) -> tuple[float]:
+    """Change of thrust (N)."""
+    beat = power(max(f, 1e-9) / 3.5, q)
+    return (-k * rho * A * uc * ((1.0 - w) * f + w * uc / 0.15) * beat,)

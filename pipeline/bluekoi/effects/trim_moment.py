@@ -1,0 +1,31 @@
+"""A robot that is not quite symmetric.
+
+    N = 1/2 rho A c V0^2 (V / V0)^(2 p),   V0 = 0.3 m/s
+
+p = 1 where the shape is at fault; a thrust or tail that is out of line leaves less at high speed.
+Vanishes at rest; turns a robot with a straight head, always to the same side.
+Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
+"""
+
+from __future__ import annotations
+
+from ..integrate.branchless import power
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("yaw",)
+VARIABLES = ("side",)
+STATEMENT = (
+    "A small lasting turning moment acts even with the head straight: the robot is out of trim."
+)
+REGIME = "all trials, to one side, straight runs most visibly"
+CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
+PARAMETERS = (
+    Parameter("c", "m", 0.001, -0.1, 0.1, "moment per 1/2 rho A V0^2, counter-clockwise positive"),
+    Parameter("p", "1", 1.0, 0.1, 1.5, "growth with speed squared", spread=0.3),
+)
+
+
+def force(rho: float, A: float, V: float, c: float, p: float) -> tuple[float, float, float]:
+    """Yaw moment alone (N m)."""
+    return 0.0, 0.0, 0.045 * rho * A * c * power(max(V, 1e-9) / 0.3, 2.0 * p)

@@ -1,0 +1,39 @@
+"""Skin friction of a laminar boundary layer.
+
+    D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
+
+Laminar (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^2 V^(-1/2); w is the part of it that
+grows as V, as where the flow creeps. The part h of it acts at the head plate, a distance l ahead of
+the centre of mass, where the paper has all drag; the rest at the centre of mass. Weaker than
+quadratic drag as speed grows; vanishes at rest.
+Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge", "sway")
+VARIABLES = ("speed",)
+STATEMENT = (
+    "Skin friction grows more slowly than speed squared, so drag weighs more at low power "
+    "than the model says."
+)
+REGIME = "low speed: 50 % power, start-up and coasting"
+CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")
+PARAMETERS = (
+    Parameter("k", "N (s/m)^1.5", 0.1, 0.0, 5.0, "force at 0.3 m/s over 0.3^1.5"),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V", 0.4, (0.8,)),
+    Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
+)
+
+
+def force(
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+) -> tuple[float, float, float]:
+    """Surge and sway (N) and yaw (N m)."""
+    s = -k * ((1.0 - w) * math.sqrt(V) + 0.5477225575051661 * w)
+    return s * uc, s * vc, h * l * s * vc

@@ -1,0 +1,36 @@
+"""Drag of the waves that a robot close to the surface makes.
+
+    D = -k V^4 ((1 - w) + w (V / V_1)^2) v_hat,  V_1 = 0.4 m/s
+
+It rises faster than speed squared below the hull speed; w is the part that grows as V^6. The part h
+acts at the head plate, a distance l ahead of the centre of mass, the rest at the centre of mass.
+
+Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
+Hoerner (1965), ch. 11.
+"""
+
+from __future__ import annotations
+
+from ..integrate.system import Parameter
+
+KIND = "physics"
+CHANNELS = ("surge", "sway")
+VARIABLES = ("speed",)
+STATEMENT = (
+    "Close to the surface the robot makes waves, a drag that grows faster than speed squared."
+)
+REGIME = "the highest speeds: 100 % power"
+CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
+PARAMETERS = (
+    Parameter("k", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4"),
+    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V^6", 0.4, (0.8,)),
+    Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
+)
+
+
+def force(
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+) -> tuple[float, float, float]:
+    """Surge and sway (N) and yaw (N m)."""
+    s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V)
+    return s * uc, s * vc, h * l * s * vc

@@ -1,0 +1,35 @@
+"""The finder for any dynamic model: which causes did it leave out, with which probability.
+
+candidates  what may be added, and what is known of it before any data
+problem     a system, its trials, its candidates
+refit       nonlinear fits of a set of causes with its own noise
+expansion   second-order expansion of the likelihood in the numbers of all candidates
+evidence    marginal likelihood of a set of causes
+search      which sets are worth a fit
+posterior   probabilities of sets and causes, bagged over trials
+"""
+
+from .candidates import Candidate, Priors, candidates_of
+from .expansion import Expansion, expanded
+from .posterior import Posterior, posterior
+from .problem import Problem
+from .refit import FittedSet, fitted, own_noise, unconstrained
+from .search import Scored, Visited, search
+
+__all__ = [
+    "Candidate",
+    "Expansion",
+    "FittedSet",
+    "Posterior",
+    "Priors",
+    "Problem",
+    "Scored",
+    "Visited",
+    "candidates_of",
+    "expanded",
+    "fitted",
+    "own_noise",
+    "posterior",
+    "search",
+    "unconstrained",
+]

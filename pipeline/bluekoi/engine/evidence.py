@@ -1,0 +1,263 @@
+"""Marginal likelihood of a set of causes, by Laplace's approximation at a fitted set.
+
+The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
+their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
+terms in the channel and variable of one of its causes, as strong as the share `KAPPA` of that
+cause (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425). With gradient g and information
+H of the likelihood, prior precision P and G the Schur complement of H + P that is left when b is
+profiled,
+
+    log m(S) = log L + 1/2 g' (H + P)^-1 g + 1/2 log|P_fd| - 1/2 log|G| + k/2 log 2 pi
+               + sum_k log p(s_k)
+
+The strengths of each cause have a Cauchy prior (Jeffreys 1961, sec. 5.2) as wide as its plausible
+magnitude, which its file states: an effect far smaller than plausible costs what its precision
+costs, log(magnitude / standard error). Where one sign alone is possible, the half of it, and the
+posterior's share on that side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaln, log_ndtr
+
+from ..data import Float
+from .candidates import Candidate, form_precision, is_signed, parameter
+from .expansion import Expansion
+from .problem import Problem
+
+KAPPA = 0.2
+"""Size of a cause's discrepancy relative to its force."""
+LEAST = 1e-12
+RIDGE = 1e-10  # beside ones on the diagonal: columns that are nearly the same
+ABSENT = -50.0
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns (p,) of an expansion that make up a set, coefficients first, and their priors.
+
+    count: of coefficients. blocks: cause -> positions of its strengths among the columns.
+    precision (p,): 1 / magnitude^2 of strengths, 1 / variance of forms and discrepancy, 0 of
+    coefficients. gaussian (p,): whether the prior is normal (forms, discrepancy). signed: cause ->
+    whether its strength has one sign. at (p,): strengths at the expansion, 0 elsewhere. held (p,):
+    columns at a bound that the gradient pushes against. sizes: cause -> plausible magnitudes.
+    """
+
+    columns: np.ndarray
+    count: int
+    blocks: dict[str, np.ndarray]
+    precision: Float
+    gaussian: np.ndarray
+    signed: dict[str, bool]
+    at: Float
+    held: np.ndarray
+    sizes: dict[str, Float]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One column of a set: its place in the expansion, prior precision, value at the expansion."""
+
+    index: int
+    precision: float
+    gaussian: bool
+    at: float = 0.0
+
+
+def layout(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
+    """`Layout` of a set of causes in an expansion about any set."""
+    values, count = expansion.model.fit.values, len(problem.coefficients)
+    columns = [_Column(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
+    blocks: dict[str, np.ndarray] = {}
+    for cause in causes:
+        inside = cause in expansion.model.causes
+        strengths, forms = (_fitted_columns if inside else _further_columns)(
+            problem, expansion, problem.by_name[cause]
+        )
+        blocks[cause] = np.arange(len(columns), len(columns) + len(strengths))
+        columns += [*strengths, *forms]
+    columns += _discrepancy(problem, expansion, causes)
+    columns += _tolerances(problem, expansion, causes)
+    system = problem.kernel.system
+    return Layout(
+        columns=np.array([c.index for c in columns]),
+        count=count,
+        blocks=blocks,
+        precision=np.array([c.precision for c in columns]),
+        gaussian=np.array([c.gaussian for c in columns]),
+        signed={c: is_signed(system, problem.by_name[c]) for c in causes},
+        at=np.array([c.at for c in columns]),
+        held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
+        sizes={c: plausible_sizes(problem, c)[: len(blocks[c])] for c in causes},
+    )
+
+
+def _fitted_columns(
+    problem: Problem, expansion: Expansion, candidate: Candidate
+) -> tuple[list[_Column], list[_Column]]:
+    """Strengths and forms of a cause that is in the expanded set.
+
+    The likelihood of a fit includes normal priors of forms; one that is uniform between bounds
+    counts by its width alone.
+    """
+    model, system = expansion.model, problem.kernel.system
+    place = {f.label: i for i, f in enumerate(model.fit.free)}
+    own = [f for f in candidate.strengths if f.label in place]
+    sizes = plausible_sizes(problem, candidate.name)[: len(own)]
+    strengths = [_Column(place[f.label], size**-2.0, False, float(model.fit.values[place[f.label]]))
+                 for f, size in zip(own, sizes, strict=True)]  # fmt: skip
+    free = [f for f in candidate.forms if f.label in place]
+    forms = [_Column(place[f.label], float(precision), True)
+             for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
+    return strengths, forms
+
+
+def _further_columns(
+    problem: Problem, expansion: Expansion, candidate: Candidate
+) -> tuple[list[_Column], list[_Column]]:
+    """Strengths of a cause that is not in the expanded set, and the differences of its forms, which
+    are as large as the strength.
+    """
+    columns = expansion.strengths[candidate.name]
+    sizes = plausible_sizes(problem, candidate.name)
+    strengths = [_Column(i, float(size**-2.0), False)
+                 for i, size in zip(columns, sizes, strict=True)]  # fmt: skip
+    forms = expansion.forms[candidate.name]
+    if not forms:
+        return strengths, []
+    size = _expected_strength(problem, expansion, candidate)
+    return strengths, [_Column(i, size**-2.0, gaussian=True) for i in forms]
+
+
+def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candidate) -> float:
+    """Size of the strength of a cause that is not in the expanded set: one Newton step, within a
+    tenth and ten times its plausible magnitude.
+    """
+    columns = [*range(len(expansion.own)), expansion.strengths[candidate.name][0]]
+    H = expansion.hessian.sum(axis=0)[np.ix_(columns, columns)]
+    g = expansion.gradient.sum(axis=0)[columns]
+    step = np.linalg.lstsq(H + 1e-9 * np.diag(np.diag(H)), g, rcond=1e-12)[0][-1]
+    size = float(plausible_sizes(problem, candidate.name)[0])
+    return float(np.clip(abs(step), 0.1 * size, 10.0 * size))
+
+
+def plausible_sizes(problem: Problem, cause: str) -> Float:
+    """Plausible magnitudes (strengths,) of a cause; of residual terms as `Problem` states them."""
+    system, candidate = problem.kernel.system, problem.by_name[cause]
+    if cause in problem.residual_sizes:
+        return np.array([problem.residual_sizes[cause]])
+    return np.array([parameter(system, f).typical for f in candidate.strengths])
+
+
+def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+    """Residual terms in the channel and variable of one of the causes: their prior deviation makes
+    their force `KAPPA` times that of the cause.
+    """
+    information = np.einsum("tpp->p", expansion.hessian)
+    model = expansion.model
+    place = {f.label: i for i, f in enumerate(model.fit.free)}
+    found: dict[int, float] = {}
+    for cause in (c for c in causes if c in model.causes and not problem.by_name[c].is_residual):
+        candidate = problem.by_name[cause]
+        own = [place[f.label] for f in candidate.strengths if f.label in place]
+        visible = float(np.sum(information[own] * model.fit.values[own] ** 2))
+        for other in problem.candidates:
+            covered = other.is_residual and other.sources & candidate.sources
+            if not covered or other.name in causes or other.name not in expansion.strengths:
+                continue
+            column = expansion.strengths[other.name][0]
+            deviation = KAPPA * np.sqrt(visible / max(information[column], LEAST))
+            found[column] = max(found.get(column, LEAST), float(deviation))
+    return [_Column(i, deviation**-2.0, gaussian=True) for i, deviation in found.items()]
+
+
+def _tolerances(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+    """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
+    return [
+        _Column(column, problem.tolerances[free.name] ** -2.0, gaussian=True)
+        for name, columns in expansion.strengths.items()
+        if name not in causes
+        for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
+        if free.name in problem.tolerances
+    ]
+
+
+def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
+    """Whether a fitted number stands at a bound that the gradient pushes against."""
+    free = expansion.model.fit.free
+    if column >= len(free):
+        return False
+    p, value = parameter(problem.kernel.system, free[column]), expansion.model.fit.values[column]
+    g = float(expansion.gradient[:, column].sum())
+    return bool((value <= p.lower and g <= 0) or (value >= p.upper and g >= 0))
+
+
+def log_evidence(expansion: Expansion, lay: Layout, weights: Float | None = None) -> float:
+    """Log m(S) of a set; weights (trials,): how often each trial counts (a bootstrap sample)."""
+    w = np.ones(len(expansion.log_likelihood)) if weights is None else weights
+    H = np.tensordot(w, expansion.hessian, 1)[np.ix_(lay.columns, lay.columns)]
+    g = (w @ expansion.gradient)[lay.columns]
+    return float(w @ expansion.log_likelihood) + laplace(H, g, lay)
+
+
+def laplace(H: Float, g: Float, lay: Layout) -> float:
+    """What the numbers of a set add to the log likelihood: best step, Occam factor and priors.
+
+    H (p, p), g (p,): information and gradient of the likelihood in the columns of the layout.
+    """
+    index = np.flatnonzero(~lay.held)
+    if len(index) == 0:
+        return 0.0
+    whole = H + np.diag(lay.precision)
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(whole)[index], 1e-30))
+    A = whole[np.ix_(index, index)] * np.outer(scale, scale) + RIDGE * np.eye(len(index))
+    step = np.zeros(len(g))
+    step[index] = scale * np.linalg.solve(A, scale * g[index])
+    # the width of the Cauchy prior regularises the step; it does not pull a strength to 0
+    pull = np.where(lay.gaussian, 0.0, lay.precision)
+    gain = 0.5 * float(g @ step) + 0.5 * float(pull @ step**2)
+    own = index >= lay.count
+    if not own.any():
+        return gain
+    cov = np.linalg.inv(A)[np.ix_(own, own)] * np.outer(scale[own], scale[own])  # G^-1
+    rest = index[own]
+    normal = lay.gaussian[rest]
+    return (
+        gain
+        + 0.5 * float(np.linalg.slogdet(cov)[1])
+        + 0.5 * float(np.log(lay.precision[rest][normal]).sum())
+        + sum(_strength_prior(cause, cov, rest, step, lay) for cause in lay.blocks)
+    )
+
+
+def _strength_prior(cause: str, cov: Float, rest: np.ndarray, step: Float, lay: Layout) -> float:
+    """Log p(s) + k/2 log 2 pi of a cause's strengths at their best values; see `laplace`.
+
+    A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it.
+    """
+    free = np.isin(lay.blocks[cause], rest)
+    if not free.any():
+        return ABSENT
+    own, sizes = lay.blocks[cause][free], lay.sizes[cause][free]
+    k, values = len(own), lay.at[own] + step[own]
+    density = float(
+        gammaln(0.5 * (k + 1))
+        - 0.5 * (k + 1) * np.log(np.pi)
+        - np.log(sizes).sum()
+        - 0.5 * (k + 1) * np.log1p(np.sum((values / sizes) ** 2))
+    )
+    side = 0.0
+    if lay.signed[cause]:
+        at = int(np.flatnonzero(rest == own[0])[0])
+        side = np.log(2.0) + float(log_ndtr(values[0] / np.sqrt(cov[at, at])))
+    return density + 0.5 * k * float(np.log(2.0 * np.pi)) + side
+
+
+def log_prior(problem: Problem, causes: Sequence[str]) -> float:
+    """Log prior probability of a set, relative to that of no cause."""
+    odds = [problem.by_name[c].prior / (1.0 - problem.by_name[c].prior) for c in causes]
+    return float(np.log(odds).sum())

@@ -1,0 +1,56 @@
+"""Posterior probabilities of causes: sets weighted by evidence, averaged over resampled trials.
+
+Where no set of candidates is exactly right, the ratio of two sets' evidences hangs on which trials
+happened to be filmed. Bagging over trials (Huggins and Miller, Bayesian Anal. 18 (2023), 79)
+averages the posterior over bootstrap samples of the trials, so that a probability near 1 stands
+only where any sample of trials gives it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from .evidence import log_evidence, log_prior
+from .problem import Problem
+from .search import Scored
+
+DRAWS = 100
+SEED = 20240517
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Probabilities (sets,) of the sets, bagged, and of each candidate."""
+
+    sets: tuple[Scored, ...]
+    probability: Float
+    inclusion: dict[str, float]
+
+    @property
+    def best(self) -> Scored:
+        """The most probable set."""
+        return self.sets[int(np.argmax(self.probability))]
+
+
+def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> Posterior:
+    """`Posterior` over the fitted sets."""
+    useful = [s for s in sets if np.isfinite(s.log_posterior)]
+    best = max(s.log_posterior for s in useful)
+    useful = [s for s in useful if s.log_posterior > best - 200.0]
+    n = len(problem.series)
+    rng = np.random.default_rng(SEED)
+    weights = rng.multinomial(n, np.full(n, 1.0 / n), size=draws).astype(float)
+    prior = np.array([log_prior(problem, s.causes) for s in useful])
+    logs = np.array([[log_evidence(s.expansion, s.layout, w) for s in useful] for w in weights])
+    logs = np.nan_to_num(logs, nan=-np.inf) + prior
+    share = np.exp(logs - logs.max(axis=1, keepdims=True))
+    share /= share.sum(axis=1, keepdims=True)
+    probability = share.mean(axis=0)
+    names = {name for s in useful for name in s.causes}
+    inclusion = {name: float(sum(p for p, s in zip(probability, useful, strict=True)
+                                 if name in s.causes)) for name in names}  # fmt: skip
+    return Posterior(tuple(useful), probability, inclusion)

@@ -1,0 +1,47 @@
+"""What the finder is asked: a system, its trials, its candidate causes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ..data import Float
+from ..fitting import Free, Noise, Series, trial_values
+from ..integrate import Kernel
+from .candidates import Candidate
+
+Progress = Callable[[str], None]
+
+
+def silent(_: str) -> None:
+    """Progress that nobody follows."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Trials to fit and candidates to judge.
+
+    base (parameters,): values of what is not fitted. coefficients: the model's own numbers. noise:
+    where estimates of the random part begin. tolerances: strength of a candidate -> standard
+    deviation to which a careful laboratory makes it 0; integrated out where it is not a cause.
+    """
+
+    kernel: Kernel
+    series: Sequence[Series]
+    base: Float
+    coefficients: tuple[Free, ...]
+    candidates: tuple[Candidate, ...]
+    noise: Noise
+    tolerances: Mapping[str, float] = field(default_factory=dict)
+    residual_sizes: Mapping[str, float] = field(default_factory=dict)
+    progress: Progress = field(default=silent)
+
+    @cached_property
+    def by_name(self) -> dict[str, Candidate]:
+        """Candidates by name."""
+        return {c.name: c for c in self.candidates}
+
+    def points(self, free: Sequence[Free], values: Float) -> list[Float]:
+        """Full parameter vectors, one a trial."""
+        return [trial_values(self.kernel, self.base, free, values, s.group) for s in self.series]

@@ -1,0 +1,208 @@
+"""Nonlinear fits of a set of causes, with all their functional forms and their own noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import (
+    Fit,
+    Free,
+    Noise,
+    Passes,
+    filter_all,
+    fit,
+    fit_noise,
+    log_likelihoods,
+    normal_equations,
+)
+from ..fitting.filtering import disturbance_slots
+from .candidates import Candidate, parameter
+from .problem import Problem
+
+TOLERANCE = 0.1
+"""A fit ends with a step of this many standard deviations in the mean square."""
+QUIET = (2e-4, 0.5)
+"""Second start of the noise estimate: small random forces (in each force's unit, as a share of
+those at the first start where smaller) with a correlation time of 0.5 s."""
+QUIET_SHARE = 0.05
+MOST_NOISE_ROUNDS, NOISE_STEPS, LEAST_GAIN = 6, 6, 0.3
+"""Rounds in which noise and numbers are fitted in turn, quasi-Newton steps of each, and the log
+likelihood below which another round is not worth its time."""
+
+
+@dataclass(frozen=True)
+class FittedSet:
+    """A set of causes, fitted: names, fit, noise, the filter's pass at the fit,
+    and which numbers stand at a bound (p,).
+    """
+
+    causes: tuple[str, ...]
+    fit: Fit
+    noise: Noise
+    passes: Passes
+    at_bound: np.ndarray
+
+    @property
+    def usable(self) -> bool:
+        """Whether the fit is finite."""
+        return self.fit.normal.usable
+
+    @property
+    def log_likelihood(self) -> float:
+        """Of all trials; forms' priors included."""
+        return self.fit.log_likelihood if self.usable else -np.inf
+
+    @property
+    def key(self) -> frozenset[str]:
+        """The set of causes."""
+        return frozenset(self.causes)
+
+
+def free_of(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
+    """The numbers of a set: coefficients, then each cause's strengths and forms."""
+    have = {name for s in problem.series for name in s.evidence}
+    out: list[Free] = list(problem.coefficients)
+    for cause in causes:
+        candidate = problem.by_name[cause]
+        effect = problem.kernel.system.effect(cause.partition(".")[0])
+        blind = {f"{effect.name}.{p}" for p, by in effect.aside.items() if not by & have}
+        out += [f for f in candidate.free if f.name not in blind and f not in out]
+    return tuple(out)
+
+
+def start_of(problem: Problem, causes: Sequence[str], known: Mapping[str, float]) -> Float:
+    """Base point with the forms of the causes at their leading form, or where they are known."""
+    out, system = problem.base.copy(), problem.kernel.system
+    for cause in causes:
+        for free in problem.by_name[cause].free:
+            slot = system.slot[free.name]
+            out[slot] = known.get(free.label, 0.3 * system.parameters[slot].start
+                                  if free in problem.by_name[cause].strengths
+                                  else system.parameters[slot].start)  # fmt: skip
+    return out
+
+
+def fitted(
+    problem: Problem,
+    causes: Sequence[str],
+    noise: Noise,
+    known: Mapping[str, float],
+    *,
+    predictor: Passes | None = None,
+    passes: int = 2,
+    iterations: int = 12,
+    free: Sequence[Free] | None = None,
+) -> FittedSet:
+    """A set fitted under one noise; the filter's gains follow the fit `passes` times."""
+    frees = free_of(problem, causes) if free is None else tuple(free)
+    point = start_of(problem, causes, known)
+    start = {f.label: known.get(f.label, float(point[problem.kernel.system.slot[f.name]]))
+             for f in frees}  # fmt: skip
+    local = replace(problem, base=point)
+    found = None
+    for _ in range(passes):
+        found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
+                    iterations=iterations, tolerance=TOLERANCE, predictor=predictor)  # fmt: skip
+        moved = _moved(found, start)
+        start = found.by_label()
+        predictor = filter_all(problem.kernel, problem.series,
+                               local.points(frees, found.values), noise)  # fmt: skip
+        if moved < 1.0:
+            break
+    assert found is not None
+    assert predictor is not None
+    normal = normal_equations(problem.kernel, problem.series, point, frees, found.values,
+                              noise=noise, predictor=predictor)  # fmt: skip
+    rows = [parameter(problem.kernel.system, f) for f in frees]
+    bound = [not p.lower < v < p.upper for p, v in zip(rows, found.values, strict=True)]
+    return FittedSet(tuple(causes), replace(found, normal=normal), noise, predictor,
+                     np.array(bound, dtype=bool))  # fmt: skip
+
+
+def starts_of(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
+    """Strengths from which fits of a candidate begin, where one start may mislead; else none."""
+    if candidate.is_residual:
+        return ()
+    return problem.kernel.system.effect(candidate.name).starts
+
+
+def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, float]:
+    """Label -> the start of a cause's first strength at which the trials are likeliest, all else as
+    fitted; empty where one start serves.
+    """
+    candidate = problem.by_name[cause]
+    starts, label = starts_of(problem, candidate), candidate.strengths[0].label
+    if not starts:
+        return {}
+    base = start_of(problem, (*near.causes, cause), near.fit.by_label())
+    slot = problem.kernel.system.slot[candidate.strengths[0].name]
+
+    def likelihood(start: float) -> float:
+        point = base.copy()
+        point[slot] = start
+        points = replace(problem, base=point).points(near.fit.free, near.fit.values)
+        found = log_likelihoods(problem.kernel, points, noise=near.noise, predictor=near.passes)
+        return float(np.nan_to_num(found, nan=-np.inf).sum())
+
+    return {label: max(starts, key=likelihood)}
+
+
+def _moved(found: Fit, start: Mapping[str, float]) -> float:
+    change = found.values - np.array([start.get(f.label, np.inf) for f in found.free])
+    if not np.isfinite(change).all() or not found.normal.usable:
+        return np.inf
+    return float(change @ found.normal.hessian.sum(axis=0) @ change / max(len(change), 1))
+
+
+def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS) -> FittedSet:
+    """A set under its own noise, estimated in turn with its numbers until neither improves.
+
+    The first estimate has two starting points, random forces as estimated before and small ones:
+    what a law explains must not stay random.
+    """
+    starts: tuple[Noise, ...] = (model.noise, quiet(problem, model.noise))
+    for _ in range(most):
+        best = _likeliest(problem, model, starts)
+        again = fitted(problem, model.causes, best, model.fit.by_label(), passes=1,
+                       free=model.fit.free)  # fmt: skip
+        gain = again.log_likelihood - model.log_likelihood
+        model = again if gain > 0 else model
+        starts = (model.noise,)
+        if gain < LEAST_GAIN:
+            break
+    return model
+
+
+def _likeliest(problem: Problem, model: FittedSet, starts: Sequence[Noise]) -> Noise:
+    """The likeliest of the noises found from several starts, at the set's numbers."""
+    local = replace(problem, base=start_of(problem, model.causes, model.fit.by_label()))
+    points = local.points(model.fit.free, model.fit.values)
+    found = [fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
+                       line_searches=start is not model.noise, most=len(points))
+             for start in starts]  # fmt: skip
+    if len(found) == 1:
+        return found[0]
+    likely = [sum(f.log_likelihood for f in filter_all(problem.kernel, problem.series, points, n))
+              for n in found]  # fmt: skip
+    return found[int(np.argmax(np.nan_to_num(likely, nan=-np.inf)))]
+
+
+def quiet(problem: Problem, noise: Noise) -> Noise:
+    """The noise with small random forces of short memory."""
+    acting = set(disturbance_slots(problem.kernel, acting=True))
+    count = len(noise.disturbance)
+    disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
+    for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
+        if slot in acting:
+            disturbance[k] = QUIET_SHARE * problem.noise.disturbance[k]
+            tau[k] = QUIET[1]
+    return replace(noise, disturbance=disturbance, tau=tau)
+
+
+def unconstrained(model: FittedSet) -> np.ndarray:
+    """Which fitted numbers are off their bounds, (p,)."""
+    return ~model.at_bound

@@ -1,0 +1,230 @@
+"""Search of the sets of causes that have posterior probability.
+
+Around the most probable set so far, the second-order expansion scores every further cause; the best
+are refitted, with all their functional forms and their own noise; so are the sets that lack one of
+the causes, and around these again the best replacements. The search ends where none of this finds
+a more probable set. (Shotgun stochastic search without the dice: Hans, Dobra and West, JASA 102
+(2007), 507.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..fitting import scatter_cov
+from .candidates import Candidate
+from .evidence import Layout, layout, log_evidence, log_prior, plausible_sizes
+from .expansion import Expansion, expanded
+from .problem import Problem
+from .refit import FittedSet, fitted, likeliest_start, own_noise, starts_of
+
+MOST_CAUSES = 4
+REFITS = 5
+"""How many further causes are refitted around a set."""
+REPLACEMENTS = 2
+"""How many causes are refitted in the place of one of a set."""
+CLOSE = 12.0
+"""Sets e^12 times less probable than the best have no share worth a further fit."""
+LEAST_REFITS, UNLIKELY = 2, -6.0
+"""So many are refitted whatever the expansion says; further ones where it says posterior odds of
+more than e^-6."""
+HOPELESS = 25.0
+"""A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
+is not refitted."""
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
+
+    model: FittedSet
+    expansion: Expansion
+    layout: Layout
+    log_posterior: float
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Names of the set's causes."""
+        return self.model.causes
+
+    @property
+    def overdispersion(self) -> float:
+        """Mean generalised design effect tr(H C) / p of the set's numbers (Rao and Scott 1981): how
+        many times more they vary between trials than one Fisher matrix H says; C is HC2.
+        """
+        move = ~self.model.at_bound
+        if not move.any():
+            return 1.0
+        H = self.model.fit.normal.hessian.sum(axis=0)[np.ix_(move, move)]
+        C = scatter_cov(self.model.fit.normal, move)[np.ix_(move, move)]
+        return float(np.trace(H @ C) / move.sum())
+
+
+@dataclass
+class Visited:
+    """All sets fitted so far."""
+
+    problem: Problem
+    sets: dict[frozenset[str], Scored] = field(default_factory=dict)
+    full: dict[frozenset[str], Expansion] = field(default_factory=dict)
+    converged: set[frozenset[str]] = field(default_factory=set)
+
+    @property
+    def best(self) -> Scored:
+        """The most probable set."""
+        return max(self.sets.values(), key=lambda s: s.log_posterior)
+
+    def add(
+        self, causes: Sequence[str], near: FittedSet, start: dict[str, float] | None = None
+    ) -> Scored | None:
+        """Fit a set, begun at another's values, under its own noise; None where it runs away."""
+        key = frozenset(causes)
+        if key in self.sets:
+            return self.sets[key]
+        self.problem.progress(" + ".join(causes) or "baseline")
+        known = {**near.fit.by_label(), **(start or {})}
+        for cause in key - near.key:
+            known |= likeliest_start(self.problem, near, cause)
+        model = fitted(self.problem, causes, near.noise, known, predictor=None)
+        if not model.usable:
+            return None
+        self.sets[key] = score(self.problem, own_noise(self.problem, model, most=1))
+        return self.sets[key]
+
+    def converge(self) -> None:
+        """Fit noise and numbers of the probable sets until they no longer improve."""
+        while todo := [k for k, s in self.sets.items() if k not in self.converged
+                       and s.log_posterior > self.best.log_posterior - CLOSE]:  # fmt: skip
+            key = max(todo, key=lambda k: self.sets[k].log_posterior)
+            self.converged.add(key)
+            model = own_noise(self.problem, self.sets[key].model)
+            if model is not self.sets[key].model:
+                self.sets[key] = score(self.problem, model)
+                self.full.pop(key, None)
+
+    def expansion(self, scored: Scored) -> Expansion:
+        """Expansion about a set in the numbers of all candidates."""
+        key = scored.model.key
+        if key not in self.full:
+            self.full[key] = expanded(self.problem, scored.model)
+        return self.full[key]
+
+
+def score(problem: Problem, model: FittedSet) -> Scored:
+    """Log posterior of a fitted set, its causes' discrepancy integrated out."""
+    sources = {s for c in model.causes for s in problem.by_name[c].sources}
+    covered = [c for c in problem.candidates if (c.is_residual and c.sources & sources)
+               or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
+    expansion = expanded(problem, model, covered)
+    lay = layout(problem, expansion, model.causes)
+    value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
+    return Scored(model, expansion, lay, value if np.isfinite(value) else -np.inf)
+
+
+def proposals(
+    problem: Problem, expansion: Expansion, among: Sequence[Candidate]
+) -> list[tuple[float, str]]:
+    """Further causes by the expansion about a set: log posterior odds and name, the best first."""
+    causes = expansion.model.causes
+    if not expansion.usable:
+        return []
+    before = log_evidence(expansion, layout(problem, expansion, causes))
+    out: list[tuple[float, str]] = []
+    for candidate in among:
+        if candidate.name in causes or not expansion.strengths[candidate.name]:
+            continue
+        lay = layout(problem, expansion, (*causes, candidate.name))
+        gain = log_evidence(expansion, lay) - before + log_prior(problem, [candidate.name])
+        out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
+    return sorted(out, key=lambda o: -o[0])
+
+
+def allowed(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
+    """Candidates beside a set: residual terms that are part of a cause's form are not."""
+    sources = {s for c in causes if not problem.by_name[c].is_residual
+               for s in problem.by_name[c].sources}  # fmt: skip
+    return [c for c in problem.candidates
+            if c.name not in causes and not (c.is_residual and c.sources & sources)]  # fmt: skip
+
+
+def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
+    """All sets that were worth a fit."""
+    first = own_noise(problem, fitted(problem, (), problem.noise, start or {}))
+    expansion = expanded(problem, first)
+    problem = replace(problem, residual_sizes=residual_sizes(problem, expansion))
+    visited = Visited(problem)
+    visited.sets[frozenset()] = score(problem, first)
+    visited.full[frozenset()] = expansion
+    done: set[frozenset[str]] = set()
+    while (best := visited.best).model.key not in done:
+        done.add(best.model.key)
+        if len(best.causes) < MOST_CAUSES:
+            _further(visited, best, REFITS)
+            visited.converge()
+        if visited.best.model.key != best.model.key:
+            continue
+        for cause in best.causes:
+            rest = tuple(c for c in best.causes if c != cause)
+            less = visited.add(rest, best.model)
+            if less is not None:
+                _further(visited, less, REPLACEMENTS)
+        visited.converge()
+        _share_noise(visited)
+    return visited
+
+
+def _share_noise(visited: Visited) -> None:
+    """Refit the probable sets from the noise of the most probable one.
+
+    The noise likelihood has several optima: two sets are compared fairly only if both had the
+    chance of the better one.
+    """
+    best = visited.best
+    for key, scored in list(visited.sets.items()):
+        close = scored.log_posterior > best.log_posterior - CLOSE
+        if key == best.model.key or not close or len(key) > len(best.causes):
+            continue
+        model = replace(scored.model, noise=best.model.noise)
+        again = fitted(visited.problem, model.causes, model.noise, model.fit.by_label(),
+                       passes=1, free=model.fit.free)  # fmt: skip
+        if again.log_likelihood > scored.model.log_likelihood:
+            visited.sets[key] = score(visited.problem, own_noise(visited.problem, again))
+            visited.full.pop(key, None)
+
+
+def residual_sizes(problem: Problem, expansion: Expansion) -> dict[str, float]:
+    """Plausible magnitude of each residual term: as visible as the median named cause at its own.
+
+    expansion: about the model without causes. With G the information on a strength when the
+    coefficients are profiled, m_residual = median(m_k G_k^1/2) / G_residual^1/2.
+    """
+    H, own = expansion.hessian.sum(axis=0), list(expansion.own)
+
+    def root(name: str) -> float:
+        column = expansion.strengths[name][0]
+        cross = H[own, column]
+        left = (
+            H[column, column] - cross @ np.linalg.lstsq(H[np.ix_(own, own)], cross, rcond=1e-10)[0]
+        )
+        return float(np.sqrt(max(left, 1e-6 * H[column, column], 1e-30)))
+
+    named = [plausible_sizes(problem, c.name)[0] * root(c.name) for c in problem.candidates
+             if not c.is_residual and len(c.strengths) == 1]  # fmt: skip
+    usual = float(np.median(named)) if named else 1.0
+    return {c.name: usual / root(c.name) for c in problem.candidates if c.is_residual}
+
+
+def _further(visited: Visited, scored: Scored, count: int) -> None:
+    """Fit the most promising further causes beside a set."""
+    expansion = visited.expansion(scored)
+    found = proposals(visited.problem, expansion, allowed(visited.problem, scored.causes))
+    candidates = visited.problem.by_name
+    several = [n for _, n in found if starts_of(visited.problem, candidates[n])]
+    for name in several if not scored.causes else ():
+        visited.add((*scored.causes, name), scored.model)
+    for i, (gain, name) in enumerate(found[:count]):
+        if gain > found[0][0] - HOPELESS and (i < LEAST_REFITS or gain > UNLIKELY):
+            visited.add((*scored.causes, name), scored.model)

@@ -1,0 +1,59 @@
+"""What a person did not mean, told so that they can mend it."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+INTERRUPTED = 130
+STOPPED = "Interrupted. What is done is kept; start again and it goes on."
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing wrong at one place: file, row or key, what was found, what was expected."""
+
+    file: str
+    where: str
+    found: str
+    expected: str
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        place = f"{self.file}: {self.where}" if self.where else self.file
+        remedy = f" {self.remedy}" if self.remedy else ""
+        return f"{place}: found {self.found}; expected {self.expected}.{remedy}"
+
+
+class InputError(Exception):
+    """A user's mistake or a broken input; its text is the whole message, never a traceback.
+
+    Carries one or more `findings`, all of which are shown at once.
+    """
+
+    def __init__(self, findings: Finding | Iterable[Finding]) -> None:
+        self.findings: tuple[Finding, ...] = (
+            (findings,) if isinstance(findings, Finding) else tuple(findings)
+        )
+        super().__init__("\n".join(str(finding) for finding in self.findings))
+
+
+def input_error(
+    file: object, where: str, found: object, expected: str, remedy: str = ""
+) -> InputError:
+    """A `InputError` with one finding, to be raised by the caller."""
+    return InputError(Finding(str(file), where, str(found), expected, remedy))
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """A sentence naming the known name closest to `name`, or listing all when none is close."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
+    return f"Did you mean '{close[0]}'?" if close else f"Known: {', '.join(names)}."
+
+
+def printable(text: str) -> str:
+    """`text` with the control characters of hostile input made harmless for a terminal."""
+    lines = text.splitlines()
+    return "\n".join("".join(c if c.isprintable() else "?" for c in line) for line in lines)

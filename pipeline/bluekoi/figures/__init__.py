@@ -1,0 +1,130 @@
+"""Figures of a campaign, one file each; the folder is the registry.
+
+A figure module has TITLE, CAPTION (text for the report), NEEDS (fields of `Campaign` without
+which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on the
+campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
+`unavailable(campaign)`, the reason or an empty string.
+Code shared by several figures is in `drawing`.
+"""
+
+from __future__ import annotations
+
+import csv
+import pkgutil
+from collections.abc import Mapping
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.figure import Figure
+
+from ..campaign import Campaign, load_campaign
+from ..errors import input_error, nearest
+from ..files import whole_file, write_text
+from .drawing.extraction import Point, extract
+from .drawing.style import RC_PARAMS, placeholder_figure
+
+__all__ = ["Campaign", "caption", "draw", "draw_file", "load_campaign", "missing", "names", "title"]
+
+REQUIREMENTS = {
+    "tracks": "tracks of the trials",
+    "steady": "steady speeds and radii",
+    "coefficients": "fitted coefficients",
+    "simulations": "simulated paths",
+    "geometry": "geometry check (geometry.json)",
+    "mismatch": "search for causes of the mismatch (mismatch.json)",
+    "mismatch_detail": "details of the search for causes (mismatch_detail.json)",
+}
+PNG_DPI = 150
+PNG: Mapping[str, Any] = {"Software": None}
+PDF: Mapping[str, Any] = {"CreationDate": None, "ModDate": None, "Creator": None, "Producer": None}
+
+
+def names() -> tuple[str, ...]:
+    """Names of all figures: the modules of this folder, in alphabetical order."""
+    found = (m.name for m in pkgutil.iter_modules(__path__) if not m.ispkg)
+    return tuple(sorted(found))
+
+
+def title(name: str, campaign: Campaign | None = None) -> str:
+    """Title of a figure, adapted to the campaign if one is given."""
+    return _title_and_caption(name, campaign)[0]
+
+
+def caption(name: str, campaign: Campaign | None = None) -> str:
+    """Caption of a figure, adapted to the campaign if one is given."""
+    return _title_and_caption(name, campaign)[1]
+
+
+def _title_and_caption(name: str, campaign: Campaign | None) -> tuple[str, str]:
+    module = _module(name)
+    if campaign is not None and hasattr(module, "title_and_caption"):
+        heading, text = module.title_and_caption(campaign)
+        return str(heading), str(text)
+    return str(module.TITLE), str(module.CAPTION)
+
+
+def missing(name: str, campaign: Campaign) -> tuple[str, ...]:
+    """Descriptions of the results that the figure needs and the campaign lacks."""
+    needs = _module(name).NEEDS
+    return tuple(REQUIREMENTS[need] for need in needs if not getattr(campaign, need))
+
+
+def draw(name: str, campaign: Campaign) -> Figure:
+    """The figure, or a placeholder that names the missing results."""
+    with matplotlib.rc_context(RC_PARAMS):
+        if reason := _reason(name, campaign):
+            return placeholder_figure(title(name, campaign), f"Not drawn: {reason}")
+        figure: Figure = _module(name).draw(campaign)
+        return figure
+
+
+def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str | Path) -> None:
+    """Write a figure as png, vector pdf and csv (beside the png); deterministic.
+
+    The png carries title and caption as metadata, and in `Comment` the results that were missing.
+    """
+    figure = draw(name, campaign)
+    metadata = {"Title": title(name, campaign), "Description": caption(name, campaign)}
+    if reason := _reason(name, campaign):
+        metadata["Comment"] = reason
+    with matplotlib.rc_context(RC_PARAMS):
+        _print(figure, Path(path_png), Path(path_pdf), metadata)
+    rows = [Point._fields, *extract(figure)]
+    text = StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    write_text(Path(path_png).with_suffix(".csv"), text.getvalue())
+
+
+def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str, str]) -> None:
+    """Write a figure as png and pdf, laid out once.
+
+    `Figure.savefig` lays out and draws twice for each file, which takes twice as long.
+    """
+    figure.set_dpi(PNG_DPI)
+    with whole_file(path_png) as temporary:
+        FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG, **metadata})
+    figure.set_layout_engine("none")
+    with whole_file(path_pdf) as temporary:
+        FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF))
+
+
+def _reason(name: str, campaign: Campaign) -> str:
+    """Why the figure cannot be drawn; empty if it can."""
+    if lacking := missing(name, campaign):
+        return "this run has no " + " and no ".join(lacking)
+    module = _module(name)
+    return str(module.unavailable(campaign)) if hasattr(module, "unavailable") else ""
+
+
+def _module(name: str) -> ModuleType:
+    if name not in names():
+        raise input_error(
+            "figures", "", f"'{name}'", "the name of a figure", nearest(name, names())
+        )
+    return import_module(f"{__name__}.{name}")

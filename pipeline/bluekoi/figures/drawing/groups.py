@@ -1,0 +1,131 @@
+"""Trials grouped by condition, with means and standard deviations over repeats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ...campaign import Campaign
+from ...data import Steady
+from ...study import Trial
+from .style import Style
+
+STRAIGHT_DEG = 3.0
+"""Head angles below this count as straight."""
+TRUSTED = ("good", "straight")
+
+
+@dataclass(frozen=True)
+class Mean:
+    """Mean over the repeats of a condition.
+
+    std: sample standard deviation over repeats; of a single trial, its standard error.
+    trusted: all values come from steady motion (quality good or straight).
+    """
+
+    power_pct: float
+    angle_deg: float
+    head_length_m: float
+    value: float
+    std: float
+    count: int
+    trusted: bool
+
+
+def powers(campaign: Campaign) -> tuple[float, ...]:
+    """Motor powers of the study, ascending, %."""
+    return tuple(sorted({trial.power_pct for trial in campaign.study.trials}))
+
+
+def head_lengths(campaign: Campaign) -> tuple[float, ...]:
+    """Head lengths of the study, ascending, m."""
+    return tuple(sorted({trial.head_length_m for trial in campaign.study.trials}))
+
+
+def head_name(campaign: Campaign, head_length_m: float) -> str:
+    """Head length in the paper's notation: `1.5x head`."""
+    ratio = head_length_m / campaign.study.setup.robot.head_length_m
+    return f"{round(ratio, 1):g}x head"
+
+
+def is_one_x(campaign: Campaign, trial: Trial) -> bool:
+    """Whether a trial used the 1x head."""
+    return abs(trial.head_length_m - campaign.study.setup.robot.head_length_m) < 1e-6
+
+
+def is_straight(trial: Trial) -> bool:
+    """Whether the head angle is below STRAIGHT_DEG."""
+    return abs(trial.head_angle_deg) < STRAIGHT_DEG
+
+
+def straights(campaign: Campaign) -> tuple[Trial, ...]:
+    """Analysed trials with a straight head."""
+    return tuple(trial for trial in campaign.analysed if is_straight(trial))
+
+
+def turns(campaign: Campaign) -> tuple[Trial, ...]:
+    """Analysed trials with a turned head and a finite radius."""
+    return tuple(
+        trial
+        for trial in campaign.analysed
+        if not is_straight(trial) and np.isfinite(campaign.steady[trial.trial_id].radius_m)
+    )
+
+
+def angles_deg(trials: Iterable[Trial]) -> tuple[float, ...]:
+    """Absolute head angles, ascending, degrees."""
+    return tuple(sorted({abs(trial.head_angle_deg) for trial in trials}))
+
+
+def speed_means(campaign: Campaign) -> tuple[Mean, ...]:
+    """Mean steady speed of straight runs, m/s, per power and head length."""
+    return _means(campaign, straights(campaign), lambda s: (s.speed_m_s, s.speed_std_m_s))
+
+
+def radius_means(campaign: Campaign) -> tuple[Mean, ...]:
+    """Mean turn radius, m, per power, absolute head angle and head length.
+
+    Good steady turns only; all turns of a condition that has no good one.
+    """
+    return _means(campaign, turns(campaign), lambda s: (s.radius_m, s.radius_std_m))
+
+
+def _means(
+    campaign: Campaign,
+    trials: Iterable[Trial],
+    read: Callable[[Steady], tuple[float, float]],
+) -> tuple[Mean, ...]:
+    groups: dict[tuple[float, float, float], list[Steady]] = {}
+    for trial in trials:
+        key = (trial.power_pct, abs(trial.head_angle_deg), trial.head_length_m)
+        groups.setdefault(key, []).append(campaign.steady[trial.trial_id])
+    return tuple(
+        found
+        for key, rows in sorted(groups.items())
+        if (found := _mean(key, rows, read)) is not None
+    )
+
+
+def _mean(
+    key: tuple[float, float, float],
+    rows: list[Steady],
+    read: Callable[[Steady], tuple[float, float]],
+) -> Mean | None:
+    finite = [row for row in rows if np.isfinite(read(row)[0])]
+    trusted = [row for row in finite if row.quality in TRUSTED]
+    kept = trusted or finite
+    if not kept:
+        return None
+    values = np.array([read(row)[0] for row in kept])
+    std = float(values.std(ddof=1)) if len(values) > 1 else read(kept[0])[1]
+    return Mean(*key, float(values.mean()), std, len(values), bool(trusted))
+
+
+def draw_mean(axes: Axes, x: float, mean: Mean, style: Style, *, size: float = 5.5) -> None:
+    """A mean with its standard deviation; hollow if it is not trusted."""
+    edge = {"mec": "white", "mew": 0.8} if mean.trusted else {"mfc": "white"}
+    axes.errorbar(x, mean.value, yerr=mean.std, fmt=style.marker, color=style.colour, ms=size,
+                  capsize=3, lw=1.2, zorder=5, **edge)  # fmt: skip

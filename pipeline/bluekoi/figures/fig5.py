@@ -1,0 +1,122 @@
+"""Figure 5 of the paper for this study: the three tuning steps at each power."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..campaign import Campaign
+from ..study import Trial
+from .drawing import groups
+from .drawing.circles import DASHES, circle, equal_axes, measured_arc
+from .drawing.style import BEFORE, MEASURED, panel_letter, placeholder
+from .drawing.sweeps import PowerFit, radius, simulate_from_rest, tuned
+
+TITLE = "The paper's three tuning steps at each power"
+CAPTION = (
+    "One row per power, each tuned separately as published. Step 1: straight speed from rest "
+    "(solid: data, dashed: simulation). Step 2: steady turns with the 1x head at each head angle "
+    "(thick: measured arc, thin: circle fitted to it, dashed: simulation; percentages: simulated "
+    "minus measured radius). Step 3: prediction for the longer head, which no step was tuned to."
+)
+NEEDS = ("tracks", "steady", "coefficients")
+STEPS = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Three panels per power."""
+    known, powers = tuned(campaign), groups.powers(campaign)
+    figure = Figure(figsize=(10.5, 3.1 * len(powers) + 0.4), layout="constrained")
+    panels = figure.subplots(len(powers), 3, squeeze=False)
+    for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):
+        panel_letter(axes[0], "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[row % 26])
+        _straight(axes[0], campaign, power, known.get(power))
+        _turns(axes[1], campaign, _one_x(campaign, power), known.get(power))
+        _turns(axes[2], campaign, _longer(campaign, power), known.get(power))
+        for axis, step in zip(axes, STEPS, strict=True):
+            axis.set_title(f"{power:g} %, {step}")
+    lines = [
+        Line2D([], [], color=MEASURED, label="data"),
+        Line2D([], [], color=BEFORE, ls="--", label="simulation"),
+    ]
+    figure.legend(handles=lines, loc="outside upper right", ncols=2)
+    return figure
+
+
+def _at(campaign: Campaign, power: float) -> list[Trial]:
+    return [trial for trial in groups.turns(campaign) if trial.power_pct == power]
+
+
+def _one_x(campaign: Campaign, power: float) -> list[Trial]:
+    return [t for t in _at(campaign, power) if groups.is_one_x(campaign, t)]
+
+
+def _longer(campaign: Campaign, power: float) -> list[Trial]:
+    return [t for t in _at(campaign, power) if not groups.is_one_x(campaign, t)]
+
+
+def _straight(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None) -> None:
+    mine = [
+        t
+        for t in groups.straights(campaign)
+        if t.power_pct == power and groups.is_one_x(campaign, t)
+    ]
+    if not mine:
+        placeholder(axes, "no straight run of the 1x head at this power")
+        return
+    for trial in mine:
+        track = campaign.tracks[trial.trial_id]
+        axes.plot(track.time_s, track.speed_m_s, color=MEASURED, lw=1.1, gid=trial.trial_id)
+    if row is None:
+        axes.text(0.5, 0.3, "not tuned", transform=axes.transAxes, ha="center", color="0.4")
+    else:
+        last = max(campaign.tracks[t.trial_id].time_s[-1] for t in mine)
+        run = simulate_from_rest(campaign, row, campaign.study.setup.robot.head_length_m, last)
+        axes.plot(run.time_s, run.speed_m_s, color=BEFORE, ls="--")
+    axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
+
+
+def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | None) -> None:
+    if not trials:
+        placeholder(axes, "no turn of this kind at this power")
+        return
+    conditions = sorted({(abs(t.head_angle_deg), t.head_length_m) for t in trials}, reverse=True)
+    labels = []
+    for i, (angle, length) in enumerate(conditions):
+        mine = [t for t in trials if (abs(t.head_angle_deg), t.head_length_m) == (angle, length)]
+        for trial in mine:
+            arc = measured_arc(campaign, trial)
+            axes.plot(*arc.T, color=MEASURED, lw=2, gid=trial.trial_id)
+        seen = float(np.mean([campaign.steady[t.trial_id].radius_m for t in mine]))
+        axes.plot(*circle(seen).T, color=MEASURED, lw=0.7, ls=DASHES[2 * (i % 2)])
+        longer = length > campaign.study.setup.robot.head_length_m + 1e-6
+        name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
+        labels.append(
+            f"{name}: data {seen:.3f} m" + _model(axes, campaign, row, (angle, length, seen))
+        )
+    equal_axes(axes)
+    _labels(axes, labels)
+
+
+def _model(
+    axes: Axes, campaign: Campaign, row: PowerFit | None, condition: tuple[float, float, float]
+) -> str:
+    """Draw the simulated circle; return its radius and difference as text."""
+    if row is None:
+        return ""
+    angle, length, seen = condition
+    found = radius(campaign, row, length, angle)
+    if not np.isfinite(found):
+        return "\nsimulation: no turn"
+    axes.plot(*circle(found).T, color=BEFORE, ls="--")
+    return f"\nsimulation {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
+
+
+def _labels(axes: Axes, labels: Iterable[str]) -> None:
+    behind = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
+    text = "\n".join(labels)
+    axes.text(0, 0, text, ha="center", va="center", fontsize=6.5, bbox=behind, zorder=5)

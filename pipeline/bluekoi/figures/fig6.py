@@ -1,0 +1,166 @@
+"""Figure 6 of the paper for this study: the tuned model over power, head angle and head length."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..campaign import Campaign
+from ..data import Float
+from .drawing import groups
+from .drawing.circles import compared_angle_deg
+from .drawing.groups import Mean
+from .drawing.style import Style, panel_letter, placeholder, power_styles
+from .drawing.sweeps import (
+    PowerFit,
+    Sweep,
+    extended,
+    over_angle,
+    over_length,
+    radius,
+    speed_from_rest,
+)
+
+TITLE = "Model predictions beyond the tested conditions"
+CAPTION = (
+    "(A) Simulated straight speed from rest. (B) Simulated turn radius over head angle with the 1x "
+    "head; points: measured means with standard deviations, shifted slightly by power. (C) The "
+    "same over head length; inset: measured minus simulated radius with the longer head. Solid: "
+    "tested powers; dashed: untested powers, with f, C_Md and C_Da extrapolated linearly over "
+    "power and the other coefficients constant. Bands: 95 % intervals from the fits' uncertainty. "
+    "Grey areas: untested head angles and lengths."
+)
+NEEDS = ("tracks", "steady", "coefficients")
+ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
+LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
+TIMES_S = np.arange(151) / 30.0
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Panels A to C of the paper's Figure 6."""
+    rows = extended(campaign)
+    styles = _styles(campaign, rows)
+    figure = Figure(figsize=(12, 4.3), layout="constrained")
+    axes = figure.subplots(1, 3)
+    for axis, name in zip(axes, "ABC", strict=True):
+        panel_letter(axis, name)
+    if not rows:
+        for axis in axes:
+            placeholder(axis, "no power has a full set of coefficients")
+        return figure
+    _speeds(axes[0], campaign, rows, styles)
+    _angles(axes[1], campaign, rows, styles)
+    _lengths(axes[2], campaign, rows, styles)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    return figure
+
+
+def _styles(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Style]:
+    """Colours by power; tested powers as in the other figures."""
+    tested = groups.powers(campaign)
+    return power_styles([*tested, *(power for power in rows if power not in tested)])
+
+
+def _line(
+    axes: Axes,
+    at: Float,
+    values: Sweep,
+    row: PowerFit,
+    *,
+    styles: dict[float, Style],
+    label: str | None = None,
+) -> None:
+    """Prediction for one power with its 95 % band; dashed for untested powers."""
+    colour = styles[row.power_pct].colour
+    axes.plot(at, values.best, color=colour, ls="-" if row.tested else "--", label=label)
+    axes.fill_between(at, values.low, values.high, color=colour, alpha=0.15, lw=0)
+
+
+def _speeds(
+    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+) -> None:
+    for power, row in rows.items():
+        name = f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated")
+        _line(axes, TIMES_S, speed_from_rest(campaign, row, TIMES_S), row,
+              styles=styles, label=name)  # fmt: skip
+    axes.set(xlabel="time (s)", ylabel="straight speed (m/s)", xlim=(0, 5), ylim=(0, None))
+    axes.set_title("straight, 1x head")
+
+
+def _angles(
+    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+) -> None:
+    head = campaign.study.setup.robot.head_length_m
+    for row in rows.values():
+        _line(axes, ANGLES_DEG, over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles)
+    seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
+    _points(axes, seen, [m.angle_deg for m in seen], styles)
+    _untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
+    axes.set(xlabel="absolute head angle (°)", ylabel="turn radius (m)")
+    axes.set_title("turns, 1x head")
+
+
+def _lengths(
+    axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
+) -> None:
+    angle = compared_angle_deg(campaign)
+    if not np.isfinite(angle):
+        placeholder(axes, "no turn in this study")
+        return
+    for row in rows.values():
+        _line(axes, LENGTHS_M, over_length(campaign, row, LENGTHS_M, angle), row, styles=styles)
+    seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
+    _points(axes, seen, [m.head_length_m for m in seen], styles)
+    _untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
+    axes.set(xlabel="head length (m)", ylabel="turn radius (m)")
+    axes.set_xticks(np.arange(0.04, 0.25, 0.04))
+    axes.set_title(f"turns at {angle:g}° head angle")
+    longest = max(m.head_length_m for m in seen)
+    if longest > campaign.study.setup.robot.head_length_m + 1e-6:
+        mine = [m for m in seen if m.head_length_m == longest]
+        _inset(axes, campaign, mine, rows, styles)
+
+
+def _points(axes: Axes, means: list[Mean], at: list[float], styles: dict[float, Style]) -> None:
+    step = 0.012 * (axes.get_xlim()[1] - axes.get_xlim()[0])
+    for x, mean in zip(at, means, strict=True):
+        place = x + step * (list(styles).index(mean.power_pct) - 1)
+        groups.draw_mean(axes, place, mean, styles[mean.power_pct], size=7)
+
+
+def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> None:
+    """Shade the untested range."""
+    axes.set_xlim(*span)
+    low, high = (min(tested), max(tested)) if tested else (span[1], span[1])
+    for left, right in ((span[0], low), (high, span[1])):
+        if right > left:
+            axes.axvspan(left, right, color="#eceff1", zorder=0)
+    axes.set_ylim(bottom=0)
+
+
+def _inset(
+    axes: Axes,
+    campaign: Campaign,
+    means: list[Mean],
+    rows: dict[float, PowerFit],
+    styles: dict[float, Style],
+) -> None:
+    inner = axes.inset_axes((0.58, 0.58, 0.4, 0.34))
+    shown = [m for m in means if m.power_pct in rows]
+    for mean in shown:
+        model = radius(campaign, rows[mean.power_pct], mean.head_length_m, mean.angle_deg)
+        style = styles[mean.power_pct]
+        apart, error = 1000 * (mean.value - model), 1000 * mean.std
+        inner.errorbar(
+            mean.power_pct, apart, yerr=error, fmt=style.marker, color=style.colour, capsize=2, ms=5
+        )
+    inner.axhline(0, color="0.3", lw=0.8)
+    inner.set_title(
+        f"data - model, {groups.head_name(campaign, means[0].head_length_m)} (mm)", fontsize=7
+    )
+    inner.set_xticks([m.power_pct for m in shown])
+    inner.set_xlabel("power (%)", fontsize=6.5, labelpad=1)
+    inner.tick_params(labelsize=6.5)
+    inner.margins(x=0.25, y=0.3)

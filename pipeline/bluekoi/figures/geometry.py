@@ -1,0 +1,118 @@
+"""Rigid distances over the pool: remaining errors of lens, pose, refraction or scale."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from ..campaign import Campaign
+from ..data import Float
+from .drawing.pool import pool
+from .drawing.style import DIVERGING, panel_letter, placeholder
+
+TITLE = "Geometry check: rigid distances over the pool"
+CAPTION = (
+    "Head and core of the robot are rigid, so their measured lengths must not depend on the "
+    "position in the pool. (With keypoints from silhouettes, the length from nose to tail is "
+    "compared.) (A) Relative error of the measured length by position; small numbers: standard "
+    "errors. (B) The same for the error source that explains A best; blank where none is "
+    "detected. (C) Reduction in chi-squared by each error source fitted alone (logarithmic), and "
+    "the rms length change that it implies. Hollow bars are below the accuracy of the detector "
+    "(0.05 %, for the whole length about 0.4 %) and are ignored, however many frames agree."
+)
+NEEDS = ("geometry",)
+SHOWN = 9
+SEEN = "#56B4E9"
+SMALLEST_SHOWN_PCT = 0.01
+AXIS_HEADROOM = 6.0
+"""Space right of the longest bar, a factor on the logarithmic axis."""
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Measured map, map predicted by the likeliest error source, and all error sources."""
+    found = campaign.geometry or {}
+    if not found.get("map"):
+        figure = Figure(figsize=(4.4, 3.0), layout="constrained")
+        placeholder(figure.subplots(), str(found.get("sentence", "no distances")))
+        return figure
+    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    for axes, name in zip((left, middle, right), "ABC", strict=True):
+        panel_letter(axes, name)
+    grid = {key: _array(value) for key, value in found["map"].items()}
+    span = _span(grid)
+    _map(left, campaign, grid, span, "excess")
+    picture = _map(middle, campaign, grid, span, "model")
+    figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
+    left.set_title("measured vs stated length")
+    middle.set_title(f"likeliest source: {_readable(found['likely'])}")
+    _error_sources(right, found["estimates"])
+    figure.suptitle(_summary(found), fontsize=8.5, color="#5b6570")
+    return figure
+
+
+def _summary(found: Mapping[str, Any]) -> str:
+    """Result of the check, and the source of the keypoint depth."""
+    source = "from study.yaml" if found.get("depth_given", True) else "estimated here"
+    sentence = textwrap.fill(str(found["sentence"]), 150)
+    return f"{sentence}; keypoint depth {1000 * found['depth_m']:.0f} mm, {source}"
+
+
+def _span(grid: dict[str, Float]) -> float:
+    """Colour limit, %: largest error of cells with at most twice the median standard error."""
+    known = (grid["count"] > 0) & (grid["std"] <= 2 * np.nanmedian(grid["std"][grid["count"] > 0]))
+    both = np.abs(np.concatenate([grid["excess"][known], grid["model"][known]]))
+    return max(100 * float(np.nanmax(both)), 0.05)
+
+
+def _array(values: Any) -> Float:
+    return np.array(values, dtype=np.float64)
+
+
+def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, name: str) -> Any:
+    pool(axes, campaign.study)
+    shown = np.where(grid["count"] > 0, 100 * grid[name], np.nan)
+    picture = axes.pcolormesh(
+        grid["x_edges_m"], grid["y_edges_m"], shown, cmap=DIVERGING, vmin=-span, vmax=span, zorder=1
+    )
+    if name == "excess":
+        _standard_errors(axes, grid, span)
+    return picture
+
+
+def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
+    x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
+    for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
+        std = 100 * grid["std"][row, column]
+        text = f"±{std:.2f}" if std >= SMALLEST_SHOWN_PCT else f"<{SMALLEST_SHOWN_PCT}"
+        dark = abs(100 * grid["excess"][row, column]) > 0.4 * span
+        axes.text(x[column], y[row], text, ha="center", va="center", fontsize=5.5,
+                  color="white" if dark else "#5b6570")  # fmt: skip
+
+
+def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
+    best = estimates[:SHOWN][::-1]
+    gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
+    names = [
+        f"{_readable(one['name'])}: {', '.join(map(_readable, one['parameters']))}" for one in best
+    ]
+    fills = [SEEN if one["seen"] else "white" for one in best]
+    axes.barh(range(len(best)), gains, left=1.0, color=fills, edgecolor=SEEN, height=0.6)
+    for place, (one, gain) in enumerate(zip(best, gains, strict=True)):
+        axes.annotate(f"{100 * one['share']:.2g} %", (1.0 + gain, place), xytext=(3, 0),
+                      textcoords="offset points", va="center", fontsize=6.5)  # fmt: skip
+    axes.set_yticks(range(len(best)), names, fontsize=7)
+    axes.set_xscale("log")
+    axes.set_xlim(1, AXIS_HEADROOM * max(10.0, *gains))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("reduction in chi-squared by this source alone")
+
+
+def _readable(name: str) -> str:
+    return name.removesuffix("_m_s").removesuffix("_m").removesuffix("_rad").replace("_", " ")

@@ -1,0 +1,107 @@
+"""Errors before and after on held-out trials, or on the fitted ones of a small study."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..campaign import Campaign
+from .drawing.held_out import evaluated_trials, no_trial_held_out, noise_floor_m
+from .drawing.model_paths import draw_paths, legend, models
+from .drawing.style import MEASURED, NOISE_FLOOR_NAME, panel_letter, placeholder
+
+TITLE = "Held-out trials: errors of the model before and after"
+CAPTION = (
+    "Trials that no fit used. (A) Errors of the baseline model (before, orange) and of the model "
+    "with the identified causes (after, blue). Dotted: noise floor, the error of the extended "
+    "model on trials simulated by itself with the estimated process and measurement noise; no "
+    "model can be expected to do better. (B) Their paths in the pool; numbers: rms distance to "
+    "the measured path, mm."
+)
+HELD_OUT = "Trials that no fit used."
+ONE_TITLE = "Held-out trials: errors of the model"
+ONE = (
+    "No cause was identified, so there is one model. (A) Its errors; dotted: noise floor, the "
+    "error of the model on trials simulated by itself with the estimated noise. (B) Their paths "
+    "in the pool; numbers: rms distance to the measured path, mm."
+)
+FITTED = (
+    "The study is too small to hold trials out: these trials were fitted, so smaller errors do "
+    "not confirm the identified causes."
+)
+NEEDS = ("tracks", "mismatch")
+MOST_PATHS = 6
+TEXT_BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
+ERRORS = (
+    ("path_rmse_m", "rms path error (mm)", 1000.0),
+    ("radius_error_pct", "radius error (%)", 1.0),
+    ("speed_error_pct", "speed error (%)", 1.0),
+)
+
+
+def title_and_caption(campaign: Campaign) -> tuple[str, str]:
+    """Title and caption, by whether trials were held out and causes identified."""
+    fitted = no_trial_held_out(campaign)
+    title = TITLE if campaign.has_additions else ONE_TITLE
+    text = CAPTION if campaign.has_additions else f"{HELD_OUT} {ONE}"
+    if fitted:
+        return title.replace("Held-out", "Fitted"), text.replace(HELD_OUT, FITTED)
+    return title, text
+
+
+def draw(campaign: Campaign) -> Figure:
+    """Error bars on the left, paths of the evaluated trials on the right."""
+    figure = Figure(figsize=(12, 4.4), layout="constrained")
+    sides = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
+    bars = sides[0].subgridspec(1, 3)
+    for i, (key, label, factor) in enumerate(ERRORS):
+        axes = figure.add_subplot(bars[i])
+        _error(axes, campaign, key, factor)
+        axes.set_title(label)
+        if i == 0:
+            panel_letter(axes, "A")
+    names = [name for name in evaluated_trials(campaign) if name in campaign.tracks][:MOST_PATHS]
+    places = sides[1].subgridspec(2, 3)
+    for i in range(MOST_PATHS):
+        axes = figure.add_subplot(places[i // 3, i % 3])
+        if i < len(names):
+            trial = campaign.study.trial(names[i])
+            draw_paths(axes, campaign, names[i], labels=True)
+            axes.set_title(
+                f"{names[i]}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°", fontsize=8
+            )
+        else:
+            axes.axis("off")
+        if i == 0:
+            panel_letter(axes, "B")
+    handles = legend(campaign)
+    if noise_floor_m(campaign) is not None:
+        handles.append(Line2D([], [], color=MEASURED, ls=":", label=NOISE_FLOOR_NAME))
+    figure.legend(handles=handles, loc="outside upper center", ncols=4)
+    return figure
+
+
+def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
+    drawn = models(campaign)
+    values = [factor * campaign.held_out_error(model.result, key) for model in drawn]
+    if all(math.isnan(value) for value in values):
+        placeholder(axes, "no value")
+        return
+    for place, (value, model) in enumerate(zip(values, drawn, strict=True)):
+        axes.bar(place, value if math.isfinite(value) else 0.0, color=model.colour, width=0.65)
+        if math.isinf(value):
+            axes.annotate("diverges", (place, 0), xytext=(0, 6), ha="center", rotation=90,
+                          textcoords="offset points", fontsize=8, color=model.colour)  # fmt: skip
+        elif math.isfinite(value):
+            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, 2), ha="center",
+                          textcoords="offset points", fontsize=8, bbox=TEXT_BOX)  # fmt: skip
+    floor = noise_floor_m(campaign)
+    if key == "path_rmse_m" and floor is not None:
+        axes.axhline(factor * floor, color=MEASURED, ls=":", lw=1.4)
+    axes.set_xticks(range(len(drawn)), [model.tick for model in drawn])
+    axes.set_xlim(-0.6, 1.6)
+    axes.grid(visible=False, axis="x")
+    axes.margins(y=0.12)

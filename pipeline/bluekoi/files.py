@@ -1,0 +1,114 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import json
+import math
+import os
+import stat
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from .errors import input_error
+
+LARGEST_BYTES = 500_000_000
+"""Largest text file that is read: a track of some days."""
+
+
+@contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """A temporary path beside `path` that replaces it only if the block ends without an error."""
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(
+            dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
+        )
+    except OSError as error:
+        raise _cannot_write(target, error) from error
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, target)
+    except OSError as error:
+        raise _cannot_write(target, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write `text` as UTF-8, whole or not at all."""
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+
+
+def write_json(path: str | Path, content: Mapping[str, Any]) -> None:
+    """Write `content` as json (numpy scalars and arrays allowed, NaN as null)."""
+    write_text(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+
+
+def read_text(path: str | Path, most_bytes: int = LARGEST_BYTES) -> str:
+    """Text of a file in UTF-8, without a byte order mark.
+
+    Raises: OSError or UnicodeDecodeError where it cannot be read; OSError also for what is not a
+    regular file (a pipe or a device may have no end) and for more than `most_bytes`.
+    """
+    target = Path(path)
+    state = target.stat()
+    if not stat.S_ISREG(state.st_mode):
+        kind = "a folder" if stat.S_ISDIR(state.st_mode) else "a pipe or a device"
+        raise OSError(errno.EINVAL, f"{kind}, not a file")
+    if state.st_size > most_bytes:
+        raise OSError(errno.EFBIG, f"{state.st_size} bytes, more than {most_bytes}")
+    return target.read_text(encoding="utf-8-sig")
+
+
+def read_json(path: str | Path) -> dict[str, Any]:
+    """Content of a json file.
+
+    Raises: InputError where it is missing or is not a json object.
+    """
+    try:
+        content = json.loads(read_text(path))
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise input_error(path, "", f"no readable json ({error})", "a json object") from error
+    except RecursionError as error:
+        raise input_error(path, "", "brackets nested too deeply", "a json object") from error
+    if not isinstance(content, dict):
+        raise input_error(path, "", type(content).__name__, "a json object")
+    return content
+
+
+def plain(value: Any) -> Any:
+    """`value` with numpy types, tuples and paths turned into json's own; NaN and inf to None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return str(value) if isinstance(value, Path) else value
+
+
+def _cannot_write(path: Path, error: OSError) -> Exception:
+    return input_error(
+        path,
+        "",
+        f"'{error.strerror or error}' on writing",
+        "a folder that can be written and a disk with room",
+        "Free space or choose another results folder; nothing half-written was left.",
+    )
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,225 @@
+"""Prediction errors of a model on its trials, through an extended Kalman filter around it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import overload
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import Effect, Kernel, System
+from ..integrate.batch import each, switches
+from .series import Noise, Series, filled
+
+STEP_S = 1 / 30
+"""Longest integration step between observations, to 1 %: its error is far below a frame's noise.
+1/20 s would do for accuracy, but a strong fin damps yaw at 80/s, for which Runge and Kutta's steps
+are unstable from 1/30 s on.
+"""
+DIFFERENCE = 1e-5  # size of state differences for the transition matrix, in each state's SI unit
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """One trial through the filter: n frames, s states, o observations.
+
+    log_likelihood; innovations (n, o), whitened; gains (n, s, o); roots (n, o, o): inverse
+    Cholesky factors of the innovation covariance; transitions (n, s, s); predicted and filtered
+    means (n, s) and covariances (n, s, s).
+    """
+
+    log_likelihood: float
+    innovations: Float
+    gains: Float
+    roots: Float
+    transitions: Float
+    predicted: Float
+    filtered: Float
+    cov_predicted: Float
+    cov_filtered: Float
+
+
+@dataclass(frozen=True)
+class Passes(Sequence[Filtered]):
+    """One pass of each trial t, and what stays of them while their gains are held.
+
+    Side by side, the last frame of a trial repeated: gains (t, n, s, o), roots (t, n, o, o), times
+    (t, n), inputs (t, n, inputs), seen (t, n, o); frames (t,) and log_lik_const (t,).
+    """
+
+    series: tuple[Series, ...]
+    each: tuple[Filtered, ...]
+
+    def __len__(self) -> int:
+        return len(self.each)
+
+    @overload
+    def __getitem__(self, index: int) -> Filtered: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Filtered]: ...
+
+    def __getitem__(self, index: int | slice) -> Filtered | Sequence[Filtered]:
+        return self.each[index]
+
+    @cached_property
+    def gains(self) -> Float:
+        """What a frame's innovation corrects the states by."""
+        return filled([f.gains for f in self.each])
+
+    @cached_property
+    def roots(self) -> Float:
+        """Inverse Cholesky factors of the innovation covariances."""
+        return filled([f.roots for f in self.each])
+
+    @cached_property
+    def times(self) -> Float:
+        """Times of the frames, s."""
+        return filled([s.times for s in self.series])
+
+    @cached_property
+    def inputs(self) -> Float:
+        """Inputs at the frames."""
+        return filled([s.inputs for s in self.series])
+
+    @cached_property
+    def seen(self) -> Float:
+        """What was seen, 0 where missing."""
+        return np.nan_to_num(filled([s.seen for s in self.series]))
+
+    @cached_property
+    def frames(self) -> np.ndarray:
+        """How many frames of each trial count."""
+        return np.array([len(s.times) for s in self.series])
+
+    @cached_property
+    def log_lik_const(self) -> Float:
+        """Log likelihood but for the squares of the whitened innovations."""
+        return np.array([f.log_likelihood + 0.5 * float(np.sum(f.innovations**2))
+                         for f in self.each])  # fmt: skip
+
+
+def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -> Filtered:
+    """`Filtered` of one trial for a full parameter vector `(parameters,)`."""
+    return _filtered(kernel, series, values, _shared(kernel, noise))
+
+
+def filter_all(
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+) -> Passes:
+    """`filter_series` for every trial with its own parameter vector, on all cores."""
+    jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
+    found = each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+    return Passes(tuple(series), tuple(found))
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """What one noise means for all trials: variance and memory of states, places, scales."""
+
+    noise: Noise
+    variance: Float
+    memory: Float
+    random: np.ndarray
+    difference: Float
+    scales: Float
+
+
+def _shared(kernel: Kernel, noise: Noise) -> _Shared:
+    count = len(kernel.system.all_states)
+    variance, memory = np.zeros(count), np.ones(count)
+    slots = np.array(disturbance_slots(kernel)[: len(noise.disturbance)], dtype=int)
+    variance[slots], memory[slots] = noise.disturbance**2, noise.tau
+    scales = np.outer(noise.scale, noise.scale)
+    return _Shared(noise, variance, memory, slots, np.full(count, DIFFERENCE), scales)
+
+
+def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) -> Filtered:
+    n, s, o = len(series.times), len(kernel.system.all_states), len(kernel.system.observations)
+    shapes = ((n, s, o), (n, o, o), (n, s, s), (n, s), (n, s), (n, s, s), (n, s, s), (n, o))
+    gains, roots, transitions, predicted, filtered, cov_p, cov_f, innovations = map(
+        np.zeros, shapes
+    )
+    values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
+    cov[shared.random, shared.random] = shared.variance[shared.random]
+    on = switches(kernel.system, values)
+    log_likelihood = kernel.kalman(
+        series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
+        series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
+        active_states(kernel.system, on), on, STEP_S, gains, roots, transitions,
+        predicted, filtered, cov_p, cov_f, innovations,
+    )  # fmt: skip
+    return Filtered(
+        log_likelihood, innovations, gains, roots, transitions, predicted, filtered, cov_p, cov_f
+    )
+
+
+def smooth(result: Filtered) -> tuple[Float, Float]:
+    """Rauch-Tung-Striebel means `(n, states)` and covariances `(n, states, states)`."""
+    mean, cov = result.filtered.copy(), result.cov_filtered.copy()
+    for k in range(len(mean) - 2, -1, -1):
+        # C = P_k F' (P_k+1|k)^-1
+        predicted = result.cov_predicted[k + 1]
+        F = result.transitions[k + 1]
+        C = np.linalg.solve(_regular(predicted), F @ result.cov_filtered[k]).T
+        mean[k] = result.filtered[k] + C @ (mean[k + 1] - result.predicted[k + 1])
+        cov[k] = result.cov_filtered[k] + C @ (cov[k + 1] - predicted) @ C.T
+    return mean, cov
+
+
+def disturbance_slots(kernel: Kernel, *, acting: bool = False) -> list[int]:
+    """Places of the random states in the state vector; of those alone that push, where `acting`."""
+    return [
+        kernel.system.all_states.index(s)
+        for effect in random_effects(kernel)
+        if effect.channels or not acting
+        for s in effect.states
+    ]
+
+
+def random_effects(kernel: Kernel) -> list[Effect]:
+    """The system's random parts, in the order of their states."""
+    return [e for e in kernel.system.effects if e.kind == "disturbance"]
+
+
+def with_noise(kernel: Kernel, values: Float, noise: Noise) -> Float:
+    """`values` (parameters, ...) with the random parts of `noise` switched on, as a copy.
+
+    A random effect's parameters are `present` and then a memory for all its states, or one each.
+    """
+    out = values.copy()
+    for present, memories, first, last in _random_places(kernel.system):
+        acts = bool(np.any(noise.disturbance[first:last] > 0))
+        out[present] = float(acts)
+        for i, slot in enumerate(memories if acts else ()):
+            out[slot] = noise.tau[first + i]
+    return out
+
+
+@lru_cache(maxsize=64)
+def _random_places(system: System) -> tuple[tuple[int, tuple[int, ...], int, int], ...]:
+    """Of each random effect: places of `present` and of its memories, its states from and to."""
+    out, at = [], 0
+    for effect in (e for e in system.effects if e.kind == "disturbance"):
+        present, *memories = system.slots(effect.name)
+        out.append((present, tuple(memories), at, at + len(effect.states)))
+        at += len(effect.states)
+    return tuple(out)
+
+
+def active_states(system: System, on: np.ndarray) -> np.ndarray:
+    """Places of the model's states and of those of the effects that are on, uint8 (effects,)."""
+    return _active(system, on.tobytes())
+
+
+@lru_cache(maxsize=512)
+def _active(system: System, on: bytes) -> np.ndarray:
+    used = [s for e, acts in zip(system.effects, on, strict=True) if acts for s in e.states]
+    return np.array([system.all_states.index(n) for n in (*system.states, *used)])
+
+
+def _regular(matrix: Float) -> Float:
+    return matrix + 1e-14 * np.trace(matrix) * np.eye(len(matrix)) + 1e-18 * np.eye(len(matrix))

@@ -1,0 +1,207 @@
+"""Normal equations of prediction errors, each trial's kept apart.
+
+The filter's gains are held while parameters are varied, so that all trials and all differences
+run through one call of the integrator, sixteen at a time; starting states are eliminated by the
+filter's own start, whose covariance is wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import Kernel, System
+from .filtering import Passes, filter_all
+from .predictions import Change, whitened_products
+from .series import Free, Noise, Series
+
+NOTHING = (0.0, np.inf)
+"""A side measurement that tells of nothing."""
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations of each trial at one point: trials t, free numbers p.
+
+    hessian (t, p, p) = J'J, gradient (t, p) = J'e of the whitened errors, log_likelihood (t,).
+    """
+
+    hessian: Float
+    gradient: Float
+    log_likelihood: Float
+
+    @property
+    def usable(self) -> bool:
+        """Whether all of it is finite: a simulation that runs away makes it not so."""
+        parts = (self.hessian, self.gradient, self.log_likelihood)
+        return all(bool(np.isfinite(part).all()) for part in parts)
+
+
+def trial_values(
+    kernel: Kernel, base: Float, free: Sequence[Free], values: Float, group: str
+) -> Float:
+    """Full parameter vector of a trial of `group`: `base` with the free numbers put in."""
+    out = base.copy()
+    slots = slots_by_name(kernel)
+    for item, value in zip(free, values, strict=True):
+        if item.group is None or item.group == group:
+            out[slots[item.name]] = value
+    return out
+
+
+def slots_by_name(kernel: Kernel) -> dict[str, int]:
+    """Place of every parameter by name."""
+    return kernel.system.slot
+
+
+@np.errstate(over="ignore", invalid="ignore")  # of a model that runs away `Normal.usable` tells
+def normal_equations(
+    kernel: Kernel,
+    series: Sequence[Series],
+    base: Float,
+    free: Sequence[Free],
+    values: Float,
+    *,
+    noise: Noise,
+    predictor: Passes | None = None,
+) -> Normal:
+    """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
+
+    predictor: gains of a filter at another point over the same series, held in place of a new
+    pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
+    """
+    points = [trial_values(kernel, base, free, values, s.group) for s in series]
+    passes = predictor or filter_all(kernel, series, points, noise)
+    slots = slots_by_name(kernel)
+    groups = [s.group for s in series]
+    own = [np.array([f.group in {None, g} for g in groups]) for f in free]
+    changes = [Change(fit_step(kernel, f, value), trials, {slots[f.name]: 1.0})
+               for f, value, trials in zip(free, values, own, strict=True)]  # fmt: skip
+    changes += trial_effect_changes(kernel, points, noise)
+    products, constant = marginal_products(
+        whitened_products(kernel, passes, points, changes, noise),
+        trial_effect_stds(kernel, points, noise),
+    )
+    side = evidence_terms(kernel, series, free, points)
+    known = prior_terms(kernel, free, values, len(series))
+    return Normal(
+        products[:, 1:, 1:] + side.hessian + known.hessian,
+        products[:, 1:, 0] + side.gradient + known.gradient,
+        passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side.log_likelihood
+        + known.log_likelihood,
+    )  # fmt: skip
+
+
+def trial_effect_changes(kernel: Kernel, points: Sequence[Float], noise: Noise) -> list[Change]:
+    """Differences in the parameters that vary from trial to trial."""
+    every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
+    out = []
+    for effect in noise.trial_effects:
+        slot = slots[effect.parameter]
+        free = Free(effect.parameter)
+        out.append(Change(fit_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}))
+    return out
+
+
+def trial_effect_stds(kernel: Kernel, points: Sequence[Float], noise: Noise) -> Float:
+    """Standard deviations (trials, effects) of the parameters that vary from trial to trial."""
+    slots, at = slots_by_name(kernel), np.array(points)
+    columns = [e.std * (np.abs(at[:, slots[e.parameter]]) if e.relative else np.ones(len(at)))
+               for e in noise.trial_effects]  # fmt: skip
+    return np.array(columns).T.reshape(len(at), len(columns))
+
+
+def marginal_products(products: Float, stds: Float) -> tuple[Float, Float]:
+    """Products (t, n, n) of columns of which the last q have normal coefficients, integrated out.
+
+    With the errors e, columns J and random columns Z of covariance D = diag(stds^2), a trial's
+    marginal likelihood has the products P - P_z (P_zz + D^-1)^-1 P_z' and the constant
+    -1/2 log|I + D P_zz| (t,).  (Laird and Ware, Biometrics 38 (1982), 963)
+    """
+    q = stds.shape[1]
+    if q == 0:
+        return products, np.zeros(len(products))
+    kept = products.shape[1] - q
+    scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
+    inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
+    solved = np.linalg.solve(inner, np.swapaxes(scaled[:, :kept], 1, 2))
+    constant = -0.5 * np.linalg.slogdet(inner)[1]
+    return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant
+
+
+def prior_terms(kernel: Kernel, free: Sequence[Free], values: Float, trials: int) -> Normal:
+    """What is plausible before any data (`Parameter.spread`), shared evenly among the trials."""
+    parameters = [kernel.system.parameters[slots_by_name(kernel)[f.name]] for f in free]
+    precision = np.array([p.spread for p in parameters]) ** -2.0 / trials
+    off = np.array([p.start for p in parameters]) - values
+    return Normal(
+        np.tile(np.diag(precision), (trials, 1, 1)),
+        np.tile(precision * off, (trials, 1)),
+        np.full(trials, -0.5 * float(precision @ off**2)),
+    )
+
+
+def side_log_likelihoods(
+    kernel: Kernel, series: Sequence[Series], points: Sequence[Float]
+) -> Float:
+    """Log likelihood (trials,) of the side measurements at a full parameter vector for each."""
+    return evidence_terms(kernel, series, (), points).log_likelihood
+
+
+def evidence_terms(
+    kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
+) -> Normal:
+    """Side measurements as further prediction errors: each effect says what it predicts."""
+    n, p = len(series), len(free)
+    hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
+    slots = np.array([slots_by_name(kernel)[f.name] for f in free], dtype=int)
+    own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
+    for name in sorted({name for s in series for name in s.evidence}):
+        told = np.array([s.evidence.get(name, NOTHING) for s in series])
+        std = told[:, 1]
+        weights = evidence_weights(kernel.system, name)
+        error = (told[:, 0] - np.array(points) @ weights) / std
+        rows = weights[slots] * own / std[:, None]
+        hessian += rows[:, :, None] * rows[:, None, :]
+        gradient += rows * error[:, None]
+        known = np.isfinite(std)
+        logl[known] -= 0.5 * error[known] ** 2 + np.log(std[known]) + 0.5 * np.log(2 * np.pi)
+    return Normal(hessian, gradient, logl)
+
+
+@lru_cache(maxsize=64)
+def evidence_weights(system: System, name: str) -> Float:
+    """A side measurement as a sum over parameters (parameters,)."""
+    weights = np.zeros(len(system.parameters))
+    for effect in system.effects:
+        for parameter, weight in effect.evidence.get(name, {}).items():
+            weights[system.slot[f"{effect.name}.{parameter}"]] += weight
+    return weights
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def log_likelihoods(
+    kernel: Kernel,
+    points: Sequence[Float],
+    *,
+    noise: Noise,
+    predictor: Passes,
+) -> Float:
+    """Log likelihood (trials,) of each trial at a full parameter vector of its own.
+
+    The filter's gains are held. Side measurements and what is plausible beforehand stay out.
+    """
+    errors = whitened_products(kernel, predictor, points, (), noise)
+    return predictor.log_lik_const - 0.5 * errors[:, 0, 0]
+
+
+def fit_step(kernel: Kernel, free: Free, value: float) -> float:
+    """Size of the difference in a free number, away from its upper bound."""
+    parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
+    span = max(abs(value), 0.05 * abs(parameter.start), 1e-6)
+    step = 1e-4 * span
+    return -step if value + step > parameter.upper else step

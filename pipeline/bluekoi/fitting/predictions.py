@@ -1,0 +1,89 @@
+"""Predictions of a filter whose gains are held, of all trials and all differences in one call.
+
+Sixteen lanes hold a trial and fifteen differences; a trial with more free numbers has more blocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import LANES, Kernel
+from ..integrate.batch import in_parts, propagate
+from .filtering import STEP_S, Passes, with_noise
+from .gram import set_whitened_products
+from .series import Noise
+
+AT_ONCE = LANES - 1
+
+
+@dataclass(frozen=True)
+class Change:
+    """A difference in parameters: its size, the trials (t,) that have it, and the parameters.
+
+    slots: place -> how much of the step goes there; offsets: place -> change that does not count
+    as part of the step (another form of a law while its strength is differenced).
+    """
+
+    step: float
+    trials: np.ndarray
+    slots: Mapping[int, float]
+    offsets: Mapping[int, float] = field(default_factory=dict)
+
+
+def whitened_products(
+    kernel: Kernel,
+    passes: Passes,
+    points: Sequence[Float],
+    changes: Sequence[Change],
+    noise: Noise,
+) -> Float:
+    """Products (trials, 1 + p, 1 + p) of the columns e, J_1 ... J_p of each trial.
+
+    e are the whitened prediction errors at a full parameter vector of its own, J_k how the whitened
+    predictions go with change k, per unit; 0 where a trial does not have it.
+    """
+    steps = np.array([1.0, *(c.step for c in changes)])
+    own = [[k for k, c in enumerate(changes) if c.trials[t]] for t in range(len(passes))]
+    first = np.cumsum([0, *(max(1, -(-len(ks) // AT_ONCE)) for ks in own)])
+    trials = np.repeat(np.arange(len(passes)), np.diff(first))
+    values = np.repeat(np.array(points)[trials][:, :, None], LANES, axis=2)
+    places = np.zeros((len(passes), 1 + max(len(ks) for ks in own)), dtype=np.int64)
+    for t, ks in enumerate(own):
+        places[t, 1 : len(ks) + 1] = np.array(ks, dtype=np.int64) + 1
+        for i, k in enumerate(ks):
+            block, lane = divmod(i, AT_ONCE)
+            for slot, weight in changes[k].slots.items():
+                values[first[t] + block, slot, lane + 1] += weight * changes[k].step
+            for slot, offset in changes[k].offsets.items():
+                values[first[t] + block, slot, lane + 1] += offset
+    observed = _predicted(kernel, passes, values, trials, noise)
+    counts = np.array([1 + len(ks) for ks in own])
+    out = np.zeros((len(passes), len(steps), len(steps)))
+    given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
+    in_parts(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
+    return out / (steps[:, None] * steps)
+
+
+def _predicted(
+    kernel: Kernel, passes: Passes, values: Float, trials: np.ndarray, noise: Noise
+) -> Float:
+    """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks."""
+
+    def of_blocks(rows: Float) -> Float:
+        return rows if len(trials) == len(rows) else rows[trials]
+
+    mean, constants = (np.array([getattr(s, k) for s in passes.series])[trials]
+                       for k in ("mean", "constants"))  # fmt: skip
+    values = np.moveaxis(with_noise(kernel, np.moveaxis(values, 1, 0), noise), 0, 1)
+    observed, _ = propagate(
+        kernel, np.repeat(mean[:, :, None], LANES, axis=2), values,
+        np.repeat(constants[:, :, None], LANES, axis=2),
+        times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),
+        frames=of_blocks(passes.frames), seen=of_blocks(passes.seen),
+        gains=of_blocks(passes.gains), step_s=STEP_S,
+    )  # fmt: skip
+    return observed

@@ -1,0 +1,103 @@
+"""What a fit is made to: one time series a trial, and the noise that is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..data import Float
+
+
+@dataclass(frozen=True)
+class Series:
+    """One trial as the filter sees it.
+
+    times (n,), inputs (n, inputs), constants (constants,), seen (n, observations) with NaN where
+    missing, noise (n, observations, observations), mean (states,) and cov (states, states) before
+    the first frame. group: what trials share that have coefficients of their own (a power).
+    condition: what repeats share. evidence: name -> (value, std) of side measurements.
+    """
+
+    name: str
+    group: str
+    condition: str
+    times: Float
+    inputs: Float
+    constants: Float
+    seen: Float
+    noise: Float
+    mean: Float
+    cov: Float
+    evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def frames(self, first: int, last: int) -> Series:
+        """Frames `first` to `last` (excluded) of the trial, with the same start."""
+        part = slice(first, last)
+        return replace(self, times=self.times[part], inputs=self.inputs[part],
+                       seen=self.seen[part], noise=self.noise[part])  # fmt: skip
+
+
+@dataclass(frozen=True)
+class TrialEffect:
+    """A parameter that differs from trial to trial, normally distributed about its common value.
+
+    std: standard deviation in the parameter's unit; relative: as a share of its value instead.
+    """
+
+    parameter: str
+    std: float
+    relative: bool = False
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Strength of what is random.
+
+    disturbance (random states,): stationary standard deviation of each random state, in the order
+    of the system's states; states beyond its end are absent. tau (random states,), or one for all:
+    correlation times [s]. scale (observations,): factor on the stated standard deviation of each
+    observation. trial_effects: errors that each trial has anew and keeps.
+    """
+
+    disturbance: Float
+    tau: Float
+    scale: Float
+    trial_effects: tuple[TrialEffect, ...] = ()
+
+    def __post_init__(self) -> None:
+        if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or np.any(self.tau <= 0):
+            raise ValueError("noise strengths must be positive")
+        object.__setattr__(self, "tau", np.broadcast_to(self.tau, self.disturbance.shape).copy())
+
+
+@dataclass(frozen=True)
+class Free:
+    """One number that a fit may change: a parameter, for all groups or for one alone."""
+
+    name: str
+    group: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Name in tables: `C_Md` or `C_Md@50`."""
+        return self.name if self.group is None else f"{self.name}@{self.group}"
+
+
+def filled(parts: Sequence[Float]) -> Float:
+    """Trials of unequal length as one array (trials, frames, ...), the last frame repeated."""
+    longest = max(len(p) for p in parts)
+    return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
+                     for p in parts])  # fmt: skip
+
+
+def weighted(series: Sequence[Series]) -> tuple[np.ndarray, Float, Float]:
+    """Frames (t,) of trials side by side; what was seen (t, n, o) and its weight, one over the
+    stated deviation; both 0 where missing or after a trial's end.
+    """
+    seen = filled([s.seen for s in series])
+    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
+    frames = np.array([len(s.times) for s in series])
+    known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
+    return frames, np.where(known, seen, 0.0), known / np.sqrt(variance)

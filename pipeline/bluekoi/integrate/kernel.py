@@ -1,0 +1,145 @@
+"""Compiled right-hand side, integrator and filter of a system, sixteen simulations at a time.
+
+The functions of a system and its effects are put together into source files (`writing`), named
+after the hash of all sources that go into them, and compiled by numba with its cache when they are
+first asked for: a changed effect gives a new file, an unchanged one is loaded. Everything a
+simulation needs lies in one flat array of rows of 16 lanes (16 simulations), at offsets that are
+constants of the source, so that each loop over lanes becomes vector instructions.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from threading import RLock
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from ..errors import input_error
+from ..files import write_text
+from . import branchless
+from .dependence import RANDOM
+from .rows import LANES
+from .system import Function, System
+from .writing import source
+
+__all__ = ["LANES", "Kernel", "compiled"]
+
+_LOADING = RLock()
+"""Held while a kernel is written and loaded, so that two threads do not compile the same; nor may
+two of them parse Python at once (3.11: "AST constructor recursion depth mismatch").
+"""
+
+
+@dataclass(frozen=True)
+class _Compiled:
+    """Functions of one kernel; see `kernel_template.txt` for their arguments."""
+
+    propagate: Callable[..., None]
+    compiled_filter: Callable[[], Callable[..., float]]
+
+    @cached_property
+    def kalman(self) -> Callable[..., float]:
+        """The filter, compiled when it is first asked for."""
+        return self.compiled_filter()
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Compiled simulation and filter of one system, each compiled when first called.
+
+    Two kernels are behind it: a fast one, and one for where more than random parts is on.
+    """
+
+    system: System
+
+    def propagate(self, *given: Any) -> None:
+        """Simulate; arguments as in `kernel_template.txt`, `on` the ninth."""
+        self._of(given[8]).propagate(*given)
+
+    def kalman(self, *given: Any) -> float:
+        """Log likelihood of one trial; arguments as in `kernel_template.txt`, `on` the 13th."""
+        return self._of(given[12]).kalman(*given)
+
+    def _of(self, on: np.ndarray) -> _Compiled:
+        """The kernel for the effects that are on."""
+        more = [e.kind != RANDOM for e in self.system.effects]
+        return _loaded(self.system, bool(np.any(on[more])))
+
+
+@lru_cache(maxsize=32)
+def compiled(system: System) -> Kernel:
+    """Kernel of a system, compiled once per change of its sources."""
+    return Kernel(system)
+
+
+@lru_cache(maxsize=64)
+def _loaded(system: System, general: bool) -> _Compiled:
+    with _LOADING:
+        return _made(system, general)
+
+
+def _made(system: System, general: bool) -> _Compiled:
+    """A kernel written, where it was not yet, and loaded."""
+    text = source(system, general=general)
+    digest = hashlib.sha256(text.encode())
+    for name in sorted(_files(system)):
+        digest.update(Path(name).read_bytes())
+    kind = "general" if general else "fast"
+    name = f"bluekoi_{system.name}_{kind}_{digest.hexdigest()[:16]}"
+    path = kernel_folder() / f"{name}.py"
+    if not path.exists():
+        write_text(path, text)
+    module = _load(name, path)
+    return _Compiled(module.propagate, module.compiled_filter)
+
+
+def kernel_folder() -> Path:
+    """Folder for the models' compiled code: in BLUEKOI_CACHE, else in the user's cache.
+
+    Raises: InputError where there is none and none can be made.
+    """
+    default = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "bluekoi"
+    folder = Path(os.environ.get("BLUEKOI_CACHE", default)) / "kernels"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        expected = "a folder for compiled code that can be written to"
+        remedy = "Name one in the environment: BLUEKOI_CACHE=FOLDER."
+        raise input_error(folder, "", f"'{error.strerror}'", expected, remedy) from error
+    return folder
+
+
+def _load(name: str, path: Path) -> ModuleType:
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"cannot load {path}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]  # half a module must not be found by the next call
+        raise
+    return module
+
+
+def _functions(system: System) -> list[Function]:
+    base = [stage.function for stage in system.stages if stage.function]
+    own = [f for e in system.effects for f in (*e.hooks.values(), *([e.rates] if e.rates else []))]
+    return base + own
+
+
+def _files(system: System) -> set[str]:
+    return {inspect.getfile(f) for f in _functions(system)} | {branchless.__file__}

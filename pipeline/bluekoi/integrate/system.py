@@ -1,0 +1,212 @@
+"""A state-space model in words and functions: stages of equations, and effects that add to them.
+
+Nothing here knows what moves. A model is a chain of stages; each stage is one pure scalar function
+whose arguments are named after what it needs (states, constants, inputs, parameters, `t`, or the
+outputs of stages before it) and which returns its outputs as a tuple. An effect is a set of
+functions of the same form, each added to the outputs of one stage that is open to additions.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number to be fitted: unit, start value, bounds and meaning.
+
+    spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
+    it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
+    tries: further values from which a fit may begin, where its likelihood has several hills; of a
+    shape that is held where it is plausible, another form of the law.
+    """
+
+    name: str
+    unit: str
+    start: float
+    lower: float
+    upper: float
+    meaning: str
+    spread: float = math.inf
+    tries: tuple[float, ...] = ()
+    plausible: float = math.nan
+
+    @property
+    def typical(self) -> float:
+        """Plausible magnitude of a strength: `plausible`, or else the size of its start."""
+        if math.isfinite(self.plausible):
+            return self.plausible
+        return abs(self.start) or 0.1 * (self.upper - self.lower)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One step of the right-hand side: `outputs = function(...)`, plus what effects add."""
+
+    name: str
+    outputs: tuple[str, ...]
+    function: Function | None = None
+    open: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One physical or measuring statement that may be absent or present.
+
+    It is absent when its strengths, the first `strengths` parameters, are 0; the others give it
+    its form.
+    hooks: stage name -> function whose outputs are added there. states: names of states of its
+    own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
+    measurements -> parameter -> how many times that they change by. starts: strengths from which
+    fits begin, where one start may lead astray.
+    """
+
+    name: str
+    kind: str
+    statement: str
+    parameters: tuple[Parameter, ...]
+    hooks: Mapping[str, Function]
+    module: str
+    channels: tuple[str, ...] = ()
+    variables: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    rates: Function | None = None
+    evidence: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    confused_with: tuple[str, ...] = ()
+    regime: str = ""
+    strengths: int = 1
+    starts: tuple[float, ...] = ()
+
+    @cached_property
+    def aside(self) -> dict[str, set[str]]:
+        """Parameter that acts on no stage -> the side measurements that alone tell of it."""
+        functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
+        acting = {name for f in functions for name in inspect.signature(f).parameters}
+        told = {p: {n for n, by in self.evidence.items() if p in by}
+                for by in self.evidence.values() for p in by}  # fmt: skip
+        return {p: names for p, names in told.items() if p not in acting}
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """A model with all the effects that it may be extended by.
+
+    states, constants (per trial), inputs (per trial, over time) and coefficients name the
+    arguments that stages may ask for. Stage `rates` must return one derivative a state, stage
+    `observe` one value an observation.
+    """
+
+    name: str
+    states: tuple[str, ...]
+    constants: tuple[str, ...]
+    inputs: tuple[str, ...]
+    coefficients: tuple[Parameter, ...]
+    stages: tuple[Stage, ...]
+    observations: tuple[str, ...]
+    effects: tuple[Effect, ...] = ()
+
+    @cached_property
+    def all_states(self) -> tuple[str, ...]:
+        """The model's states, then those of the effects."""
+        return self.states + tuple(name for effect in self.effects for name in effect.states)
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The model's coefficients, then the parameters of the effects as `effect.parameter`."""
+        own = tuple(
+            replace(p, name=f"{e.name}.{p.name}") for e in self.effects for p in e.parameters
+        )
+        return self.coefficients + own
+
+    @cached_property
+    def slot(self) -> dict[str, int]:
+        """Place of every parameter by name."""
+        return {p.name: i for i, p in enumerate(self.parameters)}
+
+    def slots(self, effect: str) -> tuple[int, ...]:
+        """Places of an effect's parameters in `parameters`."""
+        own = self.effect(effect).parameters
+        return tuple(self.slot[f"{effect}.{p.name}"] for p in own)
+
+    @cached_property
+    def strength_slots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of all effects' strengths one after the other, and where each effect's begin."""
+        own = [self.slots(e.name)[: e.strengths] for e in self.effects]
+        first = np.cumsum([0, *(len(slots) for slots in own[:-1])])
+        return np.array([s for slots in own for s in slots], dtype=int), first[: len(own)]
+
+    def effect(self, name: str) -> Effect:
+        """The effect of that name; KeyError where there is none."""
+        return self._by_name[name]
+
+    @cached_property
+    def _by_name(self) -> dict[str, Effect]:
+        return {effect.name: effect for effect in self.effects}
+
+    def values(
+        self,
+        coefficients: Mapping[str, float],
+        effects: Mapping[str, Mapping[str, float]] | None = None,
+    ) -> np.ndarray:
+        """Parameter vector `(parameters,)`; effects that are not named are absent.
+
+        Raises: KeyError for a name the system does not have.
+        """
+        given = dict(coefficients)
+        for effect, own in (effects or {}).items():
+            given |= {f"{effect}.{name}": value for name, value in own.items()}
+        unknown = set(given) - {p.name for p in self.parameters}
+        if unknown:
+            raise KeyError(f"{self.name} has no parameter {', '.join(sorted(unknown))}")
+        return np.array([given.get(p.name, self._absent(p)) for p in self.parameters])
+
+    def _absent(self, parameter: Parameter) -> float:
+        if "." not in parameter.name:
+            return parameter.start
+        effect, name = parameter.name.split(".", 1)
+        found = self.effect(effect)
+        strengths = [p.name for p in found.parameters[: found.strengths]]
+        return 0.0 if name in strengths else parameter.start
+
+
+def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
+    """The effect that a module describes: its constants in capitals, its functions by stage name.
+
+    Raises: TypeError naming the module and what it lacks.
+    """
+    name = module.__name__.rsplit(".", 1)[-1]
+    hooks = {
+        stage.name: getattr(module, stage.name)
+        for stage in stages
+        if stage.open and inspect.isfunction(getattr(module, stage.name, None))
+    }
+    missing = [key for key in ("STATEMENT", "PARAMETERS", "KIND") if not hasattr(module, key)]
+    if missing or not hooks:
+        raise TypeError(f"effect '{name}' lacks {', '.join(missing) or 'a function for a stage'}")
+    return Effect(
+        name=name,
+        kind=module.KIND,
+        statement=module.STATEMENT,
+        parameters=tuple(module.PARAMETERS),
+        hooks=hooks,
+        module=module.__name__,
+        channels=tuple(getattr(module, "CHANNELS", ())),
+        variables=tuple(getattr(module, "VARIABLES", ())),
+        states=tuple(getattr(module, "STATES", ())),
+        rates=getattr(module, "own_rates", None),
+        evidence=dict(getattr(module, "EVIDENCE", {})),
+        confused_with=tuple(getattr(module, "CONFUSED_WITH", ())),
+        regime=getattr(module, "REGIME", ""),
+        strengths=getattr(module, "STRENGTHS", 1),
+        starts=tuple(getattr(module, "STARTS", ())),
+    )

@@ -1,0 +1,35 @@
+"""Keypoints from footage or from other people's files; every module in this folder is a source.
+
+Sources from footage have `detect(frames, setup, trial) -> Keypoints`, those from files
+`read(path, trial, bodyparts) -> Keypoints`. A new source is one new module here.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+from ..errors import input_error, nearest
+
+
+def sources() -> tuple[str, ...]:
+    """Names of the sources: the modules of this folder."""
+    names = (path.stem for path in Path(__file__).parent.glob("*.py"))
+    return tuple(sorted(name for name in names if not name.startswith("_")))
+
+
+def source(name: str) -> ModuleType:
+    """Module of a source.
+
+    Raises: InputError with the nearest known name where there is none of that name.
+    """
+    if name not in sources():
+        raise input_error(
+            "study.yaml",
+            "detection.source",
+            f"'{name}'",
+            "a keypoint source",
+            nearest(name, sources()),
+        )
+    return import_module(f"{__name__}.{name}")

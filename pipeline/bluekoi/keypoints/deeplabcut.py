@@ -1,0 +1,110 @@
+"""Keypoints from DeepLabCut files (csv, h5; one animal or several), and ours in its layout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+
+from ..data import Keypoints, read_columns, write_columns
+from ..errors import input_error
+from ..files import whole_file
+from ..study import Trial
+from .files.dlc_csv import read_csv
+from .files.dlc_h5 import read_h5
+from .files.table import Table, all_keypoints, to_keypoints
+from .sleap import is_sleap
+from .sleap import read_table as read_sleap
+
+SCORER = "bluekoi"
+PAIRS = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
+
+
+def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -> Keypoints:
+    """Keypoints of a trial from a csv or h5 file, times = frame / trial.fps.
+
+    A sidecar `<name>.cov.csv` beside the file, as `write` makes it, gives true times and
+    covariances; without it the covariance is the noise of the positions themselves.
+
+    Raises: InputError where the file is missing, is not DeepLabCut's (or SLEAP's) layout, is empty
+    or damaged, or lacks the parts that a head direction and a core centre need.
+    """
+    table = read_table(Path(path))
+    fps = trial.fps or 30.0
+    part_s = (trial.start_s, trial.end_s)
+    found = to_keypoints(table, Path(path), fps=fps, bodyparts=bodyparts, part_s=part_s)
+    if len(found.time_s) == 0:
+        raise input_error(
+            path, "start_s, end_s", "no frame in that part", "a part inside the recording"
+        )
+    sidecar = covariance_path(path)
+    return _with_covariance(found, sidecar) if sidecar.is_file() else found
+
+
+def read_any(path: Path, fps: float) -> Keypoints:
+    """Every part that a keypoint file holds, named `part` or `individual/part`."""
+    return all_keypoints(read_table(Path(path)), fps=fps)
+
+
+def read_table(path: Path) -> Table:
+    """Table of a csv or h5 of DeepLabCut's, or of a SLEAP analysis h5.
+
+    Raises: InputError as `read`.
+    """
+    if not path.is_file():
+        raise input_error(path, "", "no such file", "a keypoint file")
+    if path.stat().st_size == 0:
+        raise input_error(path, "", "an empty file (0 bytes)", "a keypoint file")
+    table = _dispatch(path)
+    if path.stem.endswith("_filtered"):
+        remark = f"{path.name} was filtered already: its noise is no longer independent"
+        return replace(table, remarks=(*table.remarks, remark))
+    return table
+
+
+def _dispatch(path: Path) -> Table:
+    if path.suffix.lower() == ".csv":
+        return read_csv(path)
+    return read_sleap(path) if is_sleap(path) else read_h5(path)
+
+
+def covariance_path(path: str | Path) -> Path:
+    """Path of the covariance file beside a keypoint file."""
+    return Path(path).with_suffix(".cov.csv")
+
+
+def write(path: str | Path, keypoints: Keypoints) -> None:
+    """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it."""
+    names, n = keypoints.names, len(keypoints.time_s)
+    cells = np.concatenate([keypoints.xy_px, keypoints.likelihood[..., None]], axis=2)
+    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8") as out:
+        out.write("scorer," + ",".join([SCORER] * 3 * len(names)) + "\n")
+        out.write("bodyparts," + ",".join(name for name in names for _ in range(3)) + "\n")
+        out.write("coords," + ",".join(["x", "y", "likelihood"] * len(names)) + "\n")
+        for i, row in enumerate(cells.reshape(n, -1)):
+            out.write(",".join([str(i), *(f"{v:.6g}" if isfinite(v) else "" for v in row)]) + "\n")
+    _write_covariance(covariance_path(path), keypoints)
+
+
+def _write_covariance(path: Path, keypoints: Keypoints) -> None:
+    columns = {"time_s": keypoints.time_s}
+    for k, name in enumerate(keypoints.names):
+        columns |= {f"{name}_{pair}": keypoints.cov_px2[:, k, i, j] for pair, i, j in PAIRS}
+    write_columns(path, columns)
+
+
+def _with_covariance(found: Keypoints, path: Path) -> Keypoints:
+    """Keypoints with times and covariances of the sidecar, row by row."""
+    names = [f"{name}_{pair}" for name in found.names for pair, _, _ in PAIRS]
+    columns = read_columns(path, ("time_s", *names))
+    if len(columns["time_s"]) != len(found.time_s):
+        rows = f"{len(columns['time_s'])} rows"
+        raise input_error(path, "", rows, f"{len(found.time_s)} rows, as the keypoints")
+    cov = np.empty_like(found.cov_px2)
+    for k, name in enumerate(found.names):
+        for pair, i, j in PAIRS:
+            cov[:, k, i, j] = cov[:, k, j, i] = columns[f"{name}_{pair}"]
+    return replace(found, time_s=columns["time_s"], cov_px2=cov)

@@ -1,0 +1,112 @@
+"""DeepLabCut's csv: header rows scorer / [individuals] / bodyparts / coords, then a row a frame."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from ...errors import InputError, input_error
+from .table import Table, assemble, frame_numbers
+
+ROWS = ("scorer", "individuals", "bodyparts", "coords")
+COORDS = ("x", "y", "likelihood")
+EXPECTED = "DeepLabCut's header rows scorer, bodyparts, coords"
+
+
+def read_csv(path: Path) -> Table:
+    """Table of a DeepLabCut csv of predictions or labels, of one animal or several.
+
+    Raises: InputError naming the row where the header is not DeepLabCut's, the body is empty, a row
+    has another number of cells, or a cell is no number.
+    """
+    rows = _rows(path)
+    header, body = _header(path, rows)
+    first = next((i for i, cell in enumerate(header["coords"]) if cell in COORDS), 0)
+    if first == 0:
+        raise input_error(
+            path, "coords", ", ".join(header["coords"][:4]), "x, y[, likelihood] a part"
+        )
+    width = len(header["coords"])
+    if not body:
+        raise input_error(path, "", "a header without a single frame", "a row a frame")
+    values = _values(path, body, first, header)
+    kept = [i for i in range(first, width) if header["coords"][i] in COORDS]
+    who = header.get("individuals", [""] * width)
+    labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
+    index = ["/".join(cell.strip() for cell in row[:first]) for _, row in body]
+    lines = [number for number, _ in body]
+    frame = frame_numbers(index, path, lines)
+    return assemble(path, labels, values[:, [i - first for i in kept]], frame, lines)
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Line numbers and cells of all rows that hold anything at all."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as lines:
+            rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise input_error(
+            path, "", f"no readable csv ({error})", "a DeepLabCut csv in UTF-8"
+        ) from error
+    if not rows:
+        raise input_error(path, "", "an empty file", "a DeepLabCut csv")
+    for number, row in rows:
+        if any("\n" in cell for cell in row):
+            raise input_error(path, f"row {number}",
+                              "a quotation mark that is not closed in its row",
+                        "a row a frame", "Take the mark out, or close it.")  # fmt: skip
+    return rows
+
+
+def _header(
+    path: Path, rows: list[tuple[int, list[str]]]
+) -> tuple[dict[str, list[str]], list[tuple[int, list[str]]]]:
+    header: dict[str, list[str]] = {}
+    for _, row in rows[: len(ROWS)]:
+        name = row[0].strip().lower()
+        if name not in ROWS or name in header:
+            break
+        header[name] = [cell.strip() for cell in row]
+    missing = [name for name in ("scorer", "bodyparts", "coords") if name not in header]
+    if missing:
+        found = f"no row '{missing[0]}' in the header (row 1: {', '.join(rows[0][1])[:80]})"
+        other = next((c for c in ";\t" if len(rows[0][1]) == 1 and c in rows[0][1][0]), "")
+        name = {";": "semicolons", "\t": "tabs"}.get(other, "")
+        remedy = f"The cells are separated by {name}: save it with commas." if other else ""
+        raise input_error(path, "header", found, EXPECTED, remedy)
+    widths = {name: len(row) for name, row in header.items()}
+    if len(set(widths.values())) > 1:
+        raise input_error(path, "header", f"rows of {sorted(set(widths.values()))} cells", EXPECTED)
+    return header, rows[len(header) :]
+
+
+def _values(
+    path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
+) -> npt.NDArray[np.float64]:
+    width = len(header["coords"])
+    for number, row in body:
+        if len(row) != width:
+            remedy = "Was the file cut while it was copied?"
+            raise input_error(
+                path, f"row {number}", f"{len(row)} cells", f"{width} cells, as the header", remedy
+            )
+    try:
+        return np.array([[float(cell or "nan") for cell in row[first:]] for _, row in body])
+    except ValueError:
+        raise _wrong_cell(path, body, first, header) from None
+
+
+def _wrong_cell(
+    path: Path, body: list[tuple[int, list[str]]], first: int, header: dict[str, list[str]]
+) -> InputError:
+    for number, row in body:
+        for i, cell in enumerate(row[first:], start=first):
+            try:
+                float(cell or "nan")
+            except ValueError:
+                place = f"row {number}, {header['bodyparts'][i]} {header['coords'][i]}"
+                return input_error(path, place, f"'{cell[:60]}'", "a number or an empty cell")
+    return input_error(path, "", "a cell that is no number", "numbers")

@@ -1,0 +1,56 @@
+"""h5 files opened with care: no links out of the file, no unbounded sizes, no pickled objects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from ...errors import input_error
+
+MOST_CELLS = 50_000_000
+
+
+@contextmanager
+def open_h5(path: Path) -> Iterator[Any]:
+    """An open h5 file; what goes wrong while reading it becomes a InputError that names it."""
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError, OverflowError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise input_error(
+            path, "", f"no readable h5 ({reason})", "a DeepLabCut or SLEAP h5"
+        ) from error
+    except (MemoryError, RecursionError, AttributeError, IndexError) as error:
+        raise input_error(
+            path, "", f"a damaged h5 ({type(error).__name__})", "a whole file"
+        ) from error
+
+
+def member(group: Any, name: str) -> Any:
+    """Dataset or group `name` that truly lies in this file, None where there is none.
+
+    Raises: ValueError for links out of the file, virtual or external storage, absurd sizes.
+    """
+    link = group.get(name, getlink=True)
+    if link is None:
+        return None
+    if not isinstance(link, h5py.HardLink):
+        raise ValueError(f"'{name}' is a link to elsewhere")
+    item = group[name]
+    if isinstance(item, h5py.Dataset):
+        if item.external or item.is_virtual:
+            raise ValueError(f"'{name}' is stored in another file")
+        if item.size is not None and item.size > MOST_CELLS:
+            raise ValueError(f"'{name}' has {item.size} cells")
+    return item
+
+
+def strings(dataset: Any) -> list[str]:
+    """Text of a dataset of names (fixed or variable length)."""
+    cells = dataset[()].ravel().tolist()
+    return [c.decode("utf-8", "replace") if isinstance(c, bytes) else str(c) for c in cells]

@@ -1,0 +1,1 @@
+"""Bending bodies: a midline with several joints fitted to the picture, and its parts."""

@@ -1,0 +1,221 @@
+"""What differs from the background, as midlines with two ends: where a bending body may be."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from ..outline.background import Image, noise_level, ranked
+from ..outline.plane import Plane
+from ..outline.search import pool_mask
+from .curve import JOINTS, REFERENCE, Image32, basis
+
+Float = npt.NDArray[np.float64]
+SELDOM = 0.1
+LEAST_CHANGE, NOISES = 16.0, 5.0
+FINEST_PX = 96.0
+EXTENT, FILLED = (0.45, 1.5), (0.02, 0.55)
+"""Plausible extent of a body, in lengths, and share of its length's square that it fills."""
+BIN_PX = 2.0
+
+
+@dataclass(frozen=True)
+class Arena:
+    """The place without bodies.
+
+    background: its picture. sign: 1 where bodies are darker, -1 where brighter. skin: their grey
+    level. level: least change that counts; noise: of a pixel, grey levels. length_px: of the
+    whole body at the pool's middle; factor: pictures are reduced by it.
+    """
+
+    background: Image
+    plane: Plane
+    sign: float
+    skin: float
+    level: float
+    noise: float
+    length_px: float
+    factor: int
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A reduced part of a picture: change and depth [grey levels], and how it maps to pixels."""
+
+    change: Image32
+    depth: Image32
+    place: Float
+
+    def pixels(self, points: Float) -> Float:
+        """Pixels (n, 2) of the whole picture of points (n, 2) of the cut."""
+        return (points + self.place[1:] + 0.5) * self.place[0] - 0.5
+
+
+@dataclass(frozen=True)
+class Blob:
+    """One thing: midline (n, 2) px from end to end, its length [px], area [px^2], mean change, and
+    how much thicker the half that begins the line is than the other.
+    """
+
+    line: Float
+    length: float
+    area: float
+    change: float
+    thicker: float
+
+
+def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
+    """The place without bodies, from pictures spread over the film; total_bl: whole body length.
+
+    Where something passed, the usual grey level of a pixel is the background's; only where a body
+    rests for long it is the body's. So the swept pixels say whether bodies are darker or brighter,
+    and a pixel that is seldom otherwise shows the background then.
+    """
+    least, low, usual, high, most = ranked(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
+    noise = noise_level(samples, usual)
+    level = max(LEAST_CHANGE, NOISES * noise)
+    inside = pool_mask(usual.shape, plane.corners_px)
+    darker, brighter = (
+        float(away[(inside > 0) & (away > 2 * level)].sum(dtype=float))
+        for away in (usual - least, most - usual)
+    )
+    sign, rare = (1.0, high) if darker >= brighter else (-1.0, low)
+    background = np.where(cv2.absdiff(rare, usual) > 2 * level, rare, usual)
+    change = np.concatenate(
+        [(sign * cv2.subtract(background, one, dtype=cv2.CV_16S))[inside > 0] for one in samples]
+    )
+    strong = change[change > 2 * level]
+    contrast = float(np.percentile(strong, 90)) if len(strong) else 2 * level
+    usual_grey = float(np.median(background[inside > 0]))
+    length_px = total_bl * plane.px_per_bl
+    factor = max(1, int(length_px / FINEST_PX))
+    level = max(level, 0.25 * contrast)
+    skin = usual_grey - sign * contrast
+    return Arena(background, plane, sign, skin, level, noise, length_px, factor)
+
+
+def cut(luma: Image, arena: Arena, centre: Float | None = None, reach_px: float = 0.0) -> Cut:
+    """The part of a picture within a reach of a place; all of it without a place."""
+    height, width = luma.shape
+    left, top, right, low = 0, 0, width, height
+    if centre is not None:
+        left, right = _range(centre[0], reach_px, width)
+        top, low = _range(centre[1], reach_px, height)
+    f = arena.factor
+    left, top = left // f * f, top // f * f
+    window = slice(top, low), slice(left, right)
+    background = arena.background[window]
+    change = cv2.subtract(background, luma[window], dtype=cv2.CV_16S).astype(np.float32)
+    change *= arena.sign
+    depth = arena.sign * (background.astype(np.float32) - arena.skin)
+    if f > 1:
+        size = max(1, (right - left) // f), max(1, (low - top) // f)
+        whole = slice(0, size[1] * f), slice(0, size[0] * f)
+        change, depth = (
+            cv2.resize(one[whole], size, interpolation=cv2.INTER_AREA) for one in (change, depth)
+        )
+    return Cut(change, depth, np.array([f, left / f, top / f]))
+
+
+def _range(middle: float, reach: float, size: int) -> tuple[int, int]:
+    first = int(min(max(middle - reach, 0), max(size - 8, 0)))
+    return first, int(min(max(middle + reach, first + 8), size))
+
+
+def blobs(picture: Cut, arena: Arena) -> list[Blob]:
+    """Things of a body's size and slenderness, the most changed first."""
+    smooth = cv2.blur(picture.change, (3, 3))
+    mask = ((smooth > arena.level) & (picture.depth > arena.level)).astype(np.uint8)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
+    length = arena.length_px / arena.factor
+    found = []
+    for i in range(1, count):
+        x, y, w, h, area = stats[i]
+        if not FILLED[0] * length**2 < area < FILLED[1] * length**2:
+            continue
+        if not EXTENT[0] * length < math.hypot(w, h) < EXTENT[1] * length:
+            continue
+        own = labels[y : y + h, x : x + w] == i
+        blob = _blob(own, smooth[y : y + h, x : x + w], np.array([x, y], float), picture)
+        if blob is not None:
+            found.append(blob)
+    return sorted(found, key=lambda one: -one.change * one.area)
+
+
+def _blob(own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: Cut) -> Blob | None:
+    """Midline of a component: centres of its parts at equal distance, along it, from one end."""
+    away = distances(np.pad(own, 1))[1:-1, 1:-1]
+    v, u = np.nonzero(own)
+    far = away[v, u]
+    bins = (far / BIN_PX).astype(int)
+    weight = change[v, u].astype(float)
+    total = np.maximum(np.bincount(bins, weight), 1e-9)
+    line = np.column_stack([np.bincount(bins, weight * axis) / total for axis in (u, v)])
+    if len(line) < 5:
+        return None
+    padded = np.concatenate([line[:1], line, line[-1:]])
+    line = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+    length = float(np.hypot(*np.diff(line, axis=0).T).sum()) + BIN_PX
+    half = len(line) // 2
+    thicker = float(total[:half].sum() / total[-half:].sum())
+    f = picture.place[0]
+    return Blob(picture.pixels(line + corner), length * f, float(own.sum()) * f * f,
+                float(weight.mean()), thicker)  # fmt: skip
+
+
+@numba.njit(cache=True)
+def distances(own: npt.NDArray[np.bool_]) -> Float:
+    """Distance within a connected mask from one of its two ends; its border is empty."""
+    height, width = own.shape
+    v, u = np.nonzero(own)
+    at_v, at_u = v[0], u[0]
+    away = np.empty((height, width))
+    queue = np.empty((height * width * 8, 2), np.int64)
+    for _ in range(2):
+        away[:] = 1e9
+        away[at_v, at_u] = 0.0
+        queue[0, 0], queue[0, 1] = at_v, at_u
+        first, last = 0, 1
+        while first < last:
+            y, x = queue[first]
+            first += 1
+            for dy in range(-1, 2):
+                for dx in range(-1, 2):
+                    new = away[y, x] + (1.0 if dx * dy == 0 else 1.4142)
+                    if own[y + dy, x + dx] and new < away[y + dy, x + dx] - 1e-9:
+                        away[y + dy, x + dx] = new
+                        if last < len(queue):
+                            queue[last, 0], queue[last, 1] = y + dy, x + dx
+                            last += 1
+        farthest = 0.0
+        for k in range(len(v)):
+            if farthest < away[v[k], u[k]] < 1e9:
+                farthest, at_v, at_u = away[v[k], u[k]], v[k], u[k]
+    return away
+
+
+def poses_of(blob: Blob, plane: Plane, length_bl: float) -> list[Float]:
+    """Poses (3 + JOINTS,) whose midline is the blob's, either end as the nose; likelier first."""
+    line = plane.body_lengths(blob.line)
+    both = [line, line[::-1]] if blob.thicker >= 1 else [line[::-1], line]
+    return [pose_along(one, length_bl) for one in both]
+
+
+def pose_along(line: Float, length_bl: float) -> Float:
+    """Pose whose midline runs along a line (n, 2) [body lengths] from nose to tail."""
+    step = np.hypot(*np.diff(line, axis=0).T)
+    along = np.concatenate([[0.0], np.cumsum(step)])
+    slack = 0.5 * (length_bl - along[-1]) / length_bl
+    arc = np.clip(slack + along / length_bl, 0.0, 1.0)
+    heading = np.unwrap(np.arctan2(*(line[:-1] - line[1:]).T[::-1]))
+    terms = np.column_stack([np.ones(len(heading)), basis(0.5 * (arc[1:] + arc[:-1]))])
+    tie = np.diag([0.0] + [0.02 * len(heading)] * JOINTS)
+    solved = np.linalg.solve(terms.T @ terms + tie, terms.T @ heading)
+    place = [np.interp(REFERENCE, arc, axis) for axis in line.T]
+    return np.concatenate([place, solved])

@@ -1,0 +1,290 @@
+"""The pose of a bending body that fits the picture: place, heading and smooth bending.
+
+Arc s runs from the nose (0) to the tail tip (1). The heading at s is theta(s) = theta_0 +
+sum of b_j B_j(s), with B_j(s) = P_j(2 s - 1) - P_j(2 c - 1), P_j Legendre polynomials and c the
+reference station; the midline is p(s) = p_c - length * integral of (cos theta, sin theta) from c
+to s. The picture is modelled as background - luma = T(s, n) (background - skin), T the learned
+coverage at arc s and distance n from the midline. Fit: Gauss-Newton with Geman and McClure's
+weights, the gradient of the picture taken from T.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from ..outline.posefit import horner, jacobian
+
+Float = npt.NDArray[np.float64]
+Image32 = npt.NDArray[np.float32]
+Maps = tuple[Float, Float, Float]
+"""Coefficients and scale of the plane's map to pixels; and the cut: factor, left, top."""
+JOINTS = 5
+REFERENCE = 0.3
+STATIONS, ACROSS = 56, 17
+BEYOND = 0.14
+ROUNDS = 9
+LEAST_STEP, MOST_MOVE, MOST_TURN = 0.002, 0.12, 0.4
+GAINS = (0.6, 1.5)
+LEAST_SEEN = 0.3
+FRONT = round(BEYOND / (1 + 2 * BEYOND) * (STATIONS - 1))
+BEND_INFORMATION = 0.0002
+"""Prior information of each bending coefficient, as a share of that of a body's heading."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Learned look of a bending body in straightened axes.
+
+    length_bl: nose to tail tip, body lengths. cover: (STATIONS, ACROSS) share of the body's
+    contrast at arcs from -BEYOND to 1 + BEYOND and distances up to `half_bl` from the midline.
+    skin: grey level of the body.
+    """
+
+    length_bl: float
+    half_bl: float
+    cover: Float
+    skin: float
+
+    @property
+    def tables(self) -> tuple[Float, Float, Float, Float]:
+        """Bending basis (STATIONS, JOINTS); cover; its slopes along and across, per body length."""
+        step = (1 + 2 * BEYOND) / (STATIONS - 1) * self.length_bl
+        across = 2 * self.half_bl / (ACROSS - 1)
+        along_slope, across_slope = (
+            np.asarray(slope) for slope in np.gradient(self.cover, -step, across)
+        )
+        return basis(arcs()), self.cover, along_slope, across_slope
+
+    @property
+    def size(self) -> Float:
+        """Length and half width, body lengths (2,)."""
+        return np.array([self.length_bl, self.half_bl])
+
+
+def arcs() -> Float:
+    """Arcs (STATIONS,) of the stations."""
+    return np.linspace(-BEYOND, 1 + BEYOND, STATIONS)
+
+
+def basis(arc: Float) -> Float:
+    """Bending basis (n, JOINTS) at arcs; constant beyond the ends, 0 at the reference."""
+    x = 2 * np.append(np.clip(arc, 0, 1), REFERENCE) - 1
+    values = np.polynomial.legendre.legvander(x, JOINTS)[:, 1:]
+    return values[:-1] - values[-1]
+
+
+def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
+    """Places (n, 2) [body lengths] and headings (n,) of arcs along a pose's midline."""
+    fine = np.linspace(-BEYOND, 1 + BEYOND, 8 * STATIONS)
+    heading = pose[2] + basis(fine) @ pose[3:]
+    step = np.column_stack([np.cos(heading), np.sin(heading)]) * (fine[1] - fine[0]) * length_bl
+    line = np.concatenate([np.zeros((1, 2)), -np.cumsum(0.5 * (step[1:] + step[:-1]), axis=0)])
+    at = np.column_stack([np.interp(np.append(arc, REFERENCE), fine, axis) for axis in line.T])
+    return pose[:2] + at[:-1] - at[-1], pose[2] + basis(arc) @ pose[3:]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
+    """Midline (n, 2), headings (n,), and d midline / d bending (n, JOINTS, 2) of all stations."""
+    n, joints = bend.shape
+    step = (1.0 + 2 * BEYOND) / (n - 1)
+    middle = (REFERENCE + BEYOND) / step
+    first = int(middle)
+    heading = np.empty(n)
+    for k in range(n):
+        heading[k] = pose[2]
+        for j in range(joints):
+            heading[k] += pose[3 + j] * bend[k, j]
+    place, slope = np.empty((n, 2)), np.zeros((n, joints, 2))
+    for way in (1, -1):
+        x, y = pose[0], pose[1]
+        sums = np.zeros((joints, 2))
+        before, part = pose[2], (first + 1 - middle if way > 0 else middle - first)
+        last_bend = np.zeros(joints)
+        k = first + 1 if way > 0 else first
+        while 0 <= k < n:
+            ds = -way * part * step * size[0]
+            angle = 0.5 * (heading[k] + before)
+            x += ds * math.cos(angle)
+            y += ds * math.sin(angle)
+            for j in range(joints):
+                mean = 0.5 * (bend[k, j] + last_bend[j])
+                sums[j, 0] -= ds * mean * math.sin(angle)
+                sums[j, 1] += ds * mean * math.cos(angle)
+                last_bend[j] = bend[k, j]
+                slope[k, j, 0], slope[k, j, 1] = sums[j, 0], sums[j, 1]
+            place[k, 0], place[k, 1] = x, y
+            before, part = heading[k], 1.0
+            k += way
+    return place, heading, slope
+
+
+@numba.njit(cache=True, error_model="numpy")
+def sampled(image: Image32, u: float, v: float) -> float:
+    """Bilinear value; NaN outside."""
+    height, width = image.shape
+    if not (0 <= u < width - 1 and 0 <= v < height - 1):
+        return math.nan
+    x, y = int(u), int(v)
+    fx, fy = u - x, v - y
+    top = image[y, x] * (1 - fx) + image[y, x + 1] * fx
+    low = image[y + 1, x] * (1 - fx) + image[y + 1, x + 1] * fx
+    return top * (1 - fy) + low * fy
+
+
+@numba.njit(cache=True, error_model="numpy")
+def straightened(
+    picture: tuple[Image32, Image32, Maps],
+    pose: Float,
+    line: tuple[Float, Float, Float],
+    size: Float,
+) -> tuple[Float, Float]:
+    """Change and depth (STATIONS, ACROSS) along the midline; NaN outside the picture.
+
+    picture: change, depth and maps. line: `stations` of the pose.
+    """
+    changes, depths, maps = picture
+    place, heading, _ = line
+    n = len(heading)
+    change, depth = np.empty((n, ACROSS)), np.empty((n, ACROSS))
+    factor, left, top = maps[2]
+    local = jacobian(maps[0], maps[1], pose[0], pose[1])
+    for k in range(n):
+        u, v = horner(maps[0], maps[1], place[k, 0], place[k, 1])
+        nx, ny = -math.sin(heading[k]), math.cos(heading[k])
+        for a in range(ACROSS):
+            far = size[1] * (2.0 * a / (ACROSS - 1) - 1.0)
+            x = (u + far * (local[0, 0] * nx + local[0, 1] * ny) + 0.5) / factor - 0.5 - left
+            y = (v + far * (local[1, 0] * nx + local[1, 1] * ny) + 0.5) / factor - 0.5 - top
+            change[k, a] = sampled(changes, x, y)
+            depth[k, a] = sampled(depths, x, y)
+    return change, depth
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _row(
+    row: Float, force: tuple[float, float, float], at: tuple[Float, Float, float], slopes: Float
+) -> None:
+    """Write d change / d pose, in body axes, of one sample.
+
+    force: slope of the picture along x, along y, and along the midline times the distance across.
+    at: place from the reference (2,); bending basis (JOINTS,); heading at the reference.
+    """
+    fx, fy, turned = force
+    away, bend, heading = at
+    c, s = math.cos(heading), math.sin(heading)
+    row[0] = fx * c + fy * s
+    row[1] = -fx * s + fy * c
+    row[2] = -fx * away[1] + fy * away[0] - turned
+    for j in range(len(bend)):
+        row[3 + j] = fx * slopes[j, 0] + fy * slopes[j, 1] - turned * bend[j]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _equations(
+    seen: tuple[Float, Float],
+    line: tuple[Float, Float, Float],
+    tables: tuple[Float, Float, Float, Float],
+    how: tuple[Float, float, float, float],
+) -> tuple[Float, Float, Float, Float, float]:
+    """Information, side and scores' outer product in body axes; support (5,); the gain found.
+
+    seen: change and depth. line: `stations`. how: pose, half width, gain, tolerance.
+    """
+    change, depth = seen
+    place, heading, slopes = line
+    bend, cover, along_slope, across_slope = tables
+    pose, half, gain, tolerance = how
+    n, count = len(heading), 3 + bend.shape[1]
+    row, score, side = np.zeros(count), np.zeros(count), np.zeros(count)
+    information, meat = np.zeros((count, count)), np.zeros((count, count))
+    lost, held, support = np.zeros(3), np.zeros(3), np.zeros(5)
+    known, whole, product, square = 0.0, 0.0, 0.0, 1e-9
+    for k in range(n):
+        part = 3 * k // n
+        hc, hs = math.cos(heading[k]), math.sin(heading[k])
+        away = place[k] - pose[:2]
+        score[:] = 0.0
+        if FRONT <= k < n - FRONT:
+            whole += 1.0
+            known += 1.0 if depth[k, ACROSS // 2] > tolerance else 0.0
+        for a in range(ACROSS):
+            if not math.isfinite(depth[k, a]):
+                continue
+            full = cover[k, a] * depth[k, a]
+            residual = change[k, a] - gain * full
+            weight = 1.0 / (1.0 + (residual / tolerance) ** 2) ** 2
+            product += weight * change[k, a] * full
+            square += weight * full * full
+            lost[part] += min(residual * residual, 2.0 * tolerance * tolerance)
+            held[part] += (gain * full) ** 2
+            along = gain * depth[k, a] * along_slope[k, a]
+            across = gain * depth[k, a] * across_slope[k, a]
+            turned = along * half * (2.0 * a / (ACROSS - 1) - 1.0)
+            force = (along * hc - across * hs, along * hs + across * hc, turned)
+            _row(row, force, (away, bend[k], pose[2]), slopes[k])
+            score += weight * residual * row
+            for i in range(count):
+                for j in range(i + 1):
+                    information[i, j] += weight * row[i] * row[j]
+        side += score
+        meat += np.outer(score, score)
+    for i in range(count):
+        information[:i, i] = information[i, :i]
+    support[:3] = 1.0 - lost / np.maximum(held, 1e-9)
+    support[3] = 1.0 - lost.sum() / max(held.sum(), 1e-9)
+    support[4] = known / whole
+    return information, side, meat, support, product / square
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _step(information: Float, side: Float, pose: Float) -> Float:
+    """Change of the pose in body axes; bending tied to none, the more the higher its order."""
+    normal, right = information.copy(), side.copy()
+    tie = BEND_INFORMATION * information[2, 2]
+    for i in range(len(pose)):
+        normal[i, i] += 0.01 * information[i, i] + 1e-6
+        if i > 2:
+            normal[i, i] += tie * (i - 2) ** 2
+            right[i] += tie * (i - 2) ** 2 * pose[i]
+    step = -np.linalg.solve(normal, right)
+    largest = max(math.hypot(step[0], step[1]) / MOST_MOVE, np.abs(step[2:]).max() / MOST_TURN)
+    return step / max(1.0, largest)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def fit(
+    picture: tuple[Image32, Image32, Maps],
+    tables: tuple[Float, Float, Float, Float],
+    size: Float,
+    start: Float,
+    tolerance: float,
+) -> tuple[Float, Float, Float, Float]:
+    """Pose; information (P, P) and scores' outer product (P, P) in body axes; support (5,).
+
+    Support: of head, core and tail third and of all, 1 - squared residuals (clipped) over the
+    squared model; and the share of the body seen (in the picture, not hidden, not before a
+    background as dark). tolerance: residual [grey levels] beyond which a pixel counts little, as
+    of another body.
+    """
+    pose, gain, settled = start.copy(), 1.0, False
+    for turn in range(ROUNDS + 1):
+        line = stations(pose, size, tables[0])
+        seen = straightened(picture, pose, line, size)
+        how = (pose, size[1], gain, tolerance)
+        information, side, meat, support, found = _equations(seen, line, tables, how)
+        if settled or turn == ROUNDS or support[4] < LEAST_SEEN:
+            break
+        step = _step(information, side, pose)
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        pose[0] += c * step[0] - s * step[1]
+        pose[1] += s * step[0] + c * step[1]
+        pose[2:] += step[2:]
+        gain = min(max(found, GAINS[0]), GAINS[1])
+        settled = turn > 0 and np.abs(step).max() < LEAST_STEP
+    return pose, information, meat, support

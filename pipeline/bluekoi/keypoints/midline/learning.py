@@ -1,0 +1,137 @@
+"""The look of a bending body, learned from a few frames spread over the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ..outline.background import Image
+from ..outline.template import median_seen
+from .blobs import Arena, Blob, Cut, blobs, cut, pose_along, poses_of
+from .curve import ACROSS, BEYOND, STATIONS, Shape, arcs, fit, midline, stations, straightened
+
+Float = npt.NDArray[np.float64]
+ROUNDS = 4
+MOST_BODIES = 40
+USUAL_LENGTH = (0.7, 1.3)
+LEAST_SUPPORT = 0.5
+TAIL = (0.75, 0.9)
+
+
+def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] | None:
+    """Shape learned from the bodies in some pictures, their poses and support; None without any.
+
+    All bodies of one picture that are alike count: they are of one kind.
+    """
+    seen = [(picture, blob) for luma in samples for picture in [cut(luma, arena)]
+            for blob in blobs(picture, arena)]  # fmt: skip
+    seen = _alike(seen)[:MOST_BODIES]
+    if len(seen) < 2:
+        return None
+    px_per_bl = arena.plane.px_per_bl
+    length = float(np.median([blob.length for _, blob in seen])) / px_per_bl
+    area = float(np.median([blob.area for _, blob in seen])) / px_per_bl**2
+    half = 1.1 * area / length + 1.5 * arena.factor / px_per_bl
+    shape = Shape(length, half, np.zeros((STATIONS, ACROSS)), arena.skin)
+    pairs = [(p, poses[0]) for p, b in seen if (poses := poses_of(b, arena.plane, length))]
+    shape = _averaged(shape, pairs, arena)
+    for turn in range(ROUNDS):
+        fits = [(p, *_best(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
+        pairs = [(p, pose) for p, pose, support in fits if support > LEAST_SUPPORT]
+        if len(pairs) < 2:
+            return None
+        shape = _averaged(shape, pairs, arena)
+        if turn < ROUNDS - 1:
+            shape, pairs = _rescaled(shape, pairs, arena)
+    last = [fitted(picture, shape, arena, pose) for picture, pose in pairs]
+    return shape, np.array([one[0] for one in last]), np.array([one[3][3] for one in last])
+
+
+def _best(
+    picture: Cut, shape: Shape, arena: Arena, pose: Float, *, turned: bool
+) -> tuple[Float, float]:
+    """Pose and support of the best fit from a pose, either way round if `turned`."""
+    starts = [pose, reversed_pose(pose, shape)] if turned else [pose]
+    found = [fitted(picture, shape, arena, start) for start in starts]
+    best = max(found, key=lambda one: float(one[3][3]) + 0.5 * max(float(one[3][:3].min()), -1.0))
+    return best[0], float(best[3][3])
+
+
+def reversed_pose(pose: Float, shape: Shape) -> Float:
+    """The pose with nose and tail exchanged."""
+    line, _ = midline(pose, shape.length_bl, np.linspace(1, 0, STATIONS))
+    return pose_along(line, shape.length_bl)
+
+
+def _rescaled(
+    shape: Shape, pairs: Sequence[tuple[Cut, Float]], arena: Arena
+) -> tuple[Shape, list[tuple[Cut, Float]]]:
+    """The shape with nose and tail tip at arcs 0 and 1, and the poses that go with it."""
+    nose, tip = _ends(shape.cover)
+    length = shape.length_bl * (tip - nose)
+    arc = np.linspace(nose, tip, STATIONS)
+    poses = [pose_along(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
+    renewed = [(picture, pose) for (picture, _), pose in zip(pairs, poses, strict=True)]
+    return _averaged(replace(shape, length_bl=length), renewed, arena), renewed
+
+
+def _alike(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
+    """Those of the usual length and thickness, spread over the pictures."""
+    if not seen:
+        return []
+    length, area = (float(np.median([getattr(b, name) for _, b in seen]))
+                    for name in ("length", "area"))  # fmt: skip
+    kept = [
+        (p, b)
+        for p, b in seen
+        if USUAL_LENGTH[0] < b.length / length < USUAL_LENGTH[1] and 0.6 < b.area / area < 1.5
+    ]
+    step = max(1, -(-len(kept) // MOST_BODIES))
+    return kept[::step]
+
+
+def fitted(
+    picture: Cut, shape: Shape, arena: Arena, pose: Float
+) -> tuple[Float, Float, Float, Float]:
+    """`fit` of a shape to a cut of a picture."""
+    plane = arena.plane
+    seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
+    tolerance = max(3.0 * arena.noise, 0.3 * abs(float(np.median(arena.background)) - arena.skin))
+    return fit(seen, shape.tables, shape.size, pose, tolerance)
+
+
+def _averaged(shape: Shape, fits: Sequence[tuple[Cut, Float]], arena: Arena) -> Shape:
+    """Shape whose coverage is the median over fits and both sides."""
+    bend, *_ = shape.tables
+    plane, covers = arena.plane, []
+    for picture, pose in fits:
+        seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
+        line = stations(pose, shape.size, bend)
+        change, depth = straightened(seen, pose, line, shape.size)
+        cover = np.where(depth > arena.level, change / np.maximum(depth, arena.level), np.nan)
+        covers += [cover, cover[:, ::-1]]
+    cover = np.nan_to_num(median_seen(np.array(covers)))
+    cover = np.clip(cover - np.median(cover[[0, -1]]), 0.0, 1.2)
+    edge = np.abs(np.linspace(-1, 1, ACROSS))
+    return replace(shape, cover=cover * np.clip(6 * (1 - edge), 0, 1))
+
+
+def _ends(cover: Float) -> tuple[float, float]:
+    """Arcs of nose and tail tip: half the coverage on the axis of the head, of the tail."""
+    arc, middle = arcs(), ACROSS // 2
+    axis = cover[:, middle - 1 : middle + 2].mean(axis=1)
+    head = 0.5 * float(axis[: STATIONS // 2].max())
+    tail = 0.5 * float(axis[(arc > TAIL[0]) & (arc < TAIL[1])].mean())
+    front = int(np.argmax(axis > head))
+    rear = STATIONS - 1 - int(np.argmax(axis[::-1] > tail))
+    nose = _crossing(arc, axis, front - 1, head) if front else -BEYOND
+    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS - 1 else 1 + BEYOND
+    return nose, tip
+
+
+def _crossing(arc: Float, values: Float, k: int, level: float) -> float:
+    share = (level - values[k]) / (values[k + 1] - values[k])
+    return float(arc[k] + share * (arc[k + 1] - arc[k]))

@@ -1,0 +1,158 @@
+"""Fits of a bending body as keypoints: pixels, likelihood, covariance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import PARTS, Keypoints
+from ...study import Robot, Trial
+from ..outline.outcome import graded
+from ..outline.plane import in_body_lengths
+from .blobs import Arena
+from .curve import REFERENCE, Shape, arcs, basis, stations
+from .track import Fit, Track
+
+Float = npt.NDArray[np.float64]
+FLOOR_PX = 0.03
+LENGTH_STD = 0.02
+"""Share of the length by which its ends may be misplaced; grows from the reference outwards."""
+CORRELATED = 3.0
+"""Variance of a pose over that of independent stations: neighbouring stations err alike. Measured
+on drawn bodies (tests)."""
+TAIL_SUPPORT, SEEN = (0.0, 0.55), (0.4, 0.8)
+DOUBTFUL = 0.5
+BACKWARDS = -0.3
+JUMP, JUMP_RAD = 0.25, 1.0
+OF_PART = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
+
+
+def arcs_of(robot: Robot, trial: Trial) -> Float:
+    """Arcs (5,) of the keypoints, nose 0 and tail tip 1, at the shares that study.yaml states."""
+    head, com, tail = (
+        in_body_lengths(robot, length)
+        for length in (trial.head_length_m, robot.hinge_to_com_m, robot.tail_length_m)
+    )
+    body = total_length(robot, trial) - tail
+    return np.array([0.0, head, head + com, body, body + tail]) / (body + tail)
+
+
+def total_length(robot: Robot, trial: Trial) -> float:
+    """Nose to tail tip, body lengths."""
+    length = robot.body_length_m + trial.head_length_m - robot.head_length_m + robot.tail_length_m
+    return in_body_lengths(robot, length)
+
+
+def keypoints_of(
+    times: Sequence[float], track: Track, arena: Arena, shape: Shape, arc: Float
+) -> Keypoints:
+    """Keypoints at arcs (5,) of a recording; NaN with likelihood 0 where no body was found.
+
+    The nose is the end that moves ahead; where the body hardly swims, the thicker one.
+    """
+    n, p = len(times), len(PARTS)
+    xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
+    cov = np.full((n, p, 2, 2), np.nan)
+    known = [(i, one) for i, one in enumerate(track.fits) if one is not None]
+    remarks: list[str] = []
+    if known:
+        where, fits = [i for i, _ in known], [one for _, one in known]
+        backwards = _ahead(fits, shape) < BACKWARDS
+        arc = 1 - arc if backwards else arc
+        xy[where], cov[where] = _points(fits, arena, shape, arc)
+        each = np.array([_likelihood(one, backwards=backwards) for one in fits])
+        height, width = arena.background.shape
+        each *= ((xy[where] > 0) & (xy[where] < [width - 1, height - 1])).all(axis=2)
+        likelihood[where] = each * _jumps(times, track.fits, shape)[where, None]
+    late = np.array(times) >= track.doubtful_s
+    likelihood[late] = np.minimum(likelihood[late], DOUBTFUL)
+    if late.any():
+        remarks.append(
+            f"from {track.doubtful_s:.2f} s on the body may be another one: two lay over each "
+            "other; split the trial there (start_s, end_s) and give start_x_px, start_y_px"
+        )
+    if n > len(known):
+        first = next(t for t, one in zip(times, track.fits, strict=True) if one is None)
+        remarks.append(f"{n - len(known)} of {n} frames without the robot (first at {first:.2f} s)")
+    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, tuple(remarks))
+
+
+def _ahead(fits: Sequence[Fit], shape: Shape) -> float:
+    """How far the body moved towards its nose, as a share of its way; 0 where it hardly moved."""
+    pose = np.array([one.pose for one in fits])
+    step = np.diff(pose[:, :2], axis=0)
+    nose = np.column_stack([np.cos(pose[1:, 2]), np.sin(pose[1:, 2])])
+    way = float(np.hypot(*step.T).sum())
+    return float(np.sum(step * nose)) / way if way > shape.length_bl else 0.0
+
+
+def _points(fits: Sequence[Fit], arena: Arena, shape: Shape, arc: Float) -> tuple[Float, Float]:
+    """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
+    bend, *_ = shape.tables
+    meat = CORRELATED * np.mean([one.meat for one in fits if one.support[3] > 0.5] or
+                                [one.meat for one in fits], axis=0)  # fmt: skip
+    xy, cov = np.empty((len(fits), len(arc), 2)), np.empty((len(fits), len(arc), 2, 2))
+    for i, one in enumerate(fits):
+        place, slope = _at(one, shape, bend, arc)
+        xy[i] = arena.plane.pixels(place)
+        ridge = 1e-3 * np.diag(np.diag(one.information))
+        gain = np.linalg.pinv(one.information + ridge)
+        step = 0.02 * np.array([[1.0, 0.0], [0.0, 1.0]])
+        local = np.stack(
+            [
+                (arena.plane.pixels(place + move) - arena.plane.pixels(place - move)) / 0.04
+                for move in step
+            ],
+            axis=2,
+        )
+        moved = local @ slope
+        heading = one.pose[2] + basis(arc) @ one.pose[3:]
+        along = np.column_stack([np.cos(heading), np.sin(heading)])
+        along *= (LENGTH_STD * shape.length_bl * (arc - REFERENCE))[:, None]
+        stretch = (local @ along[:, :, None])[..., 0]
+        cov[i] = moved @ (gain @ meat @ gain) @ moved.swapaxes(1, 2) + FLOOR_PX**2 * np.eye(2)
+        cov[i] += stretch[:, :, None] * stretch[:, None]
+    return xy, cov
+
+
+def _at(one: Fit, shape: Shape, bend: Float, arc: Float) -> tuple[Float, Float]:
+    """Places (5, 2) and slopes (5, 2, 3 + JOINTS) of arcs by the pose in body axes."""
+    place, _, by_bend = stations(one.pose, shape.size, bend)
+    at = arcs()
+    flat = np.concatenate([place, by_bend.reshape(len(at), -1)], axis=1)
+    found = np.column_stack([np.interp(arc, at, column) for column in flat.T])
+    away = found[:, :2] - one.pose[:2]
+    c, s = math.cos(one.pose[2]), math.sin(one.pose[2])
+    slope = np.empty((len(arc), 2, 3 + bend.shape[1]))
+    slope[:, :, 0], slope[:, :, 1] = (c, s), (-s, c)
+    slope[:, 0, 2], slope[:, 1, 2] = -away[:, 1], away[:, 0]
+    slope[:, :, 3:] = found[:, 2:].reshape(len(arc), -1, 2).swapaxes(1, 2)
+    return found[:, :2], slope
+
+
+def _likelihood(one: Fit, *, backwards: bool) -> Float:
+    """Likelihood (5,) from how much of the picture about each third the body explains."""
+    head, core, tail, whole, seen = one.support
+    if backwards:
+        head, tail = tail, head
+    thirds = np.array([graded(head), graded(core), graded(tail, TAIL_SUPPORT)])
+    parts = np.array([thirds[own].min() for own in OF_PART])
+    return graded(whole) * graded(seen, SEEN) * parts
+
+
+def _jumps(times: Sequence[float], fits: Sequence[Fit | None], shape: Shape) -> Float:
+    """Factor (frames,) that falls where a lone frame lies off the line between its neighbours."""
+    factor = np.ones(len(fits))
+    for i in range(1, len(fits) - 1):
+        before, one, after = fits[i - 1], fits[i], fits[i + 1]
+        if before is None or one is None or after is None:
+            continue
+        share = (times[i] - times[i - 1]) / (times[i + 1] - times[i - 1])
+        off = one.pose - before.pose - share * (after.pose - before.pose)
+        jumped = math.hypot(off[0], off[1]) > JUMP * shape.length_bl
+        turned = abs(math.remainder(off[2], 2 * math.pi)) > JUMP_RAD
+        factor[i] = 0.2 if jumped or turned else 1.0
+    return factor

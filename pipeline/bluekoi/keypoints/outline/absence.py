@@ -1,0 +1,75 @@
+"""Why no robot was found: what differs from the background, against what study.yaml states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from .background import Image, median, noise_level
+from .plane import Plane
+from .search import LEAST_LEVEL, LEVEL_NOISES, pool_mask
+
+LEAST_PX = 40.0
+EXTENT = (0.6, 1.7)
+
+
+def reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
+    """The likely reason with its numbers, and a remedy.
+
+    length_bl: nose to caudal base, body lengths.
+    """
+    stated = length_bl * plane.px_per_bl
+    if stated < LEAST_PX:
+        return (
+            f"the robot is {stated:.0f} px long, at least {LEAST_PX:.0f} are needed: film from "
+            "nearer or with more pixels, or check body_length_m and pool_corners_px"
+        )
+    floor = median(images)
+    level = max(LEAST_LEVEL, LEVEL_NOISES * noise_level(images, floor))
+    seen = [_things(image, floor, level, plane) for image in images]
+    most = max(contrast for contrast, _ in seen)
+    if most < level:
+        return (
+            f"nothing differs from the background by more than {most:.0f} grey levels, at least "
+            f"{level:.0f} are needed: the robot must move between the frames and be darker or "
+            "brighter than the floor"
+        )
+    return _by_size([extents for _, extents in seen], stated)
+
+
+def _by_size(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
+    """What the extents [px] of the things in each picture say against the stated length."""
+    fitting = [int(np.sum((own > EXTENT[0] * stated) & (own < EXTENT[1] * stated))) for own in seen]
+    if np.median(fitting) > 1:
+        return (
+            f"{np.median(fitting):.0f} bodies of about the stated {stated:.0f} px are in the "
+            "picture: give start_x_px and start_y_px in trials.csv"
+        )
+    if max(fitting) == 1:
+        return (
+            f"a thing of about the stated {stated:.0f} px is there, but its outline is not a rigid "
+            "head and core: check head_length_m and head_angle_deg, or set detection.body to "
+            "bending"
+        )
+    largest = float(np.median([own.max() if len(own) else 0.0 for own in seen]))
+    return (
+        f"the largest thing that moves is {largest:.0f} px long, the robot by study.yaml "
+        f"{stated:.0f} px: check body_length_m, the pool's size and pool_corners_px"
+    )
+
+
+def _things(
+    image: Image, floor: Image, level: float, plane: Plane
+) -> tuple[float, npt.NDArray[np.float64]]:
+    """Greatest contrast in the pool, and the extents [px] of what differs by more than a level."""
+    change = cv2.blur(cv2.absdiff(image, floor), (3, 3)) * pool_mask(image.shape, plane.corners_px)
+    contours, _ = cv2.findContours(
+        (change > level).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
+    )
+    boxes = [cv2.minAreaRect(one)[1] for one in contours if len(one) > 4]
+    extents = np.array([math.hypot(*box) for box in boxes], dtype=float)
+    return float(change.max()), extents

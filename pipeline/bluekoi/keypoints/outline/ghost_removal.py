@@ -1,0 +1,134 @@
+"""The background without the robot's own traces, once its shape and places are known.
+
+A median of a few frames holds a ghost where the robot lay in most of them. With the template laid
+over each frame, every pixel's median is taken over the frames in which the robot is elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import cv2
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from .background import STRIP_ROWS, Image, without_resident
+from .learning import LearnedTemplate
+from .template import Template
+from .tracking import Fit, Scene
+
+MARGIN_BL = 0.036
+TAIL_REACH = 1.15
+Cut = tuple[slice, slice]
+
+
+def mask_of(one: Fit, scene: Scene, template: Template) -> tuple[Cut, Image]:
+    """Where in the picture the robot, its tail's reach and a margin lie, and their mask there."""
+    x, y, heading, bend = one.pose
+    turn = np.exp(1j * heading)
+    outline = template.outline(bend)
+    body = (outline[:, 0] + 1j * outline[:, 1]) * turn + x + 1j * y
+    base = x + 1j * y - template.core_bl * turn
+    swing = np.exp(1j * np.linspace(-1.1, 1.1, 9))
+    tail = np.concatenate([[base], base - TAIL_REACH * template.tail_bl * turn * swing])
+    shapes = [
+        scene.plane.pixels(np.column_stack([shape.real, shape.imag])).round().astype(np.int32)
+        for shape in (body, tail)
+    ]
+    margin = round(MARGIN_BL * scene.plane.px_per_bl)
+    height, width = scene.floor.shape
+    low = np.concatenate(shapes).min(axis=0) - margin
+    high = np.concatenate(shapes).max(axis=0) + margin + 1
+    low, high = (np.clip(corner, 0, [width, height]) for corner in (low, high))
+    mask = np.zeros(tuple(np.maximum(high - low, 0)[::-1]), np.uint8)
+    if mask.size:
+        for uv in shapes:
+            cv2.fillPoly(mask, [uv - low], 1)
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * margin + 1, 2 * margin + 1))
+        mask = cv2.dilate(mask, disc)
+    return (slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))), mask
+
+
+def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
+    """Background free of the robot; None where its places do not overlap and the median is right.
+
+    Only the frames that the outline was learned from count. Where the robot never left, the
+    background is bridged from around it.
+    """
+    fits = outline.samples
+    template = outline.template
+    masks = [mask_of(one, scene, template) for _, one in fits]
+    cut = _around([place for place, _ in masks])
+    often = np.zeros(scene.floor[cut].shape, np.uint8)
+    for place, mask in masks:
+        often[_within(place, cut)] += mask
+    if often.size == 0 or int(often.max()) < 2:
+        return None
+    floor = scene.floor.copy()
+    for strip in _strips(cut):
+        _bare(
+            np.stack([frame.luma[strip] for frame, _ in fits]), _layers(masks, strip), floor[strip]
+        )
+    never = often == len(fits)
+    if never.any():
+        bridged = without_resident(floor, 2 * float(template.half.max()) * scene.plane.px_per_bl)
+        floor[cut][never] = bridged[cut][never]
+    return floor
+
+
+def _around(cuts: Sequence[Cut]) -> Cut:
+    """The smallest cut that holds all of some."""
+    rows, columns = zip(*cuts, strict=True)
+    return _hull(rows), _hull(columns)
+
+
+def _hull(ranges: Sequence[slice]) -> slice:
+    return slice(min(r.start for r in ranges), max(r.stop for r in ranges))
+
+
+def _within(inner: Cut, outer: Cut) -> Cut:
+    rows, columns = (
+        slice(i.start - o.start, i.stop - o.start) for i, o in zip(inner, outer, strict=True)
+    )
+    return rows, columns
+
+
+def _strips(cut: Cut) -> Iterator[Cut]:
+    """A cut in strips of rows: stacks of whole 4K pictures would be 80 MB."""
+    rows, columns = cut
+    for y in range(rows.start, rows.stop, STRIP_ROWS):
+        yield slice(y, min(y + STRIP_ROWS, rows.stop)), columns
+
+
+def _layers(masks: Sequence[tuple[Cut, Image]], strip: Cut) -> npt.NDArray[np.uint8]:
+    """Each mask's part in a strip that is as wide as all of them, (masks, rows, columns)."""
+    rows, columns = strip
+    layers = np.zeros((len(masks), rows.stop - rows.start, columns.stop - columns.start), np.uint8)
+    for layer, (place, mask) in zip(layers, masks, strict=True):
+        top, low = max(rows.start, place[0].start), min(rows.stop, place[0].stop)
+        if top < low:
+            own = slice(top, low), place[1]
+            layer[_within(own, strip)] = mask[_within(own, place)]
+    return layers
+
+
+@numba.njit(cache=True)
+def _bare(stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image) -> None:
+    """Write to `floor` the median of the frames in which a pixel is not hidden, if it is in one."""
+    count, height, width = stack.shape
+    seen = np.empty(count, np.int64)
+    for y in range(height):
+        for x in range(width):
+            n = 0
+            for k in range(count):
+                if hidden[k, y, x]:
+                    continue
+                value, at = stack[k, y, x], n
+                while at > 0 and seen[at - 1] > value:
+                    seen[at] = seen[at - 1]
+                    at -= 1
+                seen[at] = value
+                n += 1
+            if 0 < n < count:
+                floor[y, x] = (seen[(n - 1) // 2] + seen[n // 2] + 1) // 2

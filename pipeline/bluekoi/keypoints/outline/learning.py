@@ -1,0 +1,204 @@
+"""The robot's own outline, learned from a few frames spread over the recording."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+from ...study import Robot, Trial
+from .search import Blob, blobs, poses_of
+from .stations import measured_stations, without_biased
+from .template import (
+    Template,
+    first_template,
+    learned,
+    length_of,
+)
+from .tracking import Fit, Scene, fitted, plausible, reaches
+
+Float = npt.NDArray[np.float64]
+ROUNDS = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
+AREA = 0.16
+WELL = 0.9
+BENT_RAD = 0.15
+SLIDES_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
+
+
+@dataclass(frozen=True)
+class LearnedTemplate:
+    """A learned template, the frames it was learned from with their fits, how well it fits them.
+
+    blobs: what differs from the background in each of these frames.
+    """
+
+    template: Template
+    samples: tuple[tuple[Frame, Fit], ...]
+    support: float
+    blobs: tuple[Sequence[Blob], ...] = ()
+
+    @property
+    def frames(self) -> int:
+        """How many frames it was learned from."""
+        return len(self.samples)
+
+    @property
+    def worth(self) -> float:
+        """Support, less where it was learned from fewer than three frames."""
+        return self.support * min(self.frames, 3) / 3
+
+
+def learn(
+    samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial
+) -> LearnedTemplate | None:
+    """Template learned from the samples in which a robot-like blob is found; None without any.
+
+    Fit, move each station by its median offset over frames and both sides, fit again; where that
+    does not settle, look for the robot again with the width, grey level and core learned, all
+    along each blob, and learn from the frames that agree best. The best outline counts.
+    """
+    area = AREA * length_of(robot, trial) ** 2
+    seen = [(f, blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
+    first = _first(seen, robot, trial)
+    if first is None:
+        return None
+    candidates: list[LearnedTemplate] = []
+    for slides in SLIDES_BL:
+        known = generic_template(candidates[-1].template, robot, trial) if candidates else first
+        starts = [
+            (f, best) for f, found in seen if (best := _start(f, found, scene, known, slides))
+        ]
+        if not starts:
+            break
+        candidates.append(_refined(_better_half(starts) if candidates else starts, scene, known))
+        if candidates[-1].support > WELL:
+            break
+    if not candidates:
+        return None
+    outline, at = max(candidates, key=lambda one: one.worth), {f.time_s: found for f, found in seen}
+    return replace(outline, blobs=tuple(at[f.time_s] for f, _ in outline.samples))
+
+
+def generic_template(template: Template, robot: Robot, trial: Trial) -> Template:
+    """Generic template of a learned one's width and grey level, its core as learned."""
+    generic = first_template(robot, trial, float(template.half.max()), template.skin)
+    return replace(generic, half=template.half, core_skin=template.core_skin)
+
+
+def _better_half(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+    """Fits of no less than the median support: where two shapes compete, one of them."""
+    support = [min(one.support[:2]) for _, one in fits]
+    least = float(np.median(support))
+    return [pair for pair, own in zip(fits, support, strict=True) if own >= least]
+
+
+def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -> LearnedTemplate:
+    """LearnedTemplate of fits that start where the robot roughly is."""
+    fits = starts
+    for size in ROUNDS:
+        shape = template.shape()
+        reach = reaches(scene, size, size, size)
+        bend = _common_bend(fits, scene)
+        fits = [
+            (f, fitted(f.luma, scene, shape, bent(one.pose, bend), reach, width_px=0.4 * reach[-1]))
+            for f, one in fits
+        ]
+        kept = _agreeing(fits)
+        template = learned(template, *measured_stations(kept, scene, template, int(reach[-1])))
+    shape = template.shape()
+    last = [fitted(f.luma, scene, shape, one.pose, reaches(scene, 0.024, 0.024)) for f, one in fits]
+    pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
+    offsets, _ = measured_stations(_agreeing(pairs), scene, template, int(reaches(scene, 0.024)[0]))
+    template = without_biased(template, offsets * scene.plane.px_per_bl)
+    return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
+
+
+def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
+    """Fits not much worse than the best: a hand's blob must not enter the robot's shape."""
+    best = max(one.support[2] for _, one in fits)
+    return [(frame, one) for frame, one in fits if one.support[2] > best - 0.3]
+
+
+def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
+    """Generic template of the width of the blobs that could be the robot by length and area."""
+    length = length_of(robot, trial)
+    sides = [_alike(seen, length, sign) for sign in (1.0, -1.0)]
+    likely = max(sides, key=_evidence)
+    if not likely:
+        return None
+    half = float(np.median([b.half_width_bl for b in likely]))
+    return first_template(robot, trial, half, float(np.median([b.skin for b in likely])))
+
+
+def _alike(seen: Sequence[tuple[Frame, list[Blob]]], length_bl: float, sign: float) -> list[Blob]:
+    """From each frame the strongest blob of a sign and of the robot's size."""
+    likely = []
+    for _, found in seen:
+        fitting = [b for b in found if b.contrast * sign > 0 and _sized(b, length_bl)]
+        likely += sorted(fitting, key=lambda b: -abs(b.contrast) * b.area_bl2)[:1]
+    return likely
+
+
+def _sized(blob: Blob, length_bl: float) -> bool:
+    return (
+        0.05 * length_bl**2 < blob.area_bl2 < 0.5 * length_bl**2
+        and 0.03 * length_bl < blob.half_width_bl < 0.25 * length_bl
+        and 0.6 * length_bl < _extent(blob) < 1.7 * length_bl
+    )
+
+
+def _evidence(likely: Sequence[Blob]) -> float:
+    """How much blobs of several frames look like one body: many, strong, of one grey level."""
+    if not likely:
+        return 0.0
+    skins = [blob.skin for blob in likely]
+    strength = float(np.median([abs(blob.contrast) * blob.area_bl2 for blob in likely]))
+    return len(likely) * strength / (5.0 + float(np.std(skins)))
+
+
+def _extent(blob: Blob) -> float:
+    """Longest way across a blob, body lengths."""
+    angles = np.linspace(0, math.pi, 24, endpoint=False)
+    across = blob.outline_bl @ np.stack([np.cos(angles), np.sin(angles)])
+    return float(np.ptp(across, axis=0).max())
+
+
+def _start(
+    frame: Frame, found: list[Blob], scene: Scene, template: Template, slides_bl: Sequence[float]
+) -> Fit | None:
+    """Best coarse fit of the generic template to any likely blob of a frame.
+
+    Begun at the blob's poses, each moved along its heading by `slides_bl`: a part of a body lies
+    anywhere along it.
+    """
+    shape = template.shape()
+    reach = reaches(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
+    tried = [
+        fitted(frame.luma, scene, shape, slid(pose, slide), reach, width_px=0.3 * reach[-1])
+        for blob in found
+        if plausible(blob, template)
+        for pose in poses_of(blob, template, scene.head_angle_rad)
+        for slide in slides_bl
+    ]
+    tried = [one for one in tried if abs(one.pose[3] - scene.head_angle_rad) < 0.6]
+    return max(tried, key=lambda one: one.nearness, default=None)
+
+
+def _common_bend(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
+    """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
+    bend = float(np.median([one.pose[3] for _, one in fits]))
+    return bend if abs(bend - scene.head_angle_rad) < BENT_RAD else scene.head_angle_rad
+
+
+def bent(pose: Float, bend: float) -> Float:
+    """A pose with another head angle."""
+    return np.append(pose[:3], bend)
+
+
+def slid(pose: Float, along_bl: float) -> Float:
+    """A pose moved along its core's heading."""
+    return pose + along_bl * np.array([math.cos(pose[2]), math.sin(pose[2]), 0.0, 0.0])

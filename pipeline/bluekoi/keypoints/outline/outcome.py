@@ -1,0 +1,179 @@
+"""Fits of all frames as keypoints: pixels, likelihood, covariance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import PARTS, Keypoints
+from .template import Template
+from .tracking import Fit, Scene
+from .variance import usual_covariance
+
+Float = npt.NDArray[np.float64]
+CERTAIN, WORTHLESS = 0.80, 0.35
+SHAPELESS = (0.25, 0.55)
+BEND_RAD = 0.07
+FLOOR_PX = 0.03
+STEP_BL = 0.03
+JUMP_BL, JUMP_RAD = 0.06, 0.5
+TAIL_SHARE = (0.0041, 0.0036)
+SLIM, PALE = 0.25, 0.14
+AWRY_ALONG, AWRY_ACROSS = (0.06, 0.4), (0.24, 0.7)
+"""Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
+times that length; by the width beyond the usual one. Measured against rendered footage."""
+
+
+def keypoints_of(
+    times: Sequence[float],
+    fits: Sequence[Fit | None],
+    scene: Scene,
+    template: Template,
+    remarks: tuple[str, ...],
+) -> Keypoints:
+    """Keypoints of a recording; NaN with likelihood 0 where the robot was not found.
+
+    Where the head fits badly in most frames its shape was not learned, and no point along the
+    body is believed.
+    """
+    n, p = len(times), len(PARTS)
+    xy, likelihood = np.full((n, p, 2), np.nan), np.zeros((n, p))
+    cov = np.full((n, p, 2, 2), np.nan)
+    where = [i for i, one in enumerate(fits) if one is not None]
+    known = [one for one in fits if one is not None]
+    if known:
+        xy[where], cov[where] = _points(known, scene, template)
+        bend = float(np.median([one.pose[3] for one in known]))
+        jumps = _jumps(times, fits)
+        head = float(np.median([one.support[0] for one in known]))
+        known_shape = graded(head, SHAPELESS)
+        each = np.array([_likelihood(one, bend) for one in known])
+        likelihood[where] = known_shape * jumps[where, None] * each
+    likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
+    return Keypoints(np.array(times), PARTS, xy, likelihood, cov, remarks, _lengths(fits))
+
+
+def _lengths(fits: Sequence[Fit | None]) -> Float:
+    """Whole length (frames,) seen over stated, where the outline was found; else NaN.
+
+    The tail's own support is not asked: it is less where the tail is shorter than stated.
+    """
+    return np.array([one.length if one is not None and one.support[2] > CERTAIN else math.nan
+                     for one in fits])  # fmt: skip
+
+
+def _nose(fits: Sequence[Fit]) -> float:
+    """Median distance [px] of the nose's edge ahead of the template's, over the whole recording.
+
+    The template's nose is known from a few frames only; all of them place the outline better.
+    """
+    seen = [one.nose_px for one in fits if math.isfinite(one.nose_px) and one.support[0] > CERTAIN]
+    return float(np.median(seen)) if len(seen) > 4 else 0.0
+
+
+def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Float, Float]:
+    """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
+    pose = np.array([one.pose for one in fits])
+    hinge, core = pose[:, 0] + 1j * pose[:, 1], np.exp(1j * pose[:, 2])
+    hinge += _nose(fits) / scene.plane.px_per_bl * np.cos(pose[:, 3]) * core
+    arms = np.zeros((len(fits), 4), dtype=complex)
+    arms[:, 0] = template.head_bl * np.exp(-1j * pose[:, 3])
+    arms[:, 2:] = [-template.com_bl, -template.core_bl]
+    places = hinge[:, None] + arms * core[:, None]
+    uv = _pixels(scene, places)
+    slope = _slopes(scene, hinge, core)
+    moves = np.zeros((len(fits), 4, 2, 4))
+    moves[..., 0, 0] = moves[..., 1, 1] = 1.0
+    moves[..., 0, 2], moves[..., 1, 2] = -arms.imag, arms.real
+    moves[:, 0, :, 3] = -moves[:, 0, :, 2]
+    carried = slope[:, None] @ moves
+    inner = _pose_covariances(fits)[:, None]
+    cov = carried @ inner @ carried.swapaxes(2, 3) + FLOOR_PX**2 * np.eye(2)
+    tips = np.array([one.tail[0] for one in fits])
+    tails = _tail_covariances(fits, cov[:, 3], template.tail_bl * scene.plane.px_per_bl)
+    return np.concatenate([uv, tips[:, None]], axis=1), np.concatenate(
+        [cov, tails[:, None]], axis=1
+    )
+
+
+def _pixels(scene: Scene, places: npt.NDArray[np.complex128]) -> Float:
+    """Pixels (..., 2) of places x + i y in the plane."""
+    flat = np.column_stack([places.real.ravel(), places.imag.ravel()])
+    return scene.plane.pixels(flat).reshape(*places.shape, 2)
+
+
+def _slopes(
+    scene: Scene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
+) -> Float:
+    """d(u, v)/d(along, across) the core at places (n,), px per body length, (n, 2, 2)."""
+    step = STEP_BL * core[:, None] * np.array([1.0, 1j])
+    ahead, behind = (_pixels(scene, places[:, None] + sign * step) for sign in (1, -1))
+    return ((ahead - behind) / (2 * STEP_BL)).swapaxes(1, 2)
+
+
+def _pose_covariances(fits: Sequence[Fit]) -> Float:
+    """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
+    middle = np.median([one.information for one in fits], axis=0)
+    known = [one.clues for one in fits if one.clues is not None]
+    usual = usual_covariance(known) if known else np.linalg.inv(middle)
+    ridge = 1e-3 * np.diag(np.diag(middle))
+    widened = np.linalg.solve(np.array([one.information for one in fits]) + ridge, middle + ridge)
+    return (widened @ usual @ widened.swapaxes(1, 2))[:, :4, :4]
+
+
+def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Float:
+    """Covariances (n, 2, 2) of the tail tip: the base's, and what the tail's own signs show.
+
+    A tail that is pale towards its end moved during the exposure; one wider than it usually is
+    has a shadow or a shine beside it; either may have drawn the trace aside.
+    """
+    heading = np.array([one.tail[1] for one in fits])
+    scatter, pale, width = np.array([one.tail[3] for one in fits]).T
+    slim = np.nanquantile(width, SLIM) if np.isfinite(width).any() else 0.0
+    signs = np.maximum([length_px * (pale - PALE), width - slim], 0.0)
+    least = length_px * np.array(TAIL_SHARE)
+    along = least[0] ** 2 + np.array(AWRY_ALONG) ** 2 @ signs**2
+    across = np.maximum(scatter, least[1]) ** 2 + np.array(AWRY_ACROSS) ** 2 @ signs**2
+    axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    side = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
+    outer = [v[:, :, None] * v[:, None] for v in (axis, side)]
+    return bases + along[:, None, None] * outer[0] + across[:, None, None] * outer[1]
+
+
+def _likelihood(one: Fit, bend: float) -> Float:
+    """Likelihood (5,) from how much of the outline about each part is where it should be.
+
+    The core alone tapers, so that without the head it may have slid along itself.
+    """
+    head, core, both = (graded(value) for value in one.support)
+    core = min(core, both)
+    off = math.remainder(one.pose[3] - bend, 2 * math.pi) / BEND_RAD
+    sane = math.exp(-0.5 * max(0.0, abs(off) - 1.0) ** 2)
+    tail = min(core, graded(one.tail[2]))
+    return sane * np.array([head, min(head, core), core, core, tail])
+
+
+def graded(support: float, between: tuple[float, float] = (WORTHLESS, CERTAIN)) -> float:
+    """Likelihood 0 to 1 of a support between two levels."""
+    return min(max((support - between[0]) / (between[1] - between[0]), 0.0), 1.0)
+
+
+def _jumps(times: Sequence[float], fits: Sequence[Fit | None]) -> Float:
+    """Factor (frames,) that falls where the hinge jumps both to and from a frame.
+
+    A lone frame that lies off the line between its neighbours by more than a body can accelerate.
+    """
+    factor = np.ones(len(fits))
+    for i in range(1, len(fits) - 1):
+        before, one, after = fits[i - 1], fits[i], fits[i + 1]
+        if before is None or one is None or after is None:
+            continue
+        share = (times[i] - times[i - 1]) / (times[i + 1] - times[i - 1])
+        between = before.pose + share * (after.pose - before.pose)
+        off = math.hypot(*(one.pose - between)[:2])
+        turned = abs(math.remainder(one.pose[2] - between[2], 2 * math.pi))
+        factor[i] = 0.2 if off > JUMP_BL or turned > JUMP_RAD else 1.0
+    return factor

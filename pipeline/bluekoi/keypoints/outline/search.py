@@ -1,0 +1,147 @@
+"""Where the robot might be when nothing is known: blobs against the background, poses of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from .plane import Plane
+from .template import Template
+
+Float = npt.NDArray[np.float64]
+Image = npt.NDArray[np.uint8]
+MARGIN_PX = 1.08
+FAINT = 0.4
+LEAST_LEVEL, LEVEL_NOISES = 14.0, 4.0
+SHARE = 4.0
+MOST_LEVEL = 60.0
+SQUARE = np.ones((3, 3), np.uint8)
+
+
+@dataclass(frozen=True)
+class Blob:
+    """Something that differs from the background.
+
+    outline_bl: (n, 2) in the plane. area_bl2. half_width_bl: largest inscribed radius. skin: its
+    grey level; contrast: how far its floor is brighter (negative: darker).
+    """
+
+    outline_bl: Float
+    area_bl2: float
+    half_width_bl: float
+    skin: float
+    contrast: float
+
+
+def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: float) -> list[Blob]:
+    """Blobs inside the pool, strongest first, found on a thinned picture and outlined there.
+
+    pictures: luma, background. area_bl2: of the robot, roughly: only the most changed part of the
+    pool, a few times as large, is looked at, so that moving light does not drown it. Darker and
+    brighter blobs are kept apart; those much fainter than the strongest are left out.
+    """
+    step = max(1, int(plane.px_per_bl * 0.012))
+    thin = (pictures[0][::step, ::step], pictures[1][::step, ::step])
+    change = cv2.subtract(thin[1], thin[0], dtype=cv2.CV_16S)
+    change = cv2.blur(change, (3, 3))
+    pool = pool_mask(change.shape, plane.corners_px / step)
+    share = SHARE * area_bl2 * (plane.px_per_bl / step) ** 2 / max(1, int(pool.sum()))
+    least = 0.1 * area_bl2 * (plane.px_per_bl / step) ** 2
+    found: list[Blob | None] = []
+    for sided in (change, -change):
+        usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
+        level = max(LEAST_LEVEL, LEVEL_NOISES * noise, min(float(usual), MOST_LEVEL))
+        solid = cv2.morphologyEx((sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
+        contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]
+        found += [_blob(c, thin, plane, step) for c in large if cv2.contourArea(c) > least]
+    known = [blob for blob in found if blob is not None]
+    known.sort(key=lambda blob: -abs(blob.contrast))
+    return [blob for blob in known if abs(blob.contrast) > FAINT * abs(known[0].contrast)]
+
+
+def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
+    """1 in the pool and a little around it, else 0."""
+    mask = np.zeros(shape[:2], np.uint8)
+    middle = corners.mean(axis=0)
+    wide = middle + MARGIN_PX * (corners - middle)
+    cv2.fillConvexPoly(mask, wide.round().astype(np.int32), 1)
+    return mask
+
+
+def _blob(
+    contour: npt.NDArray[np.int32], pictures: tuple[Image, Image], plane: Plane, step: int
+) -> Blob | None:
+    """Blob of a contour, outlined again at half of its own contrast."""
+    x, y, w, h = _wider(cv2.boundingRect(contour), pictures[0].shape)
+    luma, floor = (image[y : y + h, x : x + w].astype(np.int16) for image in pictures)
+    inside = np.zeros((h, w), np.uint8)
+    cv2.drawContours(inside, [contour - [x, y]], -1, 1, -1)
+    contrast = _contrast((floor - luma)[inside > 0])
+    if abs(contrast) < 8:
+        return None
+    solid = ((floor - luma) / contrast > 0.5).astype(np.uint8) & cv2.dilate(
+        inside, np.ones((9, 9), np.uint8)
+    )
+    solid = cv2.morphologyEx(solid, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+    parts, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if not parts:
+        return None
+    outline = max(parts, key=cv2.contourArea)
+    if len(outline) < 8:
+        return None
+    filled = np.zeros((h + 2, w + 2), np.uint8)
+    cv2.drawContours(filled, [outline + 1], -1, 1, -1)
+    radius = float(cv2.distanceTransform(filled, cv2.DIST_L2, 5).max())
+    places = (outline[:, 0] + np.array([x, y], dtype=float)) * step
+    return Blob(
+        outline_bl=plane.body_lengths(places),
+        area_bl2=cv2.contourArea(outline) * (step / plane.px_per_bl) ** 2,
+        half_width_bl=radius * step / plane.px_per_bl,
+        skin=float(np.median(luma[filled[1:-1, 1:-1] > 0])),
+        contrast=contrast,
+    )
+
+
+def _wider(box: tuple[int, int, int, int], shape: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Box x, y, width, height with a margin, cut to the picture."""
+    x, y = max(0, box[0] - 6), max(0, box[1] - 6)
+    right, low = min(shape[1], box[0] + box[2] + 6), min(shape[0], box[1] + box[3] + 6)
+    return x, y, right - x, low - y
+
+
+def _contrast(change: npt.NDArray[np.int16]) -> float:
+    """Contrast of the body in a blob, of its sign; a shadow beside the body is fainter."""
+    sign = 1.0 if np.median(change) >= 0 else -1.0
+    return sign * float(np.percentile(sign * change, 80))
+
+
+def poses_of(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:
+    """Poses (4,) that lay the template over a blob: both ways round, bent as stated or straight."""
+    centre, axis = _axis(blob.outline_bl)
+    found = []
+    for bend in dict.fromkeys((head_angle_rad, 0.0, -head_angle_rad)):
+        own_centre, own_axis = _axis(template.outline(bend))
+        for way in (0.0, math.pi):
+            heading = axis - own_axis + way
+            c, s = math.cos(heading), math.sin(heading)
+            hinge = centre - np.array([[c, -s], [s, c]]) @ own_centre
+            found.append(np.array([hinge[0], hinge[1], heading, bend]))
+    return found
+
+
+def _axis(outline: Float) -> tuple[Float, float]:
+    """Centre of area (2,) and direction [rad] of the long axis of a closed outline."""
+    x, y = outline.T - outline.mean(axis=0)[:, None]
+    nx, ny = np.roll(x, -1), np.roll(y, -1)
+    cross = x * ny - nx * y
+    area = cross.sum() / 2 or 1e-12
+    cx, cy = ((x + nx) * cross).sum() / (6 * area), ((y + ny) * cross).sum() / (6 * area)
+    xx = ((x * x + x * nx + nx * nx) * cross).sum() / (12 * area) - cx * cx
+    yy = ((y * y + y * ny + ny * ny) * cross).sum() / (12 * area) - cy * cy
+    xy = ((x * ny + 2 * x * y + 2 * nx * ny + nx * y) * cross).sum() / (24 * area) - cx * cy
+    return outline.mean(axis=0) + np.array([cx, cy]), 0.5 * math.atan2(2 * xy, xx - yy)

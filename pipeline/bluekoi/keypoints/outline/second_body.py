@@ -1,0 +1,45 @@
+"""Whether a second body of the robot's shape is in the picture: points might be of either."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from .background import Image
+from .learning import LearnedTemplate
+from .search import Blob
+from .template import Template
+from .tracking import Fit, Scene, found_among
+
+LEAST_FRAMES = 2
+
+
+def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...]:
+    """A remark where some pictures that the outline was learned from show it at a second place."""
+    pictures = zip(outline.samples, outline.blobs, strict=True)
+    found = [
+        (frame.time_s, second)
+        for (frame, one), seen in pictures
+        if (second := _second(frame.luma, seen, scene, outline.template, one))
+    ]
+    if len(found) < LEAST_FRAMES:
+        return ()
+    time_s, (u, v) = found[0][0], scene.plane.pixels(found[0][1].pose[None, :2])[0].tolist()
+    return (
+        f"a second body of the robot's shape in {len(found)} of {outline.frames} pictures "
+        f"looked at (at {time_s:.2f} s near pixel {u:.0f}, {v:.0f}): the path may be of either",
+    )
+
+
+def _second(
+    luma: Image, seen: Sequence[Blob], scene: Scene, template: Template, one: Fit
+) -> Fit | None:
+    """A good fit to a blob that lies a body's length from the robot."""
+    apart = template.head_bl + template.core_bl
+    others = [blob for blob in seen if _distance(blob, one) > apart]
+    return found_among(others, luma, scene, template, template.shape())
+
+
+def _distance(blob: Blob, one: Fit) -> float:
+    x, y = blob.outline_bl.mean(axis=0) - one.pose[:2]
+    return math.hypot(x, y)

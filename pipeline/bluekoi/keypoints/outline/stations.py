@@ -1,0 +1,82 @@
+"""What the learning frames show at each station of the outline: offsets, grey levels, odd ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+from .edges import picked
+from .posefit import Shape, measure
+from .template import CORE_STATIONS, HEAD_STATIONS, Template, median_seen, stands_out
+from .tracking import Fit, Scene
+
+Float = npt.NDArray[np.float64]
+INSIDE_PX = (2.5, 4.5)
+SMEARED = 0.04
+THIN = 16
+BIASED_PX, BIASED, MOST_BIASED = 0.15, 6.0, 0.15
+
+
+def measured_stations(
+    fits: Sequence[tuple[Frame, Fit]], scene: Scene, template: Template, reach: int
+) -> tuple[Float, Float]:
+    """Offsets [body lengths] and grey levels inside (frames, stations), NaN where not seen."""
+    kept = template.kept()
+    shape = template.shape()
+    count = 2 * (HEAD_STATIONS + CORE_STATIONS)
+    offsets = np.full((len(fits), count), np.nan)
+    greys = np.full((len(INSIDE_PX), len(fits), count), np.nan)
+    for row, (frame, one) in enumerate(fits):
+        pictures = (frame.luma, scene.floor)
+        found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
+        scale = np.hypot(slope[:, 0], slope[:, 1])
+        offsets[row, kept] = found / scale
+        greys[:, row, kept] = _inside(frame, scene, shape, (one.pose, found / scale))
+    return offsets, _solid(greys, float(np.median(scene.floor[::THIN, ::THIN])))
+
+
+def _solid(greys: Float, floor: float) -> Float:
+    """Grey levels (frames, stations) of the body itself, of those at each depth inside its edge.
+
+    Where a blunt end moves along itself during the exposure its edge is smeared over more than
+    the least depth: deeper levels count where, over all frames and on both sides, they stand out
+    more from the floor.
+    """
+    standing = [stands_out(grey, floor) for grey in greys]
+    smeared = standing[1] > (1 + SMEARED) * standing[0]
+    return np.where(smeared, greys[1], greys[0])
+
+
+def _inside(frame: Frame, scene: Scene, shape: Shape, at: tuple[Float, Float]) -> Float:
+    """Grey levels (depths, n) inside the edge found at each point, NaN where none was found.
+
+    at: pose (4,), offsets (n,) [body lengths].
+    """
+    points, normals, part, _ = shape
+    pose, offset_bl = at
+    angle = np.where(part == 0, pose[2] - pose[3], pose[2])
+    depth = np.nan_to_num(offset_bl) - np.array(INSIDE_PX)[:, None] / scene.plane.px_per_bl
+    place = points + normals * depth[..., None]
+    turned = (place[..., 0] + 1j * place[..., 1]) * np.exp(1j * angle) + complex(*pose[:2])
+    uv = scene.plane.pixels(np.column_stack([turned.real.ravel(), turned.imag.ravel()]))
+    height, width = frame.luma.shape
+    ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
+    ok &= np.isfinite(np.tile(offset_bl, len(INSIDE_PX)))
+    return picked(frame.luma, uv, ok).reshape(len(INSIDE_PX), -1)
+
+
+def without_biased(template: Template, offsets_px: Float) -> Template:
+    """The template without the stations whose edge stays off the outline that was learned.
+
+    A pale or dark mark close inside the outline does that, on one spot and in every frame.
+    offsets_px: (frames, stations), NaN where not seen.
+    """
+    seen = np.isfinite(offsets_px).sum(axis=0) > 1
+    usual = np.abs(median_seen(np.where(seen, offsets_px, 0.0)))
+    limit = max(BIASED_PX, BIASED * float(np.median(usual[template.kept()])))
+    biased = usual > limit
+    return replace(template, biased=biased) if np.mean(biased) < MOST_BIASED else template

@@ -1,0 +1,235 @@
+"""The robot's outline: two rigid parts about a hinge, their half-widths learned from the footage.
+
+Head: radii about a point on its axis, symmetric, in axes with the hinge at 0 and the nose at
+(head length, 0). Core: half-widths along its axis, hinge at 0, caudal base at (-core length, 0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from ...study import Robot, Trial
+from .plane import in_body_lengths
+from .posefit import Shape
+
+Float = npt.NDArray[np.float64]
+HEAD, CORE = 0, 1
+MIDDLE = 0.55
+CORE_STATIONS = 36
+HEAD_STATIONS = 25
+CORE_END = 0.03
+WIDEST = 2.6
+
+
+@dataclass(frozen=True)
+class Template:
+    """Outline in body lengths (nose to caudal base with the standard head).
+
+    angles, radii: (HEAD_STATIONS,) of the head about (MIDDLE head_bl, 0), angle 0 at the nose.
+    along, half: (CORE_STATIONS,) of the core, along <= 0. head_skin, core_skin: grey levels at
+    the stations of both sides (2, stations). joint_bl: nearer to the hinge nothing is looked for.
+    biased: stations (both parts and sides) whose edge is not the outline, as beside an eye.
+    """
+
+    head_bl: float
+    core_bl: float
+    com_bl: float
+    tail_bl: float
+    angles: Float
+    radii: Float
+    along: Float
+    half: Float
+    head_skin: Float
+    core_skin: Float
+    joint_bl: float
+    biased: npt.NDArray[np.bool_]
+
+    @cached_property
+    def skin(self) -> float:
+        """The core's usual grey level."""
+        return float(np.median(self.core_skin))
+
+    @property
+    def area_bl2(self) -> float:
+        """Area of head and core, roughly."""
+        return 1.4 * float(self.half.max()) * (self.head_bl + self.core_bl)
+
+    def shape(self) -> Shape:
+        """Points (n, 2), outward normals (n, 2), part (n,), skin (n,): both sides of both parts."""
+        head, core = self._head(), self._core()
+        mirror = np.array([1.0, -1.0])
+        points = np.concatenate([head, head * mirror, core, core * mirror])
+        sides = (_normals(head), _normals(core))
+        normals = np.concatenate([side for n in sides for side in (n, n * mirror)])
+        part = np.repeat([HEAD, CORE], [2 * len(head), 2 * len(core)])
+        skin = np.concatenate([self.head_skin.ravel(), self.core_skin.ravel()])
+        kept = self.kept()
+        return points[kept], normals[kept], part[kept], skin[kept]
+
+    def kept(self) -> npt.NDArray[np.bool_]:
+        """Which of the stations (head, head mirrored, core, core mirrored) are looked for."""
+        head = np.hypot(*self._head().T) > self.joint_bl
+        core = np.hypot(*self._core().T) > self.joint_bl
+        core[-1] = False
+        nose_once = head.copy()
+        nose_once[0] = False
+        return np.concatenate([head, nose_once, core, core]) & ~self.biased
+
+    def turned(self, head_angle_rad: float) -> tuple[Float, Float]:
+        """Points and normals (n, 2) of `shape`, head turned: hinge at 0, core along x."""
+        points, normals, part, _ = self.shape()
+        c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
+        turn, head = np.array([[c, -s], [s, c]]).T, (part == HEAD)[:, None]
+        return np.where(head, points @ turn, points), np.where(head, normals @ turn, normals)
+
+    def outline(self, head_angle_rad: float) -> Float:
+        """Closed outline (n, 2) of head and core, hinge at 0, core along x: for comparing blobs."""
+        c, s = np.cos(-head_angle_rad), np.sin(-head_angle_rad)
+        turn = np.array([[c, -s], [s, c]])
+        mirror = np.array([1.0, -1.0])
+        head, core = self._head(), self._core()
+        front = np.concatenate([(head * mirror)[::-1], head]) @ turn.T
+        rear = np.concatenate([core, (core * mirror)[::-1]])
+        return np.concatenate([front, rear])
+
+    def _head(self) -> Float:
+        middle = MIDDLE * self.head_bl
+        return np.column_stack(
+            [middle + self.radii * np.cos(self.angles), self.radii * np.sin(self.angles)]
+        )
+
+    def _core(self) -> Float:
+        return np.column_stack([self.along, self.half])
+
+
+def _normals(line: Float) -> Float:
+    """Unit normals (n, 2) of a line that runs from the nose back along the left side."""
+    step = np.gradient(line, axis=0)
+    normal = np.column_stack([step[:, 1], -step[:, 0]])
+    if line[0, 1] == 0.0:
+        normal[0] = (1.0, 0.0)
+    size = np.maximum(np.hypot(*normal.T), 1e-12)
+    return normal / size[:, None]
+
+
+def length_of(robot: Robot, trial: Trial) -> float:
+    """Nose to caudal base with the trial's head, in body lengths."""
+    return in_body_lengths(robot, robot.body_length_m + trial.head_length_m - robot.head_length_m)
+
+
+def first_template(
+    robot: Robot, trial: Trial, half_width_bl: float, skin: float, core_shape: float = 1.7
+) -> Template:
+    """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
+    head_bl = in_body_lengths(robot, trial.head_length_m)
+    core_bl = length_of(robot, trial) - head_bl
+    angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATIONS)
+    share = np.linspace(0.0, 1.0 - CORE_END, CORE_STATIONS)
+    end = 0.25 * half_width_bl
+    return Template(
+        head_bl=head_bl,
+        core_bl=core_bl,
+        com_bl=in_body_lengths(robot, robot.hinge_to_com_m),
+        tail_bl=in_body_lengths(robot, robot.tail_length_m),
+        angles=angles,
+        radii=_egg(angles, head_bl, half_width_bl),
+        along=-share * core_bl,
+        half=end + (half_width_bl - end) * (1 - share**core_shape),
+        head_skin=np.full((2, HEAD_STATIONS), skin),
+        core_skin=np.full((2, CORE_STATIONS), skin),
+        joint_bl=1.22 * half_width_bl,
+        biased=np.zeros(2 * (HEAD_STATIONS + CORE_STATIONS), bool),
+    )
+
+
+def _egg(angles: Float, head_bl: float, half_bl: float) -> Float:
+    """Radii of a blunt head: |y / w|^2.1 + |x / front|^2.1 = 1 in front, straight sides behind."""
+    front = (1 - MIDDLE) * head_bl
+    c, s = np.cos(angles), np.sin(angles)
+    ahead = (np.abs(s / half_bl) ** 2.1 + np.abs(np.maximum(c, 0) / front) ** 2.1) ** (-1 / 2.1)
+    return np.where(c > 0, ahead, half_bl / np.maximum(s, 0.3))
+
+
+def learned(template: Template, offsets_bl: Float, skins: Float, share: float = 1.0) -> Template:
+    """Template whose stations moved by the median offset seen over frames and both sides.
+
+    offsets_bl: (frames, stations of both parts and sides), NaN where not seen. skins: grey levels,
+    the same shape. The nose stays at the head's length: what the whole head moved along its axis
+    is taken back.
+    """
+    h, c = HEAD_STATIONS, CORE_STATIONS
+    parts = (offsets_bl[:, :h], offsets_bl[:, h : 2 * h], offsets_bl[:, 2 * h : 2 * h + c])
+    core_right = offsets_bl[:, 2 * h + c :]
+    head = _smooth(_both(parts[0], parts[1]))
+    core = _smooth(_both(parts[2], core_right))
+    radial = np.sum(_normals(template._head()) * _radial(template), axis=1)
+    radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
+    lateral = np.abs(_normals(template._core())[:, 1])
+    half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 0.0015)
+    sides = np.split(median_seen(skins), [h, 2 * h, 2 * h + c])
+    return replace(
+        template,
+        radii=_nose_at_length(template, radii),
+        half=half,
+        head_skin=_known(np.stack(sides[:2]), template.head_skin),
+        core_skin=_known(np.stack(sides[2:]), template.core_skin),
+    )
+
+
+def stands_out(greys: Float, floor: float) -> Float:
+    """How much each station's grey level, usual over frames and both sides, differs from a floor's.
+
+    greys: (frames, stations of both parts and sides). Neighbours are taken together, so that
+    noise in a few frames is no difference.
+    """
+    h, c = HEAD_STATIONS, CORE_STATIONS
+    head_left, head_right, core_left, core_right = np.split(greys, [h, 2 * h, 2 * h + c], axis=1)
+    head = np.abs(_smooth(_both(head_left - floor, head_right - floor)))
+    core = np.abs(_smooth(_both(core_left - floor, core_right - floor)))
+    return np.concatenate([head, head, core, core])
+
+
+def median_seen(values: Float) -> Float:
+    """Median along the first axis of what is no NaN; NaN where nothing else is.
+
+    What numpy's nanmedian gives, without its masked arrays, which take several times as long.
+    """
+    count = np.sum(~np.isnan(values), axis=0)
+    places = np.maximum(np.stack([(count - 1) // 2, count // 2]), 0)
+    return np.take_along_axis(np.sort(values, axis=0), places, axis=0).mean(axis=0)
+
+
+def _known(found: Float, before: Float) -> Float:
+    return np.where(np.isfinite(found), found, before)
+
+
+def _radial(template: Template) -> Float:
+    return np.column_stack([np.cos(template.angles), np.sin(template.angles)])
+
+
+def _both(left: Float, right: Float) -> Float:
+    """Median over frames and both sides, 0 where nothing was seen, ends carried on."""
+    pair = np.concatenate([left, right])
+    seen = np.isfinite(pair).sum(axis=0) >= 2
+    if not seen.any():
+        return np.zeros(pair.shape[1])
+    where = np.arange(pair.shape[1])
+    return np.interp(where, where[seen], median_seen(pair[:, seen]))
+
+
+def _smooth(values: Float) -> Float:
+    padded = np.concatenate([[2 * values[0] - values[1]], values, [2 * values[-1] - values[-2]]])
+    return 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
+
+
+def _nose_at_length(template: Template, radii: Float) -> Float:
+    """Radii of the same outline moved along the axis so that the nose is at the head's length."""
+    shift = template.head_bl * (1 - MIDDLE) - radii[0]
+    x = radii * np.cos(template.angles) + shift
+    y = radii * np.sin(template.angles)
+    angles = np.unwrap(np.arctan2(y, x))
+    return np.interp(template.angles, angles, np.hypot(x, y))

@@ -1,0 +1,192 @@
+"""The template followed from frame to frame, detected again where it was lost, and learned."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...data import Frame
+from .background import Image
+from .edges import HALF_PX
+from .plane import Plane
+from .posefit import Shape, fit, summary
+from .search import Blob, blobs, poses_of
+from .tail_detection import tail_length, trace
+from .template import Template
+from .variance import Clues, clues, kernels
+
+Float = npt.NDArray[np.float64]
+PRIOR = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
+FOUND = 0.55
+MOST_BEND = 0.7
+CLUE_EVERY = 2
+UNTRACED = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
+LOST_FRAMES = 8
+NEAR_BL = 0.042
+STEPS_BL = (0.042, 0.024)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What stays the same over a recording: background, plane, noise [grey levels], head angle."""
+
+    floor: Image
+    plane: Plane
+    noise: float
+    head_angle_rad: float
+
+    @property
+    def maps(self) -> tuple[Float, Float]:
+        """Coefficients and scale of the plane's map to pixels."""
+        return self.plane.to_px, self.plane.scale_bl
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One frame's fit.
+
+    pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) of
+    offsets of 1 px in body axes, the outline's width last; clues: how wrong such fits are.
+    support: share of the outline's points found where the template has them: head, core, all.
+    nearness: mean over the outline of how near its edge lies, 0 from NEAR_BL on. tail: tip (2,)
+    px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
+    far the nose's edge lies ahead of the template's. length: of the whole body, nose to tail, seen
+    over stated; NaN where its ends were not seen.
+    """
+
+    pose: Float
+    information: Float
+    clues: Clues | None
+    support: tuple[float, float, float]
+    nearness: float
+    tail: tuple[Float, float, float, tuple[float, float, float]]
+    nose_px: float
+    length: float = math.nan
+
+
+def reaches(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
+    """Search lengths in px, at least what an edge needs."""
+    px = [max(HALF_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl]
+    return np.array([min(p, 40) for p in px], dtype=np.int64)
+
+
+def tolerance_px(scene: Scene) -> float:
+    """How far from the template an edge may lie and still support it."""
+    return max(1.0, 0.0073 * scene.plane.px_per_bl)
+
+
+def fitted(
+    frame: Image,
+    scene: Scene,
+    shape: Shape,
+    start: Float,
+    reach: npt.NDArray[np.int64],
+    *,
+    width_px: float = 0.1,
+    known: Float | None = None,
+) -> Fit:
+    """The template fitted to a frame from a starting pose, without its tail.
+
+    width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
+    known: kernels (K, n, n) to gather clues of the fit's variance with.
+    """
+    pose, offset, weight, slope = fit(
+        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR, width_px)
+    )
+    limits = (tolerance_px(scene), NEAR_BL * scene.plane.px_per_bl)
+    found = (offset, weight, slope)
+    information, share = summary(found, shape[2], pose[2], limits)
+    signs = None if known is None else clues(found, float(pose[2]), PRIOR, known)
+    pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
+    head, core, both, nearness = share.tolist()
+    return Fit(pose, information, signs, (head, core, both), nearness, UNTRACED, float(offset[0]))
+
+
+def redetected(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
+    """The best fit to any blob of a frame, either way round; None where none is good enough."""
+    seen = blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
+    return found_among(seen, frame, scene, template, shape)
+
+
+def found_among(
+    seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: Shape
+) -> Fit | None:
+    """The best fit to any of these blobs, either way round; None where none is good enough."""
+    steps = reaches(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
+    starts = [
+        pose
+        for blob in seen
+        if plausible(blob, template)
+        for pose in poses_of(blob, template, scene.head_angle_rad)
+    ]
+    tried = [fitted(frame, scene, shape, start, steps) for start in starts]
+    best = max(tried, key=lambda one: one.support[2], default=None)
+    return best if best is not None and good(best, scene) else None
+
+
+def plausible(blob: Blob, template: Template) -> bool:
+    """Whether a blob is of the robot's order of size and grey level."""
+    if abs(blob.skin - template.skin) > 0.5 * abs(blob.contrast):
+        return False
+    return 0.35 * template.area_bl2 < blob.area_bl2 < 4.0 * template.area_bl2
+
+
+def good(one: Fit, scene: Scene) -> bool:
+    """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
+    bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
+    return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MOST_BEND
+
+
+def follow(
+    film: Iterable[Frame], scene: Scene, template: Template
+) -> tuple[list[float], list[Fit | None]]:
+    """Times and fits of all frames; None where the robot was not found."""
+    shape = template.shape()
+    known = kernels(*template.turned(scene.head_angle_rad), template.head_bl + template.core_bl)
+    steps = reaches(scene, *STEPS_BL)
+    times: list[float] = []
+    fits: list[Fit | None] = []
+    for frame in film:
+        start = _predicted(frame.time_s, times, fits)
+        asked = None if len(times) % CLUE_EVERY else known
+        one = (
+            start if start is None else fitted(frame.luma, scene, shape, start, steps, known=asked)
+        )
+        if one is None or not good(one, scene):
+            one = redetected(frame.luma, scene, template, shape)
+        times.append(frame.time_s)
+        fits.append(None if one is None else with_tail(frame.luma, scene, template, one))
+    return times, fits
+
+
+def _predicted(time_s: float, times: Sequence[float], fits: Sequence[Fit | None]) -> Float | None:
+    """Pose expected at a time from the last two fits of the last frames; None without any."""
+    first = max(0, len(fits) - LOST_FRAMES)
+    known = [(t, one) for t, one in zip(times[first:], fits[first:], strict=True) if one]
+    if not known:
+        return None
+    if len(known) < 2:
+        return known[-1][1].pose.copy()
+    (before_s, before), (last_s, last) = known[-2:]
+    ahead = (time_s - last_s) / (last_s - before_s)
+    return last.pose + min(ahead, float(LOST_FRAMES)) * (last.pose - before.pose)
+
+
+def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
+    """The fit with its tail traced, and the whole body's length."""
+    x, y, heading, _ = one.pose
+    back = np.array([math.cos(heading), math.sin(heading)])
+    base_bl = np.array([x, y]) - template.core_bl * back
+    ends = scene.plane.pixels(np.stack([base_bl, base_bl - template.tail_bl * back]))
+    along = ends[1] - ends[0]
+    back_rad, length_px = math.atan2(along[1], along[0]), float(np.hypot(*along))
+    pictures = (frame, scene.floor)
+    tail = trace(pictures, ends[0], back_rad, length_px, template.skin)
+    seen_px = tail_length(pictures, ends[0], back_rad, length_px, template.skin)
+    stated_bl = template.head_bl + template.core_bl + template.tail_bl
+    longer_bl = (seen_px - length_px + one.nose_px) * template.tail_bl / length_px
+    return replace(one, tail=tail, length=1.0 + longer_bl / stated_bl)

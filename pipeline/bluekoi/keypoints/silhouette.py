@@ -1,0 +1,206 @@
+"""Keypoints of the robot from its outline against the pool: a rigid head, a rigid core, a tail.
+
+A background from a few pictures; the outline's half-widths learned from the same pictures; then,
+frame by frame, the template fitted to the edges from where the robot is expected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import PARTS, Frame, Keypoints
+from ..errors import input_error
+from ..study import Setup, Trial
+from .midline import detection as midline
+from .outline.absence import reason
+from .outline.background import median, noise_level, sample, without_resident
+from .outline.camera_motion import camera_remarks
+from .outline.ghost_removal import without_ghosts
+from .outline.learning import LearnedTemplate, learn
+from .outline.outcome import keypoints_of
+from .outline.plane import Plane, in_body_lengths, plane_of
+from .outline.second_body import second_body_remark
+from .outline.template import length_of
+from .outline.tracking import Fit, Scene, follow
+
+LENGTHS_STATED = True
+"""Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
+measured is the whole length (`Keypoints.length_seen`)."""
+SAMPLES = (5, 15)
+WELL = 0.9
+LEAST_WORTH = 0.6
+LEAST_SUPPORT = 0.4
+GHOST_ROUNDS = 2
+BELIEVED, MOSTLY = 0.6, 0.9
+"""A body is bending only if fewer frames than `MOSTLY` are believed with the rigid template."""
+
+
+def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
+    """Keypoints head_tip, hinge, core_center, tail_base, tail_tip of every frame, in pixels.
+
+    Likelihood is the share of the outline found where the template has it, graded; covariances
+    come from how neighbouring stretches of outline disagree. Where the robot is not found: NaN
+    and likelihood 0.
+
+    Raises: InputError where the footage holds no frame.
+    """
+    plane = plane_of(setup)
+    again = _seekable(frames)
+    samples = sample(again(), SAMPLES[0])
+    if not samples:
+        raise input_error(trial.source, "", "no frames", "footage with frames")
+    if setup.detection.body == "bending":
+        return _bending(again, plane, setup, trial) or _nothing(
+            [frame.time_s for frame in again()], (_why(samples, plane, setup, trial),)
+        )
+    found = _rigid(again, samples, plane, setup=setup, trial=trial)
+    if setup.detection.body == "auto" and _poor(found):
+        bending = _bending(again, plane, setup, trial)
+        return found if bending is None or _believed(bending) < _believed(found) else bending
+    return found
+
+
+def _rigid(
+    frames: Callable[[], Iterable[Frame]],
+    samples: Sequence[Frame],
+    plane: Plane,
+    *,
+    setup: Setup,
+    trial: Trial,
+) -> Keypoints:
+    """Keypoints of a rigid head and core with a tail."""
+    with _decoding_ahead(frames()) as film:
+        scene, outline, remarks = learned_scene(frames, samples, plane, setup, trial)
+        if outline is None:
+            times = [frame.time_s for frame in film]
+            return _nothing(times, (*remarks, _why(samples, plane, setup, trial)))
+        times, fits = follow(film, scene, outline.template)
+    if not times:
+        raise input_error(trial.source, "", "no frames", "frames between start_s and end_s")
+    remarks = (*remarks, *second_body_remark(outline, scene), *_missing_remark(times, fits))
+    return keypoints_of(times, fits, scene, outline.template, remarks)
+
+
+def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
+    """The remark where nothing was found."""
+    images = [frame.luma for frame in samples]
+    return f"No robot was found: {reason(images, plane, length_of(setup.robot, trial))}"
+
+
+def _poor(found: Keypoints) -> bool:
+    """Whether the rigid template explains too few frames."""
+    return _believed(found) < MOSTLY
+
+
+def _believed(found: Keypoints) -> float:
+    """Share of the frames in which all points are likely."""
+    return float(np.mean(found.likelihood.min(axis=1) >= BELIEVED))
+
+
+def _bending(
+    frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
+) -> Keypoints | None:
+    """Keypoints of a bending body; None without one, or where it is not seen to bend."""
+    samples = sample(frames(), midline.SAMPLES)
+    body = midline.learned(samples, plane, setup.robot, trial)
+    if body is None or not (body.bends or setup.detection.body == "bending"):
+        return None
+    found = midline.detect(frames(), body, setup.robot, trial)
+    return replace(found, remarks=(*camera_remarks(samples, plane), *found.remarks))
+
+
+@contextmanager
+def _decoding_ahead(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
+    """The film, its decoding begun where it can be: it goes on while the template is learned."""
+    ahead = getattr(film, "ahead", None)
+    if ahead is None:
+        yield film
+    else:
+        with ahead() as begun:
+            yield begun
+
+
+def _seekable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
+    """`frames`, called once only if what it gives can be run through again and again."""
+    first = frames()
+    return (lambda: first) if hasattr(first, "spread") else frames
+
+
+def learned_scene(
+    frames: Callable[[], Iterable[Frame]],
+    samples: Sequence[Frame],
+    plane: Plane,
+    setup: Setup,
+    trial: Trial,
+) -> tuple[Scene, LearnedTemplate | None, tuple[str, ...]]:
+    """Scene and learned template: from the first few samples, from more where these do not do.
+
+    At last from a background bridged at the robot's resting place.
+    """
+    found: list[tuple[Scene, LearnedTemplate | None]] = []
+    notes: tuple[str, ...] = ()
+    for count in SAMPLES:
+        samples = samples if count == SAMPLES[0] else sample(frames(), count)
+        found.append(_learned_from(samples, plane, setup, trial))
+        notes = camera_remarks(samples, plane)
+        outline = found[-1][1]
+        if outline is not None and outline.support > WELL and 2 * outline.frames > len(samples):
+            return *found[-1], notes
+    best = max(found, key=lambda one: _worth(one[1]))
+    if _worth(best[1]) < LEAST_WORTH:
+        size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
+        bridged = replace(found[-1][0], floor=without_resident(found[-1][0].floor, size))
+        second = learn(samples, bridged, setup.robot, trial)
+        if _worth(second) > LEAST_WORTH:
+            remark = "the robot hardly left its place: its background was bridged from around it"
+            return bridged, second, (*notes, remark)
+        return best[0], None, notes
+    return *best, notes
+
+
+def _learned_from(
+    samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial
+) -> tuple[Scene, LearnedTemplate | None]:
+    """Scene of a few frames' median and the template learned from them."""
+    images = [frame.luma for frame in samples]
+    floor = median(images)
+    scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
+    outline = learn(samples, scene, setup.robot, trial)
+    for _ in range(GHOST_ROUNDS):
+        free = (
+            without_ghosts(outline, scene) if outline and outline.support > LEAST_SUPPORT else None
+        )
+        if free is None:
+            break
+        scene = replace(scene, floor=free)
+        outline = learn(samples, scene, setup.robot, trial) or outline
+    return scene, outline
+
+
+def _worth(outline: LearnedTemplate | None) -> float:
+    return 0.0 if outline is None else outline.worth
+
+
+def _missing_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:
+    """A remark on the frames without a robot."""
+    gone = [time for time, one in zip(times, fits, strict=True) if one is None]
+    if not gone:
+        return ()
+    text = f"{len(gone)} of {len(times)} frames without the robot (first at {gone[0]:.2f} s)"
+    return (text,)
+
+
+def _nothing(times: Sequence[float], remarks: tuple[str, ...]) -> Keypoints:
+    n, p = len(times), len(PARTS)
+    return Keypoints(
+        np.array(times),
+        PARTS,
+        np.full((n, p, 2), np.nan),
+        np.zeros((n, p)),
+        np.full((n, p, 2, 2), np.nan),
+        remarks,
+    )

@@ -1,0 +1,298 @@
+"""The steps from a fitted model to a verdict (docs/finder.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ..data import Steady
+from ..engine import (
+    FittedSet,
+    Posterior,
+    Scored,
+    fitted,
+    own_noise,
+    posterior,
+    search,
+    unconstrained,
+)
+from ..fitting import Free, Series, fit_paths, inverse_fisher, spread_over_trials
+from ..integrate import Kernel, compiled
+from ..integrate.batch import each
+from ..model import is_nameless, plates
+from ..study import Study
+from ..tuning import Tuned, thin, tune
+from .horizon import path_errors
+from .jumps import Jump, jumps, with_jumps
+from .locate import Dependence, MissingForce, added_force, dependences, missing_force
+from .robot_problem import robot_problem
+from .setting import has_roles, held_out_trials, steady_errors, variables
+
+NAMED = 0.5
+"""A cause is named where it is more probable than not."""
+LEAST_UNIT = 0.1
+UNEXPLAINED = "unexplained"
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A named cause: probability that it acts, and others that may act in its place."""
+
+    name: str
+    probability: float
+    alternatives: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Found:
+    """Everything the finder found; `results_json.mismatch_json` writes it.
+
+    posterior: over sets of causes, on the trials to fit. named: causes, the one that explains most
+    first. unexplained: probability that a force acts which no candidate describes. model: the most
+    probable set of the named causes. baseline and extended: tuned models on the trials to fit;
+    fitted_to: criterion by which the baseline of `errors` was fitted. forces, dependences: what the
+    baseline lacks, on all trials. errors: of both models on the held-out trials; floor_m: path
+    error that a true model would have there; stretch_s: length of the compared stretches.
+    displacements: where the camera was, or seemed to be, moved during a trial.
+    """
+
+    verdict: str
+    posterior: Posterior
+    named: Sequence[Cause]
+    unexplained: float
+    model: FittedSet
+    gains: Mapping[str, float]
+    baseline: Tuned
+    extended: Tuned
+    fitted_to: str
+    forces: Sequence[MissingForce]
+    dependences: Sequence[Dependence]
+    held_out: Sequence[str]
+    errors: Mapping[str, Mapping[str, float]]
+    floor_m: float
+    stretch_s: float
+    displacements: Sequence[Jump] = ()
+    warnings: Sequence[str] = ()
+
+
+def find_mismatch(
+    study: Study,
+    series: Sequence[Series],
+    steady: Mapping[str, Steady],
+    *,
+    progress: Callable[[str], None],
+) -> Found:
+    """`Found` for the measured trials of a study."""
+    kernel = compiled(plates())
+    held_out = held_out_trials(study, [s.name for s in series])
+    progress("baseline")
+    few = thin(series)
+    baseline = tune([s for s in few if s.name not in held_out])
+    displaced = jumps(kernel, few, baseline.trial_values(kernel, few), baseline.noise)
+    series, few = with_jumps(kernel, series, displaced), with_jumps(kernel, few, displaced)
+    if not has_roles(study):
+        # the moment of a displacement is known, its size is not: that trial alone can tell it
+        held_out = [name for name in held_out if name not in {d.trial for d in displaced}]
+    train = [s for s in few if s.name not in held_out]
+    test = [s for s in series if s.name in held_out] or list(series)
+    baseline = tune(train) if displaced else baseline
+    problem = robot_problem(kernel, train, baseline, displaced=bool(displaced), progress=progress)
+    visited = search(problem, baseline.fit.by_label())
+    problem = visited.problem
+    found = posterior(problem, list(visited.sets.values()))
+    named, unexplained = named_causes(found, problem.by_name)
+    best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
+    extended = tuned_set(baseline, best.model) if best.causes else baseline
+    progress("missing force")
+    models = {"baseline": baseline, "extended": extended}
+    by_paths = on_trajectories(kernel, train, baseline)
+    if by_paths is not None:
+        models = {"by_paths": by_paths, **models}
+    (forces, depends), paths = each(lambda task: task(), (
+        partial(_located, study, kernel, few, baseline, extended),
+        partial(path_errors, study, kernel, models, test),
+    ))  # fmt: skip
+    fitted_to = "prediction errors"
+    if by_paths is not None and paths.rmse_m["by_paths"] < paths.rmse_m["baseline"]:
+        fitted_to = "trajectories"
+    shown = {"baseline": "by_paths" if fitted_to == "trajectories" else "baseline",
+             "extended": "extended"}  # fmt: skip
+    errors = {
+        name: {"path_rmse_m": paths.rmse_m[key],
+               **steady_errors(study, kernel, models[key], test, steady)}
+        for name, key in shown.items()
+    }  # fmt: skip
+    if not best.causes:
+        errors["extended"] = errors["baseline"]
+    gains = {c.name: _gain(found, best, c.name) for c in named}
+    ordered = sorted(named, key=lambda c: -gains[c.name])
+    return Found(
+        verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
+        unexplained=unexplained, model=best.model, gains=gains, baseline=baseline,
+        extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
+        held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
+        stretch_s=paths.horizon_s, displacements=displaced,
+        warnings=model_warnings(kernel, train, best),
+    )  # fmt: skip
+
+
+def named_causes(found: Posterior, candidates: Mapping[str, object]) -> tuple[list[Cause], float]:
+    """Causes that are probably there, and the probability of an unlisted force.
+
+    A place of the most probable set is filled where it is more probable than not that its cause, or
+    another in its place, acts; it bears the name of the most probable of them.
+    """
+
+    def is_residual(name: str) -> bool:
+        return bool(candidates[name].is_residual)  # type: ignore[attr-defined]
+
+    pairs = list(zip(found.sets, found.probability, strict=True))
+    unexplained = float(sum(p for s, p in pairs if any(map(is_residual, s.causes))))
+    best = found.best
+    out: list[Cause] = []
+    for name in best.causes:
+        if is_residual(name):
+            continue
+        rest = frozenset(best.causes) - {name}
+        place = {name: found.inclusion[name]}
+        for s, p in pairs:
+            new = s.model.key - rest - {name}
+            if name not in s.model.key and len(new) == 1 and rest <= s.model.key:
+                (other,) = new
+                place[other] = place.get(other, 0.0) + float(p)
+        taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
+        listed = {n: q for n, q in place.items() if not is_residual(n)}
+        if taken > NAMED and listed:
+            leader = max(listed, key=lambda n: listed[n])
+            others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
+            if not (sum(q for n, q in place.items() if is_residual(n)) > NAMED):
+                out.append(Cause(leader, found.inclusion[leader], others))
+    names = {c.name for c in out}
+    out += [Cause(n, q, {}) for n, q in found.inclusion.items()
+            if q > NAMED and n not in names and not is_residual(n)]  # fmt: skip
+    return out, unexplained
+
+
+def best_set(
+    found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, object]
+) -> Scored:
+    """The most probable set with just these named causes, with a residual term where asked for."""
+
+    def fits(s: Scored) -> bool:
+        residual = [c for c in s.causes if candidates[c].is_residual]  # type: ignore[attr-defined]
+        return set(named) == set(s.causes) - set(residual) and bool(residual) == unexplained
+
+    pairs = sorted(zip(found.probability, found.sets, strict=True), key=lambda x: -x[0])
+    return next((s for _, s in pairs if fits(s)), found.best)
+
+
+def _gain(found: Posterior, best: Scored, name: str) -> float:
+    """Log evidence that the set loses without one of its causes."""
+    less = best.model.key - {name}
+    without = [s.log_posterior for s in found.sets if s.model.key == less]
+    return best.log_posterior - max(without, default=-np.inf)
+
+
+SINGLE_TRIAL_FACTOR = 2.0
+"""Trials cannot disagree on a number that one of them alone informs on: its naive variance counts
+twice, the overdispersion above which the report warns."""
+
+
+def tuned_set(baseline: Tuned, model: FittedSet) -> Tuned:
+    """A fitted set with covariances from how its trials disagree."""
+    move = unconstrained(model)
+    spread = spread_over_trials(model.fit.normal, move)
+    cov, freedom = spread.cov.copy(), spread.freedom.copy()
+    alone = np.flatnonzero(move & (freedom == 0))  # one trial informs on it: its naive variance
+    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
+    cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
+    freedom[alone] = max(len(model.fit.normal.hessian) - 1, 1)
+    return Tuned(model.fit, model.noise, cov, baseline.base, freedom, None)
+
+
+def on_trajectories(kernel: Kernel, train: Sequence[Series], baseline: Tuned) -> Tuned | None:
+    """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
+    fit runs away.
+    """
+    free: Sequence[Free] = baseline.fit.free
+    found = fit_paths(kernel, train, baseline.base, free, start=baseline.fit.by_label()).fit
+    return replace(baseline, fit=found) if np.isfinite(found.values).all() else None
+
+
+def _located(
+    study: Study, kernel: Kernel, series: Sequence[Series], baseline: Tuned, extended: Tuned
+) -> tuple[list[MissingForce], list[Dependence]]:
+    """What the model lacks without its additions, and what that depends on.
+
+    The coefficients are those found with the additions, since the baseline's own have absorbed
+    part of what is missing; beside a residual force the named additions stay. The dependence is
+    that of the additions' force; of a measurement error, that of the random forces in its stead.
+    """
+    free = extended.fit.free
+    residual = any(is_nameless(f.name) for f in free)
+    full = extended.trial_values(kernel, series)
+    values = [v.copy() for v in full]
+    for f in free:
+        if is_nameless(f.name) or ("." in f.name and not residual):
+            for v in values:
+                v[kernel.system.slot[f.name]] = 0.0
+    forces = missing_force(kernel, series, values, baseline.noise)
+    trials = {t.trial_id: t for t in study.trials}
+    count = forces[0].force.shape[1]
+    units = np.maximum(extended.noise.disturbance, LEAST_UNIT * baseline.noise.disturbance)[:count]
+    pushes = added_force(kernel, series, full, values, extended.noise)
+    shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
+    return forces, dependences(series, shown, variables(series, forces, trials), units)
+
+
+def verdict_of(kernel: Kernel, named: Sequence[Cause], unexplained: float) -> str:
+    """none, physics, measurement or unexplained: the kind of the cause that explains most."""
+    if unexplained > NAMED:
+        return UNEXPLAINED
+    return kernel.system.effect(named[0].name).kind if named else "none"
+
+
+COMPARABLE = 0.5
+"""Share of the thrust above which random forces are called comparable to it."""
+OVERDISPERSED = 2.0
+
+
+def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> list[str]:
+    """Sentences on signs that the model does not describe its trials."""
+    out = []
+    if (c := best.overdispersion) > OVERDISPERSED:
+        out.append(
+            f"The parameters differ between trials {c:.1f} times more (in variance) than their "
+            "standard errors allow: something is missing that this model does not describe."
+        )
+    tau = best.model.noise.tau[: len(best.model.noise.disturbance)]
+    upper = [p.upper for e in kernel.system.effects if e.kind == "disturbance"
+             for p in e.parameters[1:]]  # fmt: skip
+    forces = best.model.noise.disturbance[:3]
+    names = ("surge", "sway", "yaw")
+    mean = _main_forces(kernel, train, best)
+    for name, force, main, t, bound in zip(names, forces, mean, tau, upper, strict=False):
+        if force > COMPARABLE * main:
+            at = " with a correlation time at its bound" if t >= 0.99 * bound else ""
+            out.append(f"The random {name} force is comparable to the main force{at}: "
+                       "laws may hide in it.")  # fmt: skip
+    return out
+
+
+def _main_forces(
+    kernel: Kernel, train: Sequence[Series], best: Scored
+) -> tuple[float, float, float]:
+    """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""
+    names = kernel.system.constants
+    values = best.model.fit.by_label()
+    thrust = [values["C_T"] * 0.5 * s.constants[names.index("rho")] * s.constants[names.index("A")]
+              * float(np.median(s.inputs[:, 1])) ** 2 for s in train]  # fmt: skip
+    arm = float(np.median([abs(s.constants[names.index("l")]) for s in train]))
+    typical = float(np.median(thrust))
+    return typical, typical, typical * arm
+
+
+__all__ = ["Cause", "Found", "find_mismatch", "fitted", "named_causes", "own_noise"]

@@ -1,0 +1,241 @@
+"""mismatch.json and mismatch_detail.json, from what the finder found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..fitting import Series, trial_values
+from ..integrate import Effect, compiled
+from ..model import is_nameless, plates, residual_channels
+from ..study import Study
+from ..tuning import Tuned
+from ..tuning.joint import BAND
+from .find import UNEXPLAINED, Cause, Found
+from .robot_problem import CAMERA_SHIFT
+from .sentences import sentence, unexplained_sentence
+from .setting import CHANNELS, best_next_trial
+
+LEAST_RIVAL = 0.02
+CREDIBLE = 0.9
+
+
+def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+    """Content of mismatch.json as the contract lists it."""
+    named = causes(found)
+    others = rivals(found)
+    return {
+        "verdict": found.verdict,
+        "sentence": sentence(found, named, others),
+        "causes": named,
+        "rivals": others,
+        "probabilities": probabilities(found),
+        "where": where(found),
+        "held_out": {
+            "trials": list(found.held_out),
+            "baseline": dict(found.errors["baseline"]),
+            "baseline_fitted_to": found.fitted_to,
+            "extended": dict(found.errors["extended"]),
+            "noise_floor_path_rmse_m": found.floor_m,
+            "stretch_s": found.stretch_s,
+        },
+        "overdispersion": found.posterior.best.overdispersion,
+        "warnings": list(found.warnings),
+        "next_trial": next_trial(found, study, series),
+    }
+
+
+def probabilities(found: Found) -> dict[str, float]:
+    """Inclusion probability of every named candidate and of an unlisted force."""
+    names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
+    inclusion = {name: found.posterior.inclusion.get(name, 0.0) for name in names}
+    return inclusion | {UNEXPLAINED: found.unexplained}
+
+
+def causes(found: Found) -> list[dict[str, Any]]:
+    """The named causes, the one that explains most first, and what is left unexplained."""
+    out = [_cause(found, cause) for cause in found.named]
+    return [*out, _unexplained(found)] if found.verdict == UNEXPLAINED else out
+
+
+def _cause(found: Found, cause: Cause) -> dict[str, Any]:
+    effect = plates().effect(cause.name)
+    return {
+        "name": cause.name,
+        "kind": effect.kind,
+        "channels": list(effect.channels),
+        "regime": _regime(found, effect),
+        "parameters": _parameters(found, cause.name),
+        "weight": cause.probability,
+        "credible_set": credible_set(cause),
+        "log_evidence_gain": found.gains[cause.name],
+        "sentence": effect.statement,
+    }
+
+
+def credible_set(cause: Cause) -> list[str]:
+    """The fewest causes of a place, the most probable first, that hold 90 % of it."""
+    place = {cause.name: cause.probability, **cause.alternatives}
+    total, out, held = sum(place.values()), [], 0.0
+    for name in sorted(place, key=lambda n: -place[n]):
+        out.append(name if not is_nameless(name) else UNEXPLAINED)
+        held += place[name]
+        if held >= CREDIBLE * total:
+            break
+    return out
+
+
+def _regime(found: Found, effect: Effect) -> str:
+    """Where an effect acts; of a displaced camera, from when on in which trials."""
+    if effect.name != CAMERA_SHIFT or not found.displacements:
+        return effect.regime
+    moments = (f"{d.time_s:.1f} s after the start of {d.trial}" for d in found.displacements)
+    return f"from {', '.join(moments)} on"
+
+
+def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
+    """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
+    tuned = found.extended
+    units = {p.name: p.unit for p in plates().parameters}
+    return {
+        f.name.split(".", 1)[1]: {"value": float(v), "std": s, "unit": units[f.name]}
+        for f, v, s in zip(tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)
+        if f.name.startswith(name + ".")
+    }
+
+
+def as_normal(tuned: Tuned) -> list[float]:
+    """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
+    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND]
+
+
+def residual_terms(found: Found) -> list[str]:
+    """Names of the residual terms in the extended model."""
+    return [f.name for f in found.extended.fit.free if is_nameless(f.name)]
+
+
+def _unexplained(found: Found) -> dict[str, Any]:
+    terms = residual_terms(found)
+    channels = sorted({c for t in terms for c in _channels(t)}, key=CHANNELS.index)
+    depends = [d for d in found.dependences if CHANNELS[d.channel] in channels] or list(
+        found.dependences
+    )
+    variable = depends[0].variable if depends else "nothing that was tried"
+    parameters: dict[str, Any] = {}
+    for effect in sorted({t.split(".")[0] for t in terms}):
+        parameters |= _parameters(found, effect)
+    return {
+        "name": UNEXPLAINED,
+        "kind": "physics",
+        "channels": channels,
+        "regime": f"depends on {variable}",
+        "parameters": parameters,
+        "weight": found.unexplained,
+        "sentence": unexplained_sentence(variable),
+    }
+
+
+def _channels(term: str) -> tuple[str, ...]:
+    effect, number = term.split(".", 1)
+    return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
+
+
+def rivals(found: Found) -> list[dict[str, Any]]:
+    """Candidates that may act in the place of a named cause, or beside the named ones."""
+    out: list[dict[str, Any]] = []
+    taken = {c.name for c in found.named}
+    for cause in found.named:
+        for other, probability in cause.alternatives.items():
+            name = UNEXPLAINED if is_nameless(other) else other
+            if probability >= LEAST_RIVAL and name not in taken:
+                taken.add(name)
+                out.append({"name": name, "in_place_of": cause.name, "weight": probability,
+                            "how_to_tell_apart": _apart(cause.name, name)})  # fmt: skip
+    out += [
+        {"name": name, "in_place_of": "", "weight": p, "how_to_tell_apart": _beside(name)}
+        for name, p in found.posterior.inclusion.items()
+        if p >= LEAST_RIVAL and name not in taken and not is_nameless(name)
+    ]
+    return sorted(out, key=lambda r: -r["weight"])
+
+
+def _beside(name: str) -> str:
+    regime = plates().effect(name).regime or "all trials"
+    return f"{name} would act in {regime}: film more trials there"
+
+
+def _apart(name: str, other: str) -> str:
+    first = plates().effect(name).regime or "all trials"
+    if other == UNEXPLAINED:
+        return (
+            f"an unlisted force describes these trials about as well as {name}: film where {name} "
+            f"should be strongest ({first}) and where it should vanish"
+        )
+    second = plates().effect(other).regime or "all trials"
+    return f"{name} acts in {first}, {other} in {second}: film where only one of them should act"
+
+
+def where(found: Found) -> list[dict[str, Any]]:
+    """Channels and variables that explain the missing force, the largest share first."""
+    if found.verdict == "none":
+        return []
+    strong = sorted((d for d in found.dependences if d.adds > 0), key=lambda d: -d.adds)
+    return [{"channel": CHANNELS[d.channel], "variable": d.variable, "share": d.adds,
+             "trials": list(d.trials)} for d in strong]  # fmt: skip
+
+
+def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+    """The trial in which the two most probable sets of causes differ most."""
+    kernel, sets = compiled(plates()), found.posterior.sets
+    order = np.argsort(-found.posterior.probability)
+    first = found.model
+    other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
+    flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
+            for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
+    base = found.baseline.base
+    values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
+    best = best_next_trial(study, kernel, values[0], values[1], flap)
+    names = [" and ".join(m.causes) or "the baseline" for m in (first, other)]
+    floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
+    apart = float(str(best["apart_mm"]))
+    if not apart > floor:
+        why = (f"no trial of 4 s separates {names[0]} from {names[1]}: they differ by at most "
+               f"{apart:.1f} mm, the noise is {floor:.1f} mm; repeat trials instead")  # fmt: skip
+    else:
+        why = (
+            f"separates {names[0]} from {names[1]} best: paths differ by {apart:.0f} mm rms in 4 s"
+        )
+    return best | {"why": why, "above_noise": bool(apart > floor)}
+
+
+def details(found: Found) -> dict[str, Any]:
+    """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients."""
+    best = found.posterior.best.log_posterior
+    return {
+        "forces": {
+            f.name: {
+                "time_s": f.times,
+                "x_m": f.states[:, 0],
+                "y_m": f.states[:, 1],
+                "heading_rad": f.states[:, 2],
+                **{f"{c}_{u}": f.force[:, i]
+                   for i, (c, u) in enumerate((("surge", "N"), ("sway", "N"), ("yaw", "Nm")))},
+                **{f"{c}_std": f.std[:, i] for i, c in enumerate(CHANNELS)},
+            }
+            for f in found.forces
+        },
+        "sets": [
+            {"causes": list(s.causes), "probability": float(p),
+             "log_posterior": s.log_posterior - best,
+             "log_likelihood": s.model.log_likelihood, "overdispersion": s.overdispersion}
+            for p, s in sorted(zip(found.posterior.probability, found.posterior.sets, strict=True),
+                               key=lambda x: -x[0])
+        ],
+        "coefficients": {
+            name: {f.label: {"value": float(v), "std": s} for f, v, s in zip(
+                tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)}
+            for name, tuned in (("before", found.baseline), ("after", found.extended))
+        },
+    }  # fmt: skip

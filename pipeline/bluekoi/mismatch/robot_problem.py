@@ -1,0 +1,64 @@
+"""The robot's trials, coefficients and candidate causes as the engine takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..engine import Priors, Problem, candidates_of
+from ..fitting import Series, TrialEffect
+from ..integrate import Kernel
+from ..model import residual_sources
+from ..tuning import Tuned
+
+SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
+FREQUENCY_STD = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
+TRIAL_EFFECTS = (
+    TrialEffect("head_angle_offset.d", float(SERVO_STD_RAD)),
+    TrialEffect("C_T", 2.0 * FREQUENCY_STD, relative=True),  # thrust goes with f^2
+)
+PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
+"""About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
+published model cannot swim straight without a fin (MODEL, audit 5)."""
+LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the body
+CORE_M, HEAD_M = 0.2, 0.12  # lengths over which labels define the directions of core and head
+TOLERANCES = {
+    "keypoint_bias.bx": LABEL_STD_M,
+    "keypoint_bias.by": LABEL_STD_M,
+    "keypoint_bias.bpsi": LABEL_STD_M / CORE_M,
+    "keypoint_bias.bphi": LABEL_STD_M * float(np.hypot(1 / CORE_M, 1 / HEAD_M)),
+}
+"""A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
+KINDS = ("physics", "measurement", "residual")
+PERIODIC = ("sloshing", "surging")
+"""Residual terms that depend on time alone and have several frequencies are not searched."""
+CAMERA_SHIFT = "camera_shift"
+
+
+def robot_problem(
+    kernel: Kernel,
+    series: Sequence[Series],
+    baseline: Tuned,
+    *,
+    displaced: bool,
+    progress: Callable[[str], None],
+) -> Problem:
+    """`Problem` of a campaign.
+
+    displaced: whether a displacement of the camera was seen; only then is it a candidate.
+    """
+    system = kernel.system
+    names = [e.name for e in system.effects if e.kind in KINDS and e.name not in PERIODIC
+             and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
+    return Problem(
+        kernel=kernel,
+        series=tuple(series),
+        base=baseline.base,
+        coefficients=baseline.fit.free,
+        candidates=candidates_of(system, names, PRIORS, residual_sources()),
+        noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
+        tolerances=TOLERANCES,
+        progress=progress,
+    )

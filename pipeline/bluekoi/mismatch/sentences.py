@@ -1,0 +1,87 @@
+"""The verdict in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..tuning import table
+from .find import UNEXPLAINED, Found
+
+SURE = 0.8
+DOUBTFUL_SHARE = 0.1
+"""A rival with this probability or more is stated beside the cause."""
+ABOVE_FLOOR = 1.5
+"""Held-out errors of the true model exceed this multiple of the noise floor in 3 of 236 studies."""
+
+
+def sentence(
+    found: Found, named: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
+) -> str:
+    """One sentence of verdict."""
+    if found.verdict == "none":
+        return _nothing(found)
+    names = " and ".join(_with_probability(c) for c in named if c["name"] != UNEXPLAINED)
+    errors = _errors(found)
+    first = f"{_blame(named)}: {names}" if names else ""
+    if found.verdict == UNEXPLAINED:
+        beside = f"{first}; in addition a" if first else "A"
+        return f"{beside} force acts that no listed cause describes; {errors}{excess(found)}."
+    doubt = sorted({str(r["name"]) for r in others
+                    if r["in_place_of"] and r["weight"] >= DOUBTFUL_SHARE})  # fmt: skip
+    instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
+    return f"{first}{instead}; {errors}{excess(found)}."
+
+
+def _nothing(found: Found) -> str:
+    if not _determined(found):
+        return (
+            "These trials determine hardly any coefficient, so nothing can be said about what "
+            "the model lacks: film turns to both sides at two head angles and two powers."
+        )
+    if extra := excess(found):
+        return f"No cause is more probable than not, yet {_errors(found)}{extra}."
+    return "Nothing beyond the noise: the model as it stands explains these recordings."
+
+
+def _errors(found: Found) -> str:
+    before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
+    held = set(found.held_out) < {f.name for f in found.forces}
+    on = "on trials not fitted" if held else "on the fitted trials (none could be held out)"
+    if found.verdict == "none":
+        return f"{on} the path error is {before:.1f} mm"
+    way = "falls" if after < before else "changes"
+    return f"{on} the path error {way} from {before:.1f} to {after:.1f} mm"
+
+
+def unexplained_sentence(variable: str) -> str:
+    """Statement of an unlisted force."""
+    return (
+        "A force acts that no listed cause describes; it is modelled by a fitted residual term and "
+        f"depends most on {variable}."
+    )
+
+
+def _blame(named: Sequence[Mapping[str, Any]]) -> str:
+    kind = next((c["kind"] for c in named if c["name"] != UNEXPLAINED), "")
+    return "The measurement is at fault" if kind == "measurement" else "Physics left out"
+
+
+def _with_probability(cause: Mapping[str, Any]) -> str:
+    p = float(cause["weight"])
+    return str(cause["name"]) + (f" (probability {p:.2f})" if p < SURE else "")
+
+
+def excess(found: Found) -> str:
+    """What to add where the held-out paths of the extended model are far above the noise floor."""
+    after, floor = found.errors["extended"]["path_rmse_m"], found.floor_m
+    if not after > ABOVE_FLOOR * floor > 0:
+        return ""
+    return (f", {after / floor:.1f} times what noise explains: a law has another form than the "
+            "model's, or more is missing that these trials do not identify")  # fmt: skip
+
+
+def _determined(found: Found) -> bool:
+    """Whether the baseline's fit determines at least half of its coefficients."""
+    rows = table(found.baseline).values()
+    return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

@@ -1,0 +1,73 @@
+"""Rigid distances of one trial, from its own keypoints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..data import Float, Positions, confident
+from ..study import Robot
+
+RIGID = ("head_tip", "hinge", "core_center", "tail_base")
+
+
+@dataclass(frozen=True)
+class Body:
+    """Distances of one trial, m: hinge and tail base from centre of mass, head tip from hinge.
+
+    offset_m: (4, 2), systematic offset of each of RIGID, along and to the left of the head (head
+    tip) or of the core (the others).
+    """
+
+    hinge_m: float
+    tail_m: float
+    head_m: float
+    offset_m: Float = field(default_factory=lambda: np.zeros((len(RIGID), 2)))
+
+
+def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float) -> Body:
+    """Median distances of one trial, the share that noise adds across the axis (s^2 / 2d) removed.
+
+    xy_m: (frames, 4, 2) of RIGID; cov_m2: (frames, 4, 2, 2). Where the centre of mass is never
+    seen with a neighbour, hinge to tail base is divided as the robot's own lengths are.
+    """
+    hinge = _distance(xy_m, cov_m2, 1, 2)
+    tail = _distance(xy_m, cov_m2, 2, 3)
+    whole = _distance(xy_m, cov_m2, 1, 3)
+    head = _distance(xy_m, cov_m2, 0, 1)
+    known = (robot.hinge_to_com_m, robot.com_to_tail_base_m)
+    scale = _first(whole / sum(known), hinge / known[0], tail / known[1], head / head_length_m, 1)
+    return Body(
+        hinge_m=_first(hinge, whole - tail, scale * known[0]),
+        tail_m=_first(tail, whole - hinge, scale * known[1]),
+        head_m=_first(head, scale * head_length_m),
+    )
+
+
+def trusted_points(positions: Positions) -> tuple[Float, Float]:
+    """Points (frames, 4, 2) of the rigid parts, NaN where not trusted, and their covariance."""
+    n = len(positions.time_s)
+    xy, cov = np.full((n, 4, 2), np.nan), np.full((n, 4, 2, 2), np.nan)
+    for i, name in enumerate(RIGID):
+        if name in positions.names:
+            k = positions.names.index(name)
+            trusted = confident(positions.likelihood[:, k])
+            xy[trusted, i] = positions.xy_m[trusted, k]
+            cov[trusted, i] = positions.cov_m2[trusted, k]
+    xy[~np.isfinite(xy).all(axis=2)] = np.nan
+    return xy, cov
+
+
+def _distance(xy: Float, cov: Float, i: int, j: int) -> float:
+    way = xy[:, i] - xy[:, j]
+    length = np.linalg.norm(way, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        across = np.column_stack([-way[:, 1], way[:, 0]]) / length[:, None]
+        spread = np.einsum("ni,nij,nj->n", across, cov[:, i] + cov[:, j], across)
+        length = length - np.nan_to_num(spread) / (2 * length)
+    return float(np.nanmedian(length)) if np.any(np.isfinite(length)) else float("nan")
+
+
+def _first(*candidates: float) -> float:
+    return next(value for value in candidates if np.isfinite(value))

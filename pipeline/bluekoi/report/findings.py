@@ -1,0 +1,208 @@
+"""Verdict, causes and evidence of mismatch.json as text and tables."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..campaign import Campaign
+from ..figures.drawing.held_out import no_trial_held_out
+from ..figures.drawing.missing_force import LABELS, NAMES
+from ..motor.swimming import study_warnings
+from .numbers import measured, number, probability, readable, unit, units, with_readable_names
+
+HEADINGS = {
+    "none": "No mismatch beyond the noise",
+    "physics": "Missing physics",
+    "measurement": "Measurement error",
+    "unexplained": "A mismatch that no known cause explains",
+}
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One cause as text."""
+
+    name: str
+    sentence: str
+    regime: str
+    channels: str
+    weight: str
+    parameters: tuple[str, ...]
+    credible_set: str
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a table: a name and its cells."""
+
+    name: str
+    cells: tuple[str, ...]
+    marked: bool = False
+
+
+def summary(campaign: Campaign) -> str:
+    """What was analysed, in one sentence."""
+    trials, done = campaign.study.trials, campaign.analysed
+    powers = sorted({trial.power_pct for trial in trials})
+    angles = sorted({abs(trial.head_angle_deg) for trial in trials})
+    heads = sorted({trial.head_length_m for trial in trials})
+    return (
+        f"{len(done)} of {len(trials)} trials analysed: {_listed(powers)} % power, head angles of "
+        f"{_listed(angles)} degrees, head lengths of {_listed(heads)} m."
+    )
+
+
+def verdict(campaign: Campaign) -> dict[str, str]:
+    """Kind of verdict (sets the colour), heading and sentence."""
+    found = campaign.mismatch
+    if not found:
+        return {
+            "kind": "missing",
+            "heading": "No search for causes",
+            "sentence": "This run did not search for causes of a mismatch.",
+        }
+    kind = str(found.get("verdict", "missing"))
+    heading = HEADINGS.get(kind, kind)
+    names = [readable(str(cause["name"])) for cause in found.get("causes") or []]
+    if kind in ("physics", "measurement") and names:
+        heading += ": " + " and ".join(names)
+    sentence = with_readable_names(str(found.get("sentence") or heading), _known_causes())
+    return {"kind": kind, "heading": heading, "sentence": sentence}
+
+
+def warnings(campaign: Campaign) -> list[str]:
+    """Warnings on clocks and speeds, of the search, and one if no coefficient is determined."""
+    found = study_warnings(campaign.statuses)
+    found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
+    cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
+    if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):
+        found.append(
+            "These recordings determine none of the model's coefficients, so the verdict is not "
+            "reliable. Look for a trial with wrong data, and see the section Coefficients."
+        )
+    return found
+
+
+def _known_causes() -> set[str]:
+    return {name.split(".")[0] for name in units() if "." in name}
+
+
+def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
+    """A few values with their meaning."""
+    rows = [campaign.steady[trial.trial_id] for trial in campaign.analysed]
+    fastest = max((r for r in rows if r.speed_m_s > 0), key=lambda r: r.speed_m_s, default=None)
+    body = campaign.study.setup.robot.body_length_m
+    tightest = min((r for r in rows if r.quality == "good"), key=lambda r: r.radius_m, default=None)
+    out = [(f"{len(campaign.analysed)}/{len(campaign.study.trials)}", "trials analysed")]
+    if fastest:
+        lengths = f"{fastest.speed_m_s / body:.2f} body lengths/s"
+        out.append((f"{fastest.speed_m_s:.3f} m/s", f"highest steady speed, {lengths}"))
+    if tightest:
+        lengths = f"{tightest.radius_m / body:.2f} body lengths"
+        out.append((f"{tightest.radius_m:.3f} m", f"smallest steady turn radius, {lengths}"))
+    errors = [1000 * campaign.held_out_error(k, "path_rmse_m") for k in campaign.held_out_models]
+    if all(math.isfinite(value) for value in errors):
+        which = "the fitted trials" if no_trial_held_out(campaign) else "held-out trials"
+        models = ": baseline → with identified causes" if campaign.has_additions else ""
+        text = " → ".join(f"{value:.1f}" for value in errors)
+        out.append((f"{text} mm", f"rms path error on {which}{models}"))
+    return out
+
+
+def causes(campaign: Campaign) -> list[Cause]:
+    """Causes of the verdict, the one that explains most first."""
+    return [_cause(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
+
+
+def where(campaign: Campaign) -> list[Row]:
+    """Variables that explain the missing force, with the explained share."""
+    return [
+        Row(
+            NAMES.get(str(r["channel"]), str(r["channel"])),
+            (
+                LABELS.get(str(r["variable"]), readable(str(r["variable"]))),
+                probability(r.get("share")),
+                ", ".join(r.get("trials") or []),
+            ),
+        )
+        for r in (campaign.mismatch or {}).get("where") or []
+    ]
+
+
+def probabilities(campaign: Campaign) -> list[Row]:
+    """Inclusion probability of every candidate, the largest first."""
+    found = campaign.mismatch or {}
+    selected = {str(cause["name"]) for cause in found.get("causes") or []}
+    given = {str(k): float(v) for k, v in (found.get("probabilities") or {}).items()}
+    return [
+        Row(readable(name), (f"{value:.3f}",), name in selected)
+        for name, value in sorted(given.items(), key=lambda item: (-item[1], item[0]))
+    ]
+
+
+def rivals(campaign: Campaign) -> list[Row]:
+    """Causes that the data do not exclude, and how to distinguish them."""
+    return [
+        Row(readable(str(r["name"])),
+            (probability(r.get("weight")), _sentence(r.get("how_to_tell_apart"))))
+        for r in (campaign.mismatch or {}).get("rivals") or []
+    ]  # fmt: skip
+
+
+def next_trial(campaign: Campaign) -> str:
+    """The most informative next trial, in a sentence; empty if none is proposed."""
+    found = (campaign.mismatch or {}).get("next_trial")
+    if not found:
+        return ""
+    parts = [f"{number(found['power_pct'])} % power"] if "power_pct" in found else []
+    if "head_angle_deg" in found:
+        parts.append(f"{float(found['head_angle_deg']):g} degrees head angle")
+    if "head_length_m" in found:
+        parts.append(f"{float(found['head_length_m']):g} m head")
+    return ", ".join(parts) + f": {_sentence(found.get('why'))}"
+
+
+def candidates(campaign: Campaign) -> list[Row]:
+    """Refitted candidates: step, gain, number of trials improved, parameters, outcome."""
+    selected = {str(c["name"]) for c in (campaign.mismatch or {}).get("causes") or []}
+    return [
+        Row(
+            readable(str(r["name"])),
+            (
+                str(r.get("round", 1)),
+                number(r.get("held_out_gain")),
+                f"{r.get('trials_better', '–')} of {r.get('trials', '–')}",
+                ", ".join(f"{k} = {number(v)}" for k, v in (r.get("parameters") or {}).items()),
+                str(r.get("outcome") or ""),
+            ),
+            str(r["name"]) in selected,
+        )
+        for r in (campaign.mismatch_detail or {}).get("candidates") or []
+    ]
+
+
+def _cause(entry: dict[str, Any]) -> Cause:
+    parameters = [
+        f"{name} = {measured(cell.get('value'), cell.get('std'), unit(str(cell.get('unit', ''))))}"
+        for name, cell in (entry.get("parameters") or {}).items()
+    ]
+    return Cause(
+        name=readable(str(entry["name"])),
+        sentence=str(entry.get("sentence") or ""),
+        regime=str(entry.get("regime") or ""),
+        channels=", ".join(NAMES.get(name, name) for name in entry.get("channels") or []),
+        weight=probability(entry.get("weight")),
+        parameters=tuple(parameters),
+        credible_set=", ".join(readable(str(name)) for name in entry.get("credible_set") or []),
+    )
+
+
+def _sentence(text: Any) -> str:
+    return with_readable_names(str(text or ""), _known_causes())
+
+
+def _listed(values: list[float]) -> str:
+    texts = [f"{value:g}" for value in values]
+    return texts[0] if len(texts) == 1 else ", ".join(texts[:-1]) + " and " + texts[-1]

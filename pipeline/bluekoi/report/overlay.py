@@ -1,0 +1,153 @@
+"""Overlay video of a trial: keypoints, measured path and model paths on its footage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ..camera.corners import pool_camera
+from ..camera.pool import PoolCamera, project
+from ..campaign import Campaign
+from ..data import Float, Frame, Keypoints, Track
+from ..footage import frames, open_recording
+from ..footage.writing import encoder
+from ..keypoints.deeplabcut import read
+from ..study import Study, Trial
+from .overlay_frame import (
+    AFTER,
+    BEFORE,
+    MEASURED,
+    STRIP_PX,
+    Line,
+    Picture,
+    Scene,
+    annotated,
+    empty_pool,
+)
+
+WIDTH_PX = 640
+MAX_FPS = 30.0
+CRF = 29
+
+
+def trial_overlay(
+    campaign: Campaign, trial_id: str, results: str | Path, path: str | Path
+) -> tuple[int, float]:
+    """Write the overlay of one analysed trial; return its number of frames and the time of the
+    first one, s.
+
+    Background: the trial's footage, or for keypoint files a drawing of the empty pool.
+
+    Raises: InputError where footage or keypoints cannot be read.
+    """
+    study, trial = campaign.study, campaign.study.trial(trial_id)
+    footage, size = _footage(study, trial)
+    camera = pool_camera(study.setup, size)
+    found = _keypoints(Path(results) / "keypoints" / f"{trial_id}.csv", trial)
+    track = campaign.tracks[trial_id]
+    columns = campaign.model_columns(trial_id)
+    scene = Scene(
+        label=_label(trial),
+        size_px=camera.size_px,
+        lines=paths(camera, track, columns, study.setup.robot.keypoint_depth_m),
+        keypoints=found,
+        background=empty_pool(camera, WIDTH_PX),
+    )
+    times = found.time_s if found is not None else track.time_s
+    source: Iterator[Frame | float] = footage if footage is not None else map(float, times)
+    first = next(source, None)
+    source = source if first is None else chain([first], source)
+    count = write_overlay(path, scene, source, fps=frame_rate(times))
+    return count, first.time_s if isinstance(first, Frame) else first or 0.0
+
+
+def write_overlay(
+    path: str | Path, scene: Scene, source: Iterable[Frame | float], *, fps: float = MAX_FPS
+) -> int:
+    """Write an H.264 mp4, 640 px wide, with a constant frame rate; return its number of frames.
+
+    source: frames with colour, or times [s] for the empty pool. Each frame is repeated until the
+    time of the next one; of frames within one frame period, the first is used.
+    """
+    scale = WIDTH_PX / scene.size_px[0]
+    height = 2 * round(scale * scene.size_px[1] / 2)
+    count, first = 0, np.nan
+    picture: Picture | None = None
+    with encoder(path, fps=fps, size=(WIDTH_PX, height + STRIP_PX), crf=CRF) as out:
+        for one in source:
+            time_s = one.time_s if isinstance(one, Frame) else float(one)
+            first = time_s if count == 0 else first
+            place = round((time_s - first) * fps)
+            while picture is not None and count < place:
+                out.write(picture)
+                count += 1
+            if place < count:
+                continue
+            picture = annotated(_background(one, scene, (WIDTH_PX, height)), scene, time_s, scale)
+            out.write(picture)
+            count += 1
+    return count
+
+
+def frame_rate(time_s: Float) -> float:
+    """Frame rate from frame times, 1/s, at most 30."""
+    return float(min(MAX_FPS, 1 / np.median(np.diff(time_s)))) if len(time_s) > 1 else MAX_FPS
+
+
+def paths(
+    camera: PoolCamera, track: Track, columns: Mapping[str, Float], depth_m: float
+) -> tuple[Line, ...]:
+    """Measured path and model paths in pixels.
+
+    Order and width keep all of them visible where they coincide: measured wide, after narrow,
+    before dashed on top.
+    """
+
+    def projected(x: Float, y: Float) -> Float:
+        return project(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
+
+    measured = projected(track.x_m, track.y_m)
+    lines = [Line("measured path", track.time_s, measured, MEASURED, width_px=6)]
+    before = "model before" if "extended_x_m" in columns else "model"
+    names = {"extended": ("model after", AFTER, False), "joint": (before, BEFORE, True)}
+    for prefix, (name, colour, dashed) in names.items():
+        if f"{prefix}_x_m" in columns:
+            path_px = projected(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"])
+            lines.append(Line(name, columns["time_s"], path_px, colour, dashed))
+    return tuple(lines)
+
+
+def _footage(
+    study: Study, trial: Trial
+) -> tuple[Iterator[Frame | float] | None, tuple[int, int] | None]:
+    if trial.reads_keypoints:
+        return None, None
+    recording = open_recording(
+        study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+    )
+    return iter(frames(recording, colour=True)), recording.size_px
+
+
+def _keypoints(path: Path, trial: Trial) -> Keypoints | None:
+    if not path.is_file():
+        return None
+    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+    return read(path, whole, {})
+
+
+def _label(trial: Trial) -> str:
+    return (
+        f"{trial.trial_id}   {trial.power_pct:g} % power   head {trial.head_angle_deg:g} deg, "
+        f"{100 * trial.head_length_m:g} cm"
+    )
+
+
+def _background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> Picture:
+    if not isinstance(one, Frame):
+        return scene.background.copy()
+    whole = one.bgr if one.bgr is not None else cv2.cvtColor(one.luma, cv2.COLOR_GRAY2BGR)
+    return np.asarray(cv2.resize(whole, size, interpolation=cv2.INTER_AREA), np.uint8)

@@ -1,0 +1,160 @@
+"""Paths, keypoints and the empty pool, drawn in the pixels of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..camera.pool import PoolCamera, project
+from ..data import Float, Keypoints, confident
+
+Picture = npt.NDArray[np.uint8]
+Colour = tuple[int, int, int]
+
+STRIP_PX = 40
+MAX_OFFSET_S = 1 / 60
+"""Largest time between a detection and the frame it is drawn on."""
+SHIFT = 4  # OpenCV draws at 1/16 px with this many fractional bits
+
+# BGR; distinguishable with colour vision deficiencies, and by dashes and width
+DARK: Colour = (46, 38, 32)
+MEASURED: Colour = (255, 255, 255)
+BEFORE: Colour = (0, 130, 255)
+AFTER: Colour = (255, 200, 60)
+POINT: Colour = (80, 240, 250)
+
+
+@dataclass(frozen=True)
+class Line:
+    """A path in pixels of the raw frame, (n, 2), with its times, (n,), s."""
+
+    name: str
+    time_s: Float
+    xy_px: Float
+    colour: Colour
+    dashed: bool = False
+    width_px: int = 2
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Content drawn on the frames of a trial; size_px: width and height of the raw frame."""
+
+    label: str
+    size_px: tuple[int, int]
+    lines: tuple[Line, ...]
+    keypoints: Keypoints | None = None
+    background: Picture = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
+
+
+def annotated(picture: Picture, scene: Scene, time_s: float, scale: float) -> Picture:
+    """The frame with paths up to `time_s`, the keypoints at that time, and a legend."""
+    canvas = np.ascontiguousarray(picture)
+    for line in scene.lines:
+        _draw_line(canvas, line, time_s, scale)
+    if scene.keypoints is not None:
+        _draw_points(canvas, scene.keypoints, time_s, scale)
+    return np.vstack([_strip(scene, time_s, canvas.shape[1]), canvas])
+
+
+def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
+    """The empty pool in the camera's view: walls, and a 0.5 m grid on the water surface."""
+    scale = width_px / camera.size_px[0]
+    height = 2 * round(scale * camera.size_px[1] / 2)
+    canvas = np.full((height, width_px, 3), (96, 88, 80), np.uint8)
+    length, width = camera.pool_size_m
+    rim = _edges(length, width)
+    cv2.fillPoly(canvas, [_fixed(scale * project(camera, rim))], (190, 172, 140), shift=SHIFT)
+    for line in _grid(length, width):
+        _polyline(canvas, scale * project(camera, line), (205, 190, 165), 1)
+    _polyline(canvas, scale * project(camera, rim), (235, 235, 235), 2)
+    return canvas
+
+
+def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None:
+    shown = (line.time_s <= time_s + 1e-6) & np.isfinite(line.xy_px).all(axis=1)
+    path = scale * line.xy_px[shown]
+    if len(path) == 0:
+        return
+    pieces = _dashes(path) if line.dashed else [path]
+    for piece in pieces if line.width_px > 2 else []:
+        _polyline(canvas, piece, DARK, line.width_px + 2)
+    for piece in pieces:
+        _polyline(canvas, piece, line.colour, line.width_px)
+    end = _fixed(path[-1])
+    cv2.circle(canvas, end, 5 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
+    cv2.circle(canvas, end, 3 << SHIFT, line.colour, -1, cv2.LINE_AA, SHIFT)
+
+
+def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float) -> None:
+    i = int(np.argmin(np.abs(found.time_s - time_s)))
+    if abs(found.time_s[i] - time_s) > MAX_OFFSET_S:
+        return
+    sure = confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
+    for point in scale * found.xy_px[i][sure]:
+        cv2.circle(canvas, _fixed(point), 4 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(canvas, _fixed(point), 40, POINT, -1, cv2.LINE_AA, SHIFT)
+
+
+def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
+    """Every other piece of a path cut into pieces of `length_px`."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
+    if length[-1] <= length_px:
+        return [path]
+    marks = np.arange(0.0, length[-1], length_px)
+    ends = np.append(marks[1:], length[-1])
+    out = []
+    for low, high in list(zip(marks, ends, strict=True))[::2]:
+        at = np.concatenate([[low], length[(length > low) & (length < high)], [high]])
+        out.append(np.column_stack([np.interp(at, length, path[:, k]) for k in (0, 1)]))
+    return out
+
+
+def _polyline(canvas: Picture, path: Float, colour: Colour, width: int) -> None:
+    cv2.polylines(canvas, [_fixed(path)], False, colour, width, cv2.LINE_AA, SHIFT)
+
+
+def _fixed(points: Float) -> npt.NDArray[np.int32]:
+    """Pixels in OpenCV's fixed-point format, clipped to its integer range."""
+    return np.round(np.clip(points, -1e5, 1e5) * (1 << SHIFT)).astype(np.int32)
+
+
+def _strip(scene: Scene, time_s: float, width: int) -> Picture:
+    """Label, time and legend, (STRIP_PX, width, 3)."""
+    strip = np.full((STRIP_PX, width, 3), DARK, np.uint8)
+    _write(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED)
+    entries = [(line.name, line.colour) for line in scene.lines]
+    if scene.keypoints is not None:
+        entries.insert(0, ("keypoints", POINT))
+    for i, (name, colour) in enumerate(entries):
+        left = 8 + 155 * i
+        dot = name == "keypoints"
+        end = (left + 4 if dot else left + 18, 30)
+        cv2.line(strip, (left, 30), end, colour, 4 if dot else 2, cv2.LINE_AA)
+        _write(strip, name, (left + 24, 34), MEASURED)
+    return strip
+
+
+def _write(strip: Picture, text: str, at: tuple[int, int], colour: Colour) -> None:
+    cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
+
+
+def _edges(length: float, width: float) -> Float:
+    """Rim of the pool at the water surface, (n, 3), m, sampled densely for curved projections."""
+    s = np.linspace(0, 1, 40)
+    zero, one = np.zeros(40), np.ones(40)
+    x = np.concatenate([s, one, s[::-1], zero])
+    y = np.concatenate([zero, s, one, s[::-1]])
+    return np.column_stack([length * x, width * y, np.zeros(160)])
+
+
+def _grid(length: float, width: float, every_m: float = 0.5) -> Iterator[Float]:
+    s = np.linspace(0, 1, 40)
+    for x in np.arange(every_m, length, every_m):
+        yield np.column_stack([np.full(40, x), width * s, np.zeros(40)])
+    for y in np.arange(every_m, width, every_m):
+        yield np.column_stack([length * s, np.full(40, y), np.zeros(40)])

@@ -1,0 +1,94 @@
+"""The page: all parts of the report rendered into the template."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from ..campaign import Campaign
+from ..files import write_text
+from ..study.seal import Seal
+from . import findings, held_out_errors, identifiability, tables
+from .ground_truth import ground_truth
+from .media import Clip, Picture, clips, pictures, plotting_library
+from .settings import settings, versions
+from .trials import cards, excluded
+
+SCRIPTS = ("charts.js", "explorer.js", "page.js")
+
+
+def write_report(
+    campaign: Campaign,
+    figures: Mapping[str, tuple[str, str]],
+    figures_dir: str | Path,
+    overlays_dir: str | Path,
+    path: str | Path,
+    *,
+    seal: Seal | None = None,
+) -> None:
+    """Write report.html: a page that works offline, with all text escaped.
+
+    figures: name -> (title, caption) of the png files in `figures_dir`. overlays_dir: ID.mp4,
+    embedded up to a limit, otherwise loaded from the file. seal: of a synthetic study; its ground
+    truth is the last section.
+    """
+    beside = Path(path).parent
+    shown = pictures(figures, Path(figures_dir), beside)
+    videos = clips(Path(overlays_dir), beside, campaign)
+    write_text(path, page(campaign, shown, videos, seal))
+
+
+def page(
+    campaign: Campaign,
+    shown: Sequence[Picture],
+    videos: Mapping[str, Clip],
+    seal: Seal | None = None,
+) -> str:
+    """Text of the page."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(_text("page.html")).render(
+        name=campaign.study.root.name or "study",
+        summary=findings.summary(campaign),
+        verdict=findings.verdict(campaign),
+        warnings=findings.warnings(campaign),
+        key_figures=findings.key_figures(campaign),
+        causes=findings.causes(campaign),
+        where=findings.where(campaign),
+        probabilities=findings.probabilities(campaign),
+        rivals=findings.rivals(campaign),
+        next_trial=findings.next_trial(campaign),
+        candidates=findings.candidates(campaign),
+        held_out=held_out_errors.held_out(campaign),
+        held_out_text=held_out_errors.text(campaign),
+        held_out_columns=held_out_errors.columns(campaign),
+        with_additions=campaign.has_additions,
+        shifts=tables.shifts(campaign),
+        joint=tables.joint(campaign),
+        joint_notes=tables.joint_notes(campaign),
+        spectrum=identifiability.spectrum(campaign),
+        profiles=identifiability.profiles(campaign),
+        table_1=tables.table_1(campaign),
+        table_2=tables.table_2(campaign),
+        columns=tables.COLUMNS,
+        mismatch_figures=[one for one in shown if one.name.startswith("mismatch")],
+        figures=[one for one in shown if not one.name.startswith("mismatch")],
+        excluded=excluded(campaign),
+        cards=cards(campaign, videos),
+        settings=settings(campaign),
+        versions=versions(),
+        ground_truth=ground_truth(campaign, seal),
+        css=Markup(_text("page.css")),  # noqa: S704  our own file
+        js=Markup('"use strict";\n' + "\n".join(map(_text, SCRIPTS))),  # noqa: S704  our own files
+        plotly=plotting_library(),
+        pool=campaign.study.setup.pool,
+    )
+
+
+def _text(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")

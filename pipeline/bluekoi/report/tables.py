@@ -1,0 +1,150 @@
+"""Coefficients, and the paper's two tables for this study beside the published values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from ..campaign import Campaign
+from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
+from .findings import Row
+from .identifiability import combination
+from .numbers import Z_95, estimate, measured, number, percent, readable, unit, units
+
+COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
+"""Name, unit and meaning of each coefficient."""
+
+
+def joint(campaign: Campaign) -> list[Row]:
+    """Joint fit: value with 95 % interval, unit, and whether the data determine it."""
+    cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
+    return [
+        Row(
+            name,
+            (
+                estimate(cell),
+                _naive(cell),
+                unit(str(cell.get("unit", ""))),
+                _determined(cell),
+            ),
+            not cell.get("determined", True),
+        )
+        for name, cell in cells.items()
+    ]
+
+
+def _naive(cell: Mapping[str, Any]) -> str:
+    """Half of the 95 % interval from the inverse Hessian, which ignores correlated residuals."""
+    std = cell.get("naive_std")
+    return "–" if std is None else number(Z_95 * std, 2)
+
+
+def joint_notes(campaign: Campaign) -> list[str]:
+    """Undetermined combinations of coefficients, and stability of straight swimming."""
+    found = campaign.coefficients.get("joint") or {}
+    out = [
+        f"Not determined: {combination(str(row.get('combination', '')))}. "
+        f"{row.get('sentence', '')}. A trial that would help: {row.get('trial', '')}."
+        for row in found.get("undetermined") or []
+    ]
+    straight = (found.get("straight_swimming") or {}).get("sentence")
+    reading = campaign.coefficients.get("unit_reading")
+    notes = [str(text).rstrip(".") + "." for text in (straight, reading) if text]
+    return [*out, *notes]
+
+
+def table_1(campaign: Campaign) -> list[dict[str, Any]]:
+    """Table I: a row per power for this study, and the published row if there is one."""
+    return [
+        _table_1_rows(power, entry)
+        for power, entry in (campaign.coefficients.get("paper_steps") or {}).items()
+    ]
+
+
+def _table_1_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+    cells = entry.get("coefficients") or {}
+    published = TABLE_1.get(round(float(power)), {})
+    cells_here = [
+        (
+            estimate(cells.get(p.name) or {}),
+            not (cells.get(p.name) or {}).get("determined", False),
+            str((cells.get(p.name) or {}).get("why") or ""),
+        )
+        for p in COEFFICIENTS
+    ]
+    return {
+        "power": f"{float(power):g} %",
+        "flap": number(entry.get("flap_hz")),
+        "cells": cells_here,
+        "paper_flap": number(FLAP_HZ.get(round(float(power)))),
+        "paper": [number(published.get(p.name)) for p in COEFFICIENTS] if published else [],
+    }
+
+
+def table_2(campaign: Campaign) -> list[Row]:
+    """Table II: relative difference of model and measured turn radius, here and as published."""
+    one_x = campaign.study.setup.robot.head_length_m
+    return [
+        _comparison(power, entry, one_x)
+        for power, steps in (campaign.coefficients.get("paper_steps") or {}).items()
+        for entry in (steps.get("steps") or {}).values()
+        if entry.get("step") != 1 and entry.get("radius_m") is not None
+    ]
+
+
+def _comparison(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
+    ratio = round(float(entry["head_length_m"]) / one_x, 1)
+    key = (round(float(entry["head_angle_deg"])), ratio)
+    return Row(
+        f"{float(power):g} %, {float(entry['head_angle_deg']):g}°, {ratio:g}x head",
+        (
+            "tuned" if entry.get("step") == 2 else "predicted",
+            number(entry["radius_m"]),
+            number(entry.get("model_radius_m")),
+            percent(entry.get("radius_difference_pct")),
+            percent(TABLE_2_PCT.get(key, {}).get(round(float(power)))),
+        ),
+        entry.get("step") == 3,
+    )
+
+
+def shifts(campaign: Campaign) -> list[Row]:
+    """Coefficients of the baseline and of the model with the identified causes."""
+    fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
+    before, after = fits.get("before") or {}, fits.get("after") or {}
+    if (campaign.mismatch or {}).get("verdict") == "none":
+        return []
+    return [
+        Row(
+            _named(name),
+            (_cell(before.get(name)), _cell(after.get(name)), _moved(before.get(name), cell)),
+        )
+        for name, cell in after.items()
+    ]
+
+
+def _cell(cell: Mapping[str, Any] | None) -> str:
+    return "–" if cell is None else measured(cell.get("value"), cell.get("std"))
+
+
+def _named(name: str) -> str:
+    """`C_T (m²)`, `tail fin lift: S (m²)`."""
+    cause, _, parameter = name.rpartition(".")
+    of = f" ({units()[name]})" if name in units() else ""
+    return (f"{readable(cause)}: " if cause else "") + parameter + of
+
+
+def _moved(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> str:
+    """Change in percent, unless the 95 % interval before contains 0."""
+    if before is None:
+        return "new"
+    if abs(float(before["value"])) <= Z_95 * float(before.get("std") or 0.0):
+        return "interval contained 0"
+    return percent(100 * (float(after["value"]) / float(before["value"]) - 1))
+
+
+def _determined(cell: Mapping[str, Any]) -> str:
+    why = str(cell.get("why") or "")
+    if cell.get("determined", True):
+        return "yes"
+    return "no" + (f": {why}" if why else "")

@@ -1,0 +1,158 @@
+"""Smoothed motion of the robot with its rates, the tail-beat recoil taken out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..data import Float, Pose, Track
+from ..errors import input_error
+from ..vectors import prefer_widest
+from .channels import KnownMotion, cost_if_moving, fit_angle, fit_position
+from .gaps import with_calibrated_gaps
+from .grid import Grid, filter_grid
+from .kalman_filterpy import filter_and_smooth
+from .kalman_numba import smoothed
+from .linear_gaussian import Smoothed
+from .noise_fit import FittedModel
+from .nominal_motion import rough_speed
+from .speed import speed_and_std
+
+prefer_widest()
+LEAST_FRAMES = 8
+LEAST_GAIN_MOVING = 12.0
+"""Gain in twice the log likelihood that decides between a start from rest and one in motion; in
+doubt the body starts from rest, as trials do."""
+Pair = tuple[FittedModel, FittedModel]
+
+
+def smooth(pose: Pose, flap_hz: float) -> Track:
+    """Mean motion of the trial by Kalman filter and smoother; see `motion` for the model.
+
+    Velocities and the yaw rate are states of the filter, the derivative of the smoothed position
+    without the recoil. Over gaps the motion is interpolated and its uncertainty grows (`gaps`).
+    Process noise and the true size of the measurement noise are the most likely ones.
+
+    flap_hz: flapping frequency; 0 or NaN for a body that does not beat. Less than one beat in the
+    whole recording is no recoil.
+    Raises: InputError where fewer than 8 frames show the robot.
+    """
+    return smooth_with_noise_ratio(pose, flap_hz)[0]
+
+
+def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[float, float]]:
+    """As `smooth`, and the variance of the measurement noise found over that stated, of positions
+    and heading.
+    """
+    _check(pose)
+    beats = float(flap_hz) * float(np.ptp(pose.time_s))
+    hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
+    grid = filter_grid(pose.time_s, hz)
+    values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
+    heading, plane = _fitted_models(values, cov, grid, hz)
+    turn, move = _smoothed(heading, 1), _smoothed(plane, 2)
+    theta = turn.x[:, 0]
+    at = grid.frame
+    track = Track(
+        time_s=pose.time_s,
+        **_position(move.x[at], move.P[at]),
+        **_velocity(move.x[at], move.P[at], theta[at]),
+        heading_rad=theta[at],
+        heading_rad_std=np.sqrt(turn.P[at, 0, 0]),
+        yaw_rate_rad_s=turn.x[at, 1],
+        yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
+        **_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
+        recoil=_recoil(move.x[at], turn.x[at], plane.model.H[at]) * (hz > 0),
+        remarks=_remarks(pose, grid, plane, heading),
+    )
+    return track, (plane.noise_ratio, heading.noise_ratio)
+
+
+def _smoothed(fitted: FittedModel, coords: int) -> Smoothed:
+    state = filter_and_smooth(fitted.model, fitted.used)
+    return with_calibrated_gaps(fitted.model, fitted.used, state, coords)
+
+
+def _check(pose: Pose) -> None:
+    seen = int(np.isfinite(pose.values[:, :3]).all(axis=1).sum())
+    if seen < LEAST_FRAMES:
+        remedy = "Check the detection of this trial; a longer recording may help."
+        raise input_error(
+            "pose", "", f"{seen} frames with a pose", f"{LEAST_FRAMES} or more", remedy
+        )
+
+
+def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
+    """Models of heading and position, both at rest in the first frame or both moving.
+
+    If one of the two shows coloured noise, both are tried with it: a steady line with coloured
+    noise can pass for a start from rest. The second search starts at the noise of the first.
+    """
+    speed = rough_speed(values[:, :2], cov[:, :2, :2], grid)
+
+    def fit(resting: bool, near: Pair | tuple[None, None], coloured: Sequence[bool]) -> Pair:
+        common: dict[str, Any] = {"flap_hz": hz, "resting": resting}
+        one, other = ({**common, "near": n, "coloured": c}
+                      for n, c in zip(near, coloured, strict=True))  # fmt: skip
+        heading = fit_angle(values[:, 2], cov[:, 2, 2], grid, speed=speed, **one)
+        turn = smoothed(heading.model, heading.used)
+        std, rate_std = np.sqrt(turn.P[:, 0, 0]), np.sqrt(turn.P[:, 1, 1])
+        known = KnownMotion(turn.x[:, 0], std, rate_std, speed)
+        return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
+
+    rest = fit(True, (None, None), (False, False))
+    if cost_if_moving(rest[1]) - rest[1].cost > LEAST_GAIN_MOVING:
+        return rest
+    moving = fit(False, rest, [one.coloured for one in rest])
+    if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
+        rest = fit(True, rest, [one.coloured for one in moving])
+    gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)
+    return moving if gain > LEAST_GAIN_MOVING else rest
+
+
+def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
+    """Head angle by a model of its own; NaN where it is seen in fewer than 8 frames."""
+    n = int(grid.frame.sum())
+    value, std = np.full(n, np.nan), np.full(n, np.nan)
+    if np.isfinite(angle).sum() >= LEAST_FRAMES:
+        found = fit_angle(
+            angle, variance, grid, speed=np.ones(len(angle)), flap_hz=hz, resting=True
+        )
+        state = filter_and_smooth(found.model, found.used)
+        value, std = state.x[grid.frame, 0], np.sqrt(state.P[grid.frame, 0, 0])
+    return {"head_angle_rad": value, "head_angle_rad_std": std}
+
+
+def _position(x: Float, P: Float) -> dict[str, Float]:
+    names = {"x_m": x[:, 0], "y_m": x[:, 1]}
+    return names | {"x_m_std": np.sqrt(P[:, 0, 0]), "y_m_std": np.sqrt(P[:, 1, 1])}
+
+
+def _velocity(x: Float, P: Float, theta: Float) -> dict[str, Float]:
+    """Surge and sway turned into the pool frame, with speed and standard deviations."""
+    c, s = np.cos(theta), np.sin(theta)
+    turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
+    v = np.einsum("nij,nj->ni", turn, x[:, 2:4])
+    C = np.einsum("nij,njk,nlk->nil", turn, P[:, 2:4, 2:4], turn)
+    speed, std = speed_and_std(v, C)
+    velocity = {"vx_m_s": v[:, 0], "vy_m_s": v[:, 1], "speed_m_s": speed, "speed_m_s_std": std}
+    return velocity | {"vx_m_s_std": np.sqrt(C[:, 0, 0]), "vy_m_s_std": np.sqrt(C[:, 1, 1])}
+
+
+def _recoil(move: Float, turn: Float, H: Float) -> Float:
+    """Recoil (frames, 3): x, y in the pool frame [m] and heading [rad]."""
+    xy = np.einsum("npd,nd->np", H[:, :, 6:10], move[:, 6:10])
+    return np.column_stack([xy, turn[:, 3] if turn.shape[1] > 3 else np.zeros(len(turn))])
+
+
+def _remarks(pose: Pose, grid: Grid, plane: FittedModel, heading: FittedModel) -> tuple[str, ...]:
+    seen = np.asarray(np.isfinite(pose.values[:, :3]).all(axis=1))
+    used = (plane.used & heading.used)[grid.frame]
+    notes = list(pose.remarks)
+    if (~seen).any():
+        notes.append(f"{int((~seen).sum())} of {len(seen)} frames without a pose are interpolated")
+    if (seen & ~used).any():
+        notes.append(f"{int((seen & ~used).sum())} frames rejected as outliers by the smoother")
+    return tuple(notes)

@@ -1,0 +1,238 @@
+"""State-space models of the two channels of a pose, fitted: an angle, and the planar position."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from .coloured_noise import with_coloured_noise
+from .grid import Grid
+from .kalman_numba import likelihood
+from .linear_gaussian import LinearGaussianModel
+from .measured import Measured, measured
+from .motion import heading_matrices, planar_matrices, planar_measurement
+from .noise_fit import FittedModel, fit_noise, gate_of
+from .nominal_motion import nominal_motion
+
+SPREADS = (1.0, 6.0, 6.0, 3.0)
+"""Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
+SPREAD_SHARE, SPREAD_RECOIL, SPREAD_R = 4.0, 3.0, 0.7
+UNIT_SIGMAS = 2.0
+"""Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
+larger unit overstates the deviations of a steady motion, a smaller one understates those of a
+hardly disturbed one."""
+LOG_START, LOG_START_RECOIL = 14.0, 5.0
+"""Logs of the noise from which the search starts: so large that no motion looks like an outlier.
+From below, the search may end at a measurement noise that explains everything."""
+LARGEST_DENSITIES = 0.3, 7.0
+"""Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
+LOG_NOISE_RATIO = -0.4
+"""Below this log of white over stated noise, part of the error may be coloured."""
+LEAST_GAIN_COLOURED = 10.0
+"""Gain in twice the log likelihood that coloured noise must bring."""
+COLOURED_FRAMES, SPREAD_COLOURED = 3.0, (2.0, 1.0)
+"""Unit of the correlation time, in frames; prior deviations of log variance and log time."""
+AT_REST, MOVING = 0.01, 3.0
+"""Prior deviation of the first rate, in usual speeds, for a start from rest and in motion."""
+STARTING, CRUISING = 3.0, 0.01
+"""Prior deviation of the first acceleration, in usual speeds per T, from rest and in motion."""
+
+
+@dataclass(frozen=True)
+class KnownMotion:
+    """What is known at the nodes (nodes,) before the position is smoothed.
+
+    theta, theta_std, rate_std: heading, its standard deviation and its rate's, rad and rad/s.
+    speed: m/s.
+    """
+
+    theta: Float
+    theta_std: Float
+    rate_std: Float
+    speed: Float
+
+    @property
+    def heading_noise(self) -> Float:
+        """Density (nodes,), m^2/s^3, of the apparent sway that errors of the heading cause.
+
+        An error e of the heading turns speed u into a sway u e; e changes at the rate's error,
+        which lasts theta_std / rate_std: u^2 rate_std^2 (theta_std / rate_std).
+        """
+        return np.asarray(self.speed**2 * self.theta_std * self.rate_std)
+
+
+def fit_angle(
+    angle: Float,
+    variance: Float,
+    grid: Grid,
+    *,
+    speed: Float,
+    flap_hz: float,
+    resting: bool,
+    coloured: bool = False,
+    near: FittedModel | None = None,
+) -> FittedModel:
+    """Most likely model of an angle (nodes,) [rad, unwrapped] with its variance, NaN if not seen.
+
+    speed: (nodes,) of the body, m/s. resting: it does not turn in the first frame. coloured: try
+    coloured noise even if the white noise left does not call for it. near: start the search at its
+    noise.
+    """
+    data = measured(angle[:, None], variance[:, None, None], grid)
+    nominal = nominal_motion(data, speed, np.zeros(len(speed)), resting=resting)
+    H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
+    H[:, 0, 0] = 1.0
+    H[:, 0, 3:4] = 1.0
+
+    def matrices(noise: Float) -> tuple[Float, Float]:
+        F, Q = heading_matrices(noise, grid.dt_s, flap_hz, nominal)
+        return F, Q
+
+    return _fit(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
+
+
+def fit_position(
+    xy: Float,
+    cov: Float,
+    grid: Grid,
+    *,
+    known: KnownMotion,
+    flap_hz: float,
+    resting: bool,
+    coloured: bool = False,
+    near: FittedModel | None = None,
+) -> FittedModel:
+    """Most likely model of a position (nodes, 2) [m] with its covariance (nodes, 2, 2).
+
+    resting: at rest in the first frame. coloured, near: as for `fit_angle`.
+    """
+    data = measured(xy, cov, grid)
+    nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
+
+    def matrices(noise: Float) -> tuple[Float, Float]:
+        F, Q = planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta)
+        return F, Q
+
+    H = planar_measurement(known.theta, flap_hz)
+    return _fit(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
+
+
+def cost_if_moving(fitted: FittedModel) -> float:
+    """Cost of a model fitted from rest, were the body moving in the first frame; same noise."""
+    model = fitted.model
+    m = model.z.shape[1]
+    P0 = model.P0.copy()
+    rates = np.arange(m, 2 * m)
+    P0[rates, rates] *= (MOVING / AT_REST) ** 2
+    gate, other = gate_of(m), replace(model, P0=P0)
+    gain = likelihood(other, fitted.first, gate) - likelihood(model, fitted.first, gate)
+    return fitted.cost + gain
+
+
+def _fit(
+    data: Measured,
+    grid: Grid,
+    H: Float,
+    matrices: Callable[[Float], tuple[Float, Float]],
+    *,
+    resting: bool,
+    coloured: bool,
+    near: FittedModel | None,
+) -> FittedModel:
+    """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
+    m = data.z.shape[1]
+    recoils = (H.shape[2] - 3 * m) // 2
+    units = _units(data, grid, recoils)
+    x0, widths = _prior(data, grid.scale_s, recoils, resting)
+
+    def build(logs: Float) -> LinearGaussianModel:
+        noise = units * np.exp(logs[:-1])
+        F, Q = matrices(noise)
+        steady = 0.0 if resting else 0.5 * noise[0] * noise[2]
+        first = np.concatenate([widths[:2], widths[2:] + steady])
+        beats = noise[len(noise) - recoils :]
+        P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
+        return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
+
+    spread = np.array([*SPREADS, *[SPREAD_SHARE] * (m - 1), *[SPREAD_RECOIL] * recoils, SPREAD_R])
+    T = grid.scale_s
+    largest = np.log(np.array(LARGEST_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
+    starts = _starts(m, recoils, np.full(2, LOG_START))
+    found = fit_noise(
+        build,
+        data.seen,
+        first=data.plausible,
+        spread=spread,
+        starts=starts if near is None else [near.white_logs],
+        more_starts=_starts(m, recoils, np.maximum(largest, LOG_START)),
+    )
+    if found.logs[-1] > LOG_NOISE_RATIO and not coloured:
+        return found
+    return _with_coloured(found, build, data, grid, spread=spread)
+
+
+def _with_coloured(
+    found: FittedModel,
+    build: Callable[[Float], LinearGaussianModel],
+    data: Measured,
+    grid: Grid,
+    *,
+    spread: Float,
+) -> FittedModel:
+    """The model with coloured noise, where it is clearly better than the one found."""
+    frame = float(np.median(grid.dt_s[1:]))
+
+    def build_coloured(logs: Float) -> LinearGaussianModel:
+        white = build(np.concatenate([logs[:-3], logs[-1:]]))
+        size, time = np.exp(logs[-3:-1])
+        variance, correlation_s = data.variance * size, COLOURED_FRAMES * frame * time
+        return with_coloured_noise(white, grid.dt_s, variance, correlation_s)
+
+    quiet = found.logs.copy()
+    quiet[1:3] = 0.0
+    other = fit_noise(
+        build_coloured,
+        data.seen,
+        first=data.plausible,
+        spread=np.concatenate([spread[:-1], SPREAD_COLOURED, spread[-1:]]),
+        starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
+    )
+    if other.cost > found.cost - LEAST_GAIN_COLOURED:
+        return found
+    ratio = other.noise_ratio + float(np.exp(other.logs[-3]))
+    return replace(other, noise_ratio=ratio, coloured=True)
+
+
+def _starts(m: int, recoils: int, logs: Float) -> list[Float]:
+    """Logs to search from: a motion disturbed in its rate, and one in its acceleration."""
+    others = [*[0.0] * (m - 1), *[LOG_START_RECOIL] * recoils, 0.0]
+    pairs = ((logs[0], 0.0, 0.0), (0.0, logs[1], 1.0))
+    return [np.array([0.0, *pair, *others]) for pair in pairs]
+
+
+def _units(data: Measured, grid: Grid, recoils: int) -> Float:
+    """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils.
+
+    Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
+    """
+    steady = 12 * data.variance / (data.plausible.sum() * data.span_s**2)
+    densities = UNIT_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
+    shares = [1.0] * (data.z.shape[1] - 1)
+    return np.array([2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils])
+
+
+def _prior(data: Measured, T: float, recoils: int, resting: bool) -> tuple[Float, Float]:
+    """Mean of the first state, and prior variances of position, rate and acceleration.
+
+    From rest the acceleration is free; in motion it is that of the process, and a little more.
+    """
+    z, m = data.z[data.plausible], data.z.shape[1]
+    reach = float(np.ptp(z, axis=0).max()) + data.speed * T
+    rate = (AT_REST if resting else MOVING) * data.speed
+    push = (STARTING if resting else CRUISING) * data.speed / T
+    x0 = np.zeros(3 * m + 2 * recoils)
+    x0[:m] = np.median(z[:5], axis=0)
+    return x0, np.array([reach**2, rate**2, push**2])

@@ -1,0 +1,196 @@
+"""Compiled kalman_numba of the filterpy filter, for the search over the process noise.
+
+The same recursions as `kalman_filterpy`, proved equal in the tests; the smoother is the modified
+Bryson-Frazier form, which inverts only the innovation covariance.
+Sources: Bierman, Automatica 9 (1973) 503; Kailath, Sayed, Hassibi, Linear Estimation, 10.2.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from ..data import Float
+from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
+
+LOG_2_PI = float(np.log(2 * np.pi))
+
+
+def likelihood(model: LinearGaussianModel, used: Mask, gate: float) -> float:
+    """Minus twice the log likelihood, innovations beyond the gate counted as lying on it.
+
+    sum_k log det(2 pi S_k) + min(y_k' S_k^-1 y_k, gate)
+    """
+    c = model
+    return float(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[0])
+
+
+def innovations(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
+    """Squared normalised innovation y' S^-1 y of each time, (n,); NaN where nothing was measured.
+
+    Measurements beyond the gate do not enter the filter.
+    """
+    c = model
+    return np.asarray(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[1])
+
+
+def smoothed(model: LinearGaussianModel, used: Mask) -> Smoothed:
+    """States given all measurements used: equal to `reference.filter_and_smooth`."""
+    c = model
+    _, _, xp, Pp, Si, y = _forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
+    return Smoothed(*_backward(c.F, c.H, xp, Pp, Si, y, used))
+
+
+def backward(
+    model: LinearGaussianModel,
+    used: Mask,
+    *,
+    means: Float,
+    covs: Float,
+    inverses: Float,
+    innovations: Float,
+) -> Smoothed:
+    """States given all measurements, from what a filter predicted.
+
+    means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):
+    S^-1 and y where used.
+    """
+    return Smoothed(*_backward(model.F, model.H, means, covs, inverses, innovations, used))
+
+
+@numba.njit(cache=True)
+def _pattern(F):  # type: ignore[no-untyped-def]
+    """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
+    n, d, _ = F.shape
+    entries, used = F.reshape(n, d * d), np.zeros(d * d, np.bool_)
+    for k in range(n):
+        for e in range(d * d):
+            used[e] |= entries[k, e] != 0.0
+    at = np.flatnonzero(used)
+    return at // d, at % d
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
+    """State x <- F x, P <- F P F' + Q in place; work: (rows, columns, two (d, d), one (d,))."""
+    rows, columns, half, full, new = work
+    d = len(x)
+    half[:] = 0.0
+    full[:] = 0.0
+    new[:] = 0.0
+    for e in range(len(rows)):
+        i, j = rows[e], columns[e]
+        f = F[i, j]
+        new[i] += f * x[j]
+        for m in range(d):
+            half[i, m] += f * P[j, m]
+    for e in range(len(rows)):
+        i, j = rows[e], columns[e]
+        f = F[i, j]
+        for m in range(d):
+            full[i, m] += f * half[m, j]
+    for i in range(d):
+        x[i] = new[i]
+        for m in range(d):
+            P[i, m] = full[i, m] + Q[i, m]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _inverse(S):  # type: ignore[no-untyped-def]
+    """Inverse and determinant of a 1 x 1 or 2 x 2 matrix."""
+    out = np.empty_like(S)
+    if len(S) == 1:
+        out[0, 0] = 1.0 / S[0, 0]
+        return out, S[0, 0]
+    det = S[0, 0] * S[1, 1] - S[0, 1] * S[1, 0]
+    out[0, 0], out[1, 1] = S[1, 1] / det, S[0, 0] / det
+    out[0, 1] = out[1, 0] = -0.5 * (S[0, 1] + S[1, 0]) / det
+    return out, det
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
+    p, d = H.shape
+    HP[:] = 0.0
+    for q in range(p):
+        y[q] = z[q]
+        for i in range(d):
+            h = H[q, i]
+            if h != 0.0:
+                y[q] -= h * x[i]
+                for m in range(d):
+                    HP[q, m] += h * P[i, m]
+    for q in range(p):
+        for r in range(p):
+            for i in range(d):
+                S[q, r] += HP[q, i] * H[r, i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
+    """State x <- x + K y, P <- P - K H P with K = (H P)' S^-1."""
+    p, d = HP.shape
+    for i in range(d):
+        for r in range(p):
+            g = 0.0
+            for q in range(p):
+                g += HP[q, i] * Si[q, r]
+            x[i] += g * y[r]
+            for m in range(d):
+                P[i, m] -= g * HP[r, m]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    n, p, d = H.shape
+    size = n if keep else 1
+    xp, Pp = np.zeros((size, d)), np.zeros((size, d, d))
+    Sis, ys = np.zeros((size, p, p)), np.zeros((size, p))
+    rows, columns = _pattern(F)
+    work = (rows, columns, np.empty((d, d)), np.empty((d, d)), np.empty(d))
+    squares = np.full(n, np.nan)
+    x, P, total = x0.copy(), P0.copy(), 0.0
+    HP, S, y = np.empty((p, d)), np.empty((p, p)), np.empty(p)
+    for k in range(n):
+        if k:
+            _predict(F[k], Q[k], x, P, work)
+        if keep:
+            xp[k], Pp[k] = x, P
+        if not used[k]:
+            continue
+        S[:] = R[k]
+        _innovation(H[k], x, P, z[k], S, y, HP)
+        Si, det = _inverse(S)
+        square = 0.0
+        for q in range(p):
+            for r in range(p):
+                square += y[q] * Si[q, r] * y[r]
+        squares[k] = square
+        total += min(square, gate) + np.log(det) + p * LOG_2_PI
+        if keep:
+            Sis[k], ys[k] = Si, y
+        if square <= gate:
+            _correct(x, P, HP, Si, y)
+    return total, squares, xp, Pp, Sis, ys
+
+
+@numba.njit(cache=True)
+def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Adjoints g, G backwards in time; x = xp - Pp g, P = Pp - Pp G Pp."""
+    n, _, d = H.shape
+    xs, Ps = np.empty_like(xp), np.empty_like(Pp)
+    g, G = np.zeros(d), np.zeros((d, d))
+    for k in range(n - 1, -1, -1):
+        if used[k]:
+            HS = H[k].T @ Sis[k]
+            C = np.eye(d) - (Pp[k] @ HS) @ H[k]
+            g = C.T @ g - HS @ ys[k]
+            G = HS @ H[k] + C.T @ (G @ C)
+        xs[k] = xp[k] - Pp[k] @ g
+        Ps[k] = Pp[k] - Pp[k] @ (G @ Pp[k])
+        Ps[k] = 0.5 * (Ps[k] + Ps[k].T)
+        if k:
+            g = F[k].T @ g
+            G = F[k].T @ (G @ F[k])
+    return xs, Ps

@@ -1,0 +1,127 @@
+"""Motion models: a mean motion whose acceleration decays, and the tail-beat recoil on top.
+
+Mean motion of one coordinate (integrated Ornstein-Uhlenbeck acceleration, after Singer 1970):
+    p' = v,  v' = a + w_v,  a' = -(s / tau) a + w_a
+s = speed / usual speed: against a drag D v^2 with steady thrust, m v' = T - D v^2, the
+acceleration obeys a' = -(2 D v / m) a, so that a start from rest (v_inf tanh) and a steady motion
+both are free of noise; so is the yaw rate of a turn from rest, which keeps its radius. Around the
+start w_a is larger, by a factor that is searched with the rest: forces set in there. Recoil: a
+damped stochastic oscillator at the flapping frequency, stationary with standard deviation s.
+
+In the plane v and a are surge and sway in the frame of the mean heading theta(t), known from the
+heading's own model: in a steady turn they are constant, which they are not in the pool frame.
+    (x, y)' = Rot(theta) v ;  measured = (x, y) + Rot(theta) recoil
+Source of the exact discretisation: Bar-Shalom, Li, Kirubarajan, Estimation, 2001, sect. 6.2, 8.2.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from ..data import Float
+
+BEATS = 15.0
+"""The recoil keeps its amplitude and phase over about so many tail beats."""
+
+
+@numba.njit(cache=True)
+def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
+    """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
+
+    noise: (tau s, density of w_v, density of w_a, start-up factor, recoil variance). dt: (n,) s,
+    dt[0] unused. nominal: (n, 3): onset from 0 to 1, by which the start-up factor multiplies w_a;
+    relative speed; heading noise, a density added to that of sway's w_v.
+    """
+    n, d = len(dt), 5 if hz > 0 else 3
+    F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
+    F[0] = np.eye(d)
+    for k in range(1, n):
+        _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
+        if hz > 0:
+            _recoil(F[k], Q[k], dt[k], hz, noise[4], 3)
+    return F, Q
+
+
+@numba.njit(cache=True)
+def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-def]
+    """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
+
+    noise, dt, nominal as `heading_matrices`, but noise[4] is the share of sway, its densities over
+    those of surge, and noise[5], [6] are the recoil variances of surge and sway.
+    theta: (n,) mean heading, rad.
+    """
+    n, d = len(dt), 10 if hz > 0 else 6
+    F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
+    F[0] = np.eye(d)
+    for k in range(1, n):
+        _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
+        half = 0.5 * (theta[k] - theta[k - 1])
+        # chord over arc of a steady turn: the step is exact where surge and sway are constant
+        chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
+        c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
+        _turn(F[k], Q[k], c, s, chord)
+        if hz > 0:
+            _recoil(F[k], Q[k], dt[k], hz, noise[5], 6)
+            _recoil(F[k], Q[k], dt[k], hz, noise[6], 8)
+    return F, Q
+
+
+@numba.njit(cache=True)
+def _mean_motion(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
+    """Fill the blocks of the m = 1 or 2 coordinates, order p (m), v (m), a (m)."""
+    m = 1 if len(F) in (3, 5) else 2
+    tau = noise[0] / nominal[1]
+    decay = np.exp(-dt / tau)
+    gain = -tau * np.expm1(-dt / tau)
+    for i in range(m):
+        v, a = m + i, 2 * m + i
+        share = noise[4] if i == 1 else 1.0
+        qv = share * noise[1] + i * nominal[2]
+        qa = share * noise[2] * (1.0 + noise[3] * nominal[0])
+        F[i, i] = F[v, v] = 1.0
+        F[i, v] = dt
+        F[v, a], F[a, a] = gain, decay
+        F[i, a] = tau * (dt - gain)
+        Q[i, i] = qv * dt**3 / 3 + qa * dt**5 / 20
+        Q[v, v] = qv * dt + qa * dt**3 / 3
+        Q[a, a] = qa * dt
+        Q[i, v] = Q[v, i] = qv * dt**2 / 2 + qa * dt**4 / 8
+        Q[i, a] = Q[a, i] = qa * dt**3 / 6
+        Q[v, a] = Q[a, v] = qa * dt**2 / 2
+
+
+@numba.njit(cache=True)
+def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
+    """Turn what drives x and y from the body into the pool frame."""
+    for column in (2, 4):
+        f = F[0, column] * chord
+        F[0, column], F[0, column + 1] = c * f, -s * f
+        F[1, column], F[1, column + 1] = s * f, c * f
+        q, w = Q[0, column], Q[1, column + 1]
+        Q[0, column] = Q[column, 0] = c * q
+        Q[0, column + 1] = Q[column + 1, 0] = -s * w
+        Q[1, column] = Q[column, 1] = s * q
+        Q[1, column + 1] = Q[column + 1, 1] = c * w
+    along, across = Q[0, 0], Q[1, 1]
+    Q[0, 0], Q[1, 1] = c * c * along + s * s * across, s * s * along + c * c * across
+    Q[0, 1] = Q[1, 0] = c * s * (along - across)
+
+
+@numba.njit(cache=True)
+def _recoil(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    keep = np.exp(-dt * hz / BEATS)
+    c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
+    F[at, at] = F[at + 1, at + 1] = c
+    F[at, at + 1], F[at + 1, at] = -s, s
+    Q[at, at] = Q[at + 1, at + 1] = variance * (1 - keep**2)
+
+
+def planar_measurement(theta: Float, hz: float) -> Float:
+    """H (n, 2, d): measured x, y = mean position + recoil turned into the pool frame."""
+    H = np.zeros((len(theta), 2, 10 if hz > 0 else 6))
+    H[:, 0, 0] = H[:, 1, 1] = 1.0
+    if hz > 0:
+        H[:, 0, 6], H[:, 0, 8] = np.cos(theta), -np.sin(theta)
+        H[:, 1, 6], H[:, 1, 8] = np.sin(theta), np.cos(theta)
+    return H

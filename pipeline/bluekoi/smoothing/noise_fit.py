@@ -1,0 +1,135 @@
+"""Process noise by maximum posterior, outliers by deletion residuals from both sides in time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtri
+
+from ..data import Float
+from . import kalman_numba
+from .linear_gaussian import LinearGaussianModel, Mask
+from .quasi_newton import minimise
+
+GATE_TAIL = 1e-5
+"""A right measurement is refused about so often."""
+
+
+@dataclass(frozen=True)
+class FittedModel:
+    """A model with its most likely noise; the measurements of the first round and those used last.
+
+    logs: logarithms of the noise over its units. cost: -2 log posterior, outliers at the gate.
+    noise_ratio: variance of the measurement noise found, white and coloured, over that stated.
+    coloured: whether some of it is coloured.
+    """
+
+    model: LinearGaussianModel
+    first: Mask
+    used: Mask
+    logs: Float
+    cost: float
+    noise_ratio: float
+    coloured: bool = False
+
+    @property
+    def white_logs(self) -> Float:
+        """`logs` without those of coloured noise."""
+        return np.concatenate([self.logs[:-3], self.logs[-1:]]) if self.coloured else self.logs
+
+
+def fit_noise(
+    build: Callable[[Float], LinearGaussianModel],
+    seen: Mask,
+    *,
+    first: Mask,
+    spread: Float,
+    starts: Sequence[Float],
+    more_starts: Sequence[Float] = (),
+    rounds: int = 4,
+) -> FittedModel:
+    """Model whose noise has the greatest posterior, outliers rejected.
+
+    -2 log p = -2 log L(z | noise) + sum (log noise / spread)^2; the prior is weak (a factor
+    e^spread about the unit) and keeps a noise that the data do not show from running off to zero.
+    A measurement is rejected if it lies beyond the gate of what all the others, before and after
+    it, predict (deletion residual); those rejected are tried again in each round and count in the
+    cost as lying on the gate.
+
+    build: model for logarithms of the noise (m,). seen: (n,) measured at all; first: (n,) used in
+    the first round. starts: logarithms to search from, the best end counts: motions disturbed in
+    their rate and in their acceleration are separate minima. more_starts: tried where the search
+    ended at a measurement noise much larger than stated, which hides any motion.
+    """
+    used, places = first, starts
+    gate = gate_of(build(starts[0]).z.shape[1])
+    for turn in range(rounds):
+        limit = gate if turn == 0 else np.inf
+        ends = [_search(build, used, limit, place, spread) for place in places]
+        if min(ends, key=lambda end: end[1])[0][-1] > 2 * spread[-1]:
+            ends += [_search(build, used, limit, place, spread) for place in more_starts]
+        logs = min(ends, key=lambda end: end[1])[0]
+        places = [logs]
+        model = build(logs)
+        kept = seen & (_deletion_squares(model, _within(model, used, limit)) <= gate)
+        if np.array_equal(kept, used):
+            break
+        used = kept if kept.sum() > 0.5 * seen.sum() else used
+    model = build(logs)
+    cost = _cost(model, seen, used, gate) + _prior(logs, spread)
+    return FittedModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
+
+
+def gate_of(size: int) -> float:
+    """Squared normalised distance beyond which a measurement of `size` numbers is refused."""
+    return float(chdtri(size, GATE_TAIL))
+
+
+def _prior(logs: Float, spread: Float) -> float:
+    return float(np.sum((logs / spread) ** 2))
+
+
+def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> float:
+    """Minus twice the log likelihood, those set aside as if they lay on the gate."""
+    aside = model.R[seen & ~used]
+    return kalman_numba.likelihood(model, used, np.inf) + float(
+        np.sum(gate + np.linalg.slogdet(2 * np.pi * aside)[1])
+    )
+
+
+def _within(model: LinearGaussianModel, used: Mask, gate: float) -> Mask:
+    if not np.isfinite(gate):
+        return used
+    squares = kalman_numba.innovations(model, used, gate)
+    return used & ~(squares > gate)
+
+
+def _search(
+    build: Callable[[Float], LinearGaussianModel],
+    used: Mask,
+    gate: float,
+    start: Float,
+    spread: Float,
+) -> tuple[Float, float]:
+    """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
+
+    def cost(at: Float) -> float:
+        value = kalman_numba.likelihood(build(at), used, gate)
+        return value + _prior(at, spread) if np.isfinite(value) else 1e12
+
+    return minimise(cost, start)
+
+
+def _deletion_squares(model: LinearGaussianModel, used: Mask) -> Float:
+    """Squared normalised distance of each measurement from what all the others say, (n,).
+
+    With e = z - H x, and V = R - H P H' where the measurement was used, R + H P H' where not, the
+    form e' V^-1 e is the deletion residual's; NaN measurements give 0.
+    """
+    state = kalman_numba.smoothed(model, used)
+    error = np.nan_to_num(model.z - np.einsum("npd,nd->np", model.H, state.x))
+    seen = np.einsum("npd,nde,nqe->npq", model.H, state.P, model.H)
+    V = model.R + np.where(used, -1.0, 1.0)[:, None, None] * seen
+    return np.einsum("np,np->n", error, np.linalg.solve(V, error[..., None])[..., 0])

@@ -1,0 +1,42 @@
+"""Compiled functions, loaded before they are needed; on first use compiled and kept on the disk."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Pose
+from ..fitting import Noise, Series, filter_series, shoot
+from ..integrate import compiled
+from ..model import plates
+from ..smoothing import smooth
+
+FRAMES = 24
+FLAP_HZ = 5.0
+
+
+def load_smoother() -> None:
+    """Smooth a short straight run, so that all functions of the smoother are compiled."""
+    time_s = np.arange(FRAMES) / 30
+    values = np.zeros((FRAMES, 4))
+    values[:, 0] = 0.5 * time_s
+    cov = np.tile(1e-6 * np.eye(4), (FRAMES, 1, 1))
+    smooth(Pose(time_s, values, cov), FLAP_HZ)
+
+
+def load_model() -> None:
+    """Filter and simulate three frames with the bare and with an extended model."""
+    kernel = compiled(plates())
+    system = kernel.system
+    bare = np.array([p.start for p in system.parameters])
+    extended = bare.copy()
+    extended[system.strength_slots[0]] = 1e-9
+    states, seen = len(system.all_states), len(system.observations)
+    one = Series(
+        name="", group="", condition="", times=np.arange(3) / 30, inputs=np.zeros((3, 2)),
+        constants=np.ones(len(system.constants)), seen=np.zeros((3, seen)),
+        noise=np.tile(np.eye(seen), (3, 1, 1)), mean=np.zeros(states), cov=np.eye(states),
+    )  # fmt: skip
+    noise = Noise(np.zeros(0), np.ones(0), np.ones(seen))
+    for values in (bare, extended):
+        filter_series(kernel, one, values, noise)
+        shoot(kernel, [one], [values], iterations=1)

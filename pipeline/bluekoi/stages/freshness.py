@@ -1,0 +1,110 @@
+"""Whether a trial's results are up to date: what they were made from, and whether they are whole.
+
+The status file of a trial holds the hash of all that its results depend on (`inputs`) and the size
+of each result (`products`). A stage skips trials for which both agree with what is there.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..files import read_json
+from ..study import Study, Trial
+from .depth import keypoint_depth
+from .layout import Layout
+
+SMALL_BYTES = 2**20
+"""Files up to this size are compared by content, larger ones (videos) by size and date."""
+NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
+"""Columns of trials.csv without meaning for the reading of a keypoint file."""
+
+
+def status_file(stage: str, layout: Layout, trial_id: str) -> Path:
+    """File in which a stage reports on one trial."""
+    known = {"keypoints": layout.detection, "tracks": layout.status, "overlay": layout.overlaid}
+    return known[stage](trial_id)
+
+
+def inputs_of(stage: str, study: Study, trial: Trial, layout: Layout, code: str) -> str:
+    """Hash of all that the results of a stage for one trial depend on.
+
+    code: hash of the source files that the stage runs.
+    """
+    depends = {"keypoints": _detection, "tracks": _motion, "overlay": _overlay}[stage]
+    return hash_of(code, depends(study, trial, layout))
+
+
+def is_fresh(status: Path, results: Path, inputs: str) -> bool:
+    """Whether a trial's results were made from these inputs and are all there, whole."""
+    if not status.is_file():
+        return False
+    try:
+        found = read_json(status)
+    except InputError:
+        return False
+    whole = all(_size(results / name) == size for name, size in found.get("products", {}).items())
+    return whole and found.get("inputs") == inputs
+
+
+def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
+    files, setup = [state_of(path) for path in study.paths(trial)], study.setup
+    if not trial.reads_keypoints:
+        return [without(row(trial), "role"), setup.model_dump(mode="json"), files]
+    return [without(row(trial), *NOT_READ), setup.bodyparts, setup.detection.model_dump(), files]
+
+
+def _motion(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+    setup = without(study.setup.model_dump(mode="json"), "detection")
+    log = study.motor_path(trial)
+    depth_m = keypoint_depth(study.setup, layout)
+    given = study.setup.robot.depth_given
+    files = [state_of(path) for path in (layout.detection(trial.trial_id), log) if path]
+    return [without(row(trial), "role"), setup, given, depth_m, files]
+
+
+def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+    films = [] if trial.reads_keypoints else list(study.paths(trial))
+    fits = (layout.status(trial.trial_id), layout.coefficients, layout.root / "mismatch.json")
+    return [_motion(study, trial, layout), [state_of(path) for path in (*films, *fits)]]
+
+
+def state_of(path: Path) -> str:
+    """Hash of a small file's content; of a large one's size and date; empty where there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return ""
+    return _state(path, found.st_size, found.st_mtime_ns)
+
+
+@cache
+def _state(path: Path, size: int, changed_ns: int) -> str:
+    large = size > SMALL_BYTES or not path.is_file()
+    content = f"{size} {changed_ns}".encode() if large else path.read_bytes()
+    return hashlib.sha256(content).hexdigest()[:12]
+
+
+def row(trial: Trial) -> dict[str, Any]:
+    """A row of trials.csv as plain values."""
+    return trial.model_dump(mode="json")
+
+
+def without(content: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    """A mapping without some of its keys."""
+    return {key: value for key, value in content.items() if key not in names}
+
+
+def hash_of(*content: Any) -> str:
+    """Short hash of plain values."""
+    text = json.dumps(content, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size if path.is_file() else -1

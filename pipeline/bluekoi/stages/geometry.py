@@ -1,0 +1,159 @@
+"""Scale, lens, pose and depth checked by the rigid distances of all trials: geometry.json."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..camera import map_keypoints, pool_camera
+from ..camera.distances import Geometry
+from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
+from ..camera.geometry_hypotheses import HypothesisFit
+from ..camera.pool import PoolCamera
+from ..camera.whole_length import WHOLE_LENGTH, systematic_share, whole_lengths
+from ..data import Positions
+from ..errors import InputError
+from ..files import read_json, write_json
+from ..keypoints.deeplabcut import read
+from ..study import Study, Trial, load_study
+from ..study.depth import usable_depth_m
+from .layout import Layout
+from .status import good_trials, lengths_measured
+
+NOT_MEASURED = (
+    "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
+    "depth, and too few frames show nose and tail's end; use dots, markers or a network"
+)
+OR_STATED_WRONGLY = (
+    "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
+)
+SUBJECT_WHOLE = "the body's whole length, nose to tail, comes out"
+
+
+def geometry(study: Path, results: Path) -> None:
+    """Write geometry.json: scale, depth and the likely error, each with its evidence.
+
+    scale: measured over true lengths, given the robot's lengths in study.yaml, with scale_std
+    (trials as clusters), by `measured`: its rigid parts, or its whole length where a silhouette's
+    keypoints lie at stated lengths. depth_m: of the keypoints, by the rule of study/depth.py.
+    likely: `nothing`, an error's name, or `unknown`. map: relative error of the distances over the
+    pool, and what the likely error predicts there.
+    """
+    loaded, layout = load_study(study), Layout(results)
+    ids = [trial.trial_id for trial in loaded.trials]
+    good = good_trials([layout.detection(trial_id) for trial_id in ids])
+    measured = [name for name in good if lengths_measured(layout.detection(name))]
+    check = _by_whole_lengths if good and not measured else _by_rigid_parts
+    try:
+        found = check(loaded, [loaded.trial(name) for name in measured or good], layout)
+    except InputError as error:
+        found = _unknown(str(error))
+    setup = loaded.setup
+    usual = {"depth_m": setup.robot.keypoint_depth_m, "depth_given": setup.robot.depth_given}
+    write_json(layout.geometry, usual | found)
+
+
+def _by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+    setup, depth = study.setup, study.setup.robot.keypoint_depth_m
+    if not trials:
+        return _unknown("no trial with keypoints")
+    camera = _camera(study, trials[0], layout)
+    lengths = [trial.head_length_m for trial in trials]
+    placed = _placed(camera, trials, layout, depth)
+    estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
+        camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
+    )  # fmt: skip
+    if (used := usable_depth_m(setup, estimate, std)) != depth:
+        depth, placed = used, _placed(camera, trials, layout, used)
+    check = check_geometry(camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot)
+    return {
+        **_evidence(check),
+        "measured": "rigid parts",
+        "depth_m": depth,
+        "depth_estimate_m": estimate if std else None,
+        "depth_estimate_std_m": std or None,
+        "trials": len(trials),
+    }
+
+
+def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+    """Scale by the body's whole length, where keypoints lie at stated lengths."""
+    setup, depth = study.setup, study.setup.robot.keypoint_depth_m
+    seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
+    if not any(seen):
+        return _unknown(NOT_MEASURED)
+    camera = _camera(study, trials[0], layout)
+    distances = whole_lengths(
+        _placed(camera, trials, layout, depth),
+        [np.array(pairs, dtype=np.float64) for pairs in seen],
+        [trial.head_length_m for trial in trials],
+        setup.robot,
+    )
+    geometry = Geometry(camera, depth)
+    min_share = systematic_share(geometry, distances)
+    given = ("keypoint_depth",) if setup.robot.depth_given else ()
+    check = check_distances(
+        geometry, distances, subject=SUBJECT_WHOLE, min_share=min_share, given=given
+    )
+    also = "" if check.best is None else OR_STATED_WRONGLY
+    return {
+        **_evidence(check),
+        "sentence": f"{check.sentence}{also}",
+        "measured": WHOLE_LENGTH,
+        "min_share": min_share,
+        "depth_estimate_m": None,
+        "depth_estimate_std_m": None,
+        "trials": len({int(trial) for trial in distances.trial}),
+    }
+
+
+def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
+    size = read_json(layout.detection(trial.trial_id)).get("size_px")
+    return pool_camera(study.setup, (size[0], size[1]) if size else None)
+
+
+def _placed(
+    camera: PoolCamera, trials: list[Trial], layout: Layout, depth_m: float
+) -> list[Positions]:
+    def place(trial: Trial) -> Positions:
+        whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+        return map_keypoints(camera, read(layout.keypoints(trial.trial_id), whole, {}), depth_m)
+
+    return [place(trial) for trial in trials]
+
+
+def _evidence(check: GeometryCheck) -> dict[str, Any]:
+    pool = next((fit for fit in check.fits if fit.hypothesis.name == "scale_error"), None)
+    scale = 1 / (1 + pool.values[0]) if pool else None
+    return {
+        "scale": scale,
+        "scale_std": pool.stds[0] * scale**2 if pool and scale else None,
+        "likely": check.outcome,
+        "rivals": check.rivals,
+        "sentence": check.sentence,
+        "mean_excess": check.mean_excess,
+        "mean_excess_std": check.mean_excess_std,
+        "estimates": [_row(fit) for fit in check.fits],
+        "map": asdict(check.map),
+    }
+
+
+def _row(fit: HypothesisFit) -> dict[str, Any]:
+    names = ("values", "stds", "gain", "p_value", "share", "detectable", "text")
+    about = {name: getattr(fit.hypothesis, name) for name in ("name", "parameters", "units")}
+    return about | {name: getattr(fit, name) for name in names}
+
+
+def _unknown(reason: str) -> dict[str, Any]:
+    return {
+        "scale": None,
+        "scale_std": None,
+        "likely": "unknown",
+        "rivals": [],
+        "sentence": f"the geometry could not be checked: {reason}",
+        "estimates": [],
+        "map": None,
+    }

@@ -1,0 +1,125 @@
+"""Detections of one trial, from its footage or its keypoint file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import keypoints as sources
+from ..data import Float, Frame, Keypoints
+from ..errors import InputError, input_error
+from ..keypoints.deeplabcut import write
+from ..study import Study, Trial, load_study, missing_of
+from .layout import Layout
+from .status import attempt
+
+LEAST_LOST = 3
+MOST_LENGTHS = 80
+"""Frames of a trial whose whole length is kept: more tell no more."""
+
+
+def keypoints(
+    study: Path, results: Path, trial_id: str, *, threads: int = 1, inputs: str = ""
+) -> None:
+    """Write keypoints/ID.csv, its covariances and how it went."""
+    loaded, layout = load_study(study, only=trial_id), Layout(results)
+    trial = loaded.trial(trial_id)
+    attempt(
+        layout.detection(trial_id),
+        trial_id,
+        lambda: _detect(loaded, trial, layout.keypoints(trial_id), threads),
+        source=trial.source,
+        products=layout.of_detection(trial_id),
+        stale=layout.of_tracks(trial_id),
+        inputs=inputs,
+    )
+
+
+def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, Any]:
+    if missing := missing_of(study, trial):
+        raise InputError(missing)
+    found, notes = (
+        _from_file(study, trial) if trial.reads_keypoints else _seen(study, trial, threads)
+    )
+    if len(found.time_s) == 0:
+        raise input_error(
+            study.paths(trial)[0], "", "no frames", "frames between start_s and end_s"
+        )
+    write(path, found)
+    notes = notes | {"length_seen": lengths_seen(found)}
+    return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
+
+
+def lengths_seen(found: Keypoints) -> list[list[float]]:
+    """Pairs frame, whole length seen over stated, of some frames all over the recording."""
+    if found.length_seen is None:
+        return []
+    frames = np.flatnonzero(np.isfinite(found.length_seen))
+    some = frames[:: max(1, -(-len(frames) // MOST_LENGTHS))]
+    return [[int(i), float(found.length_seen[i])] for i in some]
+
+
+def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
+    found = sources.source("deeplabcut").read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
+
+
+def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
+    import cv2  # noqa: PLC0415  only where there is footage
+
+    from ..footage import frames, open_recording  # noqa: PLC0415
+    from ..study.filmed import as_filmed  # noqa: PLC0415
+
+    cv2.setNumThreads(threads)
+    detector = sources.source(study.setup.detection.source)
+    recording = open_recording(
+        study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+    )
+    colour = getattr(detector, "COLOUR", False)
+
+    def film() -> Iterable[Frame]:
+        return frames(recording, colour=colour)
+
+    found = detector.detect(film, as_filmed(study.setup, recording.size_px), trial)
+    found = replace(found, remarks=(*found.remarks, *unread(trial, recording, found.time_s)))
+    short = recording.frames_present < recording.frames_declared and trial.end_s is None
+    return found, {
+        "source": study.setup.detection.source,
+        "frames_declared": recording.frames_declared,
+        "size_px": list(recording.size_px),
+        "cut_short": _cut_short(study, trial, recording) if short else "",
+    }
+
+
+def unread(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
+    """A remark where pictures in the midst of a whole recording could not be read; time_s of those
+    that could.
+    """
+    lost = recording.frames_present - len(time_s)
+    whole = trial.start_s is None and trial.end_s is None
+    if not whole or lost < LEAST_LOST or len(time_s) < 2:
+        return ()
+    step = np.diff(time_s)
+    at = int(np.argmax(step))
+    return (
+        f"{lost} of {recording.frames_present} frames could not be read, the longest hole "
+        f"{step[at]:.2f} s after {time_s[at]:.2f} s: copy the file again from the card",
+    )
+
+
+def _cut_short(study: Study, trial: Trial, recording: Any) -> str:
+    """What to say of a recording that holds fewer frames than it declares; it is used so far."""
+    return str(
+        input_error(
+            study.paths(trial)[-1],
+            f"trial {trial.trial_id}",
+            f"{recording.frames_present} of {recording.frames_declared} declared frames",
+            "all of them",
+            "Copy it again from the card, or set end_s in trials.csv to accept what is there; "
+            "the readable frames were used.",
+        )
+    )

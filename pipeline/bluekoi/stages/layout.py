@@ -1,0 +1,89 @@
+"""Where each result stands in the results folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Paths below one results folder; `{}` of a trial is its trial_id."""
+
+    root: Path
+
+    def detection(self, trial_id: str) -> Path:
+        """How the detection of a trial went."""
+        return self.root / "status" / "keypoints" / f"{trial_id}.json"
+
+    def status(self, trial_id: str) -> Path:
+        """How a trial went from its source to its steady state."""
+        return self.root / "status" / f"{trial_id}.json"
+
+    def keypoints(self, trial_id: str) -> Path:
+        """Detections in DeepLabCut's layout; times and covariances in `.cov.csv` beside it."""
+        return self.root / "keypoints" / f"{trial_id}.csv"
+
+    def covariances(self, trial_id: str) -> Path:
+        """Times and covariances of the detections."""
+        return self.keypoints(trial_id).with_suffix(".cov.csv")
+
+    def pose(self, trial_id: str) -> Path:
+        """Measured pose, frame by frame."""
+        return self.root / "poses" / f"{trial_id}.csv"
+
+    def track(self, trial_id: str) -> Path:
+        """Smoothed motion."""
+        return self.root / "tracks" / f"{trial_id}.csv"
+
+    def trial_steady(self, trial_id: str) -> Path:
+        """The row of one trial in steady.csv."""
+        return self.root / "steady" / f"{trial_id}.csv"
+
+    def overlay(self, trial_id: str) -> Path:
+        """Footage with what was found drawn on it."""
+        return self.root / "overlays" / f"{trial_id}.mp4"
+
+    def overlaid(self, trial_id: str) -> Path:
+        """How the overlay of a trial went."""
+        return self.root / "status" / "overlays" / f"{trial_id}.json"
+
+    @property
+    def geometry(self) -> Path:
+        """What the rigid distances say about scale, lens, pose and depth."""
+        return self.root / "geometry.json"
+
+    @property
+    def steady(self) -> Path:
+        """A row a trial: speed, radius, flapping frequency."""
+        return self.root / "steady.csv"
+
+    @property
+    def coefficients(self) -> Path:
+        """The fits."""
+        return self.root / "coefficients.json"
+
+    @property
+    def report(self) -> Path:
+        """One page with all of it."""
+        return self.root / "report.html"
+
+    @property
+    def last_results(self) -> tuple[Path, ...]:
+        """What stands at the end of a run in which nothing but single trials went wrong."""
+        return (self.steady, self.coefficients, self.report)
+
+    def of_detection(self, trial_id: str) -> tuple[Path, ...]:
+        """Files that the keypoints stage writes for one trial."""
+        return (self.keypoints(trial_id), self.covariances(trial_id))
+
+    def of_tracks(self, trial_id: str) -> tuple[Path, ...]:
+        """Files that the tracks stage writes for one trial."""
+        return (self.pose(trial_id), self.track(trial_id), self.trial_steady(trial_id))
+
+
+def remove(paths: Iterable[Path]) -> None:
+    """Take away files of an earlier run, where there are any."""
+    for path in paths:
+        path.unlink(missing_ok=True)

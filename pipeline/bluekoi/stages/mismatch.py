@@ -1,0 +1,173 @@
+"""What was left out: mismatch.json, its details, and the extended model's paths."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.special import ndtri
+
+from ..camera.displacement import lens_strength
+from ..camera.distances import LENGTH_STD
+from ..camera.whole_length import WHOLE_LENGTH
+from ..campaign import load_campaign
+from ..data import Flapping, write_columns
+from ..errors import InputError
+from ..files import write_json
+from ..fitting import Series, shoot
+from ..integrate import compiled
+from ..mismatch import find_mismatch
+from ..mismatch.jumps import with_jumps
+from ..mismatch.results_json import details, mismatch_json
+from ..mismatch.setting import held_out_trials
+from ..model import plates
+from ..motor import clock_delay
+from ..study import Setup, Study, load_study
+from .layout import Layout, remove
+from .status import lengths_measured, with_numerical_failures_explained
+from .tuning import campaign_flapping, campaign_series
+
+CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+STATED_STD = 0.05  # ASSUME a motor without a log keeps its stated frequency to 5 %
+SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
+"""Outcomes of the geometry check in which its scale is that of the whole picture."""
+STRAIGHT = ("nothing", "scale_error")
+BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
+LEAST_CHANCE = 1e-50
+LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (geometry_hypotheses) is seen
+
+log = logging.getLogger(__name__)
+
+
+@with_numerical_failures_explained
+def mismatch(study: Path, results: Path) -> None:
+    """Write mismatch.json, mismatch_detail.json and the extended model's paths, extended/ID.csv.
+
+    Needs the tracks, the steady states and the geometry check, not the stage `tuning`.
+    """
+    campaign = load_campaign(results, load_study(study), measured=True)
+    loaded = campaign.study
+    flapping = campaign_flapping(campaign)
+    series = with_clock(campaign_series(campaign), flapping)
+    fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
+    series = with_delay(series, flapping, fitted=fitted)
+    series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
+    series = from_the_nose(series, loaded, Layout(results))
+    found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
+    kernel = compiled(plates())
+    series = with_jumps(kernel, series, found.displacements)
+    shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
+    remove((results / "extended").glob("*.csv"))
+    for one, shot in zip(series, shots, strict=True):
+        path = {f"extended_{k}": shot.observed[:, i]
+                for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
+        write_columns(results / "extended" / f"{one.name}.csv", {"time_s": one.times} | path)
+    write_json(results / "mismatch_detail.json", details(found))
+    write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
+
+
+def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> list[Series]:
+    """Series with the tail beat seen against the motor's as evidence on the clock.
+
+    A clock is wrong by one share in all trials. By how much more than their errors the ratios
+    differ (a supply that sags under load) is therefore an error that all of them share, and so is
+    that of a frequency that was stated and not logged.
+    """
+    beats = {s.name: flapping[s.name] for s in series}
+    told = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
+            for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
+    ratio, own = np.array(list(told.values())).reshape(-1, 2).T
+    own = np.nan_to_num(own)
+    apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
+    stated = np.array([STATED_STD * (beats[name].source != "motor_log") for name in told])
+    std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
+    evidence = {name: {"clock_ratio": (float(r), float(s))}
+                for name, r, s in zip(told, ratio, std, strict=True)}  # fmt: skip
+    return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]
+
+
+def with_delay(
+    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
+) -> list[Series]:
+    """Series with what the phases of the tail beat say of log and video as evidence, one
+    measurement shared by the `fitted` trials.
+    """
+    beats = [flapping[s.name] for s in series]
+    told = [
+        b for b in beats if b.agrees and np.isfinite([b.beat_lag_rad, b.beat_lag_std_rad]).all()
+    ]
+    columns = ("flap_hz", "beat_lag_rad", "beat_lag_std_rad")
+    found = clock_delay(*(np.array([getattr(b, name) for b in told]) for name in columns))
+    if found is None:
+        return list(series)
+    shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
+    return [replace(s, evidence=s.evidence | shared) for s in series]
+
+
+def with_rigid_distances(
+    series: Sequence[Series], geometry: Mapping[str, Any], setup: Setup, *,
+    fitted: int | None = None,
+) -> list[Series]:  # fmt: skip
+    """Series with what rigid distances say as evidence, one measurement shared by all trials.
+
+    fitted: trials that are not held out, whose shares make up the measurement.
+    """
+    told = rigid_evidence(geometry, setup)
+    count = max(len(series) if fitted is None else fitted, 1)
+    shared = {name: (value, std * count**0.5) for name, (value, std) in told.items()}
+    return [replace(s, evidence=s.evidence | shared) for s in series]
+
+
+def from_the_nose(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
+    """Series that know where their keypoints were placed back from the nose at stated lengths."""
+    slots = plates().constants
+    head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
+    out = []
+    for one in series:
+        constants = one.constants.copy()
+        filmed = not study.trial(one.name).reads_keypoints
+        if filmed and not lengths_measured(layout.detection(one.name)):
+            constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
+        out.append(replace(one, constants=constants))
+    return out
+
+
+def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
+    """Side measurement -> value and deviation by the check of rigid distances: the scale; that
+    light is not bent, or how much; that the lens is right, or how wrong. The last two only where
+    one outcome alone explains the pattern over the pool.
+    """
+    scale, std, likely = (geometry.get(key) for key in ("scale", "scale_std", "likely"))
+    if scale is None or not std:
+        return {}
+    alone = not geometry.get("rivals")
+    whole = geometry.get("measured") == WHOLE_LENGTH
+    if likely == "lens_error" and alone and not whole:
+        return _wrong_lens(geometry, setup)
+    if likely not in SPEAKS_OF_SCALE:
+        return {}
+    told = {"scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD))))}
+    if alone and not whole:
+        told["lens"] = (0.0, LENS_STD)
+        if likely in STRAIGHT:
+            told["bend"] = (0.0, BEND_STD)
+        elif likely == "uncorrected_refraction":
+            told["bend"] = (1.0 - scale, BEND_STD)
+    return told
+
+
+def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
+    """Strength of `measurement/lens_error.py` that the pattern tells of, as sure as its chance;
+    nothing where no camera can have such a lens.
+    """
+    one = next(e for e in geometry["estimates"] if e["name"] == "lens_error")
+    try:
+        strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
+    except InputError:
+        return {}
+    sureness = -float(ndtri(0.5 * max(one["p_value"], LEAST_CHANCE)))
+    return {"lens": (strength, float(np.hypot(strength / sureness, LENS_STD)))}

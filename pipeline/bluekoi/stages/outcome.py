@@ -1,0 +1,36 @@
+"""The end of a run: which trials failed, why, and what to check in the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..files import read_json, write_json
+from ..motor.swimming import study_warnings
+from ..study import load_study
+from .layout import Layout, remove
+
+
+def outcome(study: Path, results: Path) -> list[str]:
+    """A line for each trial that failed or was cut short; outcome.json where there is none.
+
+    Runs last, so that all results of the other trials are there. outcome.json carries `warnings`
+    on trials that were used: clocks that disagree, speeds that no swimmer has.
+    """
+    layout, done = Layout(results), results / "outcome.json"
+    ids = [trial.trial_id for trial in load_study(study).trials]
+    statuses = {name: read_json(layout.status(name)) for name in ids}
+    bad = [f"{name}: {text}" for name, s in statuses.items() if (text := complaint(s))]
+    warnings = study_warnings(statuses)
+    remove([done])
+    if bad:
+        return [*bad, *(f"Warning: {text}" for text in warnings)]
+    write_json(done, {"trials": len(ids), "all_good": True, "warnings": warnings})
+    return []
+
+
+def complaint(status: Mapping[str, Any]) -> str:
+    """Why a trial counts as bad, in one line; empty for a good one."""
+    text = status.get("cut_short", "") if status["ok"] else status["message"]
+    return " ".join(str(text or "").split())

@@ -1,0 +1,136 @@
+"""Whether one trial shows the robot that trials.csv and study.yaml describe.
+
+Errors of some percent are the search's business (scale, clock, offsets). What is refused here is
+another thing altogether: keypoints exchanged, the row of another trial, a cut in the recording.
+One such trial in the fit would spoil what all the others say.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..data import Float, Pose, Positions
+from ..errors import Finding
+from ..pose.body import body_lengths, trusted_points
+from ..study import Study, Trial
+
+LENGTH_SHARE, LEAST_LENGTH_M = 0.25, 0.02
+"""A rigid part may be off the trial's own scale by so much, the larger of share and length."""
+MOST_SCALE = 1.5
+"""All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
+HEAD_ANGLE_DEG = 25.0
+JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
+"""A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
+AROUND = 3
+APART_S = 0.3
+
+
+def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) -> list[Finding]:
+    """What cannot be right about a trial, with file, found, expected and remedy."""
+    table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
+    return [
+        *_lengths(table, place, study, trial, positions),
+        *_head_angle(table, place, trial, pose),
+        *_backwards(str(study.paths(trial)[0]), place, study, pose),
+        *_jump(str(study.paths(trial)[0]), place, study, pose),
+    ]
+
+
+def _lengths(
+    table: str, place: str, study: Study, trial: Trial, positions: Positions
+) -> list[Finding]:
+    robot = study.setup.robot
+    body = body_lengths(*trusted_points(positions), robot, trial.head_length_m)
+    names = ("head_tip to hinge", "hinge to core_center", "core_center to tail_base")
+    seen = np.array([body.head_m, body.hinge_m, body.tail_m])
+    said = np.array([trial.head_length_m, robot.hinge_to_com_m, robot.com_to_tail_base_m])
+    scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
+    if not 1 / MOST_SCALE < scale < MOST_SCALE:
+        return [_size(place, study, scale)]
+    off = np.abs(seen - scale * said)
+    bad = off > np.maximum(LENGTH_SHARE * scale * said, LEAST_LENGTH_M)
+    remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
+    return [
+        Finding(
+            table, place, f"{name} of {1000 * a:.0f} mm in the pool", f"{1000 * b:.0f} mm", remedy
+        )
+        for name, a, b, wrong in zip(names, seen, said, bad, strict=True)
+        if wrong
+    ]
+
+
+def _size(place: str, study: Study, scale: float) -> Finding:
+    return Finding(
+        str(study.root / "study.yaml"),
+        place,
+        f"a robot {scale:.2f} times as long as stated, in all its parts",
+        "the lengths under robot, and head_length_m",
+        "Are the keypoints of a picture of another size than the pool's corners, or is the pool's "
+        "size wrong?",
+    )
+
+
+def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
+    angle = pose.values[len(pose.values) // 2 :, 3]
+    angle = angle[np.isfinite(angle)]
+    if len(angle) == 0:
+        return []
+    seen = float(np.degrees(np.angle(np.exp(1j * angle).mean())))
+    apart = (seen - trial.head_angle_deg + 180) % 360 - 180
+    if abs(apart) <= HEAD_ANGLE_DEG:
+        return []
+    found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
+    mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= HEAD_ANGLE_DEG / 2
+    convention = "head_angle_deg is core minus head direction, counter-clockwise positive."
+    remedy = (
+        f"The sign is the other one: write head_angle_deg {-trial.head_angle_deg:g} if the head "
+        f"turned to that side. {convention} If it did not, the picture is mirrored: are x and y "
+        "exchanged in the keypoint file, or are the pool's corners in another order?"
+        if mirrored
+        else f"{convention} Is it another trial's row?"
+    )
+    return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", remedy)]
+
+
+def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+    seen = np.isfinite(pose.values[:, :3]).all(axis=1)
+    xy, heading = pose.values[seen, :2], pose.values[seen, 2]
+    every = max(1, int(np.sum(pose.time_s[seen] < pose.time_s[0] + APART_S)))
+    way, heading = np.diff(xy[::every], axis=0), heading[::every][:-1]
+    gone = np.linalg.norm(way, axis=1)
+    if gone.sum() < study.setup.robot.body_length_m:
+        return []
+    ahead = float(np.sum(way * np.column_stack([np.cos(heading), np.sin(heading)])))
+    if ahead > 0:
+        return []
+    found = f"a robot that swims backwards for {gone.sum():.1f} m"
+    remedy = "Head and tail seem exchanged: are head_length_m and head_angle_deg this trial's?"
+    return [Finding(source, place, found, "a robot that swims ahead", remedy)]
+
+
+def _jump(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+    seen = np.isfinite(pose.values[:, :2]).all(axis=1)
+    t, xy = pose.time_s[seen], pose.values[seen, :2]
+    length = study.setup.robot.body_length_m
+    at = first_jump(t, xy, JUMP_LENGTHS * length)
+    if at is None:
+        return []
+    way = float(np.linalg.norm(xy[at + 1] - xy[at]))
+    found = f"a robot that jumps {way:.2f} m between {t[at]:.2f} and {t[at + 1]:.2f} s"
+    remedy = "Is there a cut in the recording, or another body? start_s and end_s choose a part."
+    return [Finding(source, place, found, "one path", remedy)]
+
+
+def first_jump(time_s: Float, xy_m: Float, least_m: float) -> int | None:
+    """Frame before the first jump of a path, (n,) s and (n, 2) m; None where there is none."""
+    steps = np.linalg.norm(np.diff(xy_m, axis=0), axis=1)
+    if len(steps) < 2:
+        return None
+    large = (steps > max(least_m, JUMP_STEPS * float(np.median(steps)))) & (
+        np.diff(time_s) <= JUMP_S
+    )
+    for k in np.flatnonzero(large).tolist():
+        before, after = xy_m[max(k - AROUND, 0)], xy_m[min(k + 1 + AROUND, len(xy_m) - 1)]
+        if np.linalg.norm(after - before) > 0.6 * steps[k]:
+            return k
+    return None

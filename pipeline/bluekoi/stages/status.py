@@ -1,0 +1,103 @@
+"""One trial's try at a stage: it ends in a status file, so that a bad trial stops only itself."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError, input_error
+from ..files import read_json, write_json
+from ..keypoints import source, sources
+from ..motor.swimming import study_warnings
+from .layout import remove
+
+log = logging.getLogger(__name__)
+
+FEWER = "run fewer jobs at once (--cores 1) or close other programs, then start again"
+NO_WARNING = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
+
+
+def attempt(
+    status: Path,
+    trial_id: str,
+    work: Callable[[], Mapping[str, Any]],
+    *,
+    source: str,
+    products: Sequence[Path],
+    stale: Sequence[Path] = (),
+    inputs: str = "",
+) -> None:
+    """Write the status of a trial: what `work` returned, or why it could not be done.
+
+    `products` are the files that the work writes, `stale` those of an earlier run that hang on
+    them. On failure none of them is left, and the message names the trial's `source`. A defect of
+    ours counts as a failure of this trial; its traceback goes to the log. `inputs`: hash of all
+    that the results depend on (`freshness`).
+    """
+    remove(stale)
+    try:
+        found = {"trial_id": trial_id, "ok": True, "message": "", **work()}
+    except InputError as error:
+        text = str(error)
+        found = _failed(trial_id, text if source in text else f"{source}: {text}")
+        log.warning("%s", error)
+    except MemoryError:
+        found = _failed(trial_id, f"{source}: not enough memory; {FEWER}")
+        log.exception("trial %s", trial_id)
+    except Exception as error:  # one trial must not stop the others, whatever is wrong with it
+        found = _failed(
+            trial_id, f"a defect of this program, {error!r}; the log of the trial has more"
+        )
+        log.exception("trial %s", trial_id)
+    if not found["ok"]:
+        remove(products)
+    sizes = {
+        f"{path.parent.name}/{path.name}": path.stat().st_size for path in products if found["ok"]
+    }
+    write_json(status, {**found, "products": sizes, "inputs": inputs})
+
+
+def _failed(trial_id: str, message: str) -> dict[str, Any]:
+    return {"trial_id": trial_id, "ok": False, "message": message, "remarks": []}
+
+
+def good_trials(statuses: Sequence[Path]) -> list[str]:
+    """Ids of the trials that went well, in the order of their status files."""
+    found = [read_json(path) for path in statuses]
+    return [str(status["trial_id"]) for status in found if status["ok"]]
+
+
+def lengths_measured(detection: Path) -> bool:
+    """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
+    name = read_json(detection).get("source")
+    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
+
+
+def with_numerical_failures_explained(
+    stage: Callable[[Path, Path], None],
+) -> Callable[[Path, Path], None]:
+    """The stage of a whole study, a fit without a solution turned into an InputError with advice:
+    the warnings on its trials' clocks and lengths.
+    """
+
+    @wraps(stage)
+    def explained(study: Path, results: Path) -> None:
+        try:
+            stage(study, results)
+        except (np.linalg.LinAlgError, FloatingPointError) as error:
+            log.debug("stage %s", stage.__name__, exc_info=True)
+            found = {path.stem: read_json(path) for path in (results / "status").glob("*.json")}
+            raise input_error(
+                study / "trials.csv",
+                "",
+                f"a fit without a solution ({error})",
+                "trials that the model can describe",
+                " ".join(study_warnings(found)) or NO_WARNING,
+            ) from error
+
+    return explained

@@ -1,0 +1,28 @@
+"""steady.csv, gathered from the trials that went well."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import input_error
+from ..steady import read_steady, write_steady
+from ..study import load_study
+from .layout import Layout
+from .status import good_trials
+
+
+def steady(study: Path, results: Path) -> None:
+    """Write steady.csv, a row a good trial in the order of trials.csv.
+
+    Raises: InputError where no trial went well.
+    """
+    layout = Layout(results)
+    ids = [trial.trial_id for trial in load_study(study).trials]
+    good = good_trials([layout.status(trial_id) for trial_id in ids])
+    if not good:
+        found = f"none of {len(ids)} trials that went well"
+        raise input_error(
+            results / "status", "", found, "one or more", "See what each trial says below."
+        )
+    rows = {name: read_steady(layout.trial_steady(name))[name] for name in good}
+    write_steady(layout.steady, rows)

@@ -1,0 +1,176 @@
+"""Pose, smoothed motion and steady state of one trial."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..camera.corners import pool_camera
+from ..camera.pool import PoolCamera, map_keypoints
+from ..camera.uncertainty import calibration_at
+from ..data import Flapping, Keypoints, Positions, Steady, Track, write_pose, write_track
+from ..errors import InputError, input_error
+from ..files import read_json
+from ..keypoints.deeplabcut import read
+from ..motor import (
+    beat_lag,
+    clock_ratio,
+    compare,
+    flapping_from_log,
+    flapping_given,
+    tail_beat,
+)
+from ..motor.swimming import REMEDY, implausible_numbers, swimming_numbers
+from ..pose import rigid_pose
+from ..smoothing import smooth_with_noise_ratio
+from ..smoothing.systematic_error import with_systematic_error
+from ..steady import steady_state, write_steady
+from ..study import Study, Trial, load_study
+from .compiling import load_smoother as preload
+from .depth import keypoint_depth
+from .layout import Layout
+from .plausible import implausible
+from .pool_edges import check_pool_edges
+from .status import attempt
+
+__all__ = ["flapping_of", "preload", "tracks"]
+
+WRONG_CLOCK = 0.01
+"""Clocks this far apart make a steady speed doubtful, whichever of them is wrong."""
+
+
+def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> None:
+    """Write poses/ID.csv, tracks/ID.csv, steady/ID.csv and how the trial went."""
+    loaded, layout = load_study(study, only=trial_id), Layout(results)
+    trial = loaded.trial(trial_id)
+    attempt(
+        layout.status(trial_id),
+        trial_id,
+        lambda: _track(loaded, trial, layout),
+        source=trial.source,
+        products=layout.of_tracks(trial_id),
+        inputs=inputs,
+    )
+
+
+def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
+    detection = read_json(layout.detection(trial.trial_id))
+    if not detection["ok"]:
+        return detection
+    size = detection.get("size_px")
+    camera = pool_camera(study.setup, (size[0], size[1]) if size else None)
+    found = _detections(layout.keypoints(trial.trial_id), trial)
+    depth = keypoint_depth(study.setup, layout)
+    positions = map_keypoints(camera, found, depth)
+    flapping = flapping_of(study, trial, positions)
+    pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    if wrong := implausible(study, trial, positions, pose):
+        raise InputError(wrong)
+    try:
+        track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
+        steady = _doubted(steady_state(track, flapping, trial.head_angle_rad), flapping)
+    except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError) as error:
+        raise _unsolvable(study, trial, error) from error
+    write_pose(layout.pose(trial.trial_id), pose)
+    whole = _with_calibration(with_systematic_error(track, pose, shown), camera, depth)
+    write_track(layout.track(trial.trial_id), whole)
+    write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
+    edges, moved = check_pool_edges(study, trial)
+    remarks = [*moved, *detection["remarks"], *camera.remarks, *track.remarks, *flapping.remarks]
+    if not study.setup.robot.depth_given:
+        remarks.append(
+            f"keypoints taken to lie {1000 * depth:.0f} mm deep; study.yaml says nothing"
+        )
+    swimming = swimming_numbers(steady, flapping, positions, study.setup.robot)
+    if odd := implausible_numbers([swimming]):
+        remarks.append(f"{odd}. {REMEDY}")
+    return {
+        **detection,
+        "remarks": list(dict.fromkeys(remarks)),
+        "flapping": _flapping_json(flapping),
+        "swimming": swimming,
+        "pool_edges": edges,
+    }
+
+
+def _recoil_hz(flapping: Flapping) -> float:
+    """Flapping frequency in the video's clock, where that is another than the motor's."""
+    wrong = not flapping.agrees and np.isfinite(flapping.ratio)
+    return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
+
+
+def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
+    return input_error(
+        study.paths(trial)[0],
+        f"trial {trial.trial_id}",
+        f"a motion that cannot be smoothed ({error})",
+        "a path that a swimming robot can have",
+        "Check fps, start_s and end_s in trials.csv, and the keypoints of this trial.",
+    )
+
+
+def _detections(path: Path, trial: Trial) -> Keypoints:
+    """Keypoints as the stage before wrote them: our names, already cut to the part to use."""
+    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+    return read(path, whole, {})
+
+
+def _doubted(steady: Steady, flapping: Flapping) -> Steady:
+    """The steady state; where the clocks disagree, the remark on that precedes other reasons."""
+    if flapping.agrees or abs(flapping.ratio - 1) < WRONG_CLOCK:
+        return steady
+    return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
+
+
+def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:
+    """The track whose positions' deviations hold the calibration's, common to all frames."""
+    cov = calibration_at(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
+    x, y = (
+        np.hypot(np.sqrt(cov[:, 0, 0]), track.x_m_std),
+        np.hypot(np.sqrt(cov[:, 1, 1]), track.y_m_std),
+    )
+    return replace(track, x_m_std=x, y_m_std=y)
+
+
+def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
+    """Flapping frequency by motor log, else as given, else from the tail in the video.
+
+    Raises: InputError where none of the three gives it.
+    """
+    log = study.motor_path(trial)
+    if log is not None:
+        flapping = flapping_from_log(log)
+    elif trial.flap_hz is not None:
+        flapping = flapping_given(trial.flap_hz)
+    else:
+        return _from_video(study, trial, positions)
+    if flapping.flap_hz <= 0:
+        return flapping
+    found = compare(flapping, *clock_ratio(positions, flapping))
+    if not np.isfinite(found.video_hz):
+        return found
+    lag, std = beat_lag(positions, flapping)
+    return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
+
+
+def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
+    hz, std = tail_beat(positions)
+    if not hz > 0:
+        raise input_error(
+            study.root / "trials.csv",
+            f"trial {trial.trial_id}",
+            "neither motor_log nor flap_hz, and no tail beat seen in the video",
+            "a flapping frequency",
+            "Give motor_log or flap_hz.",
+        )
+    remark = "no motor log and no flap_hz: flapping frequency taken from the tail in the video"
+    return Flapping(hz, std, "video", video_hz=hz, video_hz_std=std, remarks=(remark,))
+
+
+def _flapping_json(flapping: Flapping) -> dict[str, Any]:
+    names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
+             "beat_lag_rad", "beat_lag_std_rad", "agrees")  # fmt: skip
+    return {name: getattr(flapping, name) for name in names}

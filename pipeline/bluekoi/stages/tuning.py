@@ -1,0 +1,84 @@
+"""Coefficients, Tables I and II, and the model's path for every trial."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..campaign import Campaign, load_campaign
+from ..data import Flapping, write_columns
+from ..errors import input_error
+from ..files import write_json
+from ..fitting import Series
+from ..motor import common_ratio, other_clock
+from ..study import load_study
+from ..tuning import coefficients, simulations, study_series, table_1, table_2
+from .compiling import load_model as preload
+from .layout import Layout, remove
+from .status import with_numerical_failures_explained
+
+__all__ = ["campaign_flapping", "campaign_series", "preload", "tuning"]
+
+
+@with_numerical_failures_explained
+def tuning(study: Path, results: Path) -> None:
+    """Write coefficients.json, table1.csv, table2.csv and simulations/ID.csv of all good trials."""
+    layout = Layout(results)
+    campaign = load_campaign(results, load_study(study), measured=True)
+    loaded = campaign.study
+    series = campaign_series(campaign)
+    remove((results / "simulations").glob("*.csv"))
+    found, joint = coefficients(loaded, series, campaign.steady)
+    steps = found["paper_steps"]
+    for name, columns in simulations(series, joint, steps).items():
+        write_columns(results / "simulations" / f"{name}.csv", columns)
+    write_columns(results / "table1.csv", table_1(steps))
+    write_columns(results / "table2.csv", table_2(loaded, steps))
+    write_json(layout.coefficients, found)
+
+
+def campaign_series(campaign: Campaign) -> list[Series]:
+    """Trials of a campaign as the fit takes them.
+
+    Not a robot that never moved; nor a trial whose tail beats at another rate than its motor's,
+    unless most trials share that ratio: its log or its frame rate is another trial's.
+
+    Raises: InputError where no trial can be used.
+    """
+    moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
+    flapping = campaign_flapping(campaign)
+    common = common_ratio(flapping.values())
+    odd = {i for i, f in flapping.items() if other_clock(f, common)}
+    kept = moved - odd if 2 * len(odd) < len(flapping) else moved
+    tracks = {i: track for i, track in campaign.tracks.items() if i in kept}
+    series = study_series(campaign.study, campaign.poses, tracks, flapping)
+    if not series:
+        raise input_error(campaign.study.root, "", "no trial with a track", "one or more",
+                    "See status/ in the results folder for what each trial lacks.")  # fmt: skip
+    return series
+
+
+def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
+    """Flapping frequency of each trial as its tracks stage found it."""
+    found = {i: campaign.statuses[i].get("flapping") for i in campaign.tracks}
+    return {
+        i: Flapping(
+            flap_hz=f["flap_hz"],
+            flap_hz_std=f["flap_hz_std"] or 0.0,
+            source=f["source"],
+            video_hz=_or_nan(f["video_hz"]),
+            video_hz_std=_or_nan(f["video_hz_std"]),
+            ratio=_or_nan(f.get("ratio")),
+            ratio_std=_or_nan(f.get("ratio_std")),
+            beat_lag_rad=_or_nan(f.get("beat_lag_rad")),
+            beat_lag_std_rad=_or_nan(f.get("beat_lag_std_rad")),
+            agrees=bool(f["agrees"]),
+        )
+        for i, f in found.items()
+        if f
+    }
+
+
+def _or_nan(value: float | None) -> float:
+    return np.nan if value is None else float(value)

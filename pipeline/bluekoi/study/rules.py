@@ -1,0 +1,165 @@
+"""What must fit together in a study beyond the type of each value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn
+
+from pydantic_core import PydanticCustomError
+
+from ..data import PARTS
+from ..errors import nearest
+from .corners import corner_problems
+
+if TYPE_CHECKING:
+    from .setup import Camera, Robot, Setup
+    from .types import Trial
+
+TOGETHER = "together"
+MARGIN = 0.25
+"""Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A key (dotted, within its section) whose value does not fit the others."""
+
+    key: str
+    found: str
+    expected: str
+    remedy: str = ""
+
+
+def refuse(problems: Iterable[Problem]) -> None:
+    """Nothing, or one validation error that carries all problems."""
+    if found := tuple(problems):
+        _refuse(found)
+
+
+def _refuse(found: tuple[Problem, ...]) -> NoReturn:
+    raise PydanticCustomError(TOGETHER, "values do not fit together", {"problems": found})
+
+
+def robot_problems(robot: Robot) -> list[Problem]:
+    """Lengths that do not add up to a robot."""
+    ahead = robot.head_length_m + robot.hinge_to_com_m
+    if ahead < robot.body_length_m:
+        return []
+    expected = f"head_length_m + hinge_to_com_m ({ahead:g}) smaller than body_length_m"
+    return [Problem("body_length_m", f"{robot.body_length_m:g}", expected)]
+
+
+def setup_problems(setup: Setup) -> list[Problem]:
+    """A robot that does not fit its pool, or is heavier than any: mostly other units than SI."""
+    pool, robot = setup.pool, setup.robot
+    length = robot.body_length_m
+    cube = setup.water.density_kg_m3 * length**3
+    rod = robot.mass_kg * length**2
+    limits = (
+        ("body_length_m", pool.length_m, f"a robot shorter than the pool ({pool.length_m:g} m)"),
+        ("head_span_m", length, f"a head less high than the robot is long ({length:g} m)"),
+        ("keypoint_depth_m", pool.depth_m, f"a depth within the water ({pool.depth_m:g} m)"),
+        ("mass_kg", cube, f"less than a cube of water of the robot's length ({cube:.3g} kg)"),
+        ("yaw_inertia_kg_m2", rod, f"less than mass times length squared ({rod:.3g} kg m2)"),
+    )
+    too_large = [
+        Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, "Units are m, kg and kg m2.")
+        for key, limit, expected in limits
+        if getattr(robot, key) >= limit
+    ]
+    return [*too_large, *_high_corners(setup), *_unknown_parts(setup.bodyparts)]
+
+
+def _high_corners(setup: Setup) -> list[Problem]:
+    """Marks of the corners further from the water than the pool is wide."""
+    height, width = setup.camera.pool_corners_height_m, setup.pool.width_m
+    if abs(height) < width:
+        return []
+    expected = f"a height above the water, less than the pool's width ({width:g} m)"
+    return [Problem("camera.pool_corners_height_m", f"{height:g}", expected, "Units are m.")]
+
+
+def _unknown_parts(bodyparts: Iterable[str]) -> list[Problem]:
+    expected = "one of our parts, followed by the file's name for it"
+    return [
+        Problem(f"bodyparts.{part}", "an unknown part", expected, nearest(part, PARTS))
+        for part in bodyparts
+        if part not in PARTS
+    ]
+
+
+def camera_problems(camera: Camera) -> list[Problem]:
+    """A lens or pool corners that cannot be."""
+    order = corner_problems(camera.pool_corners_px)
+    corners = f"{[list(corner) for corner in camera.pool_corners_px]}"
+    return [
+        *_lens_problems(camera),
+        *(Problem("pool_corners_px", corners, text) for text in order),
+        *(_outside(camera, corners) if not order else []),
+    ]
+
+
+def _lens_problems(camera: Camera) -> list[Problem]:
+    if camera.matrix is None:
+        without = Problem("distortion", "a distortion without a matrix", "both or neither")
+        return [without] if camera.distortion else []
+    size = Problem("image_size_px", "nothing", "width and height; image_size_px is needed "
+                   "with a matrix")  # fmt: skip
+    problems = _matrix_problems(camera.matrix) + ([size] if camera.image_size_px is None else [])
+    allowed = (4,) if camera.model == "fisheye" else (4, 5, 8, 12, 14)
+    if camera.distortion is not None and len(camera.distortion) not in allowed:
+        found = f"{len(camera.distortion)} numbers"
+        counts = " or ".join(map(str, allowed[:2]))
+        problems.append(
+            Problem("distortion", found, f"{counts} coefficients of a {camera.model} lens")
+        )
+    return problems
+
+
+def _matrix_problems(matrix: Sequence[Sequence[float]]) -> list[Problem]:
+    (fx, _, _), (below, fy, _), last = matrix
+    shape = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
+    problems = []
+    if fx <= 0 or fy <= 0:
+        problems.append(Problem("matrix", f"fx {fx:g}, fy {fy:g}", "positive focal lengths"))
+    if below != 0 or tuple(last) != (0, 0, 1):
+        problems.append(Problem("matrix", f"rows {list(matrix[1])} and {list(last)}", shape))
+    return problems
+
+
+def _outside(camera: Camera, corners: str) -> list[Problem]:
+    """Corners or principal point far out of the picture: as where width and height are swapped."""
+    if camera.image_size_px is None:
+        return []
+    width, height = camera.image_size_px
+    image = f"the image ({width} x {height} px)"
+    remedy = "image_size_px is width, then height."
+    problems = []
+    if any(_beyond(u, width) or _beyond(v, height) for u, v in camera.pool_corners_px):
+        problems.append(Problem("pool_corners_px", corners, f"corners in {image}", remedy))
+    if camera.matrix is not None:
+        cx, cy = camera.matrix[0][2], camera.matrix[1][2]
+        if not (0 <= cx <= width and 0 <= cy <= height):
+            found = f"cx {cx:g}, cy {cy:g}"
+            problems.append(Problem("matrix", found, f"a principal point in {image}", remedy))
+    return problems
+
+
+def _beyond(value: float, size: int) -> bool:
+    return not -MARGIN * size <= value <= (1 + MARGIN) * size
+
+
+def trial_problems(trial: Trial) -> list[Problem]:
+    """Cells of a row that do not go together."""
+    problems = []
+    if trial.reads_keypoints and trial.fps is None:
+        expected = "frames per second; fps is required where the source is a keypoint file"
+        problems.append(Problem("fps", "nothing", expected))
+    if (trial.start_x_px is None) != (trial.start_y_px is None):
+        lacking = "start_x_px" if trial.start_x_px is None else "start_y_px"
+        problems.append(Problem(lacking, "nothing", "start_x_px and start_y_px together"))
+    if trial.start_s is not None and trial.end_s is not None and trial.end_s <= trial.start_s:
+        expected = f"end_s must come after start_s ({trial.start_s:g})"
+        problems.append(Problem("end_s", f"{trial.end_s:g}", expected))
+    return problems

@@ -1,0 +1,195 @@
+"""study.yaml: pool, water, robot, camera, detection; frozen, checked on construction."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic.config import JsonDict
+
+from .rules import camera_problems, refuse, robot_problems, setup_problems
+
+
+def _plain_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("a number, not true or false")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("a finite number")
+    return value
+
+
+Plain = BeforeValidator(_plain_number)
+Positive = Annotated[float, Plain, Field(gt=0, allow_inf_nan=False)]
+Number = Annotated[float, Plain, Field(allow_inf_nan=False)]
+Pixel = tuple[Number, Number]
+Row3 = tuple[Number, Number, Number]
+ImageSize = tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]]
+
+
+def key(meaning: str, unit: str = "", default: Any = ..., **limits: Any) -> Any:
+    """A field with its meaning and unit, from which `check --explain` and the docs are made."""
+    extra: JsonDict = {"unit": unit}
+    if callable(default):
+        return Field(default_factory=default, description=meaning, json_schema_extra=extra)
+    return Field(default, description=meaning, json_schema_extra=extra, **limits)
+
+
+class Section(BaseModel):
+    """Keys that stand together; immutable, and a key that is not listed is refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Pool(Section):
+    """The pool: inner size and water depth."""
+
+    length_m: Positive = key("Inner length, along the x axis of the pool frame.", "m", 2.6)
+    width_m: Positive = key("Inner width, along the y axis of the pool frame.", "m", 1.6)
+    depth_m: Positive = key("Depth of the water.", "m", 0.3)
+
+
+class Water(Section):
+    """The water."""
+
+    density_kg_m3: Positive = key("Density of the water.", "kg/m3", 1000.0)
+    refractive_index: Annotated[float, Plain] = key(
+        "Refractive index of the water against air; 1 switches the correction off.",
+        "1",
+        1.333,
+        ge=1.0,
+        le=2.0,
+    )
+
+
+class Robot(Section):
+    """Lengths, mass and yaw inertia of the robot. The 1x head is the head that others are scaled
+    from.
+    """
+
+    mass_kg: Positive = key("Mass of the robot, without added mass.", "kg")
+    yaw_inertia_kg_m2: Positive = key(
+        "Moment of inertia about the vertical axis through the centre of mass, without added mass.",
+        "kg m2",
+    )
+    body_length_m: Positive = key("Nose to caudal base (root of the tail), with the 1x head.", "m")
+    head_length_m: Positive = key("Length of the 1x head: nose to hinge.", "m")
+    head_span_m: Positive = key(
+        "Vertical extent of the head plate; head area = head length x span.", "m"
+    )
+    hinge_to_com_m: Annotated[float, Plain] = key(
+        "Distance of the centre of mass behind the hinge, on the core axis.",
+        "m",
+        ge=0,
+        allow_inf_nan=False,
+    )
+    tail_length_m: Positive = key("Caudal base (root of the tail) to tail tip.", "m")
+    keypoint_depth_m: Annotated[float, Plain] = key(
+        "Depth of the keypoints below the still water surface. Left out: estimated from the rigid "
+        "lengths where they determine it to 10 mm, else the default.",
+        "m",
+        0.04,
+        ge=0,
+        allow_inf_nan=False,
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Robot:
+        refuse(robot_problems(self))
+        return self
+
+    @property
+    def depth_given(self) -> bool:
+        """Whether study.yaml says how deep the keypoints lie."""
+        return "keypoint_depth_m" in self.model_fields_set
+
+    def aerodynamic_arm_m(self, head_length_m: float) -> float:
+        """Aerodynamic arm l, m, for head length h.
+
+        l = h + hinge_to_com - (body_length + h - head_length) / 4
+        """
+        body = self.body_length_m + head_length_m - self.head_length_m
+        return head_length_m + self.hinge_to_com_m - body / 4
+
+    def head_area_m2(self, head_length_m: float) -> float:
+        """A = head length x span, m2."""
+        return head_length_m * self.head_span_m
+
+    @property
+    def com_to_tail_base_m(self) -> float:
+        """Distance from the centre of mass back to the caudal base on the core axis, m."""
+        return self.body_length_m - self.head_length_m - self.hinge_to_com_m
+
+
+class Camera(Section):
+    """One fixed overhead camera.
+
+    Without `matrix` the pool corners give a homography: no correction of lens or refraction.
+    """
+
+    model: Literal["pinhole", "fisheye"] = key("Lens model, as OpenCV defines it.", "", "pinhole")
+    image_size_px: ImageSize | None = key(
+        "Width and height of the calibration images; required with `matrix`.", "px", None
+    )
+    matrix: tuple[Row3, Row3, Row3] | None = key(
+        "Camera matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], from `bluekoi calibrate`.", "px", None
+    )
+    distortion: tuple[Number, ...] | None = key(
+        "Distortion coefficients in OpenCV's order: pinhole k1, k2, p1, p2, k3 (4, 5, 8, 12 or 14 "
+        "numbers); fisheye k1 to k4.",
+        "1",
+        None,
+    )
+    pool_corners_px: tuple[Pixel, Pixel, Pixel, Pixel] = key(
+        "Pixels [u, v] of the pool's inner corners (0, 0), (length, 0), (length, width), "
+        "(0, width) in the raw frame, as `bluekoi pool` finds them.",
+        "px",
+    )
+    pool_corners_height_m: Number = key(
+        "Height of the corner marks above the water surface.", "m", 0.0
+    )
+
+    @model_validator(mode="after")
+    def _fits(self) -> Camera:
+        refuse(camera_problems(self))
+        return self
+
+
+class Detection(Section):
+    """How keypoints are found in footage."""
+
+    source: str = key(
+        "Detector: `silhouette` (outline of the body) or `markers` (coloured dots).",
+        "",
+        "silhouette",
+    )
+    body: Literal["auto", "rigid", "bending"] = key(
+        "How the body moves: a rigid head and core (`rigid`), a bending midline as of a fish or a "
+        "soft robot (`bending`), or what the footage shows (`auto`).",
+        "",
+        "auto",
+    )
+    marker_hues_deg: dict[str, Annotated[float, Field(ge=0, lt=360)]] = key(
+        "Hue of the dot on each body part, for `markers`.", "deg", dict
+    )
+
+
+class Setup(Section):
+    """The whole of study.yaml."""
+
+    pool: Pool = key("Size of the pool.", "", Pool())
+    water: Water = key("Properties of the water.", "", Water())
+    robot: Robot = key("Dimensions and inertia of the robot.")
+    camera: Camera = key("Lens and position of the camera.")
+    bodyparts: dict[str, str] = key(
+        "Names of the body parts in keypoint files, each after our name for it: "
+        "`head_tip: nose`. Parts not listed keep our names.",
+        "",
+        dict,
+    )
+    detection: Detection = key("How keypoints are found in footage.", "", Detection())
+
+    @model_validator(mode="after")
+    def _fits(self) -> Setup:
+        refuse(setup_problems(self))
+        return self

@@ -1,0 +1,142 @@
+"""Trials and the study that they belong to; frozen, checked on construction."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from ..errors import input_error, nearest
+from .rules import refuse, trial_problems
+from .setup import Section, Setup, key
+
+VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
+KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5")
+
+
+class Trial(Section):
+    """One row of trials.csv; `head_angle_rad` is core minus head, counter-clockwise positive."""
+
+    trial_id: str = key("Name of the trial: unique; letters, digits, `_` and `-`.")
+    source: str = key(
+        "Video (chapters of one recording joined by `;`) or DeepLabCut file (.csv, .h5) in raw "
+        "camera pixels; path relative to the study folder."
+    )
+    power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = key("Motor power.", "%")
+    head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = key(
+        "Commanded head angle phi: direction of the core minus direction of the head, "
+        "counter-clockwise positive seen from above.",
+        "deg",
+    )
+    head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = key(
+        "Nose to hinge in this trial.", "m"
+    )
+    fps: Annotated[float, Field(gt=0, le=10000, allow_inf_nan=False)] | None = key(
+        "Frame rate at which the scene was filmed: required for keypoint files; overrides the "
+        "time stamps of a video. 30000/1001 is written 29.97003.",
+        "frames/s",
+        None,
+    )
+    motor_log: str | None = key(
+        "Csv file `time_s,angle_deg` with the shaft angle every few ms; time 0 is the first frame "
+        "of the recording. One turn is one tail beat.",
+        "",
+        None,
+    )
+    flap_hz: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] | None = key(
+        "Flapping frequency, where there is no motor log.", "Hz", None
+    )
+    start_s: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+        "Start of the part of the recording to use.", "s", None
+    )
+    end_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = key(
+        "End of the part of the recording to use.", "s", None
+    )
+    role: Literal["fit", "held_out"] | None = key(
+        "Whether the trial is used in the fit or held out to test it; left out: chosen by "
+        "condition.",
+        "",
+        None,
+    )
+
+    start_x_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+        "Column of the intended body in the first frame used, where several bodies are in the "
+        "picture; together with start_y_px.",
+        "px",
+        None,
+    )
+    start_y_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+        "Row of the intended body in the first frame used.", "px", None
+    )
+
+    @field_validator("trial_id")
+    @classmethod
+    def _plain(cls, name: str) -> str:
+        if not re.fullmatch(r"[A-Za-z0-9_-]{1,100}", name):
+            raise ValueError("letters, digits, _ and - only, 100 at most")
+        return name
+
+    @model_validator(mode="after")
+    def _fits(self) -> Trial:
+        refuse(trial_problems(self))
+        return self
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """Files of this trial: one, or the chapters of one recording."""
+        return tuple(part.strip() for part in self.source.split(";") if part.strip())
+
+    @property
+    def reads_keypoints(self) -> bool:
+        """Whether the source is a keypoint file rather than footage."""
+        return any(Path(name).suffix.lower() in KEYPOINT_SUFFIXES for name in self.sources)
+
+    @property
+    def start_px(self) -> tuple[float, float] | None:
+        """Where the intended body is in the first frame, px."""
+        if self.start_x_px is None or self.start_y_px is None:
+            return None
+        return self.start_x_px, self.start_y_px
+
+    @property
+    def head_angle_rad(self) -> float:
+        """Commanded head angle phi, rad."""
+        return math.radians(self.head_angle_deg)
+
+    @property
+    def condition(self) -> tuple[float, float, float]:
+        """What repeats share: power, head angle, head length."""
+        return (self.power_pct, self.head_angle_deg, self.head_length_m)
+
+
+class Study(Section):
+    """A checked study folder."""
+
+    root: Path
+    setup: Setup
+    trials: tuple[Trial, ...]
+
+    def trial(self, trial_id: str) -> Trial:
+        """The trial of that id; InputError with the nearest id where there is none."""
+        for trial in self.trials:
+            if trial.trial_id == trial_id:
+                return trial
+        ids = [trial.trial_id for trial in self.trials]
+        raise input_error(
+            self.root / "trials.csv",
+            "",
+            f"no trial '{trial_id}'",
+            "a known trial",
+            nearest(trial_id, ids),
+        )
+
+    def paths(self, trial: Trial) -> tuple[Path, ...]:
+        """Absolute paths of a trial's source files."""
+        return tuple(self.root / name for name in trial.sources)
+
+    def motor_path(self, trial: Trial) -> Path | None:
+        """Absolute path of a trial's motor log, where it has one."""
+        return self.root / trial.motor_log if trial.motor_log else None

@@ -1,0 +1,76 @@
+"""study.yaml as a checked `Setup`."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from ..errors import Finding
+from ..files import read_text
+from .messages import brief, explain
+from .setup import Setup
+
+MAX_BYTES = 250_000
+UNREADABLE = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
+
+
+class _OnceLoader(yaml.SafeLoader):
+    """Plain yaml, in which a key stands once."""
+
+
+def _mapping(loader: _OnceLoader, node: yaml.MappingNode) -> dict[Hashable, Any]:
+    names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+    if len(set(names)) < len(names):
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = next(key for i, key in enumerate(keys) if key.value in names[:i])
+        raise yaml.constructor.ConstructorError(
+            None, None, f"the key '{twice.value}' stands twice", twice.start_mark
+        )
+    return loader.construct_mapping(node, deep=True)
+
+
+_OnceLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+
+
+def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
+    """The setup in a study.yaml; None where something is wrong, told in `findings`."""
+    content = _content(path, findings)
+    if content is None:
+        return None
+    try:
+        return Setup.model_validate(content)
+    except ValidationError as error:
+        findings.extend(explain(str(path), error, Setup))
+    except RecursionError:
+        findings.append(Finding(str(path), "", "values nested without end", "plain yaml"))
+    return None
+
+
+def lacks_corners(path: Path) -> bool:
+    """Whether a study.yaml that can be read says nothing yet of where the pool's corners are."""
+    content = _content(path, [])
+    camera = content.get("camera") if content is not None else None
+    known = {"pool_corners_px", "homography"}
+    return content is not None and not (isinstance(camera, dict) and known & set(camera))
+
+
+def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
+    try:
+        # A subclass of SafeLoader: plain values only, no Python objects.
+        content = yaml.load(read_text(path, MAX_BYTES), _OnceLoader)  # noqa: S506
+    except FileNotFoundError:
+        findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
+        return None
+    except UNREADABLE as error:
+        reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
+        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "yaml in UTF-8"))
+        return None
+    if not isinstance(content, dict):
+        found = "an empty file" if content is None else brief(content)
+        findings.append(Finding(str(path), "", found, "keys pool, robot, camera and others"))
+        return None
+    return content

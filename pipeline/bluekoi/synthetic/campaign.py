@@ -1,0 +1,181 @@
+"""Whole studies on disk: study.yaml, trials.csv, videos, motor logs, and the truth apart."""
+
+import csv
+import io
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from bluekoi.files import read_json, whole_file, write_json, write_text
+from bluekoi.synthetic.design import Design
+from bluekoi.synthetic.encode import write_video
+from bluekoi.synthetic.film import frames_of, visible
+from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
+from bluekoi.synthetic.optics import pool_corners
+from bluekoi.synthetic.seal import seal
+from bluekoi.synthetic.trial import (
+    Trial,
+    camera_at,
+    frame_truth,
+    generator,
+    mean_path,
+    prepare,
+    summary,
+)
+
+__all__ = [
+    "render_study",
+    "render_trial",
+    "seal_truth",
+    "sealed_truth",
+    "study_contents",
+    "trial_truth",
+    "write_motor",
+    "write_study_files",
+    "write_truth",
+]
+
+Progress = Callable[[str, int, int], None]
+
+
+def _silent(*_: object) -> None:
+    return None
+
+
+def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
+    """Write `ID.npz` (per frame) and `ID.json` (steady figures, laws) to the truth folder."""
+    name = trial.plan.trial_id
+    with whole_file(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
+        truth = frame_truth(design, trial)
+        seen = visible(design, trial, truth["keypoints_px"])
+        np.savez_compressed(out, **{**truth, "visible": seen})  # type: ignore[arg-type]
+    write_json(truth_folder / f"{name}.json", trial_truth(trial))
+
+
+def trial_truth(trial: Trial) -> dict[str, Any]:
+    """What is true of one trial: steady figures, mean path, laws."""
+    laws = {"tank": asdict(trial.tank), "run": asdict(trial.run)}
+    return {**summary(trial), "mean_path": mean_path(trial), **laws}
+
+
+def sealed_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> tuple[str, bytes]:
+    """SHA-256 and bytes of a study's whole truth, as a report can lay it beside its findings.
+
+    `hidden`: what the paper's model lacks, by cause; `coefficients`: by name, or by power and name.
+    """
+    tank = design.tank
+    fin = {"S": tank.fin.area_m2 * tank.fin.lift_slope, "a": tank.fin.arm_m} if tank.fin else {}
+    common = {power: asdict(c) for power, c in design.coefficients_at.items()}
+    return seal(
+        {
+            "hidden": {**({"tail_fin_lift": fin} if fin else {}), **tank.hidden},
+            "coefficients": common or asdict(tank.coefficients),
+            "design": asdict(design),
+            "trials": trials,
+        }
+    )
+
+
+def render_trial(
+    design: Design, trial_id: str, folder: Path, truth_folder: Path, *, threads: int = 1
+) -> Path:
+    """The path of the trial's video, written with its motor log and its truth."""
+    trial, state = prepare(design, trial_id), design.conditions
+    video = folder / "videos" / f"{trial_id}.mp4"
+    video.parent.mkdir(parents=True, exist_ok=True)
+    write_video(
+        video,
+        frames_of(design, trial),
+        size_px=state.size_px,
+        codec=state.codec,
+        mbit_s=state.mbit_s,
+        preset=state.preset,
+        threads=threads,
+    )
+    write_motor(design, trial, folder)
+    write_truth(design, trial, truth_folder)
+    return video
+
+
+def write_motor(design: Design, trial: Trial, folder: Path) -> None:
+    """Write `motor/ID.csv` of a trial."""
+    rng = generator(design, trial.plan.trial_id, "motor")
+    rows = motor_angles(trial.motion, float(trial.time_s[-1]), rng)
+    write_motor_log(folder / "motor" / f"{trial.plan.trial_id}.csv", rows)
+
+
+def study_contents(design: Design) -> dict[str, Any]:
+    """Content of study.yaml: pool, water, robot, camera with the corners it sees."""
+    camera, tank = camera_at(design, -1.0), design.tank
+    (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
+    corners = pool_corners(camera, tank.pool_m)
+    length, width = tank.pool_m
+    return {
+        "pool": {"length_m": length, "width_m": width, "depth_m": design.pool_depth_m},
+        "water": {
+            "density_kg_m3": tank.density_kg_m3,
+            "refractive_index": camera.index_water,
+        },
+        "robot": asdict(tank.robot),
+        "camera": {
+            "model": camera.lens,
+            "image_size_px": list(camera.size_px),
+            "matrix": [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]],
+            "distortion": list(camera.distortion),
+            "pool_corners_px": [[round(float(v), 4) for v in corner] for corner in corners],
+            "pool_corners_height_m": 0.0,
+        },
+    }
+
+
+def write_study_files(design: Design, folder: Path, *, source: str, fps: float | None) -> None:
+    """Write study.yaml and trials.csv; `source` is e.g. `videos/{}.mp4`, `fps` for keypoints."""
+    write_text(folder / "study.yaml", yaml.safe_dump(study_contents(design), sort_keys=False))
+    header = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header + (["fps"] if fps else []))
+    for plan in design.plans:
+        name = plan.trial_id
+        row = [name, source.format(name), plan.power_pct, plan.head_angle_deg]
+        row += [plan.head_length_m, f"motor/{name}.csv"]
+        writer.writerow(row + ([f"{fps:.5f}"] if fps else []))
+    write_text(folder / "trials.csv", text.getvalue())
+
+
+def seal_truth(design: Design, folder: Path, truth_folder: Path) -> str:
+    """Hash of the study's whole truth (all trials' json), written as `truth.sha256`.
+
+    The sealed bytes themselves are `truth.json` in the truth folder.
+    """
+    trials = [read_json(truth_folder / f"{plan.trial_id}.json") for plan in design.plans]
+    digest, content = sealed_truth(design, trials)
+    with whole_file(truth_folder / "truth.json") as path:
+        path.write_bytes(content)
+    write_text(folder / "truth.sha256", digest + "\n")
+    return digest
+
+
+def render_study(
+    design: Design,
+    folder: Path,
+    truth_folder: Path,
+    *,
+    workers: int = 2,
+    progress: Progress = _silent,
+) -> str:
+    """Hash of the sealed truth of a whole study, rendered to a folder; truth goes elsewhere."""
+    write_study_files(design, folder, source="videos/{}.mp4", fps=None)
+    names = [plan.trial_id for plan in design.plans]
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        jobs = {pool.submit(render_trial, design, n, folder, truth_folder): n for n in names}
+        for done, job in enumerate(as_completed(jobs), start=1):
+            job.result()
+            progress(jobs[job], done, len(names))
+    return seal_truth(design, folder, truth_folder)

@@ -1,0 +1,96 @@
+"""What makes footage easy or hard: light, noise, blur, compression, and things in the way."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from bluekoi.errors import input_error, nearest
+
+__all__ = ["LADDER", "Conditions", "conditions"]
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """State of light, camera and pool during one recording.
+
+    noise, chroma_noise     rms of the sensor noise, grey levels of 255
+    caustics                rms of the moving light on the floor, share of the brightness
+    glare_spots, glare      lamps mirrored in the surface: how many, how bright (grey levels)
+    contrast                1: the robot's own colours; below: nearer to the floor's
+    exposure_s, sub_frames  shutter time, and how many poses are averaged over it
+    mbit_s, codec, preset   stream: bit rate at this size, `h264` or `hevc`, encoder's preset
+    shadow, markers         the robot's shadow on the floor; coloured dots on its keypoints
+    occluder, hand, second_body   a bar across the pool; a hand reaching in; another moving body
+    view_shift_m            camera aimed past the pool by this much: the robot leaves the picture
+    nudge_at_s, nudge_deg   the camera is knocked then, by this angle
+    """
+
+    size_px: tuple[int, int] = (1920, 1080)
+    codec: str = "h264"
+    mbit_s: float = 45.0
+    preset: str = "ultrafast"
+    noise: float = 2.0
+    chroma_noise: float = 1.0
+    caustics: float = 0.06
+    glare_spots: int = 2
+    glare: float = 90.0
+    contrast: float = 1.0
+    exposure_s: float = 1 / 240
+    sub_frames: int = 4
+    shadow: bool = True
+    markers: bool = False
+    occluder: bool = False
+    hand: bool = False
+    second_body: bool = False
+    view_shift_m: float = 0.0
+    nudge_at_s: float | None = None
+    nudge_deg: float = 0.25
+
+
+CALM = Conditions(
+    noise=1.0,
+    chroma_noise=0.5,
+    caustics=0.03,
+    glare_spots=0,
+    exposure_s=1 / 480,
+    sub_frames=3,
+    mbit_s=60.0,
+)
+MIDDLE = Conditions()
+HARD = Conditions(
+    noise=5.0,
+    chroma_noise=2.5,
+    caustics=0.16,
+    glare_spots=4,
+    glare=170.0,
+    contrast=0.6,
+    exposure_s=1 / 60,
+    sub_frames=6,
+    mbit_s=12.0,
+    preset="superfast",
+)
+
+LADDER: Mapping[str, Conditions] = {
+    "calm": CALM,
+    "middle": MIDDLE,
+    "hard": HARD,
+    "noise": replace(MIDDLE, noise=6.0, chroma_noise=3.0),
+    "glare": replace(MIDDLE, glare_spots=6, glare=200.0),
+    "caustics": replace(MIDDLE, caustics=0.18),
+    "blur": replace(MIDDLE, exposure_s=1 / 48, sub_frames=8),
+    "compression": replace(MIDDLE, mbit_s=8.0),
+    "occluder": replace(MIDDLE, occluder=True),
+    "hand": replace(MIDDLE, hand=True),
+    "second_body": replace(MIDDLE, second_body=True),
+    "leaving": replace(MIDDLE, view_shift_m=1.2),
+    "nudged": replace(MIDDLE, nudge_at_s=1.5),
+    "markers": replace(MIDDLE, markers=True),
+}
+
+
+def conditions(
+    step: str, *, size_px: tuple[int, int] = (1920, 1080), codec: str = "h264"
+) -> Conditions:
+    """A step of the detection ladder by name, at a picture size and codec."""
+    if step not in LADDER:
+        raise input_error("conditions", "step", step, "a known step", nearest(step, LADDER))
+    return replace(LADDER[step], size_px=size_px, codec=codec)

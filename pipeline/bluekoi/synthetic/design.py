@@ -1,0 +1,114 @@
+"""Which trials a study has, under which laws, filmed how."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from bluekoi.synthetic.conditions import MIDDLE, Conditions
+from bluekoi.synthetic.laws import Coefficients, Tank, bare_tank
+from bluekoi.synthetic.optics import Camera, gopro_like
+
+__all__ = ["TABLE_1", "Design", "Plan", "bare_design", "demo_design", "ladder_design"]
+
+FLAP_HZ: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
+TABLE_1: Mapping[int, Coefficients] = {
+    50: Coefficients(C_Da=0.3, C_Md=0.145),
+    75: Coefficients(C_Da=2.5, C_Md=0.130),
+    100: Coefficients(C_Da=4.0, C_Md=0.104),
+}
+LONGEST_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One trial as ordered: power (%), head angle (deg) and length (m), longest duration (s)."""
+
+    trial_id: str
+    power_pct: int
+    head_angle_deg: float
+    head_length_m: float
+    longest_s: float
+
+
+@dataclass(frozen=True)
+class Design:
+    """A whole study: its trials, the laws of its tank, its camera and conditions, its seed.
+
+    `coefficients_at` replaces the tank's coefficients at a power (Table I); `flap_spread` is the
+    relative spread of the beat frequency between trials.
+    """
+
+    name: str
+    plans: tuple[Plan, ...]
+    tank: Tank
+    seed: int
+    camera: Camera = field(default_factory=gopro_like)
+    conditions: Conditions = MIDDLE
+    coefficients_at: Mapping[int, Coefficients] = field(default_factory=dict)
+    flap_hz: Mapping[int, float] = field(default_factory=lambda: dict(FLAP_HZ))
+    flap_spread: float = 0.004
+    water_rms_m_s: float = 0.0
+    pool_depth_m: float = 0.3
+    wall_margin_m: float = 0.09
+
+    def plan(self, trial_id: str) -> Plan:
+        """The plan of a trial; raises KeyError for an unknown one."""
+        return {plan.trial_id: plan for plan in self.plans}[trial_id]
+
+
+def _plans(
+    powers: tuple[int, ...],
+    settings: tuple[tuple[float, float], ...],
+    longest_s: Mapping[int, float],
+) -> tuple[Plan, ...]:
+    rows = [(power, angle, head) for power in powers for angle, head in settings]
+    return tuple(
+        Plan(f"T{number:02d}", power, angle, head, longest_s[power])
+        for number, (power, angle, head) in enumerate(rows, start=1)
+    )
+
+
+FULL = (
+    (0.0, 0.12),
+    (0.0, 0.12),
+    (0.0, 0.175),
+    (30.0, 0.12),
+    (-30.0, 0.12),
+    (45.0, 0.12),
+    (-45.0, 0.12),
+    (45.0, 0.175),
+)
+
+
+def demo_design(seed: int = 11) -> Design:
+    """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping hidden."""
+    tank = Tank(hidden={"linear_yaw_damping": {"N_r": 0.03}})
+    plans = _plans((50, 75, 100), FULL, LONGEST_S)
+    return Design("demo", plans, tank, seed, water_rms_m_s=0.001)
+
+
+def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
+    """12 trials of the paper's bare model, nothing hidden, still water; Table I per power if asked.
+
+    With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
+    """
+    settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
+    plans = _plans((50, 75, 100), settings, LONGEST_S)
+    at = TABLE_1 if table_1 else {}
+    name = "table_1" if table_1 else "bare"
+    return Design(name, plans, bare_tank(Tank()), seed, coefficients_at=at)
+
+
+def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> Design:
+    """Three trials (straight, turn to either side) filmed under the given conditions."""
+    plans = (
+        Plan("T01", 100, 0.0, 0.12, longest_s),
+        Plan("T02", 75, 30.0, 0.12, longest_s),
+        Plan("T03", 100, -45.0, 0.175, longest_s),
+    )
+    return replace(demo_design(seed), name="ladder", plans=plans, conditions=state)
+
+
+def head_angle_rad(plan: Plan) -> float:
+    """The plan's head angle in radians."""
+    return math.radians(plan.head_angle_deg)

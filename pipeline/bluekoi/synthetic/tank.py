@@ -1,0 +1,132 @@
+"""Motion of the robot in a pool that obeys known laws: its own equations, solved finely.
+
+Written apart from the analysis (it shares no code with `bluekoi.model`), from the same
+published equations, so that an error in either shows as a disagreement.
+
+The state is `(x, y, psi, vx, vy, psi_dot, beat)`: centre of mass (m), heading of the core (rad),
+their rates, and the phase of the tail beat (rad).  The head points along `theta = psi - phi`.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from bluekoi.synthetic.hidden import Drive, Situation, change_drive, extra_current, extra_load
+from bluekoi.synthetic.laws import (
+    Recoil,
+    Run,
+    Tank,
+    aerodynamic_arm,
+    fin_load,
+    plate_load,
+    thrust,
+)
+from bluekoi.synthetic.water import current
+
+__all__ = ["Motion", "recoil_of", "simulate", "steady_turn"]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A solved trial: `mean(t)` gives the state without recoil, `pose(t)` with it.
+
+    `duration_s` is the last time solved for; earlier than 0 the robot lies at its start.
+    """
+
+    duration_s: float
+    dense: Callable[[np.ndarray], np.ndarray]
+    head_angle: Callable[[np.ndarray], np.ndarray]
+    recoil: Recoil | None
+
+    def mean(self, time_s: np.ndarray) -> np.ndarray:
+        """State without recoil, `(times, 7)`, of times (s)."""
+        return self.dense(np.clip(time_s, 0.0, self.duration_s)).T
+
+    def pose(self, time_s: np.ndarray) -> np.ndarray:
+        """Pose with recoil, `(times, 5)`: x, y (m); core heading, head angle, beat (rad)."""
+        state = self.mean(time_s)
+        sway, turn = recoil_of(self.recoil, time_s, state[:, 6])
+        psi = state[:, 2] + turn
+        x = state[:, 0] - sway * np.sin(state[:, 2])
+        y = state[:, 1] + sway * np.cos(state[:, 2])
+        return np.stack([x, y, psi, self.head_angle(time_s), state[:, 6]], axis=1)
+
+
+def recoil_of(
+    recoil: Recoil | None, time_s: np.ndarray, beat: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Sway (m, to the left of the core) and heading (rad) of the recoil, each `(times,)`."""
+    if recoil is None:
+        return np.zeros_like(beat), np.zeros_like(beat)
+    onset = 1 - np.exp(-np.clip(time_s, 0.0, None) / recoil.onset_s)
+    sway = recoil.sway_m * onset * np.sin(beat)
+    return sway, recoil.heading_rad * onset * np.sin(beat - recoil.lag_rad)
+
+
+def situation_of(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> Situation:
+    """What the laws of force see at one instant, water motion taken off the velocity."""
+    place = complex(state[0], state[1])
+    drive = change_drive(tank.hidden, time_s, Drive(run.flap_hz, run.head_angle_rad))
+    moving = current(tank.eddies, time_s, place) + extra_current(tank.hidden, time_s, place)
+    return Situation(
+        time_s=time_s,
+        place=place,
+        psi=float(state[2]),
+        theta=float(state[2]) - drive.head_angle_rad,
+        velocity=complex(state[3], state[4]) - moving,
+        yaw_rate=float(state[5]),
+        plate_area_m2=run.head_length_m * tank.robot.head_span_m,
+        arm_m=aerodynamic_arm(tank.robot, run.head_length_m),
+        drive=drive,
+        pool_m=tank.pool_m,
+        density_kg_m3=tank.density_kg_m3,
+    )
+
+
+def rates(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> list[float]:
+    """Time derivative of the state (eq. 8 with whatever the tank adds)."""
+    now = situation_of(tank, run, time_s=time_s, state=state)
+    hidden_force, hidden_moment, now = extra_load(tank.hidden, now)
+    plate_force, plate_moment = plate_load(tank, now)
+    fin_force, fin_moment = fin_load(tank, now)
+    force = thrust(tank, now.drive, now) * now.thrust_gain + plate_force + fin_force + hidden_force
+    damping = -tank.coefficients.C_Md * now.yaw_rate * abs(now.yaw_rate)
+    moment = plate_moment + damping + fin_moment + hidden_moment
+    a = force / tank.robot.mass_kg
+    turn = moment / tank.robot.yaw_inertia_kg_m2
+    beat = 2 * math.pi * now.drive.flap_hz
+    return [state[3], state[4], state[5], a.real, a.imag, turn, beat]
+
+
+def simulate(tank: Tank, run: Run, duration_s: float, *, rtol: float = 1e-9) -> Motion:
+    """The trial from rest at `run.start`, by DOP853 with dense output."""
+    start = [*run.start, 0.0, 0.0, 0.0, run.start_beat_rad]
+    solution = solve_ivp(
+        lambda t, s: rates(tank, run, time_s=t, state=s),
+        (0.0, duration_s),
+        start,
+        method="DOP853",
+        rtol=rtol,
+        atol=1e-10,
+        max_step=0.05,
+        dense_output=True,
+    )
+
+    def head_angle(time_s: np.ndarray) -> np.ndarray:
+        rest = Drive(run.flap_hz, run.head_angle_rad)
+        at = np.clip(np.atleast_1d(time_s), 0.0, duration_s)
+        return np.array([change_drive(tank.hidden, t, rest).head_angle_rad for t in at])
+
+    return Motion(duration_s, solution.sol, head_angle, tank.recoil)
+
+
+def steady_turn(tank: Tank, run: Run, *, settle_s: float = 16.0) -> tuple[float, float]:
+    """Speed (m/s) and radius (m, infinite when straight) that the trial tends to in still water."""
+    still = replace(tank, eddies=(), pool_m=(1e3, 1e3))
+    away = replace(run, start=(500.0, 500.0, 0.0))
+    state = simulate(still, away, settle_s, rtol=1e-8).mean(np.array([settle_s]))[0]
+    speed = math.hypot(state[3], state[4])
+    return speed, speed / abs(state[5]) if abs(state[5]) > 1e-6 else math.inf

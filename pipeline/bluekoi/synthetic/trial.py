@@ -1,0 +1,207 @@
+"""One trial before it is filmed: where it starts, how it moves, and what is true in each frame."""
+
+import math
+import zlib
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from bluekoi.synthetic.body import keypoints
+from bluekoi.synthetic.design import Design, Plan
+from bluekoi.synthetic.encode import GOPRO_RATE
+from bluekoi.synthetic.laws import Run, Tank
+from bluekoi.synthetic.optics import Camera, nudged, project, resized
+from bluekoi.synthetic.tank import Motion, simulate, steady_turn
+from bluekoi.synthetic.water import draw_eddies
+
+__all__ = [
+    "Trial",
+    "camera_at",
+    "frame_truth",
+    "free_until",
+    "generator",
+    "mean_path",
+    "pixels_of",
+    "placed",
+    "prepare",
+    "summary",
+]
+
+HEADINGS = 72
+CHECK_STEP_S = 0.05
+STEADY_SHARE = 0.3
+PATH_STEP_S = 0.05
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A solved trial: plan, laws, start, motion, and its frame times (s, mid-exposure)."""
+
+    plan: Plan
+    tank: Tank
+    run: Run
+    motion: Motion
+    time_s: np.ndarray
+
+
+def generator(design: Design, trial_id: str, purpose: str) -> np.random.Generator:
+    """Random numbers for one purpose in one trial, the same in every run."""
+    return np.random.default_rng([design.seed, zlib.crc32(f"{trial_id}/{purpose}".encode())])
+
+
+def _path(tank: Tank, plan: Plan, motion: Motion, until_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Check times and the keypoints `(times, 5)` at them (x + i y, m)."""
+    time_s = np.arange(0, until_s + 1e-9, CHECK_STEP_S)
+    return time_s, keypoints(tank.robot, plan.head_length_m, motion.pose(time_s))
+
+
+def _room_until(points: np.ndarray, room: tuple[float, float]) -> int:
+    """How many of the first rows of keypoints fit together into a rectangle."""
+    wide = np.maximum.accumulate(points.real.max(1)) - np.minimum.accumulate(points.real.min(1))
+    high = np.maximum.accumulate(points.imag.max(1)) - np.minimum.accumulate(points.imag.min(1))
+    out = np.flatnonzero((wide > room[0]) | (high > room[1]))
+    return int(out[0]) if len(out) else len(points)
+
+
+def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, float, float]:
+    """A start from which the path stays off the walls for as long as can be."""
+    rng = generator(design, plan.trial_id, "start")
+    far = replace(tank, eddies=(), pool_m=(1e3, 1e3))
+    away = replace(run, start=(500.0, 500.0, 0.0))
+    motion = simulate(far, away, plan.longest_s, rtol=1e-7)
+    points = _path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
+    return placed(design, tank.pool_m, points, rng)
+
+
+def placed(
+    design: Design, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
+) -> tuple[float, float, float]:
+    """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
+    room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
+    turns = rng.permutation(np.arange(HEADINGS)) * (2 * math.pi / HEADINGS)
+    fits = [_room_until(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
+    best = int(np.argmax(fits))
+    kept = (points * np.exp(1j * turns[best]))[: fits[best]]
+    place = []
+    for side, values in zip(pool_m, (kept.real, kept.imag), strict=True):
+        low, high = float(values.min()), float(values.max())
+        slack = side - 2 * design.wall_margin_m - (high - low)
+        place.append(design.wall_margin_m - low + slack * rng.uniform(0.3, 0.7))
+    return place[0], place[1], float(turns[best])
+
+
+def free_until(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
+    """Time (s) until which every keypoint keeps half the margin to the walls."""
+    time_s, points = _path(tank, plan, motion, plan.longest_s)
+    gap = np.minimum(
+        np.minimum(points.real, tank.pool_m[0] - points.real),
+        np.minimum(points.imag, tank.pool_m[1] - points.imag),
+    ).min(axis=1)
+    hit = np.flatnonzero(gap < 0.5 * design.wall_margin_m)
+    return float(time_s[hit[0] - 1]) if len(hit) else plan.longest_s
+
+
+def prepare(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Trial:
+    """The solved trial of a design, from its seed."""
+    plan = design.plan(trial_id)
+    rng = generator(design, trial_id, "motion")
+    tank = replace(
+        design.tank,
+        coefficients=design.coefficients_at.get(plan.power_pct, design.tank.coefficients),
+        eddies=draw_eddies(rng, design.water_rms_m_s),
+    )
+    run = Run(
+        flap_hz=design.flap_hz[plan.power_pct] * (1 + design.flap_spread * rng.standard_normal()),
+        head_angle_rad=math.radians(plan.head_angle_deg),
+        head_length_m=plan.head_length_m,
+        start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
+    )
+    run = replace(run, start=_start(design, tank, plan, run))
+    motion = simulate(tank, run, plan.longest_s)
+    frames = int(free_until(design, tank, plan, motion) * rate) + 1
+    return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))
+
+
+def camera_at(design: Design, time_s: float) -> Camera:
+    """The design's camera at its picture size, before or after the knock."""
+    state = design.conditions
+    camera = resized(design.camera, state.size_px)
+    if state.view_shift_m:
+        x, y, z = camera.centre_m
+        camera = replace(camera, centre_m=(x + state.view_shift_m, y, z))
+    if state.nudge_at_s is None or time_s < state.nudge_at_s:
+        return camera
+    turn = (0.6 * state.nudge_deg, -0.5 * state.nudge_deg, 0.6 * state.nudge_deg)
+    return nudged(camera, (0.001, -0.0015, 0.0), turn)
+
+
+def pixels_of(
+    design: Design, trial: Trial, points: np.ndarray, *, sinking_m_s: float = 0.0
+) -> np.ndarray:
+    """Pixels `(frames, 5, 2)` of keypoints `(frames, 5)` (x + i y, m) at the keypoint depth."""
+    flat = points.ravel()
+    deeper = sinking_m_s * np.clip(trial.time_s, 0.0, None)
+    depth = trial.tank.robot.keypoint_depth_m + np.repeat(deeper, points.shape[1])
+    place = np.column_stack([flat.real, flat.imag, -depth])
+    before = project(camera_at(design, -1.0), place).reshape(*points.shape, 2)
+    if design.conditions.nudge_at_s is None:
+        return before
+    after = project(camera_at(design, math.inf), place).reshape(*points.shape, 2)
+    return np.where((trial.time_s >= design.conditions.nudge_at_s)[:, None, None], after, before)
+
+
+def frame_truth(design: Design, trial: Trial) -> dict[str, np.ndarray]:
+    """What is true in each frame: arrays by name, first axis the frames.
+
+    `pose` and `mean` hold x, y (m) and core heading (rad) with and without recoil;
+    `velocity` (m/s) and `yaw_rate` (rad/s) are those of the mean motion.
+    """
+    pose, mean = trial.motion.pose(trial.time_s), trial.motion.mean(trial.time_s)
+    points = keypoints(trial.tank.robot, trial.plan.head_length_m, pose)
+    return {
+        "time_s": trial.time_s,
+        "keypoints_px": pixels_of(design, trial, points),
+        "keypoints_m": np.stack([points.real, points.imag], axis=-1),
+        "pose": pose[:, :3],
+        "head_angle_rad": pose[:, 3],
+        "beat_rad": pose[:, 4],
+        "mean": mean[:, :3],
+        "velocity": mean[:, 3:5],
+        "yaw_rate": mean[:, 5],
+    }
+
+
+def summary(trial: Trial) -> dict[str, float | str | None]:
+    """Steady figures of a trial: over its last 30 %, and those it tends to in still water.
+
+    Radii (m) are speed over rate of course, None for straight trials.
+    """
+    end = float(trial.time_s[-1])
+    time_s = np.linspace((1 - STEADY_SHARE) * end, end, 400)
+    mean = trial.motion.mean(time_s)
+    speed = np.hypot(mean[:, 3], mean[:, 4])
+    course = np.unwrap(np.arctan2(mean[:, 4], mean[:, 3]))
+    turn = abs(course[-1] - course[0]) / (time_s[-1] - time_s[0])
+    limit_speed, limit_radius = steady_turn(trial.tank, trial.run)
+    turning = trial.plan.head_angle_deg != 0
+    return {
+        "trial_id": trial.plan.trial_id,
+        "duration_s": end,
+        "flap_hz": trial.run.flap_hz,
+        "steady_from_s": float(time_s[0]),
+        "speed_m_s": float(speed.mean()),
+        "radius_m": float(speed.mean() / turn) if turning else None,
+        "limit_speed_m_s": limit_speed,
+        "limit_radius_m": limit_radius if turning and math.isfinite(limit_radius) else None,
+    }
+
+
+def mean_path(trial: Trial) -> dict[str, list[float]]:
+    """Mean motion, the tail-beat recoil left out: every 0.05 s place (m) and velocity (m/s)."""
+    end = float(trial.time_s[-1])
+    time_s = np.append(np.arange(0.0, end, PATH_STEP_S), end)
+    mean = trial.motion.mean(time_s)
+    columns = {"x_m": 0, "y_m": 1, "vx_m_s": 3, "vy_m_s": 4}
+    values = {name: mean[:, k] for name, k in columns.items()}
+    return {k: np.round(v, 6).tolist() for k, v in {"time_s": time_s, **values}.items()}

@@ -1,0 +1,109 @@
+"""Measured trials of a study as the fit takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..data import Flapping, Float, Pose, Track, poorly_seen
+from ..fitting import Series
+from ..model import constants, plates
+from ..study import Setup, Study, Trial
+
+OUTLIER_SIGMA = 6.0
+SERVO_STD_RAD = 0.01  # ASSUME a commanded head angle is reached to 0.6 degrees, anew each trial
+START_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
+"""Of the place as much as the centre of mass may be off the keypoint."""
+
+
+def study_series(
+    study: Study,
+    poses: Mapping[str, Pose],
+    tracks: Mapping[str, Track],
+    flapping: Mapping[str, Flapping],
+) -> list[Series]:
+    """A `Series` for every trial that has a pose, a track and a flapping frequency."""
+    return [
+        trial_series(trial, study.setup, poses[i], tracks[i], flapping[i])
+        for trial in study.trials
+        for i in [trial.trial_id]
+        if i in poses and i in tracks and i in flapping
+    ]
+
+
+def trial_series(
+    trial: Trial, setup: Setup, pose: Pose, track: Track, flapping: Flapping
+) -> Series:
+    """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
+    what was commanded.
+
+    The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
+    its error is the servo's and the keypoints', the same in every frame.
+    """
+    first, last = track.time_s[0] - 1e-6, track.time_s[-1] + 1e-6
+    inside = (pose.time_s >= first) & (pose.time_s <= last)
+    times = pose.time_s[inside]
+    seen = _without_recoil(pose.values[inside], times, track)
+    noise = pose.cov[inside].copy()
+    noise[:, 3, :3] = noise[:, :3, 3] = 0.0
+    noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
+    unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _outlying(seen, noise, times, track)
+    unusable |= _hardly_seen(noise, unusable)
+    seen[unusable] = np.nan
+    noise[unusable] = np.eye(4)
+    start = _start(times, track)
+    return Series(
+        name=trial.trial_id,
+        group=format(trial.power_pct, "g"),
+        condition=condition(trial),
+        times=times - pose.time_s[0],
+        inputs=np.tile([trial.head_angle_rad, flapping.flap_hz], (len(times), 1)),
+        constants=constants(setup, trial.head_length_m, heading_rad=start[2]),
+        seen=seen,
+        noise=noise,
+        mean=np.concatenate([start, np.zeros(len(plates().all_states) - 6)]),
+        cov=np.diag(np.concatenate([START_STD, np.full(len(plates().all_states) - 6, 1e-6)]) ** 2),
+    )
+
+
+def condition(trial: Trial) -> str:
+    """What repeats of a trial share, both turning sides apart: `50 % -30 deg 0.12 m`."""
+    return f"{trial.power_pct:g} % {trial.head_angle_deg:g} deg {trial.head_length_m:g} m"
+
+
+def _without_recoil(values: Float, times: Float, track: Track) -> Float:
+    out = values.copy()
+    for i in range(3):
+        out[:, i] -= np.interp(times, track.time_s, track.recoil[:, i])
+    smooth = np.interp(times, track.time_s, track.heading_rad)
+    out[:, 2] += 2 * np.pi * np.round((smooth - out[:, 2]) / (2 * np.pi))
+    return out
+
+
+def _outlying(seen: Float, noise: Float, times: Float, track: Track) -> np.ndarray:
+    """Frames where x, y or heading lies far from the smoothed track, by robust deviation."""
+    smooth = [np.interp(times, track.time_s, k) for k in (track.x_m, track.y_m, track.heading_rad)]
+    off = (seen[:, :3] - np.column_stack(smooth)) / np.sqrt(np.einsum("nii->ni", noise[:, :3, :3]))
+    spread = 1.4826 * np.nanmedian(np.abs(off), axis=0)
+    return np.any(np.abs(off) > OUTLIER_SIGMA * np.maximum(spread, 1e-9), axis=1)
+
+
+def _hardly_seen(noise: Float, unusable: np.ndarray) -> np.ndarray:
+    """Frames whose x, y or heading is poorly seen (two labels that changed places: 35 mm in place
+    of 0.2); in the fit a frame is averaged evenly with its neighbours.
+    """
+    variance = np.einsum("nii->ni", noise[:, :3, :3])
+    usual = np.median(variance[~unusable], axis=0) if not unusable.all() else np.inf
+    return np.any(poorly_seen(variance, usual), axis=1)
+
+
+def _start(times: Float, track: Track) -> Float:
+    """x, y, heading, surge, sway, yaw rate at the first frame, from the track."""
+    at = [
+        float(np.interp(times[0], track.time_s, value))
+        for value in (track.x_m, track.y_m, track.heading_rad, track.vx_m_s, track.vy_m_s,
+                      track.yaw_rate_rad_s)
+    ]  # fmt: skip
+    c, s = np.cos(at[2]), np.sin(at[2])
+    return np.array([*at[:3], at[3] * c + at[4] * s, at[4] * c - at[3] * s, at[5]])

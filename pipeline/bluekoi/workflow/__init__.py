@@ -1,0 +1,1 @@
+"""What the Snakefile calls: the plan of a run, its fingerprints, its processes, its progress."""

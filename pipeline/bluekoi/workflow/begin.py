@@ -1,0 +1,76 @@
+"""How a run begins: its plan, its lock, the shell that its jobs start in."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, printable
+from .lock import forget_stale, hold, sweep
+from .plan import Plan, make_plan
+from .preload import Preloaded, preload
+from .progress import Progress, follow
+from .provenance import PACKAGE
+from .settings import check_settings
+
+__all__ = [
+    "Plan",
+    "Preloaded",
+    "Progress",
+    "begin",
+    "follow",
+    "preload",
+    "shell_prefix",
+    "without_rate_limit",
+]
+
+
+def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
+    """Plan of the run that Snakemake is about to make; ends it with a message on an input error.
+
+    A run holds its results folder, removes the locks and half-written files that a killed run left,
+    and the markers of batches with a trial that is out of date. A dry run only lists these trials.
+    """
+    main, dry = workflow.is_main_process, workflow.output_settings.dryrun
+    try:
+        plan = make_plan(check_settings(config, schema))
+        if not main:
+            return replace(plan, rehearsed=False)
+        if not dry:
+            plan = replace(plan, rehearsed=False, lock=hold(plan.results))
+    except InputError as error:
+        sys.stderr.write(printable(str(error)) + "\n")
+        sys.exit(1)
+    if dry:
+        for stage, names in plan.due.items():
+            if names:
+                sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
+        return plan
+    forget_stale(Path(".snakemake") / "locks", plan.results)
+    sweep(plan.results)
+    plan.forget_due()
+    return plan
+
+
+def shell_prefix(workflow: Any) -> str:
+    """Shell text before each command, so that it finds this very interpreter and package.
+
+    Without activating its environment, `snakemake` would run whatever `python3` is on the PATH.
+    """
+    if workflow.deployment_settings.deployment_method:
+        return f"export PYTHONPATH={shlex.quote(str(PACKAGE.parent))}; "
+    return f'export PATH={shlex.quote(str(Path(sys.executable).parent))}:"$PATH"; '
+
+
+def without_rate_limit(workflow: Any) -> None:
+    """Takes the limit of jobs a second off a run on this machine, where it limits nothing.
+
+    While jobs wait, each look for the next one sets a timer for another look, and so does each job
+    that ends: with hundreds of short jobs Snakemake looked hundreds of times a second (9.27).
+    """
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None

@@ -1,0 +1,213 @@
+"""Runs stages in forks of a process that has their modules loaded.
+
+A run starts it once (`preload`); each job's own process asks for a fork (`client`) and waits for
+its exit code. The modules of a stage are imported, and its compiled functions loaded, when it is
+first asked for, or earlier, while no job asks. A fork writes to the standard output and works in
+the folder of the job that asked; it is killed when that job ends, and at the end of the run.
+"""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+import os
+import selectors
+import shutil
+import signal
+import socket
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.metadata import version
+from pathlib import Path
+
+from .client import END
+from .provenance import PACKAGE
+from .stage_call import end_with_parent, run_stage
+
+LONGEST = 2**20
+COMPILING = b"compiling (once on a machine, half a minute)\n"
+
+
+@dataclass(frozen=True)
+class Job:
+    """A job that asks for a fork: its connection, its standard output, its folder, its words."""
+
+    connection: socket.socket
+    fds: Sequence[int]
+    folder: str
+    words: Sequence[str]
+
+
+@dataclass
+class Server:
+    """Listens for jobs until `lifeline`, the end of a pipe that the run holds, is closed.
+
+    ahead: stages to load while no job asks. loaders: of each loaded stage, the function that loads
+    what it has compiled. compiling: forks that run such a function for the first time.
+    """
+
+    listener: socket.socket
+    lifeline: int
+    ahead: list[str]
+    running: dict[int, Job] = field(default_factory=dict)
+    held: list[Job] = field(default_factory=list)
+    loaders: dict[str, Callable[[], None] | None] = field(default_factory=dict)
+    compiling: dict[int, Callable[[], None]] = field(default_factory=dict)
+    waiting: selectors.BaseSelector = field(default_factory=selectors.DefaultSelector)
+
+    def serve(self) -> None:
+        """Answer until the run is over; then kill what still runs."""
+        wake_read, wake_write = os.pipe()
+        os.set_blocking(wake_write, False)
+        signal.set_wakeup_fd(wake_write)
+        signal.signal(signal.SIGCHLD, lambda *_: None)
+        self.waiting.register(self.lifeline, selectors.EVENT_READ)
+        self.waiting.register(self.listener, selectors.EVENT_READ)
+        self.waiting.register(wake_read, selectors.EVENT_READ)
+        while True:
+            ready = {key.fileobj for key, _ in self.waiting.select(0 if self.ahead else None)}
+            if self.lifeline in ready:
+                break
+            if not ready:
+                self._load(self.ahead.pop(0))
+            if wake_read in ready:
+                os.read(wake_read, 512)
+                self._reap()
+            if self.listener in ready:
+                self._accept()
+            for connection in ready - {wake_read, self.listener}:
+                self._hung_up(connection)
+        for pid in (*self.running, *self.compiling):
+            os.kill(pid, signal.SIGKILL)
+
+    def _accept(self) -> None:
+        connection, _ = self.listener.accept()
+        request, fds, _, _ = socket.recv_fds(connection, LONGEST, 2)
+        while request and not request.endswith(END):
+            request += connection.recv(LONGEST)
+        folder, *words = (os.fsdecode(word) for word in request[: -len(END)].split(b"\0"))
+        self._load(words[0])
+        job = Job(connection, fds, folder, words)
+        if self.loaders[words[0]] in self.compiling.values():
+            os.write(fds[-1], COMPILING)
+            self.held.append(job)
+        else:
+            self._start(job)
+
+    def _start(self, job: Job) -> None:
+        gc.freeze()
+        if pid := os.fork():
+            self.running[pid] = job
+            self.waiting.register(job.connection, selectors.EVENT_READ)
+            for fd in job.fds:
+                os.close(fd)
+        else:
+            in_fork(lambda: _work(job))
+
+    def _load(self, stage: str) -> None:
+        """Import what a stage needs; a stage that cannot be imported says so when it is run.
+
+        What is not compiled yet is compiled by a fork, so that other stages can run meanwhile.
+        """
+        if stage in self.loaders:
+            return
+        self.loaders[stage] = None
+        with suppress(Exception):
+            self.loaders[stage] = getattr(import_module(f"bluekoi.stages.{stage}"), "preload", None)
+        if (load := self.loaders[stage]) and load not in self.compiling.values():
+            if load.__module__ != "bluekoi.stages.compiling" or _stamp(load).exists():
+                _call(load)
+            elif pid := os.fork():
+                self.compiling[pid] = load
+            else:
+                in_fork(lambda: _compile(load))
+        gc.collect()
+
+    def _reap(self) -> None:
+        with suppress(ChildProcessError):
+            while (ended := os.waitpid(-1, os.WNOHANG))[0]:
+                pid, code = ended[0], os.waitstatus_to_exitcode(ended[1])
+                if load := self.compiling.pop(pid, None):
+                    if code == 0:
+                        _call(load)
+                    ready = [job for job in self.held if self.loaders[job.words[0]] is load]
+                    self.held = [job for job in self.held if job not in ready]
+                    for job in ready:
+                        self._start(job)
+                elif pid in self.running:
+                    job = self.running.pop(pid)
+                    self.waiting.unregister(job.connection)
+                    with suppress(OSError), job.connection as connection:
+                        connection.sendall(str(code if code >= 0 else 128 - code).encode())
+
+    def _hung_up(self, connection: object) -> None:
+        """Kill the fork of a job that has ended."""
+        for pid, job in list(self.running.items()):
+            if job.connection is connection:
+                self.waiting.unregister(job.connection)
+                job.connection.close()
+                del self.running[pid]
+                os.kill(pid, signal.SIGKILL)
+
+
+def in_fork(work: Callable[[], int]) -> None:
+    """End this process, a fork, with the exit code that `work` returns."""
+    code = 1
+    try:
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        end_with_parent()
+        code = work()
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 1
+    except BaseException:  # whatever it is, this process must end here
+        traceback.print_exc()
+    finally:
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _work(job: Job) -> int:
+    for target, fd in enumerate(job.fds, 1):
+        os.dup2(fd, target)
+    os.chdir(job.folder)
+    return run_stage(job.words)
+
+
+def _compile(load: Callable[[], None]) -> int:
+    load()
+    _stamp(load).touch()
+    return 0
+
+
+def _call(load: Callable[[], None]) -> None:
+    with suppress(Exception):  # the stage that needs it says what is wrong
+        load()
+
+
+def _stamp(load: Callable[[], None]) -> Path:
+    """File that is there when the functions that `load` calls were compiled from these sources."""
+    from ..integrate import kernel_folder  # noqa: PLC0415  heavy
+
+    digest = hashlib.sha256(f"{load.__name__} {version('numba')}".encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        state = path.stat()
+        digest.update(f"{path} {state.st_mtime_ns} {state.st_size}".encode())
+    return kernel_folder() / f"compiled-{digest.hexdigest()[:16]}"
+
+
+def main() -> None:
+    """Serve on the socket whose number is the first word; further words: stages to load ahead."""
+    with socket.socket(fileno=int(sys.argv[1])) as listener:
+        Server(listener, 0, sys.argv[2:]).serve()
+        shutil.rmtree(os.path.dirname(listener.getsockname()), ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

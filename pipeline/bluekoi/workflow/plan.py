@@ -1,0 +1,277 @@
+"""What a run does: the study, its results folder, the trials that are out of date, fingerprints.
+
+The Snakefile asks a `Plan` for inputs and for what makes a job run again. Trials are processed in
+batches: a batch has a marker file, and runs when one of its trials is out of date (`freshness`).
+"""
+
+from __future__ import annotations
+
+import ast
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import IO, Any
+
+from ..errors import input_error
+from ..stages.freshness import hash_of, inputs_of, is_fresh, row, status_file, without
+from ..stages.layout import Layout
+from ..study import Study, load_study
+from ..study.seal import seal_files
+from .provenance import PACKAGE, fingerprint
+
+RESULTS = (
+    "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
+    "mismatch.json", "report.html",
+)  # fmt: skip
+FOLDERS = (
+    "benchmarks", "extended", "figures", "keypoints", "logs", "overlays", "poses", "simulations",
+    "status", "steady", "tracks",
+)  # fmt: skip
+LEAST_BATCH, MOST_BATCHES = 6, 50
+"""Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
+trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
+"""
+DUE = "-due"
+UNUSABLE = {*"{}<>", *map(chr, range(32))}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One run; folders as given, so that logs and reports show what the user wrote.
+
+    rehearsed: nothing is run (a dry run), so nothing may be removed either.
+    """
+
+    folder: Path
+    results: Path
+    study: Study
+    is_demo: bool
+    overlaid: str
+    rehearsed: bool = True
+    lock: IO[str] | None = None
+
+    @property
+    def trials(self) -> list[str]:
+        """Ids of all trials, in the order of trials.csv."""
+        return [trial.trial_id for trial in self.study.trials]
+
+    def with_overlay(self) -> list[str]:
+        """Ids of the trials that get an overlay video."""
+        filmed = [t.trial_id for t in self.study.trials if not t.reads_keypoints]
+        return {"all": self.trials, "filmed": filmed, "none": []}[self.overlaid]
+
+    @cached_property
+    def batches(self) -> dict[str, list[str]]:
+        """Trials that share a process, by the name of their batch."""
+        size = max(LEAST_BATCH, -(-len(self.trials) // MOST_BATCHES))
+        read = [t.trial_id for t in self.study.trials if t.reads_keypoints]
+        groups = [read[first : first + size] for first in range(0, len(read), size)]
+        groups += [[t.trial_id] for t in self.study.trials if not t.reads_keypoints]
+        return {f"{number:02d}": group for number, group in enumerate(groups, 1)}
+
+    @cached_property
+    def due(self) -> dict[str, set[str]]:
+        """Trials whose results of a stage are missing, damaged or made from other inputs."""
+        keypoints = self._stale("keypoints", set(), self.trials)
+        tracks = self._stale("tracks", keypoints, self.trials)
+        overlay = self._stale("overlay", tracks, self.with_overlay())
+        return {"keypoints": keypoints, "tracks": tracks, "overlay": overlay}
+
+    def _stale(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
+        """Trials due in a stage, or in the stage before it."""
+        layout, code = Layout(self.results), self.code(stage)
+
+        def fresh(name: str) -> bool:
+            inputs = inputs_of(stage, self.study, self.study.trial(name), layout, code)
+            return is_fresh(status_file(stage, layout, name), self.results, inputs)
+
+        return {name for name in ids if name in before or not fresh(name)}
+
+    def markers(self, stage: str) -> list[str]:
+        """Files that stand for a stage done for all trials, one per batch.
+
+        A rehearsal names those that are due differently, so that they count as missing.
+        """
+        wanted = set(self.with_overlay() if stage == "overlay" else self.trials)
+        return [
+            self._marker(stage, name) for name, ids in self.batches.items() if wanted & set(ids)
+        ]
+
+    def _marker(self, stage: str, batch: str) -> str:
+        due = self.rehearsed and self.due[stage] & set(self.batches[batch])
+        return str(self.results / f"status/batches/{stage}-{batch}{DUE if due else ''}")
+
+    def forget_due(self) -> None:
+        """Remove the markers of batches with a trial that is out of date."""
+        for stage, due in self.due.items():
+            for batch in (name for name, ids in self.batches.items() if due & set(ids)):
+                Path(self._marker(stage, batch)).unlink(missing_ok=True)
+
+    def batch_of(self, stage: str) -> Any:
+        """Input function: options that name the trials of a batch."""
+
+        def options(wildcards: Any) -> str:
+            ids = self.batches[wildcards.batch.removesuffix(DUE)]
+            wanted = set(self.with_overlay() if stage == "overlay" else ids)
+            return " ".join(f"--trial {name}" for name in ids if name in wanted)
+
+        return options
+
+    def detected(self, wildcards: Any) -> str:
+        """Marker of a batch's keypoints."""
+        return self._marker("keypoints", wildcards.batch.removesuffix(DUE))
+
+    def tracked(self, wildcards: Any) -> str:
+        """Marker of a batch's tracks."""
+        return self._marker("tracks", wildcards.batch.removesuffix(DUE))
+
+    def rendered(self, wildcards: Any) -> list[str]:
+        """Files of the demo study that a batch needs; any other study has its files already."""
+        if not self.is_demo:
+            return []
+        trials = [
+            self.study.trial(name) for name in self.batches[wildcards.batch.removesuffix(DUE)]
+        ]
+        return [
+            str(self.folder / name) for t in trials for name in (*t.sources, t.motor_log) if name
+        ]
+
+    @property
+    def options(self) -> str:
+        """Options of every stage: where the study and the results are."""
+        return f"--study={shlex.quote(str(self.folder))} --results={shlex.quote(str(self.results))}"
+
+    def goals(self) -> list[str]:
+        """Files that a run is made for."""
+        stages = [path for stage in self.due for path in self.markers(stage)]
+        return [*stages, *(str(self.results / name) for name in RESULTS), *self.figures()]
+
+    def memory_mb(self, base: int, each: int) -> int:
+        """Memory to ask a cluster for, of a stage that holds all trials at once."""
+        return base + each * len(self.trials)
+
+    def figures(self) -> list[str]:
+        """Pictures of all figures."""
+        return [str(self.results / f"figures/{name}.png") for name in figure_names()]
+
+    def depth(self) -> list[str]:
+        """File with the estimated depth of the keypoints, where study.yaml does not give it."""
+        return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
+
+    def drawn_from(self, wildcards: Any) -> list[str]:
+        """What a figure is drawn from beside the fits and the search."""
+        return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
+
+    def seal(self, _: Any) -> list[str]:
+        """Files of the study's seal, if it has one; the page is made again when they change."""
+        return [str(path) for path in seal_files(self.folder)]
+
+    def code(self, stage: str) -> str:
+        """Fingerprint of all source files that a stage runs through."""
+        return fingerprint(f"stages.{stage}")
+
+    def figure_code(self, wildcards: Any) -> str:
+        """Fingerprint of one figure's own file and of what it draws with."""
+        return fingerprint("stages.figure", f"figures.{wildcards.figure}")
+
+    def figure_words(self, wildcards: Any) -> dict[str, str]:
+        """Title and caption of a figure, read from its file without running it."""
+        return figure_words(PACKAGE / f"figures/{wildcards.figure}.py")
+
+    def distances(self) -> str:
+        """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
+        heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
+        setup = self.study.setup.model_dump(mode="json")
+        return hash_of(heads, without(setup, "detection"), self.study.setup.robot.depth_given)
+
+    def fit(self) -> str:
+        """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
+        rows = [row(trial) for trial in self.study.trials]
+        return hash_of(rows, without(self.study.setup.model_dump(mode="json"), "detection"))
+
+
+def figure_names() -> list[str]:
+    """Names of the figures: the modules of pipeline/bluekoi/figures."""
+    names = (path.stem for path in (PACKAGE / "figures").glob("*.py"))
+    return sorted(name for name in names if not name.startswith("_"))
+
+
+def figure_words(figure: Path) -> dict[str, str]:
+    """Title and caption of a figure, read from its file without running it."""
+    texts = {
+        node.targets[0].id: node.value
+        for node in ast.parse(figure.read_bytes()).body
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    }
+    return {name.lower(): ast.literal_eval(texts[name]) for name in ("TITLE", "CAPTION")}
+
+
+def make_plan(settings: Mapping[str, Any]) -> Plan:
+    """Plan of a run by its checked settings; the demo's study files are laid out if need be.
+
+    Raises: InputError with all that is wrong with the study, or where the results cannot be
+    written.
+    """
+    is_demo = settings["study"] == "demo" and not Path("demo/study.yaml").is_file()
+    folder = Path(settings["demo_folder"] if is_demo else settings["study"])
+    if is_demo:
+        _lay_out_demo(folder)
+    study = load_study(folder)
+    results = Path(settings["results"] or Path("results") / folder.resolve().name)
+    check_results_name(results)
+    _check_apart(study, results)
+    _prepare(results)
+    return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
+
+
+def check_results_name(results: Path) -> None:
+    """Raises: InputError where the path has characters with a meaning in Snakemake's patterns."""
+    if found := sorted(set(str(results)) & UNUSABLE):
+        raise input_error(
+            str(results), "", f"a results folder with {', '.join(map(repr, found))} in its path",
+            "a path without { } < > and control characters",
+            "Name another one with --results.",
+        )  # fmt: skip
+
+
+def _check_apart(study: Study, results: Path) -> None:
+    """Raises: InputError where results would be written among, or over, files of the study."""
+    logs = (study.motor_path(trial) for trial in study.trials)
+    own = [study.root / "study.yaml", *(p for t in study.trials for p in study.paths(t)),
+           *(log for log in logs if log)]  # fmt: skip
+    here = results.resolve()
+    for path in own:
+        for at in (path.absolute(), path.resolve()):
+            if at.is_relative_to(here) and at.relative_to(here).parts[0] in (*FOLDERS, at.name):
+                raise input_error(
+                    results, "", f"a folder that holds {path.name}, a file of the study",
+                    "a folder of its own for the results", "Name another one with --results.",
+                )  # fmt: skip
+
+
+def _lay_out_demo(folder: Path) -> None:
+    """Study files of the demo; skipped where they stand and were written by this very code."""
+    stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
+    files = [folder / "study.yaml", folder / "trials.csv", stamp, *seal_files(folder)]
+    whole = len(files) == 5 and all(path.is_file() for path in files)
+    if whole and stamp.read_text(encoding="utf-8") == code:
+        return
+    from ..files import write_text  # noqa: PLC0415
+    from ..stages.demo import lay_out  # noqa: PLC0415  heavy, and only once
+
+    lay_out(folder)
+    write_text(stamp, code)
+
+
+def _prepare(results: Path) -> None:
+    if results.is_file():
+        raise input_error(results, "", "a file", "a folder for the results")
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+        (probe := results / ".writable").touch()
+        probe.unlink()
+    except OSError as error:
+        found = f"'{error.strerror}'"
+        raise input_error(results, "", found, "a results folder that can be written to") from error

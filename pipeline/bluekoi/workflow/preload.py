@@ -1,0 +1,53 @@
+"""The process that a run's stages are forked from: started with the run, ended with it."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .client import ADDRESS
+
+COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+class Preloaded:
+    """A process that stages are forked from; jobs find it by the environment variable ADDRESS."""
+
+    def __init__(self, stages: Sequence[str]) -> None:
+        address = str(Path(tempfile.mkdtemp(prefix="bluekoi-")) / "socket")
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(address)
+            listener.listen(128)
+            self.process = subprocess.Popen(  # noqa: S603
+                [*COMMAND, str(listener.fileno()), *stages],
+                stdin=subprocess.PIPE,
+                start_new_session=True,  # Ctrl-C ends the jobs, and so their forks
+                pass_fds=[listener.fileno()],
+                env={**dict.fromkeys(BLAS_THREADS, "1"), **os.environ},
+            )
+        os.environ[ADDRESS] = address
+        atexit.register(self.close)
+
+    def close(self) -> None:
+        """End the process and its forks."""
+        os.environ.pop(ADDRESS, None)
+        if self.process.stdin:
+            self.process.stdin.close()
+        self.process.wait()
+
+
+def preload(workflow: Any) -> Preloaded | None:
+    """Process for the jobs that a workflow is about to run on this machine; None on a cluster."""
+    here = workflow.local_exec and not workflow.deployment_settings.deployment_method
+    if not here or sys.platform != "linux":
+        return None
+    due = {job.rule.name for job in workflow.dag.needrun_jobs()}
+    return Preloaded([rule.name for rule in workflow.rules if rule.name in due - {"all"}])

@@ -1,0 +1,255 @@
+"""What a run is doing, in one line: stage, trial, how many of how many, how long still."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import re
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any, TextIO
+
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from ..errors import STOPPED, printable
+from ..files import read_json
+from .preload import Preloaded
+from .remaining import Timing, duration, usual
+
+NOISE = {
+    LogEvent.WORKFLOW_STARTED,
+    LogEvent.RESOURCES_INFO,
+    LogEvent.RUN_INFO,
+    LogEvent.JOB_INFO,
+    LogEvent.JOB_STARTED,
+    LogEvent.JOB_FINISHED,
+    LogEvent.SHELLCMD,
+    LogEvent.PROGRESS,
+    LogEvent.JOB_ERROR,
+    LogEvent.GROUP_INFO,
+    LogEvent.GROUP_ERROR,
+}
+OWN_WORDS = ("CalledProcessError", "At least one job did not complete", "Exiting because a job")
+LOCKED = (
+    "Another run is at work in this folder. Wait for it to end. If none is running, the last one "
+    "was killed: `snakemake --unlock`, then start again; finished trials are kept."
+)
+KILLED = (
+    "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
+    "done is kept. With `--cores 1` less memory is needed at once."
+)
+TRACEBACK = "Traceback (most recent call last)"
+BY_HAND = ("KeyboardInterrupt", "CancelledError")
+EVERY_S = 2.0
+TICK_S = 1.0
+QUIET_S = 30.0
+"""On a file, so long without a job that ends brings a line on the one that runs."""
+CLOCK_S = 2.0  # by so much a file system's clock may lag behind ours
+WIDEST = 60
+"""Characters of a stage's own last word."""
+
+
+class Hush(logging.Filter):
+    """Leaves out what `Progress` tells, from the moment that a run proper begins."""
+
+    begun = False
+
+    def __init__(self, progress: Progress) -> None:
+        super().__init__()
+        self.progress = progress
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether Snakemake's own text of this record is shown."""
+        event = getattr(record, "event", None)
+        first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
+        self.begun = self.begun or first
+        quiet = event in NOISE or record.levelno < logging.WARNING or _ours(record)
+        return not (self.begun and (quiet or self._of_the_stop(record)))
+
+    def _of_the_stop(self, record: logging.LogRecord) -> bool:
+        """Whether a fault is told that is only Snakemake's way of being interrupted."""
+        text = record.getMessage()
+        return TRACEBACK in text and (self.progress.stopped or _by_hand(text))
+
+
+def _ours(record: logging.LogRecord) -> bool:
+    text = record.getMessage()
+    return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
+
+
+def _by_hand(text: str) -> bool:
+    return any(name in text for name in BY_HAND)
+
+
+def killed_by(text: str) -> str:
+    """Name of the signal that ended a command, by Snakemake's words on it; else nothing.
+
+    A stage that is killed leaves its shell, which returns 128 and the signal's number.
+    """
+    if found := re.search(r"died with <Signals\.(\w+)", text):
+        return found[1]
+    status = re.search(r"returned non-zero exit status (\d+)", text)
+    number = int(status[1]) - 128 if status else 0
+    return signal.Signals(number).name if number in set(signal.Signals) else ""
+
+
+class Progress(logging.Handler):
+    """Log handler that turns Snakemake's events into short lines on `stream`.
+
+    On a terminal the line is rewritten in place each second; in a file a line comes every two
+    seconds while jobs end, else every half minute. A stage that runs long is told with the last
+    line of its log.
+    """
+
+    def __init__(self, report: Path, stream: TextIO = sys.stderr) -> None:
+        super().__init__(logging.INFO)
+        self.report, self.stream = report, stream
+        self.live = stream.isatty()
+        self.timing = Timing(usual(report.parent))
+        self.logs: dict[int, tuple[Path, float]] = {}
+        self.last_s = 0.0
+        self.stopped = False
+        self.preloaded: Preloaded | None = None
+        self.over = threading.Event()
+        self.ticker = threading.Thread(target=self._tick, daemon=True)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Tell one event."""
+        event, found = getattr(record, "event", None), record.__dict__
+        if event == LogEvent.RUN_INFO and "stats" in found:
+            self.timing.expect(found["stats"])
+        elif event == LogEvent.JOB_INFO:
+            self._start(found)
+        elif event == LogEvent.JOB_FINISHED:
+            self._finish(found["job_id"])
+        elif event == LogEvent.JOB_ERROR:
+            self._trouble(found)
+        elif name := killed_by(record.getMessage()):
+            self._killed(name)
+        elif "cannot be locked" in record.getMessage():
+            self._say(LOCKED)
+        elif TRACEBACK in record.getMessage() and _by_hand(record.getMessage()):
+            self._interrupted()
+        elif record.getMessage().startswith("Nothing to be done"):
+            self._say("Everything is up to date.")
+            self.farewell()
+
+    def _killed(self, name: str) -> None:
+        if name != "SIGINT":
+            self._say(KILLED.format(name))
+        else:
+            self._interrupted()
+
+    def _interrupted(self) -> None:
+        if not self.stopped:
+            self.stopped = True
+            self._say(STOPPED)
+
+    def _start(self, found: dict[str, Any]) -> None:
+        self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
+        if logs := found.get("log"):
+            self.logs[found["jobid"]] = (Path(logs[0]), time.time())
+        self._line(_name(found), now=not self.live and self.last_s == 0.0)
+        if not self.ticker.ident:
+            self.ticker.start()
+
+    def _finish(self, job: int) -> None:
+        self.logs.pop(job, None)
+        if done := self.timing.finish(job, time.monotonic()):
+            ended = self.timing.done == self.timing.total
+            self._line(self.timing.running() or done, now=ended)
+
+    def _tick(self) -> None:
+        """Tell of jobs that run long, until the run is over."""
+        while not self.over.wait(TICK_S):
+            with self.lock or threading.RLock():
+                self.still()
+
+    def still(self) -> None:
+        """Tell what runs, where nothing has been told for a while."""
+        silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
+        if silent and self.timing.started:
+            self._line(self.timing.running(), now=True)
+
+    def _line(self, name: str, *, now: bool) -> None:
+        moment = time.monotonic()
+        if not (self.live or now or moment - self.last_s > EVERY_S):
+            return
+        self.last_s = moment
+        left = self.timing.left_s(moment)
+        ends = f"  about {duration(left)} left" if left is not None else ""
+        head = f"[{self.timing.done}/{self.timing.total}]"
+        text = f"{head} {name}{self._word()}{ends}".rstrip()
+        self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
+        self.stream.flush()
+
+    def _word(self) -> str:
+        """Last line that a job that runs has written to its log, after a colon; or nothing."""
+        for path, since in reversed(self.logs.values()):
+            with contextlib.suppress(OSError):
+                if path.stat().st_mtime < since - CLOCK_S:
+                    continue  # of an earlier run
+                words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
+                if words:
+                    return f": {printable(words[-1])[:WIDEST]}"
+        return ""
+
+    def _trouble(self, found: dict[str, Any]) -> None:
+        if self.stopped:
+            return  # a person stopped it: no stage is at fault
+        paths = [Path(name) for name in found.get("log") or []]
+        text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
+        lines = [line for line in text.splitlines() if line.strip()]
+        if _by_hand("\n".join(lines[-12:])):
+            # caught by a library on the way, so that the stage ended with a status of its own
+            self._interrupted()
+            return
+        shown = lines if found["rule_name"] == "outcome" else lines[-12:]
+        if shown:
+            self._say("\n".join(shown))
+        if found["rule_name"] != "outcome":
+            self._say(
+                f"The stage {found['rule_name']} ended there; more in {', '.join(map(str, paths))}"
+            )
+
+    def _say(self, text: str) -> None:
+        self.stream.write(("\r\x1b[K" if self.live else "") + text + "\n")
+        self.stream.flush()
+
+    def farewell(self) -> None:
+        """Name the report, where there is one; nothing more is told."""
+        self.over.set()
+        if self.preloaded:
+            self.preloaded.close()
+        for text in _warnings(self.report.with_name("outcome.json")):
+            self._say(f"Warning: {text}")
+        if self.report.is_file():
+            self._say(f"Report: {self.report}")
+
+
+def _warnings(outcome: Path) -> list[str]:
+    """Warnings of a run that ended well; none where it did not."""
+    return list(read_json(outcome).get("warnings", [])) if outcome.is_file() else []
+
+
+def _name(found: dict[str, Any]) -> str:
+    of = " ".join(str(value) for value in (found.get("wildcards") or {}).values())
+    return f"{found['rule_name']} {of}".strip()
+
+
+def follow(workflow: Any, report: Path) -> Progress:
+    """Progress attached to a Snakemake workflow that is about to run.
+
+    A dry run, `--verbose` and the jobs of a cluster keep Snakemake's own words.
+    """
+    progress, settings = Progress(report), workflow.output_settings
+    if workflow.is_main_process and not (settings.dryrun or settings.verbose):
+        logger = logging.getLogger("snakemake.logging")
+        for handler in logger.handlers:
+            if handler.name == "DefaultStreamHandler":
+                handler.addFilter(Hush(progress))
+        logger.addHandler(progress)
+    return progress

@@ -1,0 +1,205 @@
+"""The engine on systems whose answers are known: evidence, search and probabilities."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import multivariate_normal
+
+from bluekoi.engine import Priors, Problem, candidates_of, posterior, search
+from bluekoi.engine.evidence import Layout, laplace
+from bluekoi.fitting import Free, Noise, Series
+from bluekoi.fitting.normal import marginal_products
+from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
+
+
+def one_strength(size: float, *, signed: bool = False) -> Layout:
+    """A set of one cause with one strength and nothing else."""
+    return Layout(
+        columns=np.array([0]), count=0, blocks={"cause": np.array([0])},
+        precision=np.array([size**-2.0]), gaussian=np.array([False]), signed={"cause": signed},
+        at=np.zeros(1), held=np.zeros(1, dtype=bool), sizes={"cause": np.array([size])},
+    )  # fmt: skip
+
+
+def exact_log_bayes_factor(H: float, g: float, size: float, lower: float = -np.inf) -> float:
+    """Log of the integral of exp(g b - H b^2 / 2) over a Cauchy prior, from `lower` on."""
+    peak = max(g / H, lower) if H > 0 else 0.0
+    height = g * peak - 0.5 * H * peak**2
+
+    def integrand(b: float) -> float:
+        density = 1.0 / (np.pi * size * (1.0 + (b / size) ** 2))
+        return float(np.exp(g * b - 0.5 * H * b * b - height) * density)
+
+    width = 10.0 / np.sqrt(H)
+    low = max(lower, peak - width)
+    share = quad(integrand, low, peak + width, limit=200)[0]
+    return float(np.log(share * (2.0 if lower == 0.0 else 1.0)) + height)
+
+
+@pytest.mark.parametrize("z", [0.5, 3.0, 8.0])
+def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> None:
+    H, size = 400.0, 1.0  # standard error 0.05, a twentieth of what is plausible
+    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
+    assert found == pytest.approx(exact_log_bayes_factor(H, z * np.sqrt(H), size), abs=0.05)
+
+
+@pytest.mark.parametrize("z", [-1.0, 0.5, 4.0])
+def test_a_strength_of_one_sign_has_half_the_prior(z: float) -> None:
+    H, size = 400.0, 1.0
+    lay = one_strength(size, signed=True)
+    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
+    exact = exact_log_bayes_factor(H, z * np.sqrt(H), size, lower=0.0)
+    assert found == pytest.approx(exact, abs=0.1)
+
+
+def test_a_cause_that_no_trial_informs_on_neither_gains_nor_loses() -> None:
+    found = laplace(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
+    assert abs(found) < 0.3
+
+
+def test_an_effect_far_smaller_than_plausible_loses_to_no_effect() -> None:
+    """Three standard errors from 0, but a thousandth of its plausible size (Lindley 1957)."""
+    H = (3.0 / 1e-3) ** 2
+    found = laplace(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
+    assert found < -1.0
+
+
+def test_random_trial_effects_are_integrated_out_exactly() -> None:
+    rng = np.random.default_rng(3)
+    e, J, Z = rng.normal(size=9), rng.normal(size=(9, 2)), rng.normal(size=(9, 2))
+    stds = np.array([[0.7, 1.9]])
+    columns = np.column_stack([e, J, Z])
+    products, constant = marginal_products((columns.T @ columns)[None], stds)
+    cov = np.eye(9) + Z @ np.diag(stds[0] ** 2) @ Z.T
+    exact = multivariate_normal(np.zeros(9), cov).logpdf(e)
+    white = -0.5 * 9 * np.log(2 * np.pi)
+    assert white - 0.5 * products[0, 0, 0] + constant[0] == pytest.approx(exact)
+    inverse = np.linalg.inv(cov)
+    assert products[0, 1:, 1:] == pytest.approx(J.T @ inverse @ J)
+    assert products[0, 1:, 0] == pytest.approx(J.T @ inverse @ e)
+
+
+def push() -> tuple[float]:
+    """No force of its own."""
+    return (0.0,)
+
+
+def rates(v: float, F: float, u: float, c: float) -> tuple[float, float]:
+    """A unit mass driven by u, with linear drag c."""
+    return v, u + F - c * v
+
+
+def observe(x: float) -> tuple[float]:
+    """The place is seen."""
+    return (x,)
+
+
+def quadratic(v: float, k: float) -> tuple[float]:
+    """F = -k v |v|."""
+    return (-k * v * abs(v),)
+
+
+def constant(F0: float) -> tuple[float]:
+    """F = F0."""
+    return (F0,)
+
+
+def gust(g: float) -> tuple[float]:
+    """A random force."""
+    return (g,)
+
+
+def gust_rate(g: float, tau: float) -> tuple[float]:
+    """G' = -g / tau."""
+    return (-g / tau,)
+
+
+def _effect(name: str, law: object, parameter: Parameter) -> Effect:
+    return Effect(name, "physics", name, (parameter,), {"force": law}, "tests", ("surge",))
+
+
+SYSTEM = System(
+    "driven_mass", ("x", "v"), (), ("u",), (Parameter("c", "1/s", 0.5, 0.0, 5.0, "drag"),),
+    (Stage("force", ("F",), push, open=True), Stage("rates", ("x", "v"), rates),
+     Stage("observe", ("seen",), observe)),
+    ("seen",),
+    (Effect("gusts", "disturbance", "random force",
+            (Parameter("present", "1", 1.0, 0.0, 1.0, ""),
+             Parameter("tau", "s", 0.3, 0.01, 5.0, "")),
+            {"force": gust}, "tests", ("surge",), states=("g",), rates=gust_rate),
+     _effect("quadratic_drag", quadratic, Parameter("k", "1/m", 0.5, 0.0, 20.0, "")),
+     _effect("constant_force", constant, Parameter("F0", "N", 0.2, -5.0, 5.0, ""))),
+)  # fmt: skip
+
+
+def driven(k: float, F0: float, trials: int = 12) -> list[Series]:
+    """Trials of a driven mass with quadratic drag k and a constant force F0, noise 1 mm."""
+    rng, dt = np.random.default_rng(17), 1e-3
+    out = []
+    for i in range(trials):
+        u, x, v, seen = 0.5 + 0.25 * (i % 6), 0.0, 0.0, []
+        for step in range(4000):
+            if step % 50 == 0:
+                seen.append(x + 1e-3 * rng.standard_normal())
+            v += dt * (u + F0 - 0.4 * v - k * v * abs(v))
+            x += dt * v
+        n = len(seen)
+        out.append(Series(
+            f"T{i}", "all", f"u {u:g}", np.arange(n) * 0.05, np.full((n, 1), u), np.zeros(0),
+            np.array(seen)[:, None], np.full((n, 1, 1), 1e-6), np.zeros(3),
+            np.diag([1e-4, 1e-4, 1e-6]),
+        ))  # fmt: skip
+    return out
+
+
+def problem(series: list[Series]) -> Problem:
+    """Both candidates beside the driven mass."""
+    names = ["quadratic_drag", "constant_force"]
+    return Problem(
+        kernel=compiled(SYSTEM), series=series, base=SYSTEM.values({}), coefficients=(Free("c"),),
+        candidates=candidates_of(SYSTEM, names, Priors(cause=0.1)),
+        noise=Noise(np.array([0.01]), np.array([0.3]), np.ones(1)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("k", "F0", "true"),
+    [(0.0, 0.0, set()), (0.3, 0.0, {"quadratic_drag"}), (0.0, 0.1, {"constant_force"}),
+     (0.3, 0.1, {"quadratic_drag", "constant_force"})],
+)  # fmt: skip
+def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, true: set) -> None:
+    visited = search(problem(driven(k, F0)))
+    found = posterior(visited.problem, list(visited.sets.values()))
+    assert {name for name, p in found.inclusion.items() if p > 0.5} == true
+    assert all(found.inclusion[name] > 0.95 for name in true)
+    assert found.probability.sum() == pytest.approx(1.0)
+
+
+def test_strengths_of_probable_causes_are_those_that_acted() -> None:
+    visited = search(problem(driven(0.3, 0.1)))
+    values = visited.best.model.fit.by_label()
+    assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
+    assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
+
+
+def test_order_of_the_trials_changes_no_probability() -> None:
+    series = driven(0.3, 0.0)
+    both = []
+    for trials in (series, series[::-1]):
+        visited = search(problem(trials))
+        both.append(visited.best.log_posterior)
+    assert both[0] == pytest.approx(both[1], abs=0.5)
+
+
+def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() -> None:
+    series = driven(0.0, 0.0)
+    odd = replace(series[0], seen=series[0].seen + 0.004 * series[0].times[:, None] ** 2)
+    visited = search(problem([odd, *series[1:]]))
+    found = posterior(visited.problem, list(visited.sets.values()))
+    logs = np.array([s.log_posterior for s in found.sets])
+    plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
+    assert found.probability.max() <= plain.max() + 0.05

@@ -1,0 +1,72 @@
+"""`python -m validation`: make studies, measure them, run the finder, score it."""
+
+from __future__ import annotations
+
+import json
+import logging
+from importlib import import_module
+from pathlib import Path
+
+import click
+
+from . import running, scoring
+
+FOLDER = click.argument("folder", type=click.Path(path_type=Path))
+WORKERS = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
+
+
+@click.group()
+def main() -> None:
+    """Independent generators, the finder's verdicts on them, and their scores."""
+    logging.basicConfig(level=logging.ERROR)
+
+
+@main.command()
+@click.argument("generator")
+@click.option("--seed", required=True, type=int)
+@click.option("--count", default=40, show_default=True)
+@click.option("--first", default=0, show_default=True)
+@FOLDER
+def make(generator: str, seed: int, count: int, first: int, folder: Path) -> None:
+    """Write studies of a GENERATOR into FOLDER."""
+    generate = import_module(f"validation.generators.{generator}").generate
+    for index in range(first, first + count):
+        click.echo(generate(seed, index, folder)["study"])
+
+
+@main.command()
+@FOLDER
+@WORKERS
+def measure(folder: Path, workers: int) -> None:
+    """Measure every study of FOLDER up to its tracks."""
+    for line in running.measure_all(folder, workers):
+        click.echo(line)
+
+
+@main.command()
+@FOLDER
+@WORKERS
+@click.option("--label", required=True, help="Name under which the verdicts are kept.")
+@click.option("--only", default="", help="Only studies whose name contains this.")
+def find(folder: Path, workers: int, label: str, only: str) -> None:
+    """Run the finder on every measured study of FOLDER."""
+    for line in running.analyse_all(folder, label, workers, only=only):
+        click.echo(line)
+
+
+@main.command()
+@click.argument("folders", nargs=-1, type=click.Path(path_type=Path))
+@click.option("--label", required=True)
+@click.option("--out", type=click.Path(path_type=Path), help="Json of summary and studies.")
+def score(folders: tuple[Path, ...], label: str, out: Path | None) -> None:
+    """Score the verdicts under LABEL of all FOLDERS together."""
+    studies = [s for folder in folders for s in scoring.scored_all(folder, label)]
+    result = scoring.summary(studies)
+    click.echo(scoring.text(result))
+    if out:
+        content = {"label": label, "summary": result, "studies": scoring.rows(studies)}
+        out.write_text(json.dumps(content, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -133,7 +133,7 @@ GEOMETRY = {
     "sentence": "rigid lengths come out -1.50 +- 0.20 % over the pool",
     "estimates": [{"name": "scale_error", "parameters": ["scale"], "units": ["-"],
                    "values": [0.015], "stds": [0.002], "gain": 210.0, "p_value": 1e-6,
-                   "share": 0.015, "seen": True,
+                   "share": 0.015, "detectable": True,
                    "text": "the pool is larger than stated by: scale +0.015 +- 0.002"}],
     "map": {"x_edges_m": [0.0, 1.3, 2.6], "y_edges_m": [0.0, 1.6], "excess": [[-0.014, -0.016]],
             "std": [[0.001, 0.001]], "count": [[400.0, 300.0]], "model": [[-0.015, -0.015]]},

@@ -298,7 +298,7 @@ def test_averages_stand_where_their_frames_are():
 
 
 def test_errors_below_the_detector_accuracy_are_hollow(whole):
-    one = {**whole.geometry["estimates"][0], "share": 0.0002, "seen": False, "gain": 1e5}
+    one = {**whole.geometry["estimates"][0], "share": 0.0002, "detectable": False, "gain": 1e5}
     small = Campaign(**{**whole.__dict__, "geometry": {**whole.geometry, "estimates": [one]}})
     fills = {
         name: figures.draw("geometry", given).axes[2].patches[0].get_facecolor()[:3]

@@ -28,7 +28,7 @@ CAPTION = (
 )
 NEEDS = ("geometry",)
 SHOWN = 9
-SEEN = "#56B4E9"
+DETECTABLE = "#56B4E9"
 SMALLEST_SHOWN_PCT = 0.01
 AXIS_HEADROOM = 6.0
 """Space right of the longest bar, a factor on the logarithmic axis."""
@@ -102,8 +102,8 @@ def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     names = [
         f"{_readable(one['name'])}: {', '.join(map(_readable, one['parameters']))}" for one in best
     ]
-    fills = [SEEN if one["seen"] else "white" for one in best]
-    axes.barh(range(len(best)), gains, left=1.0, color=fills, edgecolor=SEEN, height=0.6)
+    fills = [DETECTABLE if one["detectable"] else "white" for one in best]
+    axes.barh(range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE, height=0.6)
     for place, (one, gain) in enumerate(zip(best, gains, strict=True)):
         axes.annotate(f"{100 * one['share']:.2g} %", (1.0 + gain, place), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=6.5)  # fmt: skip

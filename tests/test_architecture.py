@@ -91,7 +91,7 @@ def test_a_fingerprint_follows_imports_inside_functions_and_whole_registries():
     found = source_files("stages.keypoints")
     assert "footage/reading.py" in found  # imported in a function
     assert "keypoints/silhouette.py" in found  # a source: the folder is the registry
-    assert "smoothing/chain.py" not in found
+    assert "smoothing/linear_gaussian.py" not in found
     assert "camera/pool.py" in source_files("stages.tracks")
 
 

@@ -180,7 +180,7 @@ def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> Non
     assert "at its bound" in why
     assert not any("± 0.0000" in c[0] or c[0].endswith("± 0") for c in power["cells"])
     (one,) = identifiability.profiles(shown)
-    assert one.interval.startswith("its bound to 1.50")
+    assert one.interval.startswith("bound to 1.50")
 
 
 def test_table_1_shows_the_interval_that_stands_in_the_file(shown) -> None:

@@ -162,7 +162,7 @@ def test_a_depth_that_is_not_given_is_told_by_the_distances_before_the_tracks(ho
 
 
 def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
-    append(home.root / "pipeline/bluekoi/smoothing/chain.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/smoothing/linear_gaussian.py", "\n# changed\n")
     assert home.planned() == {"tracks": 3} | AFTER_TRACKS
 
 
@@ -473,8 +473,10 @@ def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, heeding_
     time.sleep(after_s)
     os.killpg(run.pid, signal.SIGINT)
     said = run.communicate(timeout=120)[1].decode()
-    assert run.returncode in (0, 130), said
-    assert said.count("Interrupted.") == (run.returncode == 130)
+    # a shell shows 130 for both: Python ends by the signal itself where it arrives inside exec()
+    interrupted = run.returncode in (130, -signal.SIGINT)
+    assert run.returncode == 0 or interrupted, said
+    assert said.count("Interrupted.") == interrupted
     assert "Traceback" not in said
 
 

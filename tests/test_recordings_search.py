@@ -115,18 +115,6 @@ def test_the_balls_command_tells_what_it_found(recordings):
     assert "share foretold" in result.output
 
 
-def test_the_fish_is_foretold_better_than_its_repeats_repeat_one_another(recordings):
-    told = fish_reading.read_folder(recordings / "robotic_fish")
-    given = fish.case_of(told)
-    outcome = engine.investigate(given)
-    named = {"tail_fin_lift", "tail_side_force", "keypoint_bias", "tail_drive"}
-    assert set(outcome.chosen.effects) == named
-    assert outcome.weights("tail_drive")["tail_drive"] > 0.95
-    errors = fish_errors.left_out(given, outcome.chosen, [fish_reading.series(r) for r in told],
-                                  [np.inf])[np.inf]  # fmt: skip
-    assert fish_errors.total(errors) < fish_errors.total(fish_errors.repeatability(told)) < 0.008
-
-
 def test_the_ship_lacks_its_loss_of_speed_and_is_foretold_a_minute_ahead(recordings):
     trials = ship_reading.read_folder(recordings / "ship_zigzag")
     given = engine.case(ship.SYSTEM, trials, ship_reading.FIRST_NOISE)

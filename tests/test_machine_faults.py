@@ -163,3 +163,29 @@ def test_results_are_not_written_among_the_files_of_the_study(tmp_path, monkeypa
     assert {path: path.read_bytes() for path in study.rglob("*") if path.is_file()} == before
     for fine in (".", "study/results"):
         make_plan({**settings, "results": fine})
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are forked on Linux alone")
+@pytest.mark.parametrize("threads", [0, 1])
+def test_several_trials_are_forked_unless_another_thread_might_hold_a_lock(
+    study, tmp_path, threads
+):
+    words = ["keypoints", "--study", str(study), "--results", str(tmp_path)]
+    words += [word for trial in ("T09", "T10") for word in ("--trial", trial)]
+    program = f"""
+import os, threading, time
+forks = []
+fork = os.fork
+os.fork = lambda: forks.append(1) or fork()
+from bluekoi.workflow.client import one_blas_thread
+one_blas_thread()
+from bluekoi.workflow.stage_call import run_stage
+for _ in range({threads}):
+    threading.Thread(target=time.sleep, args=(60,), daemon=True).start()
+assert run_stage({words!r}) == 0
+print(len(forks))
+"""
+    run = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True,
+                         check=True, timeout=120)  # fmt: skip
+    assert int(run.stdout) == (0 if threads else 2)
+    assert {p.stem for p in (tmp_path / "keypoints").glob("T??.csv")} == {"T09", "T10"}

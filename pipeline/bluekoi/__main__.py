@@ -6,10 +6,11 @@ import sys
 if sys.argv[1:2] == ["stage"]:
     # A stage that is interrupted ends there and then; its run reports it.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from .workflow.client import ask
+    from .workflow.client import ask, one_blas_thread
 
     code = ask(sys.argv[2:])
     if code is None:
+        one_blas_thread()
         from .workflow.stage_call import run_stage
 
         code = run_stage(sys.argv[2:])

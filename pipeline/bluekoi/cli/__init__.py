@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
 from ..errors import INTERRUPTED, InputError, printable
+from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
 from .challenge import challenge
 from .check import check
@@ -18,10 +17,6 @@ from .simulate import simulate
 from .stage import stage
 from .watch import watch
 
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-"""How many threads linear algebra takes, one unless the environment says more: matrices are small
-here, threads only wait for each other and take the cores from the work beside them.
-"""
 EXIT_CODES = """\b
 Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong use of this command;
 3 done, but some trials went wrong (each is named); 130 interrupted.
@@ -50,8 +45,7 @@ class _Plainly(click.Group):
 @click.version_option(package_name="bluekoi", prog_name="bluekoi")
 def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
-    for name in BLAS_THREADS:
-        os.environ.setdefault(name, "1")
+    one_blas_thread()
 
 
 _COMMANDS = (run, watch, check, doctor, calibrate, pool, simulate, design, challenge, export, stage)

@@ -9,6 +9,17 @@ from collections.abc import Sequence
 ADDRESS = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
 END = b"\0\0"
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""How many threads linear algebra takes, one unless the environment says more: matrices are small
+here, threads only wait for each other and take the cores from the work beside them. A process with
+one thread can also be forked.
+"""
+
+
+def one_blas_thread() -> None:
+    """Ask for one thread of linear algebra where the environment does not say; before numpy."""
+    for name in BLAS_THREADS:
+        os.environ.setdefault(name, "1")
 
 
 def ask(words: Sequence[str]) -> int | None:

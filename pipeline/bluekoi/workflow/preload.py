@@ -12,10 +12,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .client import ADDRESS
+from .client import ADDRESS, BLAS_THREADS
 
 COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Preloaded:

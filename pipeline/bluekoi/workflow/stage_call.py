@@ -77,10 +77,12 @@ def _run(function: Stage, options: argparse.Namespace, **more: Any) -> int:
 
 
 def run_trials(function: Stage, options: argparse.Namespace) -> int:
-    """Run a stage for each trial that is out of date, each in a fork of this process.
+    """Run a stage for each trial that is out of date; the greatest exit code is returned.
 
-    A trial whose process is killed costs the others nothing; the greatest exit code is returned.
+    Of several trials each has a fork of this process, so that one whose process is killed costs the
+    others nothing.
     """
+    run = _forked if len(options.trials) > 1 and _forks_safely() else _run
     layout, codes = Layout(options.results), [0]
     study = load_study(options.study, only=options.trials[0] if len(options.trials) == 1 else None)
     for number, name in enumerate(options.trials, 1):
@@ -90,15 +92,20 @@ def run_trials(function: Stage, options: argparse.Namespace) -> int:
             if is_fresh(status_file(options.name, layout, name), options.results, inputs):
                 continue
         log.info("%s (%d of %d)", name, number, len(options.trials))
-        codes.append(_forked(function, options, trial_id=name, inputs=inputs))
+        codes.append(run(function, options, trial_id=name, inputs=inputs))
     if not any(codes) and options.done:
         write_json(options.done, {"trials": options.trials})
     return max(codes)
 
 
+def _forks_safely() -> bool:
+    """Whether this process may be forked: elsewhere than on Linux system libraries may not be used
+    after a fork, and a lock that another thread holds stays locked in the fork for ever.
+    """
+    return sys.platform == "linux" and len(os.listdir("/proc/self/task")) == 1
+
+
 def _forked(function: Stage, options: argparse.Namespace, **more: Any) -> int:
-    if sys.platform != "linux":  # elsewhere system libraries may not be used after a fork
-        return _run(function, options, **more)
     if pid := os.fork():
         code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
         return code if code >= 0 else 128 - code

@@ -17,7 +17,7 @@ test: $(READY) ## the tests
 	$(BIN)/pytest -n 2 --dist loadfile
 
 test-long: $(READY) ## tests that run for minutes: the demo held against its truth, and more
-	$(BIN)/pytest -m long -o addopts="--strict-markers"
+	$(BIN)/pytest -m long -o addopts="--strict-markers" --timeout 3600
 
 lint: $(READY) ## linters, import contract, types, workflow
 	$(BIN)/ruff check .

@@ -1,0 +1,100 @@
+"""All that is wrong with the files of a study, found without running it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..camera import pool_camera
+from ..data import CONFIDENT, Keypoints, confident
+from ..errors import Finding, InputError, input_error
+from ..footage import open_recording
+from ..keypoints import source
+from ..motor import flapping_from_log
+from ..pose.body import RIGID
+from ..pose.fit import enough
+from ..study import Setup, Study, Trial
+from ..study.filmed import as_filmed
+
+LEAST_FRAMES = 2
+
+
+def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
+    """What is wrong with detector and camera of a study.yaml, and remarks on the camera."""
+    try:
+        source(setup.detection.source)
+        return [], pool_camera(setup).remarks
+    except InputError as found:
+        return [_in(folder, finding) for finding in found.findings], ()
+
+
+def file_findings(
+    study: Study, progress: Callable[[float], None] = lambda _: None
+) -> list[Finding]:
+    """A finding for each source and motor log that a run could not read, and for shared sources.
+
+    progress: called with the share of the trials done.
+    """
+    found = _shared(study)
+    for done, trial in enumerate(study.trials, 1):
+        try:
+            _read(study, trial)
+        except InputError as error:
+            found += error.findings
+        progress(done / len(study.trials))
+    return found
+
+
+def _in(folder: Path, finding: Finding) -> Finding:
+    """The finding with the study's folder before the bare name of its file."""
+    bare = finding.file == Path(finding.file).name
+    return replace(finding, file=str(folder / finding.file)) if bare else finding
+
+
+def _shared(study: Study) -> list[Finding]:
+    """A finding for each file that two trials take whole."""
+    found: list[Finding] = []
+    owner: dict[Path, str] = {}
+    whole = [t for t in study.trials if t.start_s is None and t.end_s is None]
+    for trial, path in ((t, p) for t in whole for p in study.paths(t)):
+        if (first := owner.setdefault(path, trial.trial_id)) != trial.trial_id:
+            name = f"{path.name}, whole, as trial {first} has it"
+            found.append(
+                Finding(
+                    str(study.root / "trials.csv"), f"trial {trial.trial_id}", name,
+                    "a file of its own, or a part of one by start_s and end_s",
+                )
+            )  # fmt: skip
+    return found
+
+
+def _read(study: Study, trial: Trial) -> None:
+    """Raises: InputError where a trial's motor log, keypoints or film cannot be read."""
+    if (log := study.motor_path(trial)) is not None:
+        flapping_from_log(log)
+    if trial.reads_keypoints:
+        path = study.paths(trial)[0]
+        _seen(path, source("deeplabcut").read(path, trial, study.setup.bodyparts))
+    else:
+        film = open_recording(
+            study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
+        )
+        as_filmed(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+
+
+def _seen(path: Path, found: Keypoints) -> None:
+    """Raises: InputError where fewer than `LEAST_FRAMES` frames show a head direction and a
+    core.
+    """
+    sure = dict(zip(found.names, confident(found.likelihood.T), strict=True))
+    never = np.zeros(len(found.time_s), dtype=bool)
+    frames = int(enough(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
+    if frames < LEAST_FRAMES:
+        raise input_error(
+            path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
+            f"{', '.join(RIGID[1:])} at likelihood {CONFIDENT} or more", f"{LEAST_FRAMES} at least",
+            "Are the likelihoods there, and are the names under bodyparts: the right ones?",
+        )  # fmt: skip

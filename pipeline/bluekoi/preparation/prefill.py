@@ -1,0 +1,198 @@
+"""Rows of trials.csv and a study.yaml, pre-filled from the files of a folder."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..footage.chapters import chapter_of
+from ..study import VIDEO_SUFFIXES, Trial
+from ..study.keys import keys
+
+HEADER_BYTES = 4096
+MOST_FILES = 10_000
+REQUIRED = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
+POWER = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
+PERCENT = re.compile(r"(?i)(\d{1,3})(?:pct|percent|%)")
+ANGLE = re.compile(
+    r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
+    r"(?:deg)?(?=$|[_\-. ])"
+)
+LOG_WORDS = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
+                       r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
+OPTIONAL = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
+
+
+@dataclass(frozen=True)
+class StudyFiles:
+    """Files of a folder that a study can be made of, as paths relative to it, in natural order."""
+
+    videos: tuple[str, ...]
+    keypoints: tuple[str, ...]
+    motor_logs: tuple[str, ...]
+
+
+def study_files(folder: Path) -> StudyFiles:
+    """Videos, keypoint files and motor logs of a folder and the folders in it.
+
+    Hidden folders are left out, and folders with a report.html, which are results of a run.
+    """
+    videos, points, logs = [], [], []
+    for path in _files(folder):
+        name, suffix = path.relative_to(folder).as_posix(), path.suffix.lower()
+        if suffix in VIDEO_SUFFIXES:
+            videos.append(name)
+        elif suffix in (".h5", ".hdf5", ".slp") or (suffix == ".csv" and _is_keypoints(path)):
+            points.append(name)
+        elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
+            logs.append(name)
+    found = (tuple(sorted(some, key=_natural)) for some in (videos, points, logs))
+    return StudyFiles(*found)
+
+
+def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[dict[str, str]]:
+    """A row of trials.csv for each recording, else for each keypoint file: column to text.
+
+    Power and head angle are taken from names such as `p50_phi-20`, `50pct`; the motor log is the
+    one of the same name. What is not known is left out for the user to fill in. Chapters of one
+    GoPro recording make one row. head_length_m: of the 1x head, taken for all trials.
+    """
+    sources = _recordings(files.videos) or list(files.keypoints)
+    logs = _logs_by_name(files.motor_logs)
+    rows: list[dict[str, str]] = []
+    for source in sources:
+        stem = Path(source.split(";")[0]).stem
+        row = {"trial_id": _id(source, [r["trial_id"] for r in rows]), "source": source}
+        row |= condition_of_name(stem)
+        if head_length_m is not None:
+            row["head_length_m"] = f"{head_length_m:g}"
+        if log := logs.get(stem.casefold()):
+            row["motor_log"] = log
+        rows.append(row)
+    return rows
+
+
+def condition_of_name(stem: str) -> dict[str, str]:
+    """Power and head angle where the name of a file states them: column to text."""
+    found = {}
+    if power := PERCENT.search(stem) or POWER.search(stem):
+        found["power_pct"] = f"{int(power[1])}"
+    if angle := ANGLE.search(stem):
+        sign = "-" if (angle[1] or "").lower() in ("m", "minus", "-") else ""
+        found["head_angle_deg"] = f"{sign}{float(angle[2]):g}"
+    return found
+
+
+def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:
+    """Text of trials.csv: the required columns, those of `header` and those that a row uses."""
+    used = {name for row in rows for name, text in row.items() if text.strip()}
+    known = [name for name in Trial.model_fields if name in used or name in REQUIRED]
+    first = list(header) or known
+    columns = [*first, *(name for name in known if name not in first)]
+    columns += sorted(used - set(columns))
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([" ".join(row.get(name, "").split()) for name in columns] for row in rows)
+    return out.getvalue()
+
+
+def blank_study_yaml() -> str:
+    """A study.yaml with a comment on each key, required values left empty.
+
+    Values with a default stand in it as such, those of the pool aside, which has to be measured;
+    what most studies leave out is commented out.
+    """
+    lines = ["# A study: pool, water, robot, camera. Units are SI unless the name says otherwise."]
+    for key in keys():
+        section, _, name = key.name.partition(".")
+        if key.file != "study.yaml" or section not in ("pool", "water", "robot", "camera"):
+            continue
+        if not name:
+            lines += ["", f"# {key.meaning}", f"{section}:"]
+            continue
+        unit = f" [{key.unit}]" if key.unit else ""
+        needed = key.default == "required" or section == "pool"
+        value = "" if needed else key.default
+        off = "" if needed or value else "# "
+        off = "# " if name in OPTIONAL.get(section, ()) else off
+        lines += [f"  # {key.meaning}{unit}", f"  {off}{name}: {value}".rstrip()]
+    return "\n".join(lines) + "\n"
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    """Files of a folder, at most `MOST_FILES`; folders of results and hidden ones left out."""
+    count = 0
+    for root, folders, names in os.walk(folder):
+        folders[:] = sorted(
+            name for name in folders
+            if not name.startswith(".") and not (Path(root) / name / "report.html").is_file()
+        )  # fmt: skip
+        for name in names:
+            count += 1
+            if count > MOST_FILES:
+                return
+            if not name.startswith("."):
+                yield Path(root) / name
+
+
+def _natural(name: str) -> list[tuple[int, int, str]]:
+    """Sort key by which T2 comes before T10."""
+    parts = re.split(r"(\d+)", name.casefold())
+    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts]
+
+
+def _recordings(videos: Sequence[str]) -> list[str]:
+    """Sources, chapters of one recording joined by `;`."""
+    groups: dict[object, list[str]] = {}
+    for name in videos:
+        mark = chapter_of(Path(name))
+        groups.setdefault((Path(name).parent, mark[0]) if mark else name, []).append(name)
+    return [";".join(sorted(some, key=lambda n: (chapter_of(Path(n)) or ("", 0))[1]))
+            for some in groups.values()]  # fmt: skip
+
+
+def _logs_by_name(logs: Sequence[str]) -> dict[str, str]:
+    """Motor logs by the name of the recording that they belong to."""
+    found: dict[str, str] = {}
+    for name in logs:
+        stem = Path(name).stem
+        found.setdefault(stem.casefold(), name)
+        found.setdefault(LOG_WORDS.sub("", stem).casefold(), name)
+    return found
+
+
+def _id(source: str, taken: Sequence[str]) -> str:
+    """A trial_id of the file's name, with that of its folder or a number where it is taken."""
+    path = Path(source.split(";", maxsplit=1)[0])
+    own = _plain(path.stem)
+    names = [
+        own,
+        _plain(f"{path.parent.name}_{own}"),
+        *(f"{own}_{k}" for k in range(2, MOST_FILES)),
+    ]
+    lower = {name.casefold() for name in taken}
+    return next(name for name in names if name.casefold() not in lower)
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:90] or "trial"
+
+
+def _first_cells(path: Path) -> list[str]:
+    """Cells of the first line of a csv file; nothing where it cannot be read."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            return [cell.strip() for cell in file.readline(HEADER_BYTES).split(",")]
+    except OSError:
+        return []
+
+
+def _is_keypoints(path: Path) -> bool:
+    """Whether a csv file has DeepLabCut's header."""
+    return _first_cells(path)[0] == "scorer"

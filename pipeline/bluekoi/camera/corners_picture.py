@@ -15,7 +15,6 @@ from ..study.filmed import as_filmed, in_study
 from .boards import Grey
 from .corner_fit import EDGES, CornerFit, fit_corners
 from .corners import DOUBT_SHARE, lens_of_study, pool_camera, pool_corners_m
-from .edges import Curve, EdgeLine
 from .png import Picture, write_png
 from .pool import PoolCamera, project
 from .resection import PLACES, diagonal_px
@@ -42,6 +41,20 @@ class CornersCheck:
     confirmed: bool
 
 
+@dataclass(frozen=True)
+class CornersComparison:
+    """The corners given beside those fitted, in the pixels of the frame.
+
+    given_px: (4, 2). camera: by the corners given, None where they fit no camera. check: the same
+    in the pixels of study.yaml and in words.
+    """
+
+    given_px: Float
+    fit: CornerFit
+    camera: PoolCamera | None
+    check: CornersCheck
+
+
 def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> CornersCheck:
     """Corners, mapped grid and pool edges drawn on a frame (height, width[, 3] bgr), as a png.
 
@@ -52,30 +65,40 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
     Raises: InputError where the file cannot be written or the frame's shape cannot be.
     """
     grey, canvas = _grey_and_colour(frame)
+    found = compare_corners(grey, setup)
+    if found.camera is not None:
+        for image in grid_px(found.camera):
+            _polyline(canvas, image, MAPPED, 1)
+    for points in edge_points_px(found.fit):
+        _draw_edge(canvas, points)
+    _draw_given(canvas, found.given_px)
+    _draw_better(canvas, found.fit.corners_px)
+    write_png(out, canvas)
+    return found.check
+
+
+def compare_corners(grey: Grey, setup: Setup) -> CornersComparison:
+    """The corners of a study compared with the edges of the pool in a frame (height, width).
+
+    Raises: InputError where the frame's shape is not that of the study's picture.
+    """
     size = (grey.shape[1], grey.shape[0])
     filmed = as_filmed(setup, size).camera
     given = np.array(filmed.pool_corners_px, dtype=float)
     fit = fit_corners(grey, given, lens_of_study(filmed), pool_corners_m(setup))
     camera, about = _camera(setup, size)
-    if camera is not None:
-        _draw_grid(canvas, camera)
-    for curve, line in zip(fit.curves, fit.lines, strict=True):
-        _draw_edge(canvas, curve, line)
-    _draw_given(canvas, given)
-    _draw_better(canvas, fit.corners_px)
-    write_png(out, canvas)
     off = np.linalg.norm(fit.corners_px - given, axis=1)
-    suggested = in_study(setup, size, fit.corners_px)
     doubts = (*fit.doubts, *_misfit(setup, size, fit))
     wrong = _wrong(off, fit, given)
     sentences = (*_other_size(setup, size), *about, *_edges(fit), *doubts, *wrong)
-    return CornersCheck(
-        suggested_px=suggested,
+    check = CornersCheck(
+        suggested_px=in_study(setup, size, fit.corners_px),
         std_px=fit.std_px,
         off_px=off,
         sentences=(*sentences, *_suggestion(setup, size, fit, certain=not doubts)),
         confirmed=camera is not None and not doubts and not wrong,
     )
+    return CornersComparison(given, fit, camera, check)
 
 
 def _camera(setup: Setup, size: tuple[int, int]) -> tuple[PoolCamera | None, tuple[str, ...]]:
@@ -175,7 +198,8 @@ def _grey_and_colour(frame: Picture) -> tuple[Grey, Picture]:
     return np.asarray(grey, dtype=np.uint8), np.ascontiguousarray(frame).copy()
 
 
-def _draw_grid(canvas: Picture, camera: PoolCamera) -> None:
+def grid_px(camera: PoolCamera) -> list[Float]:
+    """Images (n, 2) of a 0.2 m grid in the plane of the corners, a polyline each."""
     length, width = camera.pool_size_m
     height = float(camera.corners_m[0, 2])
     xs = np.append(np.arange(0, length, GRID_M), length)
@@ -183,16 +207,22 @@ def _draw_grid(canvas: Picture, camera: PoolCamera) -> None:
     fine_x, fine_y = np.linspace(0, length, 100), np.linspace(0, width, 100)
     lines = [np.column_stack([np.full(100, x), fine_y]) for x in xs]
     lines += [np.column_stack([fine_x, np.full(100, y)]) for y in ys]
-    for line in lines:
-        image = project(camera, np.column_stack([line, np.full(100, height)]))
-        _polyline(canvas, image, MAPPED, 1)
+    return [project(camera, np.column_stack([line, np.full(100, height)])) for line in lines]
 
 
-def _draw_edge(canvas: Picture, curve: Curve, line: EdgeLine | None) -> None:
-    if line is None:
-        return
-    seen = np.isfinite(line.steps_px)
-    points = curve.points_px[seen] + curve.normal_px[seen] * line.steps_px[seen, None]
+def edge_points_px(fit: CornerFit) -> list[Float]:
+    """Points (n, 2) of each edge where it was seen; none of an edge that was not found."""
+    found = []
+    for curve, line in zip(fit.curves, fit.lines, strict=True):
+        if line is None:
+            found.append(np.empty((0, 2)))
+            continue
+        seen = np.isfinite(line.steps_px)
+        found.append(curve.points_px[seen] + curve.normal_px[seen] * line.steps_px[seen, None])
+    return found
+
+
+def _draw_edge(canvas: Picture, points: Float) -> None:
     for u, v in np.round(points).astype(int):
         cv2.circle(canvas, (int(u), int(v)), max(1, canvas.shape[1] // 900), SEEN, -1)
 

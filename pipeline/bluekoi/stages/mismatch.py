@@ -27,11 +27,11 @@ from ..mismatch.setting import held_out_trials
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
+from .clock import CLOCK_STD, in_true_time, with_clock_cause
 from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
-CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 STATED_STD = 0.05  # ASSUME a motor without a log keeps its stated frequency to 5 %
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
@@ -51,8 +51,8 @@ def mismatch(study: Path, results: Path) -> None:
     """
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
-    flapping = campaign_flapping(campaign)
-    series = with_clock(campaign_series(campaign), flapping)
+    campaign, flapping, factors = in_true_time(campaign, campaign_flapping(campaign))
+    series = with_clock(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay(series, flapping, fitted=fitted)
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
@@ -65,9 +65,14 @@ def mismatch(study: Path, results: Path) -> None:
     for one, shot in zip(series, shots, strict=True):
         path = {f"extended_{k}": shot.observed[:, i]
                 for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
-        write_columns(results / "extended" / f"{one.name}.csv", {"time_s": one.times} | path)
-    write_json(results / "mismatch_detail.json", details(found))
-    write_json(results / "mismatch.json", mismatch_json(found, loaded, series))
+        times = one.times / (factors[one.name].value if one.name in factors else 1.0)
+        write_columns(results / "extended" / f"{one.name}.csv", {"time_s": times} | path)
+    detail = details(found)
+    for name in factors.keys() & detail["forces"].keys():
+        detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
+    write_json(results / "mismatch_detail.json", detail)
+    content = mismatch_json(found, loaded, series)
+    write_json(results / "mismatch.json", with_clock_cause(content, factors, len(series)))
 
 
 def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> list[Series]:

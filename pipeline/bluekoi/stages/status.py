@@ -89,7 +89,7 @@ def with_numerical_failures_explained(
     def explained(study: Path, results: Path) -> None:
         try:
             stage(study, results)
-        except (np.linalg.LinAlgError, FloatingPointError) as error:
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
             log.debug("stage %s", stage.__name__, exc_info=True)
             found = {path.stem: read_json(path) for path in (results / "status").glob("*.json")}
             raise input_error(

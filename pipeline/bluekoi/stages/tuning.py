@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..fitting import Series
 from ..motor import common_ratio, other_clock
 from ..study import load_study
 from ..tuning import coefficients, simulations, study_series, table_1, table_2
+from .clock import in_true_time
 from .compiling import load_model as preload
 from .layout import Layout, remove
 from .status import with_numerical_failures_explained
@@ -27,19 +29,24 @@ def tuning(study: Path, results: Path) -> None:
     layout = Layout(results)
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
-    series = campaign_series(campaign)
+    campaign, flapping, factors = in_true_time(campaign, campaign_flapping(campaign))
+    series = campaign_series(campaign, flapping)
     remove((results / "simulations").glob("*.csv"))
     found, joint = coefficients(loaded, series, campaign.steady)
+    found |= {"clock_factor": {name: f.value for name, f in factors.items()}} if factors else {}
     steps = found["paper_steps"]
     for name, columns in simulations(series, joint, steps).items():
-        write_columns(results / "simulations" / f"{name}.csv", columns)
+        recorded = columns["time_s"] / (factors[name].value if name in factors else 1.0)
+        write_columns(results / "simulations" / f"{name}.csv", columns | {"time_s": recorded})
     write_columns(results / "table1.csv", table_1(steps))
     write_columns(results / "table2.csv", table_2(loaded, steps))
     write_json(layout.coefficients, found)
 
 
-def campaign_series(campaign: Campaign) -> list[Series]:
-    """Trials of a campaign as the fit takes them.
+def campaign_series(
+    campaign: Campaign, flapping: Mapping[str, Flapping] | None = None
+) -> list[Series]:
+    """Trials of a campaign as the fit takes them; flapping: `campaign_flapping` without it.
 
     Not a robot that never moved; nor a trial whose tail beats at another rate than its motor's,
     unless most trials share that ratio: its log or its frame rate is another trial's.
@@ -47,7 +54,7 @@ def campaign_series(campaign: Campaign) -> list[Series]:
     Raises: InputError where no trial can be used.
     """
     moved = {i for i, row in campaign.steady.items() if row.quality != "no_data"}
-    flapping = campaign_flapping(campaign)
+    flapping = campaign_flapping(campaign) if flapping is None else flapping
     common = common_ratio(flapping.values())
     odd = {i for i, f in flapping.items() if other_clock(f, common)}
     kept = moved - odd if 2 * len(odd) < len(flapping) else moved

@@ -38,6 +38,8 @@ OPEN, BAND = 0.3, 1.96
 """A number is not determined where its deviation exceeds this share of its size; half width of a
 normal law's 95 % interval over its deviation.
 """
+SMALLER = (0.3, 0.1, 0.03, 0.0)
+"""Shares of the usual coefficients from which a fit begins where the model runs away at those."""
 FIRST_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
@@ -108,11 +110,13 @@ def tune(
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 
     least: share of the naive variance below which none is stated, however well trials agree.
+
+    Raises: FloatingPointError where the model runs away from these trials at every start.
     """
     kernel = compiled(plates())
     free = tuple(free or (Free(p.name) for p in COEFFICIENTS))
     base = plates().values({}) if base is None else base
-    found = fit(kernel, series, base, free, noise or FIRST_NOISE, start=start)
+    found = _first_fit(kernel, series, base, free, noise=noise or FIRST_NOISE, start=start)
     if noise is None:
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
@@ -120,6 +124,27 @@ def tune(
     own = servo(kernel, series, found, base, noise=noise)
     spread = spread_over_trials(found.normal, moving(kernel, found), own, least=least)
     return Tuned(found, noise, spread.cov, base, spread.freedom, spread.told)
+
+
+def _first_fit(
+    kernel: Kernel,
+    series: Sequence[Series],
+    base: Float,
+    free: Sequence[Free],
+    *,
+    noise: Noise,
+    start: dict[str, float] | None,
+) -> Fit:
+    """The fit from `start`; where the model runs away there, from smaller and smaller numbers."""
+    slots = kernel.system.slot
+    given = start or {}
+    values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
+    for share in (1.0, *SMALLER):
+        begin = {label: float(share * value) for label, value in values.items()}
+        found = fit(kernel, series, base, free, noise, start=start if share == 1.0 else begin)
+        if found.normal.usable:
+            return found
+    raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
 
 def servo(

@@ -1,0 +1,87 @@
+"""Whatever the trials are, a fit ends with numbers or in an outcome with advice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from bluekoi.fitting import Series
+from bluekoi.tuning.draws import drawn
+from bluekoi.tuning.identify import profiles, spectrum
+from bluekoi.tuning.joint import Tuned, table, thin, tune
+from campaigns import Errors, plans, sixteen
+
+
+@pytest.fixture(scope="module")
+def trials() -> list[Series]:
+    wanted = plans((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
+    return sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0]
+
+
+def changed(
+    one: Series, *, clock: float = 1.0, scale: float = 1.0, shift_m: float = 0.0,
+    mirrored: bool = False, frames: int | None = None,
+) -> Series:  # fmt: skip
+    """The trial with another clock, scale or place, seen in a mirror, or cut short."""
+    seen, mean = one.seen.copy(), one.mean.copy()
+    seen[:, :2] *= scale
+    mean[:2] *= scale
+    mean[3:6] *= np.array([scale, scale, 1.0]) / clock
+    if mirrored:
+        seen[:, 1:] *= -1
+        mean[[1, 2, 4, 5]] *= -1
+    seen[:, :2] += shift_m
+    mean[:2] += shift_m
+    cut = slice(frames)
+    return replace(one, times=clock * one.times[cut], seen=seen[cut], mean=mean,
+                   inputs=one.inputs[cut], noise=one.noise[cut])  # fmt: skip
+
+
+def examined(series: list[Series]) -> Tuned:
+    """Everything that the stage `tuning` makes of a joint fit."""
+    few = thin(series)
+    found = tune(few)
+    told = table(found)
+    assert all(np.isfinite(cell["value"]) for cell in told.values())
+    assert all(cell["why"] for cell in told.values() if not cell["determined"])
+    assert found.fit.outcome
+    assert np.isfinite(drawn(found, 20, np.random.default_rng(0))).all()
+    assert len(spectrum(found)) == len(profiles(few, found)) == len(told)
+    return found
+
+
+@settings(max_examples=7, deadline=None, derandomize=True,
+          suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
+@given(
+    clock=st.sampled_from([1 / 16, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0]),
+    scale=st.sampled_from([0.01, 0.3, 1.0, 3.0, 30.0]),
+    shift_m=st.sampled_from([0.0, -40.0]),
+    mirrored=st.booleans(),
+    frames=st.sampled_from([None, 2, 7, 40]),
+    order=st.permutations([0, 1, 2]),
+)
+def test_a_fit_ends_with_numbers_or_advice(trials, clock, scale, shift_m, mirrored, frames, order):
+    series = [changed(trials[i], clock=clock, scale=scale, shift_m=shift_m, mirrored=mirrored,
+                      frames=frames) for i in order]  # fmt: skip
+    examined(series)
+
+
+@pytest.mark.parametrize("change", [{"clock": 0.125}, {"scale": 10.0}, {"scale": 100.0}])
+def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(trials, change):
+    assert examined([changed(one, **change) for one in trials]).fit.normal.usable
+
+
+def test_trials_that_no_coefficients_describe_are_refused(trials):
+    with pytest.raises(FloatingPointError, match="runs away from these trials"):
+        tune(thin([changed(one, scale=1000.0) for one in trials]))
+
+
+def test_a_mirrored_study_has_the_same_coefficients(trials):
+    values = examined(trials).fit.values
+    wanted = [replace(changed(one, mirrored=True), inputs=one.inputs * [-1.0, 1.0])
+              for one in trials]  # fmt: skip
+    assert examined(wanted).fit.values == pytest.approx(values, rel=0.02)

@@ -1,0 +1,93 @@
+"""A frame rate that is wrong by a factor is read from tail beats and taken out before any fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exact_campaign import campaign
+
+from bluekoi.campaign import Campaign
+from bluekoi.data import Flapping, Pose
+from bluekoi.stages.clock import clock_factors, in_true_time, with_clock_cause
+from bluekoi.stages.tuning import campaign_series
+
+CONTENT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
+           "probabilities": {"clock_error": 0.01}}  # fmt: skip
+
+
+def logged(ratio: float) -> Flapping:
+    return Flapping(5.8, 0.001, "motor_log", ratio=ratio, ratio_std=1e-3, agrees=ratio == 1)
+
+
+def with_rates(base: Campaign, fps: dict[str, float]) -> Campaign:
+    trials = [t.model_copy(update={"fps": fps.get(t.trial_id, t.fps)}) for t in base.study.trials]
+    study = base.study.model_copy(update={"trials": tuple(trials)})
+    poses = {name: Pose(t.time_s, np.column_stack([t.x_m, t.y_m, t.heading_rad, t.head_angle_rad]),
+                        np.tile(np.diag([1e-6, 1e-6, 1e-5, 1e-5]), (len(t.time_s), 1, 1)))
+             for name, t in base.tracks.items()}  # fmt: skip
+    return replace(base, study=study, poses=poses)
+
+
+@pytest.mark.parametrize("factor", [0.125, 0.5, 2.0, 4.0, 8.0])
+def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
+    base = with_rates(campaign(powers=(100,)), {})
+    beats = {name: logged(factor) for name in base.tracks}
+    corrected, flapping, factors = in_true_time(base, beats)
+    assert set(factors) == set(base.tracks)
+    for name, track in base.tracks.items():
+        assert corrected.tracks[name].time_s == pytest.approx(factor * track.time_s)
+        assert corrected.tracks[name].speed_m_s == pytest.approx(track.speed_m_s / factor)
+        assert corrected.tracks[name].yaw_rate_rad_s == pytest.approx(track.yaw_rate_rad_s / factor)
+        assert corrected.steady[name].speed_m_s == pytest.approx(
+            base.steady[name].speed_m_s / factor
+        )
+        assert flapping[name].agrees
+        assert flapping[name].video_hz == pytest.approx(5.8)
+    series = campaign_series(corrected, flapping)
+    assert len(series) == len(base.tracks)
+    told = with_clock_cause(CONTENT, factors, len(series))
+    assert told["verdict"] == "measurement"
+    assert told["causes"][0]["name"] == "clock_error"
+    assert told["causes"][0]["parameters"]["k"]["value"] == pytest.approx(factor - 1)
+    assert f"fps is {factor:g} times the true frame rate" in told["sentence"]
+    assert told["probabilities"]["clock_error"] == 1.0
+
+
+def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
+    base = with_rates(campaign(powers=(100,)), {})
+    _, _, factors = in_true_time(base, {name: logged(4.0) for name in base.tracks})
+    fine = {"name": "clock_error", "parameters": {"k": {"value": 0.01}}}
+    damping = {"name": "linear_yaw_damping", "parameters": {}}
+    content = {**CONTENT, "causes": [damping, fine]}
+    told = with_clock_cause(content, factors, len(base.tracks))
+    assert [c["name"] for c in told["causes"]] == ["clock_error", "linear_yaw_damping"]
+    assert told["causes"][0]["parameters"]["k"]["value"] == pytest.approx(4.04 - 1)
+
+
+def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():
+    base = campaign(powers=(100,))
+    names = sorted(base.tracks)
+    wrong = names[: len(names) // 2]
+    base = with_rates(base, dict.fromkeys(wrong, 119.88))
+    beats = {name: logged(4.0 if name in wrong else 1.0) for name in names}
+    factors = clock_factors(base.study, beats)
+    assert sorted(factors) == wrong
+    told = with_clock_cause(CONTENT, factors, len(names))
+    assert f"in {len(wrong)} of {len(names)} trials" in told["sentence"]
+    assert told["causes"][0]["regime"] == f"trials {', '.join(wrong)}"
+
+
+@pytest.mark.parametrize("ratios", [(1.0, 1.0), (1.1, 1.1), (4.0, 0.25), (np.nan, np.nan)])
+def test_no_factor_without_trials_that_agree_on_one_far_from_1(ratios):
+    base = campaign(powers=(100,))
+    beats = {name: logged(ratios[i % 2]) for i, name in enumerate(sorted(base.tracks))}
+    assert clock_factors(base.study, beats) == {}
+    assert with_clock_cause(CONTENT, {}, len(beats)) == CONTENT
+
+
+def test_a_stated_frequency_is_no_clock():
+    base = campaign(powers=(100,))
+    beats = {name: replace(logged(4.0), source="flap_hz") for name in base.tracks}
+    assert clock_factors(base.study, beats) == {}

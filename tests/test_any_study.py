@@ -10,15 +10,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bluekoi.fitting import Series
+from bluekoi.integrate import compiled
+from bluekoi.mismatch.jumps import jumps
+from bluekoi.model import plates
 from bluekoi.tuning.draws import drawn
 from bluekoi.tuning.identify import profiles, spectrum
 from bluekoi.tuning.joint import Tuned, table, thin, tune
-from campaigns import Errors, plans, sixteen
+from campaigns import Errors, sixteen
+from campaigns import plans as plans_of
 
 
 @pytest.fixture(scope="module")
 def trials() -> list[Series]:
-    wanted = plans((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
+    wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
     return sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0]
 
 
@@ -78,6 +82,14 @@ def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(tr
 def test_trials_that_no_coefficients_describe_are_refused(trials):
     with pytest.raises(FloatingPointError, match="runs away from these trials"):
         tune(thin([changed(one, scale=1000.0) for one in trials]))
+
+
+def test_trials_too_short_for_a_displaced_camera_have_none(trials):
+    kernel, few = compiled(plates()), thin([changed(one, frames=16) for one in trials])
+    found = tune(few)
+    values = found.trial_values(kernel, few)
+    assert max(len(one.times) for one in few) < 8
+    assert jumps(kernel, few, values, found.noise) == []
 
 
 def test_a_mirrored_study_has_the_same_coefficients(trials):

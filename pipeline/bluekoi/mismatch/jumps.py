@@ -51,12 +51,17 @@ class Jump:
 def jumps(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[Jump]:
-    """The surest jump of each trial that has one, around a fitted model.
+    """The surest jump of each trial that has one, around a fitted model; trials of fewer than
+    eight frames have none.
 
     values: full parameter vectors, one a trial.
     """
     passed = filter_all(kernel, series, values, noise)
-    told = [_told(kernel, *one, noise) for one in zip(series, values, passed, strict=True)]
+    long = [(s, v, p) for s, v, p in zip(series, values, passed, strict=True) if len(_moments(s))]
+    if not long:
+        return []
+    series = [one for one, _, _ in long]
+    told = [_told(kernel, *one, noise) for one in long]
     usual = max(1.0, float(np.median(np.concatenate([t[0] for t in told]))) / USUAL)
     out = []
     for one, (ratio, size) in zip(series, told, strict=True):

@@ -220,12 +220,14 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def farewell(self) -> None:
-        """Name the report, where there is one; nothing more is told."""
+        """Warnings, the verdict and the report, where there are any; nothing more is told."""
         self.over.set()
         if self.preloaded:
             self.preloaded.close()
         for text in _warnings(self.report.with_name("outcome.json")):
             self._say(f"Warning: {text}")
+        if text := _verdict(self.report.with_name("mismatch.json")):
+            self._say(f"Verdict: {text}")
         if self.report.is_file():
             self._say(f"Report: {self.report}")
 
@@ -233,6 +235,11 @@ class Progress(logging.Handler):
 def _warnings(outcome: Path) -> list[str]:
     """Warnings of a run that ended well; none where it did not."""
     return list(read_json(outcome).get("warnings", [])) if outcome.is_file() else []
+
+
+def _verdict(mismatch: Path) -> str:
+    """The verdict in one sentence; empty before the search."""
+    return str(read_json(mismatch).get("sentence", "")) if mismatch.is_file() else ""
 
 
 def _name(found: dict[str, Any]) -> str:

@@ -71,7 +71,7 @@ def examined(series: list[Series]) -> Tuned:
 def test_a_fit_ends_with_numbers_or_advice(trials, clock, scale, shift_m, mirrored, frames, order):
     series = [changed(trials[i], clock=clock, scale=scale, shift_m=shift_m, mirrored=mirrored,
                       frames=frames) for i in order]  # fmt: skip
-    examined(series)
+    assert examined(series).fit.normal.usable
 
 
 @pytest.mark.parametrize("change", [{"clock": 0.125}, {"scale": 10.0}, {"scale": 100.0}])

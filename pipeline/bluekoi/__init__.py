@@ -13,6 +13,7 @@ Modules in the order of the data flow:
     integrate     compiled simulation of any state-space model
     fitting       fits on whole trajectories
     engine        the finder for any system: probabilities of the causes it left out
+    explain       the finder for a model and recordings of your own
     effects       candidate physics: one effect a file
     measurement   candidate measurement errors: one a file
     model         the paper's equations, with effects added

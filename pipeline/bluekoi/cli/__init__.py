@@ -11,6 +11,7 @@ from .challenge import challenge
 from .check import check
 from .design import design
 from .doctor import doctor
+from .explain import explain
 from .export import export
 from .run import run
 from .simulate import simulate
@@ -48,6 +49,19 @@ def main() -> None:
     one_blas_thread()
 
 
-_COMMANDS = (run, watch, check, doctor, calibrate, pool, simulate, design, challenge, export, stage)
+_COMMANDS = (
+    run,
+    watch,
+    check,
+    doctor,
+    calibrate,
+    pool,
+    simulate,
+    design,
+    explain,
+    challenge,
+    export,
+    stage,
+)
 for _command in _COMMANDS:
     main.add_command(_command)

@@ -7,10 +7,12 @@ expansion   second-order expansion of the likelihood in the numbers of all candi
 evidence    marginal likelihood of a set of causes
 search      which sets are worth a fit
 posterior   probabilities of sets and causes, bagged over trials
+naming      what is named, and what may act in its place
 """
 
 from .candidates import Candidate, Priors, candidates_of
 from .expansion import Expansion, expanded
+from .naming import Named, best_set, named_causes
 from .posterior import Posterior, posterior
 from .problem import Problem
 from .refit import FittedSet, fitted, own_noise, unconstrained
@@ -20,14 +22,17 @@ __all__ = [
     "Candidate",
     "Expansion",
     "FittedSet",
+    "Named",
     "Posterior",
     "Priors",
     "Problem",
     "Scored",
     "Visited",
+    "best_set",
     "candidates_of",
     "expanded",
     "fitted",
+    "named_causes",
     "own_noise",
     "posterior",
     "search",

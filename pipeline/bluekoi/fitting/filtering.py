@@ -145,11 +145,11 @@ def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) ->
     )
     values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
-    on = switches(kernel.system, values)
+    on, step_s = switches(kernel.system, values), kernel.system.step_s or STEP_S
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,
-        active_states(kernel.system, on), on, STEP_S, gains, roots, transitions,
+        active_states(kernel.system, on), on, step_s, gains, roots, transitions,
         predicted, filtered, cov_p, cov_f, innovations,
     )  # fmt: skip
     return Filtered(

@@ -111,7 +111,8 @@ def _by_logs(kernel: Kernel, noise: Noise, told: Slopes) -> Float:
         if parameter.lower < noise.tau[k] < parameter.upper:
             states = slice(k, k + shared)
             tau[k] = np.sum(told.tau[states] * noise.tau[states] - 0.5 * own[states])
-    return np.concatenate([own, tau, told.scale * noise.scale])
+    scale = np.where(noise.scale > noise.least_scale, told.scale * noise.scale, 0.0)
+    return np.concatenate([own, tau, scale])
 
 
 def _along(
@@ -166,4 +167,5 @@ def _with(kernel: Kernel, noise: Noise, sought: Sequence[int], found: Float) -> 
     tau = flat[count : 2 * count].copy()
     for k, (shared, parameter) in _memories(kernel, count).items():
         tau[k : k + shared] = np.clip(tau[k], parameter.lower, parameter.upper)
-    return replace(noise, disturbance=flat[:count] / np.sqrt(tau), tau=tau, scale=flat[2 * count :])
+    scale = np.maximum(flat[2 * count :], noise.least_scale)
+    return replace(noise, disturbance=flat[:count] / np.sqrt(tau), tau=tau, scale=scale)

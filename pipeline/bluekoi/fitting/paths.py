@@ -167,7 +167,8 @@ def _products(problem: Padded, trials: slice, x: Float, size: Float, *, starts: 
         values[own[trials], slot, count + 1 + k] += size[count + k]
     observed, _ = propagate(
         problem.kernel, state, values, problem.constants[trials], times=problem.times[trials],
-        inputs=problem.inputs[trials], frames=problem.frames[trials], step_s=problem.step_s,
+        inputs=problem.inputs[trials], frames=problem.frames[trials],
+        step_s=problem.kernel.system.step_s or problem.step_s,
     )  # fmt: skip
     seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
     out = np.empty((len(state), 1 + len(size), 1 + len(size)))

@@ -84,6 +84,6 @@ def _predicted(
         np.repeat(constants[:, :, None], LANES, axis=2),
         times=of_blocks(passes.times), inputs=of_blocks(passes.inputs),
         frames=of_blocks(passes.frames), seen=of_blocks(passes.seen),
-        gains=of_blocks(passes.gains), step_s=STEP_S,
+        gains=of_blocks(passes.gains), step_s=kernel.system.step_s or STEP_S,
     )  # fmt: skip
     return observed

@@ -58,13 +58,15 @@ class Noise:
     disturbance (random states,): stationary standard deviation of each random state, in the order
     of the system's states; states beyond its end are absent. tau (random states,), or one for all:
     correlation times [s]. scale (observations,): factor on the stated standard deviation of each
-    observation. trial_effects: errors that each trial has anew and keeps.
+    observation. trial_effects: errors that each trial has anew and keeps. least_scale: lower bound
+    of estimates of `scale`, 1 where the stated deviations are those of the instrument.
     """
 
     disturbance: Float
     tau: Float
     scale: Float
     trial_effects: tuple[TrialEffect, ...] = ()
+    least_scale: float = 0.0
 
     def __post_init__(self) -> None:
         if np.any(self.disturbance < 0) or np.any(self.scale <= 0) or np.any(self.tau <= 0):

@@ -42,7 +42,7 @@ def propagate(
     seen: Float | None = None,
     gains: Float | None = None,
     keep_states: bool = False,
-    step_s: float = STEP_S,
+    step_s: float | None = None,
 ) -> tuple[Float, Float]:
     """Observations `(blocks, frames, observations, 16)` and states `(blocks, frames, states, 16)`.
 
@@ -50,6 +50,7 @@ def propagate(
     times (blocks, frames), inputs (blocks, frames, inputs). With `seen` (blocks, frames,
     observations) and `gains` (blocks, frames, states, observations) each frame's state is
     corrected by the innovation; without, the simulation runs free. States only where asked for.
+    step_s: longest step; without, the system's own, else `STEP_S`.
     """
     blocks, n = times.shape
     n_states, n_obs = len(kernel.system.all_states), len(kernel.system.observations)
@@ -59,6 +60,7 @@ def propagate(
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
     on = switches(kernel.system, np.moveaxis(values, 1, -1))
+    step_s = step_s or kernel.system.step_s or STEP_S
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]

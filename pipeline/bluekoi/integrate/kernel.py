@@ -99,7 +99,7 @@ def _made(system: System, general: bool) -> _Compiled:
     path = kernel_folder() / f"{name}.py"
     if not path.exists():
         write_text(path, text)
-    module = _load(name, path)
+    module = load_source(name, path)
     return _Compiled(module.propagate, module.compiled_filter)
 
 
@@ -119,7 +119,8 @@ def kernel_folder() -> Path:
     return folder
 
 
-def _load(name: str, path: Path) -> ModuleType:
+def load_source(name: str, path: Path) -> ModuleType:
+    """The module in a source file, loaded once under a name."""
     if name in sys.modules:
         return sys.modules[name]
     spec = importlib.util.spec_from_file_location(name, path)

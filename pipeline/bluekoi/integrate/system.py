@@ -103,7 +103,9 @@ class System:
 
     states, constants (per trial), inputs (per trial, over time) and coefficients name the
     arguments that stages may ask for. Stage `rates` must return one derivative a state, stage
-    `observe` one value an observation.
+    `observe` one value an observation. held_inputs: inputs that keep the value of a frame until the
+    next one (zero-order hold); the others run linearly between frames. step_s: longest integration
+    step; None for the default of the caller.
     """
 
     name: str
@@ -114,6 +116,8 @@ class System:
     stages: tuple[Stage, ...]
     observations: tuple[str, ...]
     effects: tuple[Effect, ...] = ()
+    held_inputs: tuple[str, ...] = ()
+    step_s: float | None = None
 
     @cached_property
     def all_states(self) -> tuple[str, ...]:

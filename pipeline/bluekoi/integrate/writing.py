@@ -14,7 +14,7 @@ from pathlib import Path
 
 from .dependence import RANDOM, arguments, held, moving, needed, passed_on
 from .loops import Loop
-from .rows import Rows
+from .rows import LANES, Rows
 from .system import Effect, Function, Stage, System
 
 KERNEL, STEP = (
@@ -53,6 +53,8 @@ def source(system: System, *, general: bool) -> str:
         "hold": _hold(plan),
         "observe": _observe(plan),
         "moves": _general(plan) if general else _fast(plan),
+        "held_inputs": _held_inputs(plan),
+        "held_again": ["    hold(m)"] if system.held_inputs else [],
     }
     rows = plan.rows
     return KERNEL.format(
@@ -75,6 +77,16 @@ def source(system: System, *, general: bool) -> str:
 def random_parts(system: System) -> tuple[Effect, ...]:
     """The effects that every filter has: random forces and errors."""
     return tuple(e for e in system.effects if e.kind == RANDOM)
+
+
+def _held_inputs(plan: _Plan) -> list[str]:
+    """Lines that keep held inputs at their value of the frame before."""
+    out: list[str] = []
+    for name in plan.system.held_inputs:
+        row, column = plan.rows.of(name), plan.system.inputs.index(name)
+        out += [f"    for j in range({LANES}):",
+                f"        m[{row * LANES} + j] = inputs[frame - 1, {column}]"]  # fmt: skip
+    return out
 
 
 def _imports(called: dict[str, Function]) -> list[str]:

@@ -1,0 +1,77 @@
+"""`bluekoi explain`: what a model of any system leaves out of its recordings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .named import Named
+from .numbers import Finite
+
+
+@click.command()
+@click.argument("model", type=Named(path_type=Path))
+@click.argument("data", type=Named(path_type=Path))
+@click.option("--out", type=click.Path(path_type=Path), help="Default: results/explain/MODEL.")
+@click.option("--predict", "others", multiple=True, type=click.Path(path_type=Path),
+              help="A folder of recordings to predict, not fitted (repeat).")  # fmt: skip
+@click.option("--known-s", type=Finite(min=0.001), default=1.0, show_default=True,
+              help="First seconds of a predicted trial that tell its start.")  # fmt: skip
+@click.option("--candidates", metavar="NAMES", help="Causes to ask for, joined by commas.")
+@click.option("--without", metavar="NAMES", help="Causes to leave out, joined by commas.")
+@click.option("--quiet", is_flag=True, help="No lines of progress.")
+def explain(
+    *,
+    model: Path,
+    data: Path,
+    out: Path | None,
+    others: tuple[Path, ...],
+    known_s: float,
+    candidates: str | None,
+    without: str | None,
+    quiet: bool,
+) -> None:
+    """Which causes the model in MODEL.py leaves out of the recordings in the folder DATA.
+
+    MODEL.py is run as a program: use only files that you would run yourself. Writes
+    explanation.json, explanation.md and report.html.
+    """
+    from ..explain import explain as explained  # noqa: PLC0415
+    from ..explain import (  # noqa: PLC0415  # noqa: PLC0415
+        explanation_json,
+        load_model,
+        predict,
+        prediction_json,
+        prediction_text,
+        read_trials,
+        summary,
+    )
+    from ..files import write_json, write_text  # noqa: PLC0415
+    from ..report.explanation import write_explanation  # noqa: PLC0415
+
+    given = load_model(model)
+    trials = read_trials(given, data)
+    further = [t for folder in others for t in read_trials(given, folder)]
+    found = explained(
+        given, trials, candidates=_names(candidates), without=_names(without) or (),
+        progress=lambda text: None if quiet else click.echo(f"... {text}", err=True),
+    )  # fmt: skip
+    predicted = predict(found, further, known_s=known_s) if further else None
+    folder = out or Path("results") / "explain" / given.name
+    content, text = explanation_json(found), summary(found)
+    if predicted is not None:
+        content["prediction"] = prediction_json(predicted)
+        text += "\n\n" + prediction_text(given, predicted)
+    write_json(folder / "explanation.json", content)
+    write_text(folder / "explanation.md", text + "\n")
+    write_explanation(found, predicted, folder / "report.html")
+    click.echo(text)
+    click.echo(f"\nWritten: {folder}")
+
+
+def _names(text: str | None) -> tuple[str, ...] | None:
+    """Names joined by commas; None where none were given."""
+    if text is None:
+        return None
+    return tuple(name.strip() for name in text.split(",") if name.strip())

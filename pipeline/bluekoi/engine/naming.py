@@ -1,0 +1,99 @@
+"""From the posterior over sets of causes to names: what acts, and what may fill its place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from .candidates import Candidate
+from .posterior import Posterior
+from .search import Scored
+
+NAMED = 0.5
+"""A cause is named where it is more probable than not."""
+CREDIBLE = 0.9
+UNEXPLAINED = "unexplained"
+
+
+@dataclass(frozen=True)
+class Named:
+    """A named cause: probability that it acts, and others that may act in its place."""
+
+    name: str
+    probability: float
+    alternatives: Mapping[str, float]
+
+    @property
+    def credible_set(self) -> list[str]:
+        """The fewest causes of the place, the most probable first, that hold 90 % of it."""
+        place = {self.name: self.probability, **self.alternatives}
+        total, out, held = sum(place.values()), [], 0.0
+        for name in sorted(place, key=lambda n: -place[n]):
+            out.append(name)
+            held += place[name]
+            if held >= CREDIBLE * total:
+                break
+        return out
+
+
+def named_causes(
+    found: Posterior, candidates: Mapping[str, Candidate]
+) -> tuple[list[Named], float]:
+    """Causes that are probably there, and the probability of an unlisted force.
+
+    A place of the most probable set is filled where it is more probable than not that its cause, or
+    another in its place, acts; it bears the name of the most probable of them.
+    """
+    residual = {n for n, c in candidates.items() if c.is_residual}
+    pairs = list(zip(found.sets, found.probability, strict=True))
+    unexplained = float(sum(p for s, p in pairs if residual & set(s.causes)))
+    best, out = found.best, list[Named]()
+    for name in (c for c in best.causes if c not in residual):
+        place = _place(found, name)
+        taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
+        listed = {n: q for n, q in place.items() if n not in residual}
+        unlisted = sum(q for n, q in place.items() if n in residual)
+        if taken > NAMED and listed and unlisted <= NAMED:
+            leader = max(listed, key=lambda n: listed[n])
+            others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
+            out.append(Named(leader, found.inclusion[leader], others))
+    names = {c.name for c in out}
+    out += [Named(n, q, {}) for n, q in found.inclusion.items()
+            if q > NAMED and n not in names and n not in residual]  # fmt: skip
+    return out, unexplained
+
+
+def _place(found: Posterior, name: str) -> dict[str, float]:
+    """The causes that fill a place of the most probable set, with their probabilities."""
+    rest = frozenset(found.best.causes) - {name}
+    place = {name: found.inclusion[name]}
+    for s, p in zip(found.sets, found.probability, strict=True):
+        new = s.model.key - rest - {name}
+        if name not in s.model.key and len(new) == 1 and rest <= s.model.key:
+            (other,) = new
+            place[other] = place.get(other, 0.0) + float(p)
+    return place
+
+
+def best_set(
+    found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, Candidate]
+) -> Scored:
+    """The most probable set with just these named causes, with a residual term where asked for."""
+    residual = {n for n, c in candidates.items() if c.is_residual}
+
+    def fits(s: Scored) -> bool:
+        own = set(s.causes)
+        return set(named) == own - residual and bool(own & residual) == unexplained
+
+    pairs = sorted(zip(found.probability, found.sets, strict=True), key=lambda x: -x[0])
+    return next((s for _, s in pairs if fits(s)), found.best)
+
+
+def gain(sets: Sequence[Scored], best: Scored, name: str) -> float:
+    """Log evidence that a set loses without one of its causes, that one or with others in its
+    place; infinite where no set lacks it.
+    """
+    less = best.model.key - {name}
+    without = [s.log_posterior for s in sets if s.model.key == less]
+    without = without or [s.log_posterior for s in sets if name not in s.model.key]
+    return best.log_posterior - max(without, default=float("-inf"))

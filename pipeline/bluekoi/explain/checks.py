@@ -1,0 +1,214 @@
+"""Faults of a model, found before anything is compiled, each with what to do."""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Sequence
+
+from ..errors import Finding, InputError, nearest
+from ..integrate import Parameter
+from .model import KINDS, OBSERVE, RATES, Cause, Function, Model, arguments
+
+MOST_STATES = 14
+"""States of the model with its random forces and errors: sixteen lanes less two."""
+
+
+def checked_model(model: Model) -> None:
+    """Nothing, where the model can be used.
+
+    Raises: InputError with all that is wrong with it.
+    """
+    findings = [*_names(model), *_stages(model), *_causes(model), *_coefficients(model)]
+    if not findings:
+        findings = [*_calls(model)]
+    if findings:
+        raise InputError(findings)
+
+
+def _finding(model: Model, where: str, found: object, expected: str, remedy: str = "") -> Finding:
+    return Finding(f"model '{model.name}'", where, str(found), expected, remedy)
+
+
+def _names(model: Model) -> list[Finding]:
+    out = []
+    if not model.name.isidentifier():
+        out.append(Finding("model", "name", f"'{model.name}'", "letters, digits and _"))
+    for what, least in (("states", 1), ("observations", 1), ("stages", 1)):
+        if len(getattr(model, what)) < least:
+            out.append(_finding(model, what, "none", "one at least"))
+    names = [x.name for x in model.variables] + [c.name for c in model.constants]
+    names += [p.name for p in model.coefficients]
+    names += [o for s in model.stages if s.name not in (RATES, OBSERVE) for o in s.outputs]
+    names += [s for c in model.causes for s in c.states]
+    out += [_finding(model, "names", f"'{n}' stands for two things", "a name for each")
+            for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
+    out += [_finding(model, "names", f"'{n}'", "letters, digits and _")
+            for n in names if not n.isidentifier()]  # fmt: skip
+    observed = [o.name for o in model.observations]
+    for s in model.states:
+        for given in (s.observed, s.rate_of):
+            if given and given not in observed:
+                out.append(_finding(model, f"state {s.name}", f"'{given}'", "an observation",
+                                    nearest(given, observed)))  # fmt: skip
+        if not s.start_std > 0:
+            out.append(_finding(model, f"state {s.name}: start_std", s.start_std, "above 0"))
+    out += [_finding(model, f"observation {o.name}: std", o.std, "above 0")
+            for o in model.observations if not o.std > 0]  # fmt: skip
+    out += [_finding(model, "path", f"'{n}'", "two observations", nearest(n, observed))
+            for n in model.path if n not in observed]  # fmt: skip
+    total = len(model.states) + len(model.channels) + len(model.observations)
+    if total > MOST_STATES:
+        out.append(_finding(model, "states", f"{total} with random forces and lasting errors",
+                            f"{MOST_STATES} or fewer"))  # fmt: skip
+    return out
+
+
+def _stages(model: Model) -> list[Finding]:
+    out = []
+    stages = {s.name: s for s in model.stages}
+    for name, wanted, what in (
+        (RATES, [s.name for s in model.states], "states"),
+        (OBSERVE, [o.name for o in model.observations], "observations"),
+    ):
+        if name not in stages:
+            out.append(_finding(model, "stages", f"no stage '{name}'", f"one that gives {what}"))
+        elif list(stages[name].outputs) != wanted:
+            out.append(_finding(model, f"stage {name}", ", ".join(stages[name].outputs),
+                                f"the {what} in their order: {', '.join(wanted)}"))  # fmt: skip
+    known = set(model.given_names)
+    for stage in model.stages:
+        if stage.function is not None:
+            out += _asks(model, f"stage {stage.name}", stage.function, known)
+        elif not stage.open:
+            out.append(_finding(model, f"stage {stage.name}", "no function",
+                                "a function, or open=True"))  # fmt: skip
+        if stage.name not in (RATES, OBSERVE):
+            known |= set(stage.outputs)
+    outputs = [o for s in model.stages if s.open for o in s.outputs]
+    out += [_finding(model, "pushed", f"'{n}'", "an output of an open stage", nearest(n, outputs))
+            for n in model.pushed or () if n not in outputs]  # fmt: skip
+    if model.pushed is None and model.force is None:
+        out.append(
+            _finding(
+                model,
+                "stages",
+                "no open stage 'force'",
+                "one that random forces add to, or pushed=() where nothing does",
+            )
+        )
+    return out
+
+
+def _asks(model: Model, where: str, function: Function, known: set[str]) -> list[Finding]:
+    return [_finding(model, f"{where}: {function.__name__}", f"argument '{a}'",
+                     "a state, input, constant, coefficient, t or an output of a stage before",
+                     nearest(a, known)) for a in arguments(function) if a not in known]  # fmt: skip
+
+
+def _causes(model: Model) -> list[Finding]:
+    out = []
+    opened = [s.name for s in model.stages if s.open or s.name == OBSERVE]
+    names = [c.name for c in model.causes]
+    out += [_finding(model, "causes", f"two named '{n}'", "a name for each")
+            for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
+    for c in model.causes:
+        where = f"cause {c.name}"
+        if not c.name.isidentifier():
+            out.append(_finding(model, where, "the name", "letters, digits and _"))
+        if c.kind not in KINDS:
+            out.append(_finding(model, f"{where}: kind", f"'{c.kind}'", " or ".join(KINDS)))
+        if not c.hooks:
+            out.append(_finding(model, f"{where}: hooks", "none", "a function for a stage"))
+        for stage in c.hooks:
+            if stage not in opened:
+                out.append(_finding(model, f"{where}: hooks", f"stage '{stage}'", "an open stage",
+                                    nearest(stage, opened)))  # fmt: skip
+        if not 1 <= c.strengths <= len(c.parameters):
+            out.append(
+                _finding(
+                    model,
+                    f"{where}: strengths",
+                    c.strengths,
+                    f"1 to {len(c.parameters)}, the number of its parameters",
+                )
+            )
+        out += [f for k, p in enumerate(c.parameters)
+                for f in _bounds(model, f"{where}: {p.name}", p, zero=k < c.strengths)]  # fmt: skip
+        out += _cause_asks(model, c)
+    return out
+
+
+def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
+    """Arguments of a cause's functions that nothing gives."""
+    base = model.given_names | {p.name for p in cause.parameters} | set(cause.states)
+    every = base | {o for s in model.stages if s.name not in (RATES, OBSERVE) for o in s.outputs}
+    out = []
+    for stage, function in cause.hooks.items():
+        known = set(base)
+        for s in model.stages:
+            if s.name == stage:
+                break
+            known |= set(s.outputs) if s.name != RATES else set()
+        out += _asks(model, f"cause {cause.name}", function, known)
+    if cause.rates is not None:
+        out += _asks(model, f"cause {cause.name}", cause.rates, every)
+    return out
+
+
+def _coefficients(model: Model) -> list[Finding]:
+    out = [f for p in model.coefficients
+           for f in _bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
+    known = [p.name for p in model.coefficients]
+    return out + [_finding(model, "per_group", f"'{n}'", "a coefficient", nearest(n, known))
+                  for n in model.per_group if n not in known]  # fmt: skip
+
+
+def _bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Finding]:
+    if not all(math.isfinite(x) for x in (p.start, p.lower, p.upper)):
+        return [_finding(model, where, f"{p.start}, {p.lower} to {p.upper}",
+                         "a finite start value and bounds")]  # fmt: skip
+    if not p.lower <= p.start <= p.upper or p.lower == p.upper:
+        return [_finding(model, where, f"start {p.start:g}, bounds {p.lower:g} to {p.upper:g}",
+                         "a start value between its bounds")]  # fmt: skip
+    if zero and not p.lower <= 0.0 <= p.upper:
+        return [
+            _finding(
+                model,
+                where,
+                f"bounds {p.lower:g} to {p.upper:g}",
+                "bounds that include 0: a cause is absent where its strength is 0",
+            )
+        ]
+    return []
+
+
+def _calls(model: Model) -> list[Finding]:
+    """Functions called once with plain numbers: errors and wrong counts of outputs."""
+    stages = {s.name: s for s in model.stages}
+    out = [f for s in model.stages if s.function is not None
+           for f in _call(model, f"stage {s.name}", s.function, s.outputs)]  # fmt: skip
+    for c in model.causes:
+        for name, function in c.hooks.items():
+            out += _call(model, f"cause {c.name}, stage {name}", function, stages[name].outputs)
+        if c.rates is not None:
+            out += _call(model, f"cause {c.name}, rates", c.rates, c.states)
+    return out
+
+
+def _call(
+    model: Model, where: str, function: Callable[..., object], outputs: Sequence[str]
+) -> list[Finding]:
+    place = f"{where}: {function.__name__}"
+    expected = f"a tuple of {len(outputs)}: {', '.join(outputs)}"
+    try:
+        found = function(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
+    except ArithmeticError:
+        return []
+    except Exception as error:
+        return [_finding(model, place, f"{type(error).__name__}: {error}", expected)]
+    if not isinstance(found, tuple) or len(found) != len(outputs):
+        shown = f"{len(found)} values" if isinstance(found, tuple) else type(found).__name__
+        return [_finding(model, place, shown, expected)]
+    wrong = [v for v in found if not isinstance(v, numbers.Real)]
+    return [_finding(model, place, f"{type(wrong[0]).__name__}", expected)] if wrong else []

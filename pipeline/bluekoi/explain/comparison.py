@@ -1,0 +1,203 @@
+"""How well models predict recordings that they were not fitted to, by free simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..data import Float
+from ..engine import FittedSet, Problem, fitted
+from ..engine.refit import start_of
+from ..fitting import Fit, Series, filter_all, fit_paths, shoot, smooth, trial_values
+from .model import Model
+from .simulation import simulated
+
+GROWTH = 6.0
+"""Small differences may grow by e^6 over a compared stretch."""
+MOST_FOLDS, LEAST_FRAMES = 6, 8
+FLOOR_DRAWS, FLOOR_SEED = 2, 20240517
+PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A set of causes with its numbers fitted by one criterion."""
+
+    model: FittedSet
+    fit: Fit
+    criterion: str
+
+    def values(self, problem: Problem, series: Sequence[Series]) -> list[Float]:
+        """Full parameter vectors, one a trial."""
+        base = start_of(problem, self.model.causes, self.fit.by_label())
+        return [trial_values(problem.kernel, base, self.fit.free, self.fit.values, s.group)
+                for s in series]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Errors on conditions that were left out of the fit, each in its unit.
+
+    baseline, extended, noise_floor: name -> root mean square error; the floor is the error of the
+    extended model on data simulated by itself. fitted_to: criterion of the baseline, the better of
+    two, and of the extended model. trials; stretch_s: longest compared stretch.
+    """
+
+    trials: tuple[str, ...]
+    baseline: dict[str, float]
+    extended: dict[str, float]
+    noise_floor: dict[str, float]
+    fitted_to: tuple[str, str]
+    stretch_s: float
+
+
+def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
+    """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
+    out = [Fitted(model, model.fit, PREDICTION_ERRORS)]
+    kernel, base = problem.kernel, start_of(problem, model.causes, model.fit.by_label())
+    states = len(kernel.system.states)
+    if len(model.fit.free) + states > 15:
+        return out
+    with np.errstate(all="ignore"):
+        found = fit_paths(kernel, problem.series, base, model.fit.free, open_states=states,
+                          start=model.fit.by_label(), iterations=20).fit  # fmt: skip
+    if np.isfinite(found.values).all() and np.isfinite(found.normal.log_likelihood).all():
+        out.append(Fitted(model, found, TRAJECTORIES))
+    return out
+
+
+def folds_of(series: Sequence[Series]) -> list[list[str]]:
+    """Conditions in up to six folds."""
+    conditions = sorted({s.condition for s in series})
+    count = min(MOST_FOLDS, len(conditions))
+    return [conditions[k::count] for k in range(count)]
+
+
+def held_out(
+    model: Model, problem: Problem, baseline: FittedSet, extended: FittedSet,
+    test: Sequence[Series],
+) -> HeldOut:  # fmt: skip
+    """`HeldOut`: on `test` where there are such trials, else by leaving conditions out in turn."""
+    horizon = bearable_s(problem, extended, test or problem.series)
+    sets = {"baseline": baseline, "extended": extended}
+    errors: dict[str, dict[str, list[Float]]] = {k: {} for k in sets}
+    parts = [(list(problem.series), list(test))] if test else [
+        ([s for s in problem.series if s.condition not in fold],
+         [s for s in problem.series if s.condition in fold])
+        for fold in folds_of(problem.series)]  # fmt: skip
+    parts = [p for p in parts if p[0] and p[1]] or [(list(problem.series), list(problem.series))]
+    for train, own in parts:
+        local = replace(problem, series=tuple(train))
+        for name, one in sets.items():
+            again = one if len(train) == len(problem.series) else refitted(local, one)
+            for found in by_both_criteria(local, again):
+                rows = errors[name].setdefault(found.criterion, [])
+                rows += stretch_errors(model, local, found, own, horizon)
+    best = {n: min(e, key=lambda k: _total(e[k])) for n, e in errors.items()}
+    floor = noise_floor(model, problem, extended, test or problem.series, horizon)
+    return HeldOut(
+        tuple(s.name for s in (test or problem.series)),
+        _rms(model, errors["baseline"][best["baseline"]]),
+        _rms(model, errors["extended"][best["extended"]]), floor,
+        (best["baseline"], best["extended"]), horizon,
+    )  # fmt: skip
+
+
+def refitted(problem: Problem, model: FittedSet) -> FittedSet:
+    """The same set under the same noise, fitted to other trials; itself where that runs away."""
+    found = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+                   free=[f for f in model.fit.free if f.group is None
+                         or f.group in {s.group for s in problem.series}])  # fmt: skip
+    if not found.usable:
+        return model
+    rest = {f.label: v for f, v in zip(model.fit.free, model.fit.values, strict=True)}
+    both = rest | found.fit.by_label()
+    values = np.array([both[f.label] for f in model.fit.free])
+    if len(found.fit.free) == len(values):
+        return found
+    return replace(model, fit=replace(model.fit, values=values))
+
+
+def bearable_s(problem: Problem, model: FittedSet, series: Sequence[Series]) -> float:
+    """Longest stretch over which small differences grow by e^6 at most, s."""
+    kernel, own = problem.kernel, len(problem.kernel.system.states)
+    values = Fitted(model, model.fit, "").values(problem, series)
+    longest = [float(np.ptp(s.times)) for s in series]
+    scale = np.sqrt(np.diag(series[0].cov))[:own]
+    for k, (one, result) in enumerate(zip(series, filter_all(kernel, series, values, model.noise),
+                                          strict=True)):  # fmt: skip
+        growth = np.eye(own)
+        for frame in range(1, len(one.times)):
+            growth = result.transitions[frame, :own, :own] @ growth
+            size = np.linalg.norm(growth * scale / scale[:, None], 2)
+            if not np.isfinite(size) or size > np.exp(GROWTH):
+                longest[k] = float(one.times[frame] - one.times[0])
+                break
+    return float(np.median(longest))
+
+
+def stretches(
+    problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
+) -> list[Series]:
+    """Trials cut into stretches not longer than the horizon, begun where the smoother has them."""
+    kernel, own = problem.kernel, len(problem.kernel.system.states)
+    passes = filter_all(kernel, series, found.values(problem, series), found.model.noise)
+    out = []
+    for one, result in zip(series, passes, strict=True):
+        count = max(1, int(np.ceil(np.ptp(one.times) / horizon_s - 1e-6)))
+        edges = np.linspace(0, len(one.times), count + 1).astype(int)
+        states = smooth(result)[0] if count > 1 else result.filtered
+        for a, b in pairwise(edges):
+            if b - a < LEAST_FRAMES:
+                continue
+            part = one.frames(a, b)
+            if a:
+                mean = one.mean.copy()
+                mean[:own] = np.where(np.isfinite(states[a, :own]), states[a, :own], mean[:own])
+                part = replace(part, mean=mean)
+            out.append(part)
+    return out
+
+
+def stretch_errors(
+    model: Model, problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
+) -> list[Float]:
+    """Simulated minus seen (frames, observations) of every stretch, starts fitted."""
+    parts = stretches(problem, found, series, horizon_s)
+    shots = shoot(problem.kernel, parts, found.values(problem, parts),
+                  open_states=len(model.states))  # fmt: skip
+    return [shot.observed - part.seen for shot, part in zip(shots, parts, strict=True)]
+
+
+def _rms(model: Model, errors: Sequence[Float]) -> dict[str, float]:
+    """Root mean squares by observation, and of the place in the plane."""
+    rows = np.concatenate(errors) if errors else np.full((1, len(model.observations)), np.nan)
+    mean = np.array([float(np.mean(c[~np.isnan(c)] ** 2)) if (~np.isnan(c)).any() else np.nan
+                     for c in rows.T])  # fmt: skip
+    names = [o.name for o in model.observations]
+    out = {f"{n}_rmse": float(np.sqrt(m)) for n, m in zip(names, mean, strict=True)}
+    if model.path:
+        out["path_rmse"] = float(np.sqrt(sum(mean[names.index(n)] for n in model.path)))
+    return out
+
+
+def _total(errors: Sequence[Float]) -> float:
+    rows = np.concatenate(errors) if errors else np.full((1, 1), np.inf)
+    known = rows[~np.isnan(rows).any(axis=1)]
+    return float(np.mean(known**2)) if len(known) and np.isfinite(known).all() else np.inf
+
+
+def noise_floor(
+    model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
+) -> dict[str, float]:
+    """Errors of a model on data made by itself, with its random forces and errors."""
+    one, rng = Fitted(found, found.fit, ""), np.random.default_rng(FLOOR_SEED)
+    values = one.values(problem, series)
+    rows: list[Float] = []
+    for _ in range(FLOOR_DRAWS):
+        made = simulated(problem.kernel, series, values, found.noise, rng)
+        rows += stretch_errors(model, problem, one, made, horizon_s)
+    return _rms(model, rows)

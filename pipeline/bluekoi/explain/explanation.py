@@ -1,0 +1,183 @@
+"""The search for what a model leaves out: a model and its trials in, named causes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from ..engine import FittedSet, Named, Posterior, Scored, best_set, named_causes, posterior, search
+from ..engine.naming import NAMED, UNEXPLAINED, gain
+from ..engine.problem import silent
+from ..errors import Finding, InputError, nearest
+from ..fitting import Series
+from .checks import checked_model
+from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, by_both_criteria, held_out
+from .model import Model
+from .numbers import Number, at_bounds, numbers, undetermined
+from .preparation import Prepared, converged_step, prepared, runs_away
+from .sampling import at_rate
+from .trials import HELD_OUT, Trial, checked, series_of, warnings_of
+
+OVERDISPERSED, COMPARABLE = 2.0, 0.5
+"""Variance over trials against standard errors, and random force against the causes' own force,
+beyond which the report warns."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What a model leaves out of its trials.
+
+    verdict: none, physics, measurement or unexplained. named: causes, the one that explains most
+    first, with gains in log evidence. unexplained: probability of a force that no candidate
+    describes. probabilities: of every candidate asked. baseline, extended: fitted without and with
+    the named causes, and their numbers. held_out: errors on conditions left out. warnings:
+    sentences on what limits the result.
+    """
+
+    prepared: Prepared
+    posterior: Posterior
+    verdict: str
+    named: tuple[Named, ...]
+    gains: dict[str, float]
+    unexplained: float
+    probabilities: dict[str, float]
+    baseline: Fitted
+    extended: Fitted
+    numbers: tuple[Number, ...]
+    baseline_numbers: tuple[Number, ...]
+    best: Scored
+    held_out: HeldOut
+    warnings: tuple[str, ...]
+
+    @property
+    def model(self) -> Model:
+        """The model as given."""
+        return self.prepared.model
+
+
+def explain(
+    model: Model,
+    trials: Sequence[Trial],
+    *,
+    candidates: Sequence[str] | None = None,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] = silent,
+) -> Explanation:
+    """Which of the model's causes act in the trials.
+
+    candidates: names of the causes to ask for, all by default; without: names to leave out.
+
+    Raises: InputError for a model, a trial or a name that cannot be used, naming it.
+    """
+    checked_model(model)
+    given = checked(model, trials)
+    names = asked(model, candidates, without)
+    fit = [t for t in given if t.role != HELD_OUT]
+    ready = prepared(model, fit, names, progress)
+    try:
+        visited = search(ready.problem)
+    except np.linalg.LinAlgError:
+        raise runs_away(model.name) from None
+    problem = visited.problem
+    ready = replace(ready, problem=problem)
+    if not np.isfinite(visited.best.log_posterior):
+        raise runs_away(model.name)
+    progress("probabilities")
+    found = posterior(problem, list(visited.sets.values()))
+    named, unexplained = named_causes(found, problem.by_name)
+    best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
+    bare = visited.sets[frozenset()]
+    gains = {c.name: gain(list(visited.sets.values()), best, c.name) for c in named}
+    named.sort(key=lambda c: -gains[c.name])
+    progress("held-out errors")
+    test = test_series(ready, [t for t in given if t.role == HELD_OUT])
+    errors = held_out(model, problem, bare.model, best.model, test)
+    own, base = numbers(problem.kernel, best.model), numbers(problem.kernel, bare.model)
+    return Explanation(
+        ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
+        {n: found.inclusion.get(n, 0.0) for n in names},
+        with_criterion(ready, bare.model, errors.fitted_to[0]),
+        with_criterion(ready, best.model, errors.fitted_to[1]), tuple(own), tuple(base), best,
+        errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
+    )  # fmt: skip
+
+
+def asked(
+    model: Model, candidates: Sequence[str] | None, without: Sequence[str]
+) -> tuple[str, ...]:
+    """Names of the causes to ask for, in the model's order."""
+    known = list(model.by_name)
+    unknown = [n for n in (*(candidates or ()), *without) if n not in known]
+    if unknown:
+        raise InputError([
+            Finding(model.name, "causes", f"'{n}'", "a cause of the model",
+                    nearest(n, known) if known else "The model has no causes.") for n in unknown
+        ])  # fmt: skip
+    chosen = known if candidates is None else candidates
+    return tuple(n for n in known if n in chosen and n not in without)
+
+
+def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
+    """Further trials as the filter has them, at the rate of the fit."""
+    held = [i.held for i in ready.model.inputs]
+    return [at_rate(series_of(ready.model, ready.assembly, t, ready.scales), ready.rate_hz, held)
+            for t in trials]  # fmt: skip
+
+
+def with_criterion(ready: Prepared, model: FittedSet, criterion: str) -> Fitted:
+    """A set with its numbers fitted to all trials by one criterion."""
+    if criterion == PREDICTION_ERRORS:
+        return Fitted(model, model.fit, criterion)
+    found = by_both_criteria(ready.problem, model)
+    return next((f for f in found if f.criterion == criterion), found[0])
+
+
+def verdict_of(model: Model, named: Sequence[Named], unexplained: float) -> str:
+    """none, physics, measurement or unexplained: the kind of the cause that explains most."""
+    if unexplained > NAMED:
+        return UNEXPLAINED
+    return model.by_name[named[0].name].kind if named else "none"
+
+
+def _warnings(
+    ready: Prepared, trials: Sequence[Trial], best: Scored, bare: Scored, *,
+    own: list[Number], base: list[Number],
+) -> list[str]:  # fmt: skip
+    out = [*ready.warnings, *warnings_of(ready.model, trials)]
+    if (c := best.overdispersion) > OVERDISPERSED:
+        out.append(
+            f"Parameters vary between trials {c:.1f} times more (in variance) than their "
+            "standard errors allow: something is missing that no candidate describes."
+        )
+    out += _random_forces(ready, best, bare)
+    labels = {n.label for n in own}
+    out += at_bounds(own) + [
+        f"Baseline: {w}" for w in at_bounds([n for n in base if n.label in labels])
+    ]
+    out += undetermined(own)
+    if w := converged_step(ready, _points(ready, best.model), best.model.noise)[1]:
+        out.append(w)
+    return out
+
+
+def _points(ready: Prepared, model: FittedSet) -> list[Float]:
+    return Fitted(model, model.fit, "").values(ready.problem, ready.problem.series)
+
+
+def _random_forces(ready: Prepared, best: Scored, bare: Scored) -> list[str]:
+    """Random forces that the named causes hardly reduced, or that last as long as they may."""
+    out = []
+    for k, channel in enumerate(ready.model.channels):
+        now, before = best.model.noise.disturbance[k], bare.model.noise.disturbance[k]
+        if best.causes and now > COMPARABLE * before and now > 0:
+            out.append(f"The random force on {channel} is {now:.3g} with the named causes and "
+                       f"{before:.3g} without: laws may hide in it.")  # fmt: skip
+        if best.model.noise.tau[k] >= 0.99 * ready.model.random_force_s[2]:
+            out.append(
+                f"The random force on {channel} lasts as long as it may "
+                f"({ready.model.random_force_s[2]:g} s): it may stand for a lasting one."
+            )
+    return out

@@ -1,0 +1,181 @@
+"""A folder of recordings: one csv a trial, and data.yaml that says what its columns are.
+
+columns:
+time:     {column: time_s, unit: s}
+position: {column: position_m, unit: m}
+motor:    {column: force_n, unit: N}
+constants: {mass: 2.5}            # for all trials
+trials:                           # default: every csv of the folder
+- {file: run1.csv, condition: slow, role: fit, group: all, constants: {mass: 2.6}}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from ..data import Float
+from ..errors import Finding, InputError, input_error, nearest
+from ..files import read_text
+from .model import Model
+from .trials import FIT, Trial
+from .units import factor
+
+DATA = "data.yaml"
+KEYS = ("columns", "constants", "trials")
+COLUMN_KEYS = ("column", "unit")
+TRIAL_KEYS = ("file", "name", "condition", "group", "role", "constants", "start_s", "end_s",
+              "evidence")  # fmt: skip
+TIME = "time"
+
+
+def read_trials(model: Model, folder: Path) -> list[Trial]:
+    """Trials of a folder: by the model's own reader where it has one, else by data.yaml.
+
+    Raises: InputError naming file, key or column, and what was expected.
+    """
+    if not folder.is_dir():
+        raise input_error(folder, "", "no such folder", f"a folder with {DATA} and csv files")
+    if model.read is not None and not (folder / DATA).exists():
+        return list(model.read(folder))
+    settings = _settings(folder / DATA)
+    columns = _columns(model, settings, folder / DATA)
+    rows = settings.get("trials")
+    if rows is None:
+        rows = [{"file": p.name} for p in sorted(folder.glob("*.csv"))]
+    if not isinstance(rows, list) or not rows:
+        raise input_error(folder, "", "no csv", "one csv a trial")
+    shared = _numbers(settings.get("constants", {}), folder / DATA, "constants")
+    return [_trial(model, folder, row, columns, shared) for row in rows]
+
+
+def _settings(path: Path) -> dict[str, Any]:
+    if not path.exists():
+        raise input_error(path, "", "no such file", "the columns of the csv files",
+                          "See docs/own_models.md for an example.")  # fmt: skip
+    try:
+        found = yaml.safe_load(read_text(path))
+    except yaml.YAMLError as error:
+        raise input_error(path, "", " ".join(str(error).split()), "a yaml file") from None
+    if not isinstance(found, dict):
+        raise input_error(path, "", type(found).__name__, f"keys {', '.join(KEYS)}")
+    _known(found, KEYS, path, "")
+    return found
+
+
+def _known(given: Mapping[str, Any], keys: tuple[str, ...], path: Path, where: str) -> None:
+    unknown = [str(k) for k in given if k not in keys]
+    if unknown:
+        raise InputError([Finding(str(path), where or k, f"'{k}'", "a known key", nearest(k, keys))
+                          for k in unknown])  # fmt: skip
+
+
+def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str, tuple[str, float]]:
+    """Time, inputs and observations -> column of the csv and factor to the model's unit."""
+    wanted = {TIME: "s"} | {i.name: i.unit for i in model.inputs}
+    wanted |= {o.name: o.unit for o in model.observations}
+    given = settings.get("columns")
+    if not isinstance(given, dict):
+        raise input_error(path, "columns", given, f"an entry for each of {', '.join(wanted)}")
+    findings = [Finding(str(path), "columns", f"'{k}'", "time, an input or an observation",
+                        nearest(str(k), wanted)) for k in given if k not in wanted]  # fmt: skip
+    findings += [Finding(str(path), "columns", f"no '{k}'", f"{k}: {{column: NAME, unit: {u}}}")
+                 for k, u in wanted.items() if k not in given]  # fmt: skip
+    if findings:
+        raise InputError(findings)
+    out = {}
+    for name, unit in wanted.items():
+        entry = given[name]
+        if not isinstance(entry, dict) or set(entry) != set(COLUMN_KEYS):
+            raise input_error(path, f"columns: {name}", entry, f"{{column: NAME, unit: {unit}}}")
+        out[name] = (str(entry["column"]),
+                     factor(str(entry["unit"]), unit, str(path), f"columns: {name}"))  # fmt: skip
+    return out
+
+
+def _trial(
+    model: Model, folder: Path, row: Any, columns: Mapping[str, tuple[str, float]],
+    shared: Mapping[str, float],
+) -> Trial:  # fmt: skip
+    settings = folder / DATA
+    if not isinstance(row, dict) or "file" not in row:
+        raise input_error(settings, "trials", row, "{file: NAME.csv}")
+    _known(row, TRIAL_KEYS, settings, "trials")
+    path = folder / str(row["file"])
+    table = _table(path, columns)
+    start, end = (_number(row.get(k, d), settings, k) for k, d in (("start_s", -np.inf),
+                                                                   ("end_s", np.inf)))  # fmt: skip
+    kept = (table[TIME] >= start) & (table[TIME] <= end) | ~np.isfinite(table[TIME])
+    own = _numbers(row.get("constants", {}), settings, f"trials: {path.name}: constants")
+    evidence = {str(k): _pair(v, settings, str(k)) for k, v in row.get("evidence", {}).items()}
+    return Trial(
+        name=str(row.get("name", path.stem)),
+        times=table[TIME][kept],
+        observed={o.name: table[o.name][kept] for o in model.observations},
+        inputs={i.name: table[i.name][kept] for i in model.inputs},
+        constants={**shared, **own},
+        condition=str(row.get("condition", path.stem)),
+        group=str(row.get("group", "all")),
+        role=str(row.get("role", FIT)),
+        evidence=evidence,
+        source=str(path),
+    )
+
+
+def _table(path: Path, columns: Mapping[str, tuple[str, float]]) -> dict[str, Float]:
+    """Columns of a csv in the model's units."""
+    if not path.is_file():
+        raise input_error(path, "", "no such file", "the csv that data.yaml names")
+    try:
+        table = pd.read_csv(path, skipinitialspace=True)
+    except (ValueError, OSError, pd.errors.ParserError) as error:
+        raise input_error(path, "", " ".join(str(error).split()), "a csv with a header") from None
+    names = [str(c) for c in table.columns]
+    lacking = [c for c, _ in columns.values() if c not in names]
+    if lacking:
+        raise InputError(
+            [
+                Finding(
+                    str(path),
+                    "header",
+                    f"no column '{c}'",
+                    "the column that data.yaml names",
+                    nearest(c, names),
+                )
+                for c in lacking
+            ]
+        )
+    out = {}
+    for name, (column, scale) in columns.items():
+        values = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)
+        bad = np.flatnonzero(~np.isfinite(values) & table[column].notna().to_numpy()
+                             & ~np.isinf(values))  # fmt: skip
+        if len(bad):
+            cell = table[column].iloc[bad[0]]
+            raise input_error(path, f"row {bad[0] + 2}, column {column}", f"'{cell}'", "a number")
+        out[name] = values * scale
+    return out
+
+
+def _numbers(given: Any, path: Path, where: str) -> dict[str, float]:
+    if not isinstance(given, dict):
+        raise input_error(path, where, given, "{name: number}")
+    return {str(k): _number(v, path, f"{where}: {k}") for k, v in given.items()}
+
+
+def _number(value: Any, path: Path, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise input_error(path, where, f"'{value}'", "a number")
+    return float(value)
+
+
+def _pair(value: Any, path: Path, name: str) -> tuple[float, float]:
+    if not isinstance(value, list) or len(value) != 2:
+        raise input_error(path, f"evidence: {name}", value, "[value, standard deviation]")
+    first, second = (_number(v, path, f"evidence: {name}") for v in value)
+    return first, second

@@ -1,0 +1,217 @@
+"""A model in one file: states, inputs, coefficients, equations and candidate causes, with units.
+
+Every equation is a short function whose arguments are named after what it needs: states, inputs,
+constants, coefficients, `t`, or outputs of stages before it. It returns a tuple of numbers.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..data import Float
+from ..fitting import TrialEffect
+from ..integrate import Parameter, Stage
+
+Function = Callable[..., Any]
+Memory = tuple[float, float, float]
+"""Start, shortest and longest correlation time, s."""
+KINDS = ("physics", "measurement")
+FORCE, RATES, OBSERVE = "force", "rates", "observe"
+
+
+@dataclass(frozen=True)
+class State:
+    """A state. A trial begins at `observed` (an observation of that name) or with the slope of the
+    observation `rate_of`, else at `start`; start_std: how well that is known, in the state's unit.
+    """
+
+    name: str
+    unit: str
+    start_std: float
+    start: float = 0.0
+    observed: str = ""
+    rate_of: str = ""
+
+
+@dataclass(frozen=True)
+class Input:
+    """A measured input. held: it keeps its value until the next sample (zero-order hold), as the
+    output of a digital controller does; else it runs linearly between samples.
+    """
+
+    name: str
+    unit: str
+    held: bool = False
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number that each trial brings (a mass, a length); value: where a trial does not give it."""
+
+    name: str
+    unit: str
+    value: float = math.nan
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A measured output. std: standard deviation of its errors, a lower bound of what a fit may
+    find; angle: it may be wrapped, and is unwrapped.
+    """
+
+    name: str
+    unit: str
+    std: float
+    angle: bool = False
+
+
+@dataclass(frozen=True)
+class Cause:
+    """A candidate cause: a statement and functions that are added to stages of the model.
+
+    hooks: stage name -> function, whose outputs are added to those of the stage. parameters: the
+    first `strengths` are 0 where the cause is absent. channels: outputs of the stage `force` that
+    it pushes; found from the functions where not given. states, rates, start_std: states of its
+    own, 0 at the start of a trial within start_std. site: it belongs to the place of the recording
+    (a current, a pool, a clock) and is not applied to recordings made elsewhere. prior: probability
+    that it acts, before any data. evidence: side measurement -> parameter -> change per unit.
+    """
+
+    name: str
+    statement: str
+    hooks: Mapping[str, Function]
+    parameters: Sequence[Parameter]
+    kind: str = "physics"
+    site: bool = False
+    strengths: int = 1
+    channels: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    rates: Function | None = None
+    start_std: float = 1e-6
+    prior: float = math.nan
+    regime: str = ""
+    evidence: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A state-space model with its candidate causes.
+
+    stages: equations in order; `rates` returns the derivatives of the states, `observe` the
+    observations; stages with `open=True` may be added to by causes. pushed: outputs that random
+    forces push, () where nothing does; default: those of the stage `force`. random_force_s,
+    error_s: correlation times of random forces and of lasting errors of the observations.
+    per_group: coefficients that each group of trials has for itself. varies: parameters that
+    differ from trial to trial by a known standard deviation. path: two observations that are a
+    place in the plane. start: function (times (n,), observed (n, observations)) -> start of all
+    states. measures: function (times, observed) -> name -> value, compared in predictions.
+    most_hz: observations beyond this rate are averaged; default by the model's time constants.
+    read: function (folder) -> trials, for data in a layout of its own.
+    """
+
+    name: str
+    states: Sequence[State]
+    observations: Sequence[Observation]
+    coefficients: Sequence[Parameter]
+    stages: Sequence[Stage]
+    causes: Sequence[Cause] = ()
+    inputs: Sequence[Input] = ()
+    constants: Sequence[Constant] = ()
+    pushed: tuple[str, ...] | None = None
+    random_force_s: Memory = (0.5, 0.02, 10.0)
+    error_s: Memory = (0.2, 0.01, 2.0)
+    per_group: tuple[str, ...] = ()
+    varies: Sequence[TrialEffect] = ()
+    path: tuple[str, ...] = ()
+    start: Callable[[Float, Float], Sequence[float]] | None = None
+    measures: Callable[[Float, Float], Mapping[str, float]] | None = None
+    most_hz: float | None = None
+    read: Callable[..., Any] | None = None
+
+    @property
+    def variables(self) -> tuple[State | Input, ...]:
+        """States, then inputs."""
+        return (*self.states, *self.inputs)
+
+    @property
+    def given_names(self) -> set[str]:
+        """Names of states, inputs, constants and coefficients, and `t`."""
+        named = (*self.states, *self.inputs, *self.constants, *self.coefficients)
+        return {x.name for x in named} | {"t"}  # type: ignore[attr-defined]
+
+    @property
+    def by_name(self) -> dict[str, Cause]:
+        """Causes by name."""
+        return {c.name: c for c in self.causes}
+
+    @property
+    def force(self) -> Stage | None:
+        """The stage that random forces and residual terms add to."""
+        if self.pushed == ():
+            return None
+        for stage in self.stages:
+            if stage.open and stage.name not in (RATES, OBSERVE):
+                wanted = self.pushed is None and stage.name == FORCE
+                if wanted or (self.pushed and set(self.pushed) <= set(stage.outputs)):
+                    return stage
+        return None
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Outputs that random forces push."""
+        stage = self.force
+        return self.pushed or (stage.outputs if stage else ())
+
+    def unit_of(self, name: str) -> str:
+        """Unit of a state, input, constant or observation."""
+        units = {x.name: x.unit for x in self.variables}
+        units |= {c.name: c.unit for c in self.constants}
+        return (units | {o.name: o.unit for o in self.observations}).get(name, "")
+
+
+def arguments(function: Function) -> tuple[str, ...]:
+    """Names of a function's arguments."""
+    return tuple(inspect.signature(function).parameters)
+
+
+def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
+    """States, inputs and time that a cause depends on, directly or through stages before it;
+    `constant` where it depends on none.
+    """
+    makers = {o: s for s in model.stages for o in s.outputs if s.name not in (RATES, OBSERVE)}
+    moving = {x.name for x in model.variables} | {"t"}
+    todo = [a for f in cause.hooks.values() for a in arguments(f)]
+    done: set[str] = set()
+    while todo:
+        name = todo.pop()
+        if name in done:
+            continue
+        done.add(name)
+        stage = makers.get(name)
+        if stage is not None and stage.function is not None and name not in moving:
+            todo += arguments(stage.function)
+    found = tuple(sorted(done & moving))
+    return found or ("constant",)
+
+
+def channels_of(model: Model, cause: Cause) -> tuple[str, ...]:
+    """Outputs of the stage `force` that a cause pushes; all of them where it acts before it."""
+    if cause.channels:
+        return cause.channels
+    stage = model.force
+    function = cause.hooks.get(stage.name) if stage else None
+    if stage is None or function is None or len(cause.hooks) > 1:
+        return model.channels
+    acting: set[str] = set()
+    for k in range(3):
+        values = [0.37 + 0.21 * k + 0.11 * i for i in range(len(arguments(function)))]
+        try:
+            out = function(*values)
+        except ArithmeticError:
+            return model.channels
+        acting |= {name for name, v in zip(stage.outputs, out, strict=True) if v}
+    return tuple(c for c in model.channels if c in acting) or model.channels

@@ -1,0 +1,64 @@
+"""A model from a python file. The file is run: load only models that you would run yourself."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from pathlib import Path
+from types import ModuleType
+
+from ..errors import InputError, input_error
+from .checks import checked_model
+from .model import Model
+
+NAME = "MODEL"
+
+
+def load_model(path: Path) -> Model:
+    """The `MODEL` of a python file, checked; modules beside the file may be imported by it.
+
+    Raises: InputError where the file cannot be run or holds no usable model.
+    """
+    if not path.is_file() or path.suffix != ".py":
+        what = "no such file" if not path.is_file() else f"a {path.suffix or 'nameless'} file"
+        raise input_error(path, "", what, "a python file that defines MODEL")
+    module = _run(path.resolve())
+    found = getattr(module, NAME, None)
+    if not isinstance(found, Model):
+        what = type(found).__name__ if hasattr(module, NAME) else "no such name"
+        remedy = "See docs/own_models.md for an example."
+        raise input_error(path, NAME, what, "MODEL = Model(...)", remedy)
+    checked_model(found)
+    return found
+
+
+def _run(path: Path) -> ModuleType:
+    digest = hashlib.sha256(str(path).encode()).hexdigest()[:12]
+    name = f"bluekoi_model_{''.join(c if c.isalnum() else '_' for c in path.stem)}_{digest}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise input_error(path, "", "a file that python cannot load", "a python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    sys.path.insert(0, str(path.parent))
+    try:
+        spec.loader.exec_module(module)
+    except InputError:
+        raise
+    except Exception as error:
+        del sys.modules[name]
+        raise input_error(path, _line(error, path), f"{type(error).__name__}: {error}",
+                          "a file that runs") from None  # fmt: skip
+    finally:
+        sys.path.remove(str(path.parent))
+    return module
+
+
+def _line(error: Exception, path: Path) -> str:
+    """Where in the file an error was raised."""
+    if isinstance(error, SyntaxError) and error.lineno:
+        return f"line {error.lineno}"
+    own = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    return f"line {own[-1].lineno}" if own else ""

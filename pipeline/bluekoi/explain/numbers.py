@@ -1,0 +1,69 @@
+"""Fitted numbers with intervals from how the trials disagree; which stand at a bound."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..engine import FittedSet
+from ..fitting import inverse_fisher, spread_over_trials
+from ..integrate import Kernel
+
+SINGLE_TRIAL_FACTOR = 2.0
+"""A number that one trial alone informs on: its naive variance counts twice."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A fitted number; std such that value +- 1.96 std is its 95 % interval, NaN where the trials
+    do not determine it; at_bound: `lower`, `upper` or nothing.
+    """
+
+    label: str
+    value: float
+    std: float
+    unit: str
+    at_bound: str = ""
+
+
+def numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
+    """The numbers of a fitted set; a covariance that diverges leaves them without deviations."""
+    move = ~model.at_bound
+    std = np.full(len(move), np.nan)
+    with contextlib.suppress(np.linalg.LinAlgError, ValueError, FloatingPointError):
+        std = _deviations(model, move)  # else NaN, and `undetermined` names the numbers
+    out = []
+    for free, value, s in zip(model.fit.free, model.fit.values, std, strict=True):
+        p = kernel.system.parameters[kernel.system.slot[free.name]]
+        bound = "lower" if value <= p.lower else "upper" if value >= p.upper else ""
+        out.append(Number(free.label, float(value), float(s), p.unit, bound))
+    return out
+
+
+@np.errstate(all="ignore")
+def _deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
+    spread = spread_over_trials(model.fit.normal, move)
+    variance, freedom = np.diag(spread.cov).copy(), spread.freedom.copy()
+    alone = np.flatnonzero(move & (freedom == 0))
+    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
+    variance[alone] = np.maximum(variance[alone], naive[alone])
+    std = np.sqrt(variance)
+    std[~move | ~np.isfinite(std) | (std <= 0)] = np.nan
+    return np.asarray(std)
+
+
+def at_bounds(found: list[Number]) -> list[str]:
+    """A sentence for each number at a bound."""
+    return [f"{n.label} stands at its {n.at_bound} bound, {n.value:g} {n.unit}: its value is not "
+            "determined; widen the bound or leave out what it belongs to."
+            for n in found if n.at_bound]  # fmt: skip
+
+
+def undetermined(found: list[Number]) -> list[str]:
+    """A sentence on numbers without a finite deviation."""
+    names = [n.label for n in found if not n.at_bound and not np.isfinite(n.std)]
+    if not names:
+        return []
+    return [f"The trials do not determine {', '.join(names)}: the covariance has no finite value."]

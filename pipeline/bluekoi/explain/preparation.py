@@ -1,0 +1,211 @@
+"""From a model and its trials to the problem that the engine is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float
+from ..engine import Problem, candidates_of
+from ..engine.candidates import RESIDUAL
+from ..errors import InputError, input_error
+from ..fitting import Free, Noise, Series, filter_all, trial_values
+from ..fitting.filtering import disturbance_slots
+from ..integrate import Kernel, compiled
+from .assembly import Assembly, assembled, scaled_variables
+from .model import Model
+from .sampling import LEAST_IN_BLOCK, block_rate_hz
+from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
+from .trials import Trial, all_series, pieces
+
+FEWEST_TRIALS, STRETCHES, LEAST_FRAMES = 4, 8, 50
+"""Fewer trials are cut into stretches, about so many in all, of so many frames at least."""
+MOST_FRAMES = 6000
+"""Samples of all trials beyond which they are averaged in blocks."""
+SIZES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
+"""Random forces, in units of the channel, among which the first guess is chosen."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What the search needs and what is reported of it: problem, trials as cut, all series at the
+    rate of the fit, steps and rates, sentences on the preparation.
+    """
+
+    model: Model
+    assembly: Assembly
+    problem: Problem
+    trials: tuple[Trial, ...]
+    series: tuple[Series, ...]
+    scales: dict[str, float]
+    rate_hz: float
+    step_s: float
+    warnings: tuple[str, ...]
+
+
+def prepared(
+    model: Model, trials: Sequence[Trial], names: Sequence[str], progress: Callable[[str], None]
+) -> Prepared:
+    """`Prepared` with the candidates of these names and all residual terms."""
+    progress("time constants")
+    warnings: list[str] = []
+    trials, cut = _enough(trials)
+    if cut:
+        warnings.append(f"{cut} recordings give {len(trials)} stretches that serve as trials; what "
+                        "differs from one recording to another cannot be judged.")  # fmt: skip
+    scales = scales_of(model, trials)
+    rate = rate_of_fit_hz(model, trials)
+    assembly = assembled(model, hold=not np.isfinite(rate))
+    kernel = compiled(assembly.system)
+    base, free = assembly.system.values({}), coefficients_of(model, trials)
+    series = all_series(model, assembly, trials, scales, rate)
+    noise = first_noise(kernel, series, base, free)
+    step = longest_step_s(fastest(kernel, series, base, noise=noise, names=names))
+    force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
+    assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
+    kernel = compiled(assembly.system)
+    series = all_series(model, assembly, trials, scales, rate)
+    named = [*names, *([RESIDUAL] if assembly.residual_sources else [])]
+    problem = Problem(
+        kernel=kernel, series=tuple(series), base=base, coefficients=free,
+        candidates=candidates_of(assembly.system, named, assembly.priors,
+                                 assembly.residual_sources),
+        noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
+    )  # fmt: skip
+    return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
+                    tuple(warnings))  # fmt: skip
+
+
+def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
+    """Trials, cut into stretches where they are few, and how many were cut."""
+    if len(trials) >= FEWEST_TRIALS:
+        return trials, 0
+    shortest = min(len(t.times) for t in trials)
+    count = min(-(-STRETCHES // len(trials)), shortest // LEAST_FRAMES)
+    return (pieces(trials, count), len(trials)) if count > 1 else (trials, 0)
+
+
+def coefficients_of(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
+    """The model's own numbers; of those per group, one for each."""
+    groups = sorted({t.group for t in trials})
+    out: list[Free] = []
+    for p in model.coefficients:
+        own = [Free(p.name, g) for g in groups] if p.name in model.per_group else [Free(p.name)]
+        out += own
+    return tuple(out)
+
+
+def scales_of(model: Model, trials: Sequence[Trial]) -> dict[str, float]:
+    """Typical size of each variable of residual terms: root mean square of an input or of the
+    observation that a state is, or of its slope.
+    """
+    observed = {s.name: s.observed for s in model.states if s.observed}
+    slopes = {s.name: s.rate_of for s in model.states if s.rate_of}
+    out = {}
+    for v in scaled_variables(model):
+        if v in observed:
+            rows = [t.observed[observed[v]] for t in trials]
+        elif v in slopes:
+            rows = [_slopes(t.times, t.observed[slopes[v]]) for t in trials]
+        else:
+            rows = [t.inputs.get(v, np.ones(1)) for t in trials]
+        size = float(np.sqrt(np.nanmean(np.concatenate(rows) ** 2)))
+        out[f"scale_{v}"] = size if np.isfinite(size) and size > 1e-12 else 1.0
+    return out
+
+
+def _slopes(times: Float, values: Float) -> Float:
+    """Mean slopes over fortieths of a trial."""
+    known = np.isfinite(values)
+    grid = np.linspace(times[0], times[-1], 41)
+    return np.diff(np.interp(grid, times[known], values[known])) / np.diff(grid)
+
+
+def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
+    """Rate at which all trials together have `MOST_FRAMES` samples, or the model's own; infinite
+    where they have fewer, and where blocks would hold fewer samples than an average needs.
+    """
+    samples = sum(len(t.times) for t in trials)
+    seconds = sum(float(np.ptp(t.times)) for t in trials)
+    step = float(np.median([np.median(np.diff(t.times)) for t in trials]))
+    rate = np.inf
+    if model.most_hz is not None and model.most_hz * step < 1.0:
+        rate = model.most_hz
+    elif samples > MOST_FRAMES:
+        rate = min(MOST_FRAMES / seconds, 1.0 / (LEAST_IN_BLOCK * step))
+    return block_rate_hz([t.times for t in trials], rate)
+
+
+def first_noise(
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free]
+) -> Noise:
+    """Where the estimate of the random part begins: the likeliest of `SIZES` for random forces,
+    errors that last as large as the stated ones.
+    """
+    forces = [e for e in kernel.system.effects if e.kind == "disturbance" and e.channels]
+    pushed = len(forces[0].states) if forces else 0
+    every = [e for e in kernel.system.effects if e.kind == "disturbance"]
+    tau = np.array([p.start for e in every for p in e.parameters[1:]])
+    slots = disturbance_slots(kernel)
+    std = np.sqrt(np.median([np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0)
+                             for s in series], axis=0))  # fmt: skip
+    start = [f for f in free if np.isnan(base[kernel.system.slot[f.name]])]
+    assert not start
+    points = [trial_values(kernel, base, (), np.zeros(0), s.group) for s in series]
+
+    def noise(size: float) -> Noise:
+        errors = std[: len(slots) - pushed]
+        return Noise(np.concatenate([np.full(pushed, size), errors]), tau, np.ones(len(std)),
+                     least_scale=1.0)  # fmt: skip
+
+    def likelihood(size: float) -> float:
+        passed = filter_all(kernel, series, points, noise(size))
+        total = sum(f.log_likelihood for f in passed)
+        return float(total) if np.isfinite(total) else -np.inf
+
+    found = {size: likelihood(size) for size in (SIZES if pushed else (0.0,))}
+    best = max(found, key=lambda size: found[size])
+    if not np.isfinite(found[best]):
+        raise runs_away(kernel.system.name)
+    return noise(best)
+
+
+def runs_away(name: str) -> InputError:
+    """A fault of a model that cannot be followed along its trials."""
+    return input_error(
+        f"model '{name}'",
+        "",
+        "a simulation that runs away from the trials",
+        "start values of the coefficients at which the model stays near its trials",
+        "Check signs and units of the equations, and the units of the columns.",
+    )
+
+
+def fastest(
+    kernel: Kernel, series: Sequence[Series], base: Float, *, noise: Noise, names: Sequence[str]
+) -> float:
+    """Rate (1/s) of the fastest model, bare or with one of the candidates at its plausible size."""
+    system = kernel.system
+    points = [base] * len(series)
+    passes = filter_all(kernel, series, points, noise)
+    fast = float(rates_per_s(kernel, passes, points).max())
+    for name in names:
+        effect = system.effect(name)
+        own = base.copy()
+        for p in effect.parameters[: effect.strengths]:
+            own[system.slot[f"{name}.{p.name}"]] = p.typical
+        fast = max(fast, float(rates_per_s(kernel, passes, [own] * len(series)).max()))
+    return fast
+
+
+def converged_step(given: Prepared, values: Sequence[Float], noise: Noise) -> tuple[float, str]:
+    """Effect of half the integration step on the log likelihood, and a warning where it matters."""
+    finer = assembled(given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz))
+    change = step_error(given.problem.kernel, compiled(finer.system), given.problem.series, values,
+                        noise)  # fmt: skip
+    if change <= CONVERGED:
+        return change, ""
+    return change, (f"Half the integration step ({given.step_s:.3g} s) changes the log likelihood "
+                    f"by {change:.2g}: the step is too long for this model.")  # fmt: skip

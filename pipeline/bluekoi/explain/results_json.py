@@ -1,0 +1,153 @@
+"""explanation.json: what was found, with the keys of the robot's mismatch.json."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..engine import Named
+from ..engine.naming import UNEXPLAINED
+from .explanation import Explanation
+from .numbers import Number
+from .prediction import Predicted
+
+LEAST_RIVAL = 0.02
+
+
+def explanation_json(found: Explanation) -> dict[str, Any]:
+    """Verdict, causes, probabilities, held-out errors, warnings; None where unknown."""
+    held = found.held_out
+    return {
+        "model": found.model.name,
+        "verdict": found.verdict,
+        "sentence": sentence(found),
+        "causes": causes(found),
+        "rivals": rivals(found),
+        "probabilities": {**found.probabilities, UNEXPLAINED: found.unexplained},
+        "held_out": {
+            "trials": list(held.trials),
+            "baseline": _finite(held.baseline),
+            "extended": _finite(held.extended),
+            "noise_floor": _finite(held.noise_floor),
+            "baseline_fitted_to": held.fitted_to[0],
+            "extended_fitted_to": held.fitted_to[1],
+            "stretch_s": held.stretch_s,
+        },
+        "coefficients": {"baseline": _numbers(found.baseline_numbers),
+                         "extended": _numbers(found.numbers)},
+        "residual_terms": residual_terms(found),
+        "overdispersion": _number(found.best.overdispersion),
+        "fit": {"rate_hz": _number(found.prepared.rate_hz), "step_s": found.prepared.step_s,
+                "trials": [s.name for s in found.prepared.series],
+                "samples": sum(len(s.times) for s in found.prepared.series)},
+        "sets": _sets(found),
+        "warnings": list(found.warnings),
+    }  # fmt: skip
+
+
+def sentence(found: Explanation) -> str:
+    """The verdict in a sentence or two."""
+    if found.verdict == "none":
+        return "Nothing beyond the noise: no candidate is more probable than not."
+    said = [f"{c.name} ({c.probability:.2f}): {found.model.by_name[c.name].statement}"
+            for c in found.named]  # fmt: skip
+    if found.verdict == UNEXPLAINED:
+        said.append(f"A force acts that no candidate describes ({found.unexplained:.2f}).")
+    return " ".join(said)
+
+
+def causes(found: Explanation) -> list[dict[str, Any]]:
+    """The named causes with their numbers."""
+    return [_cause(found, c) for c in found.named]
+
+
+def _cause(found: Explanation, named: Named) -> dict[str, Any]:
+    cause = found.model.by_name[named.name]
+    effect = found.prepared.assembly.system.effect(named.name)
+    own = [n for n in found.numbers if n.label.startswith(named.name + ".")]
+    return {
+        "name": named.name,
+        "kind": cause.kind,
+        "site": cause.site,
+        "channels": list(effect.channels),
+        "variables": list(effect.variables),
+        "regime": cause.regime,
+        "parameters": {k.split(".", 1)[1]: v for k, v in _numbers(own).items()},
+        "weight": named.probability,
+        "credible_set": [_shown(found, n) for n in named.credible_set],
+        "log_evidence_gain": _number(found.gains[named.name]),
+        "sentence": cause.statement,
+    }
+
+
+def rivals(found: Explanation) -> list[dict[str, Any]]:
+    """Candidates that may act in the place of a named cause, or beside the named ones."""
+    taken = {c.name for c in found.named}
+    out = []
+    for cause in found.named:
+        for other, p in cause.alternatives.items():
+            name = _shown(found, other)
+            if p >= LEAST_RIVAL and name not in taken:
+                taken.add(name)
+                out.append({"name": name, "in_place_of": cause.name, "weight": p})
+    out += [{"name": n, "in_place_of": "", "weight": p} for n, p in found.probabilities.items()
+            if p >= LEAST_RIVAL and n not in taken]  # fmt: skip
+    return sorted(out, key=lambda r: -float(str(r["weight"])))
+
+
+def _shown(found: Explanation, name: str) -> str:
+    return name if name in found.model.by_name else UNEXPLAINED
+
+
+def residual_terms(found: Explanation) -> dict[str, float]:
+    """Residual terms with their probabilities, the largest first."""
+    rest = {n: p for n, p in found.posterior.inclusion.items()
+            if n not in found.model.by_name and p >= LEAST_RIVAL}  # fmt: skip
+    return dict(sorted(rest.items(), key=lambda x: -x[1]))
+
+
+def _sets(found: Explanation) -> list[dict[str, Any]]:
+    pairs = zip(found.posterior.probability, found.posterior.sets, strict=True)
+    best = found.posterior.best.log_posterior
+    return [
+        {"causes": list(s.causes), "probability": float(p),
+         "log_posterior": s.log_posterior - best, "overdispersion": _number(s.overdispersion)}
+        for p, s in sorted(pairs, key=lambda x: -x[0]) if p >= 1e-3
+    ]  # fmt: skip
+
+
+def _numbers(given: Sequence[Number]) -> dict[str, dict[str, Any]]:
+    return {
+        n.label: {
+            "value": n.value,
+            "std": _number(n.std),
+            "unit": n.unit,
+            **({"at_bound": n.at_bound} if n.at_bound else {}),
+        }
+        for n in given
+    }
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _finite(given: dict[str, float]) -> dict[str, float | None]:
+    return {k: _number(v) for k, v in given.items()}
+
+
+def prediction_json(found: Predicted) -> dict[str, Any]:
+    """Errors and measures of every predicted trial."""
+    return {
+        "known_s": found.known_s,
+        "not_applied": list(found.not_applied),
+        "messages": list(found.messages),
+        "measured": [_finite(m) for m in found.measured],
+        "runs": [
+            {"model": model, "start": start, "trial": r.trial, "errors": _finite(r.errors),
+             "measures": _finite(r.measures)}
+            for (model, start), runs in found.runs.items() for r in runs
+        ],
+    }  # fmt: skip

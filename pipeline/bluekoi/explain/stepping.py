@@ -1,0 +1,76 @@
+"""Time constants of a model along its trials, and what follows for sampling and integration."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Noise, Passes, Series, filter_all
+from ..integrate import LANES, Kernel
+from ..integrate.batch import propagate
+
+MOMENT_S, DIFFERENCE = 1e-6, 1e-4
+MOST_STATES = 200
+STEPS_PER_TIME_CONSTANT = 1.0
+"""Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 1 % of a
+decay over one."""
+LONGEST_STEP_S = 1.0
+CONVERGED = 0.5
+"""Log likelihood that a step of half the length may change."""
+
+
+def rates_per_s(kernel: Kernel, passes: Passes, values: Sequence[Float]) -> Float:
+    """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
+    out = []
+    each = max(1, MOST_STATES // max(len(passes), 1))
+    for one, result, value in zip(passes.series, passes, values, strict=True):
+        frames = np.unique(
+            np.linspace(0, len(one.times) - 1, min(each, len(one.times))).astype(int)
+        )
+        slopes = jacobians(kernel, one, result.filtered[frames], value, frames)
+        usable = slopes[np.isfinite(slopes).all(axis=(1, 2))]
+        if len(usable):
+            out.append(np.abs(np.linalg.eigvals(usable)).max(axis=1))
+    return np.concatenate(out) if out else np.zeros(1)
+
+
+def jacobians(
+    kernel: Kernel, one: Series, states: Float, values: Float, frames: np.ndarray
+) -> Float:
+    """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
+    own = len(kernel.system.states)
+    out = np.zeros((len(frames), own, own))
+    for first in range(0, own, LANES - 1):
+        columns = range(first, min(own, first + LANES - 1))
+        lanes = np.repeat(states[:, :, None], LANES, axis=2)
+        for lane, k in enumerate(columns, start=1):
+            lanes[:, k, lane] += DIFFERENCE
+        _, after = propagate(
+            kernel, lanes, _tiled(values, len(frames)), _tiled(one.constants, len(frames)),
+            times=one.times[frames, None] + np.array([0.0, MOMENT_S]), keep_states=True,
+            inputs=np.repeat(one.inputs[frames, None], 2, axis=1), step_s=1.0,
+        )  # fmt: skip
+        moved = (after[:, 1, :own] - lanes[:, :own]) - (after[:, 1, :own, :1] - lanes[:, :own, :1])
+        for lane, k in enumerate(columns, start=1):
+            out[:, :, k] = moved[:, :, lane] / (DIFFERENCE * MOMENT_S)
+    return out
+
+
+def _tiled(vector: Float, count: int) -> Float:
+    return np.repeat(np.repeat(vector[None, :, None], count, axis=0), LANES, axis=2)
+
+
+def longest_step_s(rate_per_s: float) -> float:
+    """Integration step for a model whose fastest time constant is 1 / rate."""
+    return float(min(LONGEST_STEP_S, STEPS_PER_TIME_CONSTANT / max(rate_per_s, 1e-9)))
+
+
+def step_error(
+    coarse: Kernel, fine: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
+) -> float:
+    """Change of the log likelihood by a finer integration step."""
+    both = [sum(f.log_likelihood for f in filter_all(k, series, values, noise))
+            for k in (coarse, fine)]  # fmt: skip
+    return float(abs(both[1] - both[0]))

@@ -1,0 +1,130 @@
+"""What was found, as short text and tables in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from .explanation import Explanation
+from .model import Model
+from .numbers import Number
+from .prediction import Predicted
+from .results_json import residual_terms, rivals, sentence
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
+
+
+def summary(found: Explanation) -> str:
+    """Verdict, causes with their numbers, probabilities, held-out errors and warnings."""
+    parts = [f"{found.model.name}: {found.verdict}", sentence(found)]
+    if found.named:
+        parts.append(table(("cause", "kind", "probability", "gain", "size", "credible set"),
+                           cause_rows(found)))  # fmt: skip
+    parts.append(table(("coefficient", "baseline", "with the named causes"),
+                       coefficient_rows(found)))  # fmt: skip
+    parts.append(table(("error, conditions left out", "baseline", "extended", "noise floor"),
+                       error_rows(found)))  # fmt: skip
+    held = found.held_out
+    parts.append(f"Fitted to {held.fitted_to[0]} (baseline) and {held.fitted_to[1]} (extended); "
+                 f"stretches of {held.stretch_s:.3g} s at most.")  # fmt: skip
+    parts.append(table(("probability", ""), probability_rows(found)))
+    others = rivals(found)
+    if others:
+        parts.append("Not excluded: " + ", ".join(f"{r['name']} {r['weight']:.2f}" for r in others))
+    parts += [f"Warning: {w}" for w in found.warnings]
+    return "\n\n".join(parts)
+
+
+def cause_rows(found: Explanation) -> list[tuple[str, ...]]:
+    """Named causes: kind, probability, gain in log evidence, numbers, credible set."""
+    out: list[tuple[str, ...]] = []
+    for c in found.named:
+        own = [n for n in found.numbers if n.label.startswith(c.name + ".")]
+        names = [n if n in found.model.by_name else "unexplained" for n in c.credible_set]
+        out.append((c.name, found.model.by_name[c.name].kind, f"{c.probability:.2f}",
+                    f"{found.gains[c.name]:.1f}", ", ".join(map(measured, own)),
+                    ", ".join(names)))  # fmt: skip
+    return out
+
+
+def measured(number: Number) -> str:
+    """A number with its deviation and unit, and whether it stands at a bound."""
+    label = number.label.split(".", 1)[-1]
+    if number.at_bound:
+        return f"{label} {number.value:.3g} {number.unit} (at its {number.at_bound} bound)"
+    if not np.isfinite(number.std):
+        return f"{label} {number.value:.3g} {number.unit} (not determined)"
+    digits = max(0, 1 - int(np.floor(np.log10(number.std)))) if number.std < 10 else 0
+    return f"{label} {number.value:.{digits}f} ± {number.std:.{digits}f} {number.unit}"
+
+
+def coefficient_rows(found: Explanation) -> list[tuple[str, str, str]]:
+    """The model's own numbers without and with the named causes."""
+    extended = {n.label: n for n in found.numbers}
+    return [(n.label, measured(n), measured(extended[n.label])) for n in found.baseline_numbers]
+
+
+def probability_rows(found: Explanation) -> list[tuple[str, str]]:
+    """Every candidate, and an unlisted force, the most probable first."""
+    rows = sorted(found.probabilities.items(), key=lambda x: -x[1])
+    terms = ", ".join(f"{n} {p:.2f}" for n, p in residual_terms(found).items())
+    last = f"{found.unexplained:.3f}" + (f" ({terms})" if terms else "")
+    return [*((n, f"{p:.3f}") for n, p in rows), ("a force that no candidate describes", last)]
+
+
+def error_rows(found: Explanation) -> list[tuple[str, ...]]:
+    """Held-out errors in the model's units."""
+    held = found.held_out
+    return [(f"{n}, {unit_of_error(found.model, n)}", *(f"{e.get(n, np.nan):.4g}" for e in
+             (held.baseline, held.extended, held.noise_floor))) for n in held.baseline]  # fmt: skip
+
+
+def unit_of_error(model: Model, name: str) -> str:
+    """Unit of an error by its name."""
+    observed = name.removesuffix("_rmse")
+    return model.unit_of(model.path[0] if observed == "path" and model.path else observed)
+
+
+def prediction_text(model: Model, found: Predicted) -> str:
+    """Errors of all predicted trials together and of each, then their measures."""
+    parts = [f"Note: {m}" for m in found.messages]
+    parts.append(table(*error_table(model, found)))
+    if any(found.measured):
+        parts.append(table(*measure_table(found)))
+    return "\n\n".join(parts)
+
+
+def error_table(model: Model, found: Predicted) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the errors of the path, or of every observation."""
+    names = ["path_rmse"] if model.path else [f"{o.name}_rmse" for o in model.observations]
+    head, first = ["trial"], next(iter(found.runs.values()))
+    rows = [["all"], *([r.trial] for r in first)]
+    for (which, start), runs in found.runs.items():
+        for n in names:
+            head.append(f"{which}, {start}: {n}, {unit_of_error(model, n)}")
+            each = [r.errors[n] for r in runs]
+            cells = [float(np.sqrt(np.nanmean(np.square(each)))), *each]
+            for row, cell in zip(rows, cells, strict=True):
+                row.append(f"{cell:.4g}")
+    return head, rows
+
+
+def measure_table(found: Predicted) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of measures: measured, and simulated with the relative error."""
+    head = ["trial", "measure", "measured"]
+    runs = dict(found.runs)
+    head += [f"{which}, {start}" for which, start in runs]
+    rows = []
+    for i, measured_ in enumerate(found.measured):
+        trial = next(iter(runs.values()))[i].trial
+        for name, value in measured_.items():
+            cells = [r[i].measures.get(name, np.nan) for r in runs.values()]
+            shown = [f"{c:.4g} ({100 * (c / value - 1):+.1f} %)" if value else f"{c:.4g}"
+                     for c in cells]  # fmt: skip
+            rows.append([trial, name, f"{value:.4g}", *shown])
+    return head, rows

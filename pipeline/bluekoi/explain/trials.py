@@ -1,0 +1,247 @@
+"""Trials of any system: named arrays, checked where they come in, as the filter has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..data import Float
+from ..errors import Finding, InputError, nearest
+from ..fitting import Series
+from .assembly import Assembly, scale_names
+from .model import Model
+from .sampling import at_rate
+
+FIT, HELD_OUT = "fit", "held_out"
+LEAST_SAMPLES = 10
+GAP = 20.0
+"""A longer pause than this many usual sampling intervals is reported."""
+LARGEST = 1e12
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One recording.
+
+    times (n,) in s, increasing. inputs, observed: name -> (n,), NaN where nothing was seen.
+    constants: name -> number. condition: what repeats share; group: what trials share that have
+    coefficients of their own; role: `fit` or `held_out`. evidence: side measurement -> value, std.
+    source: file named in messages.
+    """
+
+    name: str
+    times: Float
+    observed: Mapping[str, Float]
+    inputs: Mapping[str, Float] = field(default_factory=dict)
+    constants: Mapping[str, float] = field(default_factory=dict)
+    condition: str = ""
+    group: str = "all"
+    role: str = FIT
+    evidence: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    source: str = ""
+
+
+def checked(model: Model, trials: Sequence[Trial]) -> list[Trial]:
+    """Trials with arrays of the right shapes, finite inputs, increasing times, unwrapped angles.
+
+    Raises: InputError with all that is wrong in all trials.
+    """
+    findings = [f for t in trials for f in _faults(model, t)]
+    names = [t.name for t in trials]
+    twice = sorted({n for n in names if names.count(n) > 1})
+    findings += [Finding(n, "name", "two trials of that name", "a name for each trial")
+                 for n in twice]  # fmt: skip
+    if not trials:
+        findings.append(Finding("trials", "", "no trial", "one trial at least"))
+    if not findings and all(t.role == HELD_OUT for t in trials):
+        findings.append(Finding("trials", "role", "all trials held out", "a trial to fit"))
+    if findings:
+        raise InputError(findings)
+    return [_prepared(model, t) for t in trials]
+
+
+def _faults(model: Model, trial: Trial) -> list[Finding]:
+    """All that is wrong with a trial."""
+    file, out = trial.source or trial.name, []
+    times = np.asarray(trial.times, dtype=float)
+    if times.ndim != 1 or len(times) < LEAST_SAMPLES:
+        return [Finding(file, "times", f"shape {times.shape}",
+                        f"one dimension, {LEAST_SAMPLES} samples or more")]  # fmt: skip
+    if not np.isfinite(times).all():
+        row = int(np.flatnonzero(~np.isfinite(times))[0])
+        out.append(Finding(file, f"time, sample {row}", f"{times[row]}", "finite times"))
+    elif np.any(np.diff(times) <= 0):
+        row = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
+        out.append(Finding(file, f"time, sample {row}",
+                           f"{times[row]:g} s after {times[row - 1]:g} s", "increasing times",
+                           "Sort the rows and remove repeated ones."))  # fmt: skip
+    out += _name_faults(file, "input", trial.inputs, [i.name for i in model.inputs])
+    out += _name_faults(file, "observation", trial.observed, [o.name for o in model.observations])
+    required = [c.name for c in model.constants if not np.isfinite(c.value)]
+    out += _name_faults(file, "constant", trial.constants, [c.name for c in model.constants],
+                        required)  # fmt: skip
+    for name, column in [*trial.inputs.items(), *trial.observed.items()]:
+        out += _column_faults(file, name, np.asarray(column, dtype=float), len(times),
+                              missing=name in trial.observed)  # fmt: skip
+    out += [Finding(file, f"constant {n}", f"{v}", "a finite number")
+            for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
+    if trial.role not in (FIT, HELD_OUT):
+        out.append(Finding(file, "role", f"'{trial.role}'", f"'{FIT}' or '{HELD_OUT}'"))
+    known = {n for c in model.causes for n in c.evidence}
+    out += [Finding(file, "evidence", f"'{n}'", "a side measurement of a cause",
+                    nearest(n, known) if known else "The model has none.")
+            for n in trial.evidence if n not in known]  # fmt: skip
+    return out
+
+
+def _name_faults(
+    file: str, what: str, given: Mapping[str, object], known: Sequence[str],
+    required: Sequence[str] | None = None,
+) -> list[Finding]:  # fmt: skip
+    out = [Finding(file, what, f"'{n}'", f"an {what} of the model", nearest(n, known) if known else
+                   f"The model has no {what}.") for n in given if n not in known]  # fmt: skip
+    lacking = [n for n in (known if required is None else required) if n not in given]
+    return out + [Finding(file, what, f"no '{n}'", f"a value for each {what} of the model",
+                          "Name its column in data.yaml.") for n in lacking]  # fmt: skip
+
+
+def _column_faults(
+    file: str, name: str, column: Float, count: int, *, missing: bool
+) -> list[Finding]:
+    if column.shape != (count,):
+        return [Finding(file, name, f"shape {column.shape}", f"({count},), as times")]
+    bad = np.isinf(column) | (np.abs(column) > LARGEST)
+    if not missing:
+        bad |= np.isnan(column)
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        what = "finite values, empty cells where nothing was seen" if missing else (
+            "a finite value in every row: an input acts all the time")  # fmt: skip
+        return [Finding(file, f"{name}, sample {row}", f"{column[row]}", what)]
+    if missing and np.isfinite(column).sum() < LEAST_SAMPLES:
+        return [Finding(file, name, f"{int(np.isfinite(column).sum())} values",
+                        f"{LEAST_SAMPLES} or more that are not missing")]  # fmt: skip
+    return []
+
+
+def _prepared(model: Model, trial: Trial) -> Trial:
+    """Plain arrays, angles without jumps by a turn."""
+    observed = {}
+    for o in model.observations:
+        column = np.array(trial.observed[o.name], dtype=float)
+        known = np.isfinite(column)
+        if o.angle:
+            turn = 2.0 * np.pi
+            column[known] = np.unwrap(column[known], period=turn)
+        observed[o.name] = column
+    inputs = {i.name: np.array(trial.inputs[i.name], dtype=float) for i in model.inputs}
+    return replace(trial, times=np.array(trial.times, dtype=float), observed=observed,
+                   inputs=inputs, condition=trial.condition or trial.name)  # fmt: skip
+
+
+def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
+    """Sentences on what is unusual in trials but may be right."""
+    out = []
+    for t in trials:
+        steps = np.diff(t.times)
+        usual = float(np.median(steps))
+        if steps.max() > GAP * usual:
+            at = t.times[steps.argmax()]
+            out.append(
+                f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
+                f"samples are {usual:.3g} s apart. Inputs over the gap are not known."
+            )
+        for name, column in t.observed.items():
+            known = column[np.isfinite(column)]
+            if np.ptp(known) == 0:
+                out.append(f"{t.name}: {name} does not change.")
+    for i in model.inputs:
+        columns = [t.inputs[i.name] for t in trials]
+        changed = np.concatenate([np.diff(c) for c in columns])
+        if not i.held and _is_stepwise(changed):
+            out.append(f"Input {i.name} changes in steps; if it was held between samples, declare "
+                       "it held=True in the model.")  # fmt: skip
+    return out
+
+
+def _is_stepwise(changes: Float) -> bool:
+    """Whether an input rests most of the time and changes in few jumps."""
+    moving = np.abs(changes) > 1e-12 * max(np.abs(changes).max(initial=0.0), 1e-300)
+    return bool(moving.any() and moving.mean() < 0.2)
+
+
+def all_series(
+    model: Model, assembly: Assembly, trials: Sequence[Trial], scales: Mapping[str, float],
+    rate_hz: float,
+) -> list[Series]:  # fmt: skip
+    """Trials as the filter has them, at no more than `rate_hz`."""
+    held = [i.held for i in model.inputs]
+    return [at_rate(series_of(model, assembly, t, scales), rate_hz, held) for t in trials]
+
+
+def series_of(
+    model: Model, assembly: Assembly, trial: Trial, scales: Mapping[str, float]
+) -> Series:
+    """A trial as the filter has it, at its own rate."""
+    system, n = assembly.system, len(trial.times)
+    seen = np.column_stack([trial.observed[o.name] for o in model.observations])
+    inputs = np.column_stack([trial.inputs[i.name] for i in model.inputs] or [np.zeros((n, 0))])
+    constants = [trial.constants.get(c.name, c.value) for c in model.constants]
+    constants += [scales.get(name, 1.0) for name in scale_names(model)]
+    mean, cov = start_of_trial(model, assembly, trial.times, seen)
+    noise = np.diag([o.std for o in model.observations]) ** 2
+    assert len(mean) == len(system.all_states)
+    return Series(trial.name, trial.group, trial.condition, trial.times, inputs,
+                  np.array(constants, dtype=float), seen, np.tile(noise, (n, 1, 1)), mean, cov,
+                  dict(trial.evidence))  # fmt: skip
+
+
+def start_of_trial(
+    model: Model, assembly: Assembly, times: Float, seen: Float
+) -> tuple[Float, Float]:
+    """Mean (states,) and covariance (states, states) before the first frame."""
+    count = len(assembly.system.all_states)
+    mean, std = np.zeros(count), np.full(count, 1e-6)
+    names = [o.name for o in model.observations]
+    given = model.start(times, seen) if model.start else None
+    for k, s in enumerate(model.states):
+        std[k] = s.start_std
+        if given is not None:
+            mean[k] = given[k]
+        elif s.observed:
+            mean[k] = level_and_slope(times, seen[:, names.index(s.observed)])[0]
+        elif s.rate_of:
+            mean[k] = level_and_slope(times, seen[:, names.index(s.rate_of)])[1]
+        else:
+            mean[k] = s.start
+    for cause in model.causes:
+        for state in cause.states:
+            std[assembly.system.all_states.index(state)] = cause.start_std
+    return mean, np.diag(std**2)
+
+
+def level_and_slope(times: Float, values: Float, samples: int = 8) -> tuple[float, float]:
+    """Value and slope at the first time, by a line through the first known samples."""
+    known = np.flatnonzero(np.isfinite(values))[:samples]
+    slope, level = np.polyfit(times[known] - times[0], values[known], 1)
+    return float(level), float(slope)
+
+
+def pieces(trials: Sequence[Trial], count: int) -> list[Trial]:
+    """Trials cut into stretches of equal duration, `count` of each, all of them conditions of their
+    own: one long recording gives no other way to see how numbers vary.
+    """
+    out = []
+    for t in trials:
+        edges = np.linspace(0, len(t.times), count + 1).astype(int)
+        for k, (a, b) in enumerate(pairwise(edges)):
+            name = f"{t.name}/{k + 1}"
+            out.append(replace(
+                t, name=name, condition=name, times=t.times[a:b],
+                observed={n: c[a:b] for n, c in t.observed.items()},
+                inputs={n: c[a:b] for n, c in t.inputs.items()},
+            ))  # fmt: skip
+    return out

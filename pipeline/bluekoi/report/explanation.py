@@ -1,0 +1,112 @@
+"""The page of `bluekoi explain`: what a model of any system leaves out."""
+
+from __future__ import annotations
+
+import base64
+import io
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ..explain import Explanation, Predicted
+from ..explain.comparison import stretches
+from ..explain.results_json import sentence
+from ..explain.text import (
+    cause_rows,
+    coefficient_rows,
+    error_rows,
+    error_table,
+    measure_table,
+    probability_rows,
+)
+from ..figures.drawing.style import AFTER, BEFORE, MEASURED, RC_PARAMS
+from ..files import write_text
+from ..fitting import shoot
+from .findings import HEADINGS
+
+MOST_TRIALS = 4
+
+
+def write_explanation(found: Explanation, predicted: Predicted | None, path: Path) -> None:
+    """Write the page, with all text escaped and the figure inside."""
+    write_text(path, explanation_page(found, predicted))
+
+
+def explanation_page(found: Explanation, predicted: Predicted | None = None) -> str:
+    """Text of the page."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    held, heading = found.held_out, HEADINGS[found.verdict]
+    if found.named:
+        heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
+    samples = sum(len(s.times) for s in found.prepared.series)
+    return environment.from_string(_text("explanation.html")).render(
+        name=found.model.name,
+        summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
+        kind=found.verdict,
+        heading=heading,
+        sentence=sentence(found),
+        warnings=found.warnings,
+        causes=cause_rows(found),
+        probabilities=probability_rows(found),
+        errors=error_rows(found),
+        errors_note=f"Baseline fitted to {held.fitted_to[0]}, extended model to "
+        f"{held.fitted_to[1]}; starts fitted; stretches of {held.stretch_s:.3g} s at most.",
+        coefficients=coefficient_rows(found),
+        prediction=_prediction(found, predicted),
+        picture=_uri(trials_figure(found)),
+        css=Markup(_text("page.css")),  # noqa: S704  our own file
+    )
+
+
+def _prediction(found: Explanation, predicted: Predicted | None) -> dict[str, Any] | None:
+    if predicted is None:
+        return None
+    return {"messages": predicted.messages, "errors": error_table(found.model, predicted),
+            "measures": measure_table(predicted)}  # fmt: skip
+
+
+def trials_figure(found: Explanation) -> Figure:
+    """Observations over time of a few trials, measured and simulated by both models."""
+    model, problem = found.model, found.prepared.problem
+    every = problem.series
+    chosen = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MOST_TRIALS).round())
+              .astype(int)]  # fmt: skip
+    with mpl.rc_context(RC_PARAMS):
+        figure = Figure(figsize=(3.0 * len(chosen), 2.0 * len(model.observations)),
+                        layout="constrained")  # fmt: skip
+        axes = figure.subplots(len(model.observations), len(chosen), squeeze=False)
+        for fitted, colour in ((found.baseline, BEFORE), (found.extended, AFTER)):
+            for column, one in enumerate(chosen):
+                parts = stretches(problem, fitted, [one], found.held_out.stretch_s)
+                shots = shoot(problem.kernel, parts, fitted.values(problem, parts),
+                              open_states=len(model.states))  # fmt: skip
+                for part, shot in zip(parts, shots, strict=True):
+                    for row in range(len(model.observations)):
+                        axes[row, column].plot(part.times, shot.observed[:, row], color=colour)
+        for column, one in enumerate(chosen):
+            for row, o in enumerate(model.observations):
+                axes[row, column].plot(one.times, one.seen[:, row], color=MEASURED, lw=3, alpha=0.3)
+                axes[row, column].set(title=one.name if row == 0 else "", xlabel="time, s",
+                                      ylabel=f"{o.name}, {o.unit}")  # fmt: skip
+    return figure
+
+
+def _uri(figure: Figure) -> str:
+    buffer = io.BytesIO()
+    with mpl.rc_context(RC_PARAMS):
+        FigureCanvasAgg(figure)
+        figure.savefig(buffer, format="png", dpi=130, metadata={"Software": None})
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
+
+
+def _text(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,317 @@
+"""`bluekoi.explain` on a driven mass whose causes are known, and on faulty models and data."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from bluekoi.cli import main
+from bluekoi.errors import InputError
+from bluekoi.explain import (
+    Cause,
+    Input,
+    Model,
+    Observation,
+    Parameter,
+    Stage,
+    State,
+    Trial,
+    explain,
+    explanation_json,
+    load_model,
+    predict,
+    read_trials,
+)
+from bluekoi.explain.assembly import assembled
+from bluekoi.explain.checks import checked_model
+from bluekoi.explain.sampling import at_rate
+from bluekoi.explain.trials import checked, series_of
+from bluekoi.integrate import compiled
+from bluekoi.integrate.batch import propagate
+
+MODEL_FILE = Path(__file__).parent / "cart_model.py"
+
+
+@pytest.fixture(scope="module")
+def cart() -> Model:
+    return load_model(MODEL_FILE)
+
+
+def run(name: str, rng: np.random.Generator, *, drag: float, current: float, amplitude: float,
+        n: int = 100, period: int = 1) -> Trial:  # fmt: skip
+    """A cart with drag v |v| and a steady current, driven by a push that is held between samples."""
+    dt, fine = 0.05, 5
+    times = dt * np.arange(n)
+    push = np.repeat(amplitude * rng.uniform(-1, 1, n // period + 1), period)[:n]
+    x, v, seen = 0.0, 0.0, []
+    for k in range(n):
+        seen.append(x + 1e-3 * rng.standard_normal())
+        for _ in range(fine):
+            middle = v + 0.5 * dt / fine * (push[k] - 0.4 * v - drag * v * abs(v))
+            v += dt / fine * (push[k] - 0.4 * middle - drag * middle * abs(middle))
+            x += dt / fine * (middle + current)
+    return Trial(name, times, {"position": np.array(seen)}, {"push": push})
+
+
+def runs(*, drag: float = 0.0, current: float = 0.0, seed: int = 3, period: int = 5) -> list[Trial]:
+    rng = np.random.default_rng(seed)
+    return [run(f"run {i}", rng, drag=drag, current=current, amplitude=1.0 + i, period=period)
+            for i in range(6)]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def found(cart):
+    return explain(cart, runs(drag=0.8, current=0.1))
+
+
+def test_the_causes_that_act_are_named_with_their_size(found):
+    assert {c.name for c in found.named} == {"quadratic_drag", "current"}
+    assert found.verdict == "physics"
+    values = {n.label: n for n in found.numbers}
+    drag = values["quadratic_drag.k"]
+    assert drag.value == pytest.approx(0.8, abs=max(3 * drag.std, 0.05))
+    assert values["current.c"].value == pytest.approx(0.1, abs=0.01)
+    assert found.probabilities["spring"] < 0.5
+    assert found.held_out.extended["position_rmse"] < 0.5 * found.held_out.baseline["position_rmse"]
+
+
+def test_a_complete_model_has_no_cause(cart):
+    found = explain(cart, runs())
+    assert found.verdict == "none"
+    assert found.named == ()
+
+
+def test_causes_of_the_site_are_not_applied_elsewhere(cart, found):
+    elsewhere = predict(found, runs(drag=0.8, seed=9))
+    assert elsewhere.not_applied == ("current",)
+    assert "belongs to the site" in elsewhere.messages[0]
+    errors = {k: np.mean([r.errors["position_rmse"] for r in v]) for k, v in elsewhere.runs.items()}
+    assert errors["extended", "start fitted"] < 0.3 * errors["baseline", "start fitted"]
+    assert errors["extended", "start fitted"] < 0.01
+
+
+def test_the_results_have_the_keys_of_the_robots_mismatch_json(found):
+    content = json.loads(json.dumps(explanation_json(found)))
+    keys = {
+        "verdict",
+        "causes",
+        "rivals",
+        "probabilities",
+        "held_out",
+        "warnings",
+        "overdispersion",
+    }
+    assert keys <= set(content)
+    cause = content["causes"][0]
+    assert {"name", "kind", "channels", "parameters", "weight", "credible_set", "sentence"} <= set(
+        cause
+    )
+    assert content["probabilities"].keys() == {"quadratic_drag", "current", "spring", "unexplained"}
+
+
+def test_only_the_asked_causes_are_tried(cart):
+    found = explain(cart, runs(drag=0.8), without=["current", "spring"])
+    assert found.probabilities.keys() == {"quadratic_drag"}
+    with pytest.raises(InputError, match="'quadratic'.*Did you mean 'quadratic_drag'"):
+        explain(cart, runs(), candidates=["quadratic"])
+
+
+def free_run(model: Model, trial: Trial) -> np.ndarray:
+    assembly = assembled(model)
+    kernel = compiled(assembly.system)
+    one = series_of(model, assembly, trial, {})
+    lanes = [np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
+             for a in (one.mean, assembly.system.values({"c": 0.4}), one.constants)]  # fmt: skip
+    lanes[0][:, :2] = 0.0
+    observed, _ = propagate(kernel, *lanes, times=one.times[None], inputs=one.inputs[None])
+    return observed[0, :, 0, 0]
+
+
+def test_a_held_input_keeps_its_value_until_the_next_sample(cart):
+    trial = run("square", np.random.default_rng(1), drag=0.0, current=0.0, amplitude=20.0)
+    held = free_run(cart, trial) - trial.observed["position"]
+    linear = free_run(replace(cart, inputs=(Input("push", "N"),)), trial)
+    assert np.abs(held).max() < 0.01
+    assert np.abs(linear - trial.observed["position"]).max() > 0.05
+
+
+def test_a_lower_rate_keeps_curvature_and_impulse(cart):
+    times = 0.001 * np.arange(4000)
+    trial = Trial("t", times, {"position": times**2}, {"push": np.sin(3 * times)})
+    assembly = assembled(cart)
+    few = at_rate(series_of(cart, assembly, trial, {}), 50.0, [False])
+    assert len(few.times) == 200
+    np.testing.assert_allclose(few.seen[:, 0], few.times**2, atol=1e-9)
+    before, after = (
+        np.trapezoid(u, t) for u, t in ((np.sin(3 * times), times), (few.inputs[:, 0], few.times))
+    )
+    assert after == pytest.approx(before, abs=0.01)
+
+
+def test_angles_are_unwrapped(cart):
+    model = replace(cart, observations=(Observation("position", "rad", 0.01, angle=True),))
+    turns = np.linspace(0, 20, 200)
+    (one,) = checked(model, [Trial("t", 0.1 * np.arange(200),
+                                   {"position": (turns + np.pi) % (2 * np.pi) - np.pi},
+                                   {"push": np.zeros(200)})])  # fmt: skip
+    np.testing.assert_allclose(np.diff(one.observed["position"]), np.diff(turns), atol=1e-9)
+
+
+def test_missing_samples_are_allowed_and_numbers_at_bounds_are_reported(cart):
+    trials = runs(drag=0.8)
+    holes = [
+        replace(
+            t, observed={"position": np.where(np.arange(100) % 3, t.observed["position"], np.nan)}
+        )
+        for t in trials
+    ]
+    tight = replace(cart.causes[0], parameters=(replace(cart.causes[0].parameters[0], upper=0.5),))
+    found = explain(replace(cart, causes=(tight, *cart.causes[1:])), holes)
+    assert "quadratic_drag" in [c.name for c in found.named]
+    assert any("quadratic_drag.k stands at its upper bound, 0.5" in w for w in found.warnings)
+
+
+# faulty models: three, each one message that leads to the fix
+
+
+def test_a_model_whose_rates_are_too_few_is_named(cart):
+    stages = tuple(replace(s, function=lambda v, F: (v,)) if s.name == "rates" else s
+                   for s in cart.stages)  # fmt: skip
+    with pytest.raises(
+        InputError, match=r"stage rates.*found 1 values; expected a tuple of 2: x, v"
+    ):
+        checked_model(replace(cart, stages=stages))
+
+
+def test_a_model_that_asks_for_an_unknown_name_is_told_the_nearest(cart):
+    def drag(v: float, kk: float) -> tuple[float]:
+        return (-kk * v,)
+
+    wrong = Cause("drag", "Drag.", {"force": drag}, (Parameter("k", "N s", 1.0, 0.0, 2.0, ""),))
+    with pytest.raises(InputError, match="cause drag: drag: found argument 'kk'.*Did you mean 'k'"):
+        checked_model(replace(cart, causes=(wrong,)))
+
+
+def test_a_misspelt_stage_is_named(cart):
+    wrong = replace(cart.causes[0], hooks={"forces": cart.causes[0].hooks["force"]})
+    with pytest.raises(InputError, match="stage 'forces'.*expected an open stage.*'force'"):
+        checked_model(replace(cart, causes=(wrong,)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [("MODEL = 3", "MODEL: found int; expected MODEL"),
+     ("import nothing_of_that_name", "line 1: found ModuleNotFoundError"),
+     ("def f(:\n", "line 1: found SyntaxError"), ("x = 1", "found no such name")],
+)  # fmt: skip
+def test_a_file_without_a_model_is_named(text, message, tmp_path):
+    path = tmp_path / "model.py"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message):
+        load_model(path)
+
+
+# faulty data sets: each one message
+
+
+def folder(path: Path, rows: str | None = None, settings: str | None = None) -> Path:
+    """A data set of one run; `rows` and `settings` replace its csv and data.yaml."""
+    lines = [f"{0.05 * k:.2f},{0.01 * k:.3f},1.0" for k in range(30)]
+    path.mkdir(exist_ok=True)
+    (path / "run.csv").write_text(rows if rows is not None else "\n".join(["t,x,u", *lines]))
+    (path / "data.yaml").write_text(settings if settings is not None else GOOD)
+    return path
+
+
+GOOD = """columns:
+  time: {column: t, unit: s}
+  position: {column: x, unit: m}
+  push: {column: u, unit: N}
+"""
+
+
+def rows(change: int, line: str) -> str:
+    lines = ["t,x,u", *(f"{0.05 * k:.2f},{0.01 * k:.3f},1.0" for k in range(30))]
+    lines[change] = line
+    return "\n".join(lines)
+
+
+FAULTY = {
+    "no settings": (None, "", "found NoneType; expected keys columns"),
+    "not a yaml": (None, "columns: [", "expected a yaml file"),
+    "unknown key": (None, GOOD + "colums: {}\n", "'colums'.*Did you mean 'columns'"),
+    "no columns": (None, "constants: {}\n", "expected an entry for each of time, push, position"),
+    "missing column entry": (None, GOOD.replace("  push: {column: u, unit: N}\n", ""), "no 'push'"),
+    "unknown entry": (None, GOOD + "  pusch: {column: u, unit: N}\n", "'pusch'.*Did you mean 'push'"),
+    "wrong unit": (None, GOOD.replace("unit: m}", "unit: kg}"), "unit 'kg'; expected a unit of 'm'"),
+    "no such column": (None, GOOD.replace("column: x", "column: y"), "no column 'y'"),
+    "no such file": (None, GOOD + "trials: [{file: other.csv}]\n", "other.csv: found no such file"),
+    "bad role": (None, GOOD + "trials: [{file: run.csv, role: test}]\n", "'test'; expected 'fit'"),
+    "all held out": (None, GOOD + "trials: [{file: run.csv, role: held_out}]\n", "all trials held out"),
+    "two of one name": (None, GOOD + "trials: [{file: run.csv}, {file: run.csv}]\n",
+                        "two trials of that name"),
+    "unknown constant": (None, GOOD + "constants: {mass: 2}\n", "'mass'.*has no constant"),
+    "constant that is text": (None, GOOD + "constants: {mass: heavy}\n", "'heavy'; expected a number"),
+    "words in a column": (rows(7, "0.30,far,1.0"), None, "row 8, column x: found 'far'"),
+    "times go back": (rows(7, "0.10,0.06,1.0"), None, "sample 6.*expected increasing times"),
+    "a time is missing": (rows(7, ",0.06,1.0"), None, "time, sample 6.*expected finite times"),
+    "an input is missing": (rows(7, "0.30,0.06,"), None, "push, sample 6: found nan"),
+    "an infinite place": (rows(7, "0.30,inf,1.0"), None, "position, sample 6: found inf"),
+    "too short": ("t,x,u\n0,0,0\n1,0,0\n", None, "10 samples or more"),
+    "empty file": ("", None, "expected a csv with a header"),
+    "nothing seen": ("t,x,u\n" + "\n".join(f"{k},,1" for k in range(30)), None, "position: found 0 values"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTY)
+def test_a_faulty_data_set_is_told_in_one_message(name, cart, tmp_path):
+    table, settings, message = FAULTY[name]
+    with pytest.raises(InputError, match=message) as told:
+        checked(cart, read_trials(cart, folder(tmp_path, table, settings)))
+    assert len(told.value.findings) == 1
+    assert len(str(told.value).splitlines()) == 1
+
+
+def test_arrays_of_the_wrong_shape_never_reach_compiled_code(cart):
+    t = np.arange(30) * 0.1
+    for times, seen, push in ((t, np.zeros((30, 2)), t), (t, np.zeros(29), t), (t, t, np.zeros(31)),
+                              (t[:, None], t, t), (t[:5], t[:5], t[:5])):  # fmt: skip
+        with pytest.raises(InputError, match="shape"):
+            explain(cart, [Trial("t", times, {"position": seen}, {"push": push})])
+
+
+def test_the_command_writes_json_text_and_page(cart, tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    for t in runs(drag=0.8):
+        np.savetxt(data / f"{t.name}.csv", np.column_stack([t.times, t.observed["position"] * 1000,
+                                                            t.inputs["push"]]),
+                   delimiter=",", header="t,x,u", comments="")  # fmt: skip
+    (data / "data.yaml").write_text(GOOD.replace("column: x, unit: m", "column: x, unit: mm"))
+    out = tmp_path / "out"
+    result = CliRunner().invoke(main, ["explain", str(MODEL_FILE), str(data), "--out", str(out),
+                                       "--predict", str(data), "--quiet"])  # fmt: skip
+    assert result.exit_code == 0, result.output
+    content = json.loads((out / "explanation.json").read_text())
+    assert [c["name"] for c in content["causes"]] == ["quadratic_drag"]
+    assert content["prediction"]["runs"]
+    page = (out / "report.html").read_text()
+    assert "quadratic_drag" in page
+    assert "data:image/png" in page
+    assert "quadratic_drag" in result.output
+
+
+def test_a_start_from_which_the_model_runs_away_is_told(cart):
+    driven = Parameter("c", "1/s", -500.0, -900.0, 5.0, "drag")
+    with pytest.raises(InputError, match="runs away.*Check signs and units"):
+        explain(replace(cart, coefficients=(driven,)), runs())
+
+
+def test_states_and_stages_are_classes_of_the_model():
+    assert State("x", "m", 1.0).observed == ""
+    assert Stage("force", ("F",), open=True).function is None

@@ -44,7 +44,7 @@ def cart() -> Model:
 
 def run(name: str, rng: np.random.Generator, *, drag: float, current: float, amplitude: float,
         n: int = 100, period: int = 1) -> Trial:  # fmt: skip
-    """A cart with drag v |v| and a steady current, driven by a push that is held between samples."""
+    """A cart with drag v |v| and a current, driven by a push that is held between samples."""
     dt, fine = 0.05, 5
     times = dt * np.arange(n)
     push = np.repeat(amplitude * rng.uniform(-1, 1, n // period + 1), period)[:n]
@@ -117,7 +117,7 @@ def test_the_results_have_the_keys_of_the_robots_mismatch_json(found):
 def test_only_the_asked_causes_are_tried(cart):
     found = explain(cart, runs(drag=0.8), without=["current", "spring"])
     assert found.probabilities.keys() == {"quadratic_drag"}
-    with pytest.raises(InputError, match="'quadratic'.*Did you mean 'quadratic_drag'"):
+    with pytest.raises(InputError, match=r"'quadratic'.*Did you mean 'quadratic_drag'"):
         explain(cart, runs(), candidates=["quadratic"])
 
 
@@ -182,9 +182,7 @@ def test_missing_samples_are_allowed_and_numbers_at_bounds_are_reported(cart):
 def test_a_model_whose_rates_are_too_few_is_named(cart):
     stages = tuple(replace(s, function=lambda v, F: (v,)) if s.name == "rates" else s
                    for s in cart.stages)  # fmt: skip
-    with pytest.raises(
-        InputError, match=r"stage rates.*found 1 values; expected a tuple of 2: x, v"
-    ):
+    with pytest.raises(InputError, match=r"stage rates.*1 values; expected a tuple of 2: x, v"):
         checked_model(replace(cart, stages=stages))
 
 
@@ -193,13 +191,15 @@ def test_a_model_that_asks_for_an_unknown_name_is_told_the_nearest(cart):
         return (-kk * v,)
 
     wrong = Cause("drag", "Drag.", {"force": drag}, (Parameter("k", "N s", 1.0, 0.0, 2.0, ""),))
-    with pytest.raises(InputError, match="cause drag: drag: found argument 'kk'.*Did you mean 'k'"):
+    with pytest.raises(
+        InputError, match=r"cause drag: drag: found argument 'kk'.*Did you mean 'k'"
+    ):
         checked_model(replace(cart, causes=(wrong,)))
 
 
 def test_a_misspelt_stage_is_named(cart):
     wrong = replace(cart.causes[0], hooks={"forces": cart.causes[0].hooks["force"]})
-    with pytest.raises(InputError, match="stage 'forces'.*expected an open stage.*'force'"):
+    with pytest.raises(InputError, match=r"stage 'forces'.*expected an open stage.*'force'"):
         checked_model(replace(cart, causes=(wrong,)))
 
 
@@ -247,16 +247,35 @@ FAULTY = {
     "unknown key": (None, GOOD + "colums: {}\n", "'colums'.*Did you mean 'columns'"),
     "no columns": (None, "constants: {}\n", "expected an entry for each of time, push, position"),
     "missing column entry": (None, GOOD.replace("  push: {column: u, unit: N}\n", ""), "no 'push'"),
-    "unknown entry": (None, GOOD + "  pusch: {column: u, unit: N}\n", "'pusch'.*Did you mean 'push'"),
-    "wrong unit": (None, GOOD.replace("unit: m}", "unit: kg}"), "unit 'kg'; expected a unit of 'm'"),
+    "unknown entry": (
+        None,
+        GOOD + "  pusch: {column: u, unit: N}\n",
+        "'pusch'.*Did you mean 'push'",
+    ),
+    "wrong unit": (
+        None,
+        GOOD.replace("unit: m}", "unit: kg}"),
+        "unit 'kg'; expected a unit of 'm'",
+    ),
     "no such column": (None, GOOD.replace("column: x", "column: y"), "no column 'y'"),
     "no such file": (None, GOOD + "trials: [{file: other.csv}]\n", "other.csv: found no such file"),
     "bad role": (None, GOOD + "trials: [{file: run.csv, role: test}]\n", "'test'; expected 'fit'"),
-    "all held out": (None, GOOD + "trials: [{file: run.csv, role: held_out}]\n", "all trials held out"),
-    "two of one name": (None, GOOD + "trials: [{file: run.csv}, {file: run.csv}]\n",
-                        "two trials of that name"),
+    "all held out": (
+        None,
+        GOOD + "trials: [{file: run.csv, role: held_out}]\n",
+        "all trials held out",
+    ),
+    "two of one name": (
+        None,
+        GOOD + "trials: [{file: run.csv}, {file: run.csv}]\n",
+        "two trials of that name",
+    ),
     "unknown constant": (None, GOOD + "constants: {mass: 2}\n", "'mass'.*has no constant"),
-    "constant that is text": (None, GOOD + "constants: {mass: heavy}\n", "'heavy'; expected a number"),
+    "constant that is text": (
+        None,
+        GOOD + "constants: {mass: heavy}\n",
+        "'heavy'; expected a number",
+    ),
     "words in a column": (rows(7, "0.30,far,1.0"), None, "row 8, column x: found 'far'"),
     "times go back": (rows(7, "0.10,0.06,1.0"), None, "sample 6.*expected increasing times"),
     "a time is missing": (rows(7, ",0.06,1.0"), None, "time, sample 6.*expected finite times"),
@@ -264,8 +283,12 @@ FAULTY = {
     "an infinite place": (rows(7, "0.30,inf,1.0"), None, "position, sample 6: found inf"),
     "too short": ("t,x,u\n0,0,0\n1,0,0\n", None, "10 samples or more"),
     "empty file": ("", None, "expected a csv with a header"),
-    "nothing seen": ("t,x,u\n" + "\n".join(f"{k},,1" for k in range(30)), None, "position: found 0 values"),
-}  # fmt: skip
+    "nothing seen": (
+        "t,x,u\n" + "\n".join(f"{k},,1" for k in range(30)),
+        None,
+        "position: found 0 values",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", FAULTY)
@@ -308,7 +331,7 @@ def test_the_command_writes_json_text_and_page(cart, tmp_path):
 
 def test_a_start_from_which_the_model_runs_away_is_told(cart):
     driven = Parameter("c", "1/s", -500.0, -900.0, 5.0, "drag")
-    with pytest.raises(InputError, match="runs away.*Check signs and units"):
+    with pytest.raises(InputError, match=r"runs away.*Check signs and units"):
         explain(replace(cart, coefficients=(driven,)), runs())
 
 

@@ -9,10 +9,13 @@ from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
 from .challenge import challenge
 from .check import check
+from .completion import completion
 from .design import design
 from .doctor import doctor
 from .explain import explain
 from .export import export
+from .init import init
+from .report import report
 from .run import run
 from .simulate import simulate
 from .stage import stage
@@ -50,7 +53,9 @@ def main() -> None:
 
 
 _COMMANDS = (
+    init,
     run,
+    report,
     watch,
     check,
     doctor,
@@ -61,6 +66,7 @@ _COMMANDS = (
     explain,
     challenge,
     export,
+    completion,
     stage,
 )
 for _command in _COMMANDS:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .named import Named
+from .named import StudyName, TrialName
 from .outputs import refuse_study_files
 from .waiting import waiting
 
@@ -54,9 +54,14 @@ def calibrate(
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.argument("frame", required=False, type=click.Path(path_type=Path))
-@click.option("--trial", "trial_id", help="Trial to take the frame from; else the first filmed.")
+@click.option(
+    "--trial",
+    "trial_id",
+    type=TrialName(),
+    help="Trial to take the frame from; else the first filmed.",
+)
 @click.option("--out", default="pool.png", show_default=True, type=click.Path(path_type=Path))
 @click.pass_context
 def pool(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .named import Named
+from .named import StudyName
 from .waiting import waiting
 
 
@@ -20,7 +20,7 @@ def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> No
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.option(
     "--explain",
     metavar="KEY",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import Named
+from .named import StudyName
 from .numbers import Finite, Numbers
 from .outputs import refuse_study_files
 from .waiting import waiting
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.option("--results", type=click.Path(path_type=Path), help="Default: results/STUDY.")
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip

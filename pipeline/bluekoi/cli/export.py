@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .named import Named
+from .named import StudyName, TrialName
 from .outputs import refuse_study_files
 from .waiting import waiting
 
@@ -31,10 +31,12 @@ INDIVIDUAL = "robot"
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.option("--results", type=click.Path(path_type=Path), help="Folder with the results.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder to write to.")
-@click.option("--trial", "trials", multiple=True, help="Only this trial; may be repeated.")
+@click.option(
+    "--trial", "trials", type=TrialName(), multiple=True, help="Only this trial; may be repeated."
+)
 def export(study: Path, results: Path | None, out: Path | None, trials: tuple[str, ...]) -> None:
     """Write the tracks of STUDY as netCDF for `movement` (0.17 or newer), coefficients as csv.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ..errors import INTERRUPTED
-from .named import Named
+from .named import Named, StudyName
 
 PACKAGE = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
@@ -83,7 +83,7 @@ def check_cores(_ctx: click.Context, _param: click.Parameter, value: str) -> str
 
 
 @click.command()
-@click.argument("study", default="demo", type=Named(path_type=str))
+@click.argument("study", default="demo", type=StudyName("demo", path_type=str))
 @click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
 @click.option(
     "--cores", default="all", show_default=True, callback=check_cores, help="How many jobs at once."

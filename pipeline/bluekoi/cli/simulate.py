@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import Named
+from .named import StudyName
 from .numbers import Finite
 from .outputs import refuse_study_files
 from .waiting import waiting
@@ -25,7 +25,7 @@ PICTURES = (".png", ".pdf", ".svg")
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.option("--flap-hz", type=Finite(0, 100), help="Flapping frequency.")
 @click.option("--power-pct", type=Finite(0, 300), help="Or motor power.")
 @click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")

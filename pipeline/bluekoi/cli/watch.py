@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .named import Named
+from .named import Named, StudyName
 from .run import check_cores, command
 
 ERRORS = "Some of it could not be analysed: see the terminal."
@@ -45,7 +45,7 @@ ask for files.
 
 
 @click.command()
-@click.argument("study", type=Named(path_type=Path))
+@click.argument("study", type=StudyName(path_type=Path))
 @click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
 @click.option("--cores", default="all", show_default=True, callback=check_cores,
               help="How many jobs at once.")  # fmt: skip

@@ -1,0 +1,26 @@
+"""`bluekoi completion`: what a shell needs to complete commands, options, studies and trials."""
+
+from __future__ import annotations
+
+import click
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+@click.command()
+@click.argument("shell", type=click.Choice(SHELLS))
+def completion(shell: str) -> None:
+    r"""Print the script by which SHELL completes commands, options, studies and trials.
+
+    \b
+    bash: bluekoi completion bash > ~/.local/share/bash-completion/completions/bluekoi
+    zsh:  bluekoi completion zsh > a folder of $fpath, as _bluekoi
+    fish: bluekoi completion fish > ~/.config/fish/completions/bluekoi.fish
+    """
+    from click.shell_completion import get_completion_class  # noqa: PLC0415
+
+    from . import main  # noqa: PLC0415
+
+    made = get_completion_class(shell)
+    assert made is not None
+    click.echo(made(main, {}, "bluekoi", "_BLUEKOI_COMPLETE").source())

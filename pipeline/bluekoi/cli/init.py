@@ -1,0 +1,105 @@
+"""`bluekoi init`: a study's files, pre-filled from its recordings."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .named import Named
+from .waiting import waiting
+
+if TYPE_CHECKING:
+    from ..preparation.prefill import StudyFiles
+
+HEAD = "1x head, nose to hinge, m; filled in for every trial."
+
+
+@click.command()
+@click.argument("files", nargs=-1, type=Named(path_type=Path), metavar="[VIDEOS]...")
+@click.option("--study", type=Named(path_type=Path), help="Folder of the study.")
+@click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD)
+def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
+    """Write study.yaml and trials.csv for VIDEOS, keypoint files, or all that a folder holds.
+
+    The folder of the study is the one given, or that of the files, or the current one. Motor logs
+    in it are matched by name; power and head angle are read from names such as p50_phi-20.mp4.
+    What cannot be read off the files is left empty, each with a comment on its meaning and unit;
+    `bluekoi check` lists what is still to be filled in. Nothing is overwritten.
+    """
+    from ..errors import input_error  # noqa: PLC0415
+    from ..files import write_text  # noqa: PLC0415
+    from ..preparation.facts import file_facts, with_facts  # noqa: PLC0415
+    from ..preparation.prefill import (  # noqa: PLC0415
+        blank_study_yaml,
+        trial_rows,
+        trials_csv,
+    )
+
+    folder = _folder(files, study)
+    for name in ("study.yaml", "trials.csv"):
+        if (folder / name).exists():
+            raise input_error(folder / name, "", "a file that is there already", "none",
+                              "Rename it, or edit it by hand: nothing is overwritten.")  # fmt: skip
+    rows = trial_rows(_chosen(folder, files), head_length_m)
+    if not rows:
+        remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
+        raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)
+    with waiting(f"opening the files of {len(rows)} trials"):
+        facts = file_facts(folder, rows)
+    write_text(folder / "trials.csv", trials_csv(rows))
+    write_text(folder / "study.yaml", with_facts(blank_study_yaml(), facts))
+    for one in facts:
+        click.echo(f"{one.trial_id}: {one.source}: {one.text}")
+    click.echo(
+        f"Written: {folder / 'study.yaml'} and {folder / 'trials.csv'} ({len(rows)} trials). Fill "
+        f"in what is empty; `bluekoi check {folder}` lists it, `bluekoi check --explain KEY` "
+        "explains a key."
+    )
+
+
+def _folder(files: tuple[Path, ...], study: Path | None) -> Path:
+    """Folder of the study.
+
+    Raises: InputError where a file is missing or does not lie in the folder.
+    """
+    from ..errors import input_error  # noqa: PLC0415
+
+    if missing := [path for path in files if not path.exists()]:
+        raise input_error(missing[0], "", "nothing there", "a video, keypoint file or folder")
+    if study is None and files:
+        folders = [path if path.is_dir() else path.parent for path in files]
+        study = Path(os.path.commonpath([path.absolute() for path in folders]))
+        study = folders[0] if len(folders) == 1 else study
+    folder = study or Path()
+    if not folder.is_dir():
+        raise input_error(folder, "", "no folder", "the folder with the recordings")
+    outside = [p for p in files if not p.resolve().is_relative_to(folder.resolve())]
+    if outside:
+        remedy = "Move it there, or give its folder as --study."
+        raise input_error(
+            outside[0], "", "a file outside of the study's folder", f"a file in {folder}", remedy
+        )
+    return folder
+
+
+def _chosen(folder: Path, files: tuple[Path, ...]) -> StudyFiles:
+    """The files that were named, or that lie in folders that were named, and all motor logs."""
+    from dataclasses import replace  # noqa: PLC0415
+
+    from ..preparation.prefill import study_files  # noqa: PLC0415
+
+    found = study_files(folder)
+    wanted = [path.resolve() for path in files] or [folder.resolve()]
+
+    def named(name: str) -> bool:
+        path = (folder / name).resolve()
+        return any(path == one or path.is_relative_to(one) for one in wanted)
+
+    return replace(
+        found,
+        videos=tuple(filter(named, found.videos)),
+        keypoints=tuple(filter(named, found.keypoints)),
+    )

@@ -1,0 +1,81 @@
+"""`bluekoi report`: the verdict of a run in the terminal, and its page in the browser."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .named import Named, StudyName
+
+
+def results_folder(study: Path, results: Path | None) -> Path:
+    """Folder of a study's results: the one given, else results/NAME; a folder of results itself.
+
+    Raises: InputError where nothing has been run.
+    """
+    from ..errors import input_error  # noqa: PLC0415
+
+    if results is None and (study / "report.html").is_file():
+        return study
+    folder = results or Path("results") / study.resolve().name
+    if not folder.is_dir():
+        remedy = f"Run it first: bluekoi run {study}, or name them with --results."
+        raise input_error(folder, "", "no results", "the results of a run", remedy)
+    return folder
+
+
+@click.command()
+@click.argument("study", default="demo", type=StudyName("demo", path_type=Path))
+@click.option("--results", type=Named(path_type=Path), help="Folder with the results.")
+@click.option("--open", "shown", is_flag=True, help="Open the page in the browser.")
+@click.pass_context
+def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -> None:
+    """Show the verdict on STUDY, its warnings and causes, and where its report is."""
+    from ..errors import printable  # noqa: PLC0415
+    from ..files import read_json  # noqa: PLC0415
+
+    folder = results_folder(study, results)
+    found = folder / "mismatch.json"
+    for line in summary(read_json(found)) if found.is_file() else ["No search for causes yet."]:
+        click.echo(printable(line))
+    page = folder / "report.html"
+    if not page.is_file():
+        click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
+        ctx.exit(1)
+    click.echo(f"Report: {page}")
+    if shown and not in_browser(page):
+        click.echo("No browser could be started here; open the file by hand.", err=True)
+        ctx.exit(1)
+
+
+def summary(mismatch: Mapping[str, Any]) -> Iterator[str]:
+    """Lines on the verdict: its sentence, each cause with its numbers, warnings."""
+    yield f"Verdict: {mismatch.get('sentence', '')}"
+    for cause in mismatch.get("causes") or []:
+        numbers = ", ".join(f"{name} = {_number(cell)}"
+                            for name, cell in cause.get("parameters", {}).items())  # fmt: skip
+        yield f"  {cause['name']} (probability {cause['weight']:.2f}): {numbers}"
+    for text in mismatch.get("warnings") or []:
+        yield f"Warning: {text}"
+
+
+def _number(cell: Mapping[str, Any]) -> str:
+    unit = "" if cell.get("unit") in (None, "", "1") else f" {cell['unit']}"
+    value, std = cell.get("value"), cell.get("std")
+    if value is None:
+        return "unknown"
+    return f"{value:.4g}{unit}" if std is None else f"{value:.4g} +- {std:.2g}{unit}"
+
+
+def in_browser(page: Path) -> bool:
+    """Whether a browser of a graphical session could be asked to show the page."""
+    graphical = sys.platform != "linux" or any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+    )
+    return graphical and webbrowser.open(page.resolve().as_uri())

@@ -1,0 +1,150 @@
+"""Commands around a run: init, report, completion; and what importing the package costs."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import yaml
+from click.shell_completion import ShellComplete
+from click.testing import CliRunner
+
+from bluekoi.cli import main
+from bluekoi.footage import encode
+from bluekoi.study import load_study
+from studies import small_study
+
+LOG = "time_s,angle_deg\n" + "".join(f"{k / 200},{(k * 9) % 360}\n" for k in range(400))
+
+
+def bluekoi(*words):
+    return CliRunner().invoke(main, [str(word) for word in words])
+
+
+@pytest.fixture
+def lab(tmp_path):
+    """A folder with two short films and the motor log of one."""
+    for name in ("p50_phi-20", "p100_phi30"):
+        pictures = [np.full((48, 64, 3), 40 + k, np.uint8) for k in range(12)]
+        (tmp_path / "lab/videos").mkdir(parents=True, exist_ok=True)
+        encode(tmp_path / f"lab/videos/{name}.mp4", pictures, fps=30.0, size=(64, 48))
+    (tmp_path / "lab/motor").mkdir()
+    (tmp_path / "lab/motor/p50_phi-20.csv").write_text(LOG)
+    return tmp_path / "lab"
+
+
+def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab):
+    done = bluekoi("init", lab, "--head-length-m", "0.12")
+    assert done.exit_code == 0, done.output
+    assert "0.4 s, 30 frames/s, 64 x 48; motor/p50_phi-20.csv: 5 Hz" in done.output
+    rows = (lab / "trials.csv").read_text().splitlines()
+    assert rows[0] == "trial_id,source,power_pct,head_angle_deg,head_length_m,motor_log"
+    assert rows[2] == "p100_phi30,videos/p100_phi30.mp4,100,30,0.12,"
+    text = (lab / "study.yaml").read_text()
+    assert text.startswith("# Recordings found:\n#   p50_phi-20: videos/p50_phi-20.mp4: 0.4 s")
+    assert yaml.safe_load(text)["camera"]["image_size_px"] == [64, 48]
+    missing = bluekoi("check", lab)
+    assert missing.exit_code == 1
+    assert "pool.length_m" in missing.output
+    assert "unknown" not in missing.output
+
+
+def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab):
+    film = lab / "videos/p100_phi30.mp4"
+    assert bluekoi("init", film, "--study", lab).exit_code == 0
+    assert [line.split(",")[0] for line in (lab / "trials.csv").read_text().splitlines()] == [
+        "trial_id", "p100_phi30"]  # fmt: skip
+    before = (lab / "study.yaml").read_bytes()
+    again = bluekoi("init", lab)
+    assert again.exit_code == 1
+    assert "nothing is overwritten" in again.output
+    assert (lab / "study.yaml").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [(["nowhere.mp4"], "nothing there"), (["empty"], "no video and no keypoint file"),
+     (["lab/videos/p100_phi30.mp4", "--study", "empty"], "outside of the study's folder")],
+)  # fmt: skip
+def test_init_says_what_it_cannot_use(lab, monkeypatch, words, told):
+    monkeypatch.chdir(lab.parent)
+    (lab.parent / "empty").mkdir()
+    done = bluekoi("init", *words)
+    assert done.exit_code == 1
+    assert told in done.output
+    assert not (lab / "study.yaml").exists()
+
+
+def test_a_film_that_cannot_be_read_is_listed_with_its_reason(lab):
+    (lab / "videos/broken.mp4").write_bytes(b"\0\1no video" * 9)
+    done = bluekoi("init", lab)
+    assert done.exit_code == 0
+    assert "broken: videos/broken.mp4: cannot be used: no readable video" in done.output
+
+
+def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "no results; expected the results of a run" in bluekoi("report", "lab").output
+    results = tmp_path / "results/lab"
+    results.mkdir(parents=True)
+    cause = {"name": "clock_error", "weight": 0.9,
+             "parameters": {"k": {"value": 3.0, "std": 0.012, "unit": "1"}}}  # fmt: skip
+    found = {"sentence": "The clock is wrong.", "causes": [cause], "warnings": ["Look here."]}
+    (results / "mismatch.json").write_text(json.dumps(found))
+    assert bluekoi("report", "lab").exit_code == 1
+    (results / "report.html").write_text("<p>")
+    opened = []
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("webbrowser.open", lambda page: bool(opened.append(page)) or True)
+    done = bluekoi("report", "lab", "--open")
+    assert done.exit_code == 0
+    assert "Verdict: The clock is wrong." in done.output
+    assert "clock_error (probability 0.90): k = 3 +- 0.012" in done.output
+    assert "Warning: Look here." in done.output
+    assert opened == [(results / "report.html").resolve().as_uri()]
+    assert bluekoi("report", results).exit_code == 0
+
+
+def completed(words, start):
+    found = ShellComplete(main, {}, "bluekoi", "_BLUEKOI_COMPLETE")
+    return [item.value for item in found.get_completions(words, start)]
+
+
+def test_a_shell_completes_studies_and_trials(tmp_path, monkeypatch):
+    small_study(tmp_path / "work/lab")
+    (tmp_path / "work/.hidden").mkdir()
+    monkeypatch.chdir(tmp_path)
+    assert completed(["run"], "") == ["demo", "work/"]
+    assert completed(["check"], "work/") == ["work/lab", "work/truth/"]
+    assert completed(["check"], "work/.") == ["work/.hidden/"]
+    ids = [trial.trial_id for trial in load_study(tmp_path / "work/lab").trials]
+    assert completed(["export", "work/lab", "--trial"], "") == ids
+    assert completed(["pool", "work/lab", "--trial"], "T1") == ids[1:]
+    assert completed(["export", "nowhere", "--trial"], "") == []
+    assert "compare" in completed([], "comp") or "completion" in completed([], "comp")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_prints_a_script_for_each_shell(shell):
+    done = bluekoi("completion", shell)
+    assert done.exit_code == 0
+    assert "_BLUEKOI_COMPLETE" in done.output
+    if shell == "bash":
+        assert (
+            subprocess.run(["bash", "-n"], input=done.output, text=True, check=False).returncode
+            == 0
+        )
+
+
+def test_importing_the_package_imports_next_to_nothing():
+    """Fewer than 20 modules beyond those of a bare interpreter, and none of them heavy."""
+    code = ("import sys; before = set(sys.modules); import bluekoi; "
+            "print(*sorted(set(sys.modules) - before))")  # fmt: skip
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    names = done.stdout.split()
+    assert "bluekoi" in names
+    assert len(names) < 20
+    assert not {"numpy", "scipy", "matplotlib", "cv2", "pandas", "numba"} & set(names)

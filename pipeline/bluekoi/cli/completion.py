@@ -10,13 +10,15 @@ SHELLS = ("bash", "zsh", "fish")
 @click.command()
 @click.argument("shell", type=click.Choice(SHELLS))
 def completion(shell: str) -> None:
-    r"""Print the script by which SHELL completes commands, options, studies and trials.
+    """Print the script by which SHELL completes commands, options, studies and trials.
 
     \b
     bash: bluekoi completion bash > ~/.local/share/bash-completion/completions/bluekoi
     zsh:  bluekoi completion zsh > a folder of $fpath, as _bluekoi
     fish: bluekoi completion fish > ~/.config/fish/completions/bluekoi.fish
-    """
+
+    A new shell then knows it.
+    """  # noqa: D301  click's mark for lines that keep their breaks
     from click.shell_completion import get_completion_class  # noqa: PLC0415
 
     from . import main  # noqa: PLC0415

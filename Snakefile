@@ -2,7 +2,6 @@
 #
 #   snakemake --cores all                                    the demo study, rendered first
 #   snakemake --cores all --config study=PATH results=DIR    any study
-#   snakemake --cores all challenge                          studies whose truth is concealed
 #
 # Values and their meaning: config/default.yaml, config/schema.yaml. Each rule calls the function
 # of its name in pipeline/bluekoi/stages/. A bad trial writes why into status/ID.json and stops only itself;
@@ -144,7 +143,7 @@ rule overlay:
 
 
 rule report:
-    input: rules.tuning.output, rules.mismatch.output, plan.figures(), plan.markers("overlay"), plan.seal,
+    input: rules.tuning.output, rules.mismatch.output, plan.figures(), plan.markers("overlay"),
     output: report(R / "report.html", "config/captions/page.rst", "The page"),
     conda: ENV
     log: LOGS / "report.log"
@@ -160,16 +159,6 @@ rule outcome:
     log: LOGS / "outcome.log"
     params: at=AT, code=plan.code("outcome"),
     shell: "python3 -P -m bluekoi stage outcome {params.at} &> {log:q}"
-
-
-rule challenge:
-    output: R / "challenge/score.json", R / "challenge/score.txt",
-    conda: ENV
-    log: LOGS / "challenge.log"
-    params: at=AT, code=plan.code("challenge"),
-    threads: 2
-    resources: mem_mb=3000, runtime=240,
-    shell: "python3 -P -m bluekoi stage challenge {params.at} --threads {threads} &> {log:q}"
 
 
 onstart:

@@ -21,8 +21,8 @@ from bluekoi.stages.tracks import flapping_of
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import Design
-from bluekoi.synthetic.tracking import keypoint_study
 from bluekoi.tuning import Tuned, trial_series
+from validation.tracking import keypoint_study
 
 
 @dataclass(frozen=True)

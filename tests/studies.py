@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bluekoi.synthetic.design import bare_design
-from bluekoi.synthetic.tracking import keypoint_study
+from validation.tracking import keypoint_study
 
 PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degrees, -45 degrees
 

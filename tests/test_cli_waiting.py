@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import io
-import sys
 import time
-from types import SimpleNamespace
 
 import pytest
 
 from bluekoi.cli import waiting
-from bluekoi.cli.challenge import _teller
 from bluekoi.cli.waiting import Wait
 
 
@@ -43,14 +40,3 @@ def test_a_long_wait_is_told_and_the_line_taken_away(kind, monkeypatch):
             time.sleep(0.01)
     assert "writing 3 trials: about 5 s left" in stream.getvalue()
     assert stream.getvalue().endswith("\r\x1b[K" if kind is Terminal else "left\n")
-
-
-def test_studies_of_a_challenge_are_counted_with_the_time_left(monkeypatch, capsys):
-    moments = iter((0.0, 60.0, 120.0))
-    clock = SimpleNamespace(monotonic=lambda: next(moments))
-    monkeypatch.setattr(sys.modules[_teller.__module__], "time", clock)
-    say = _teller()
-    say("S1", 1, 2)
-    say("S2", 2, 2)
-    said = capsys.readouterr().err.splitlines()
-    assert said == ["   1/2  S1  about 60 s left", "   2/2  S2"]

@@ -1,4 +1,4 @@
-"""The synthetic tank: published numbers, exact motions, symmetry, stability, hidden laws."""
+"""The synthetic tank: published numbers, exact motions, symmetry, stability, water."""
 
 import math
 from dataclasses import replace
@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.errors import InputError
 from bluekoi.synthetic.design import FLAP_HZ, TABLE_1
-from bluekoi.synthetic.hidden import LAWS, check_hidden
 from bluekoi.synthetic.laws import Fin, Run, Tank, aerodynamic_arm, bare_tank
 from bluekoi.synthetic.tank import simulate, steady_turn
 from bluekoi.synthetic.water import current, draw_eddies
@@ -81,7 +79,7 @@ def test_default_radii_are_tight_and_independent_of_power() -> None:
 
 
 def test_linear_yaw_damping_spreads_the_radii_by_10_to_20_percent() -> None:
-    tank = replace(STILL, hidden={"linear_yaw_damping": {"N_r": 0.03}})
+    tank = replace(STILL, yaw_damping_n_m_s=0.03)
     slow, fast = (turning(tank, power, 30.0)[1] for power in (50, 100))
     assert 1.10 < slow / fast < 1.20
 
@@ -89,24 +87,6 @@ def test_linear_yaw_damping_spreads_the_radii_by_10_to_20_percent() -> None:
 def test_geometry_of_the_aerodynamic_arm() -> None:
     assert aerodynamic_arm(BARE.robot, 0.12) == pytest.approx(0.12 + 0.04 - 0.331 / 4)
     assert aerodynamic_arm(BARE.robot, 0.175) == pytest.approx(0.215 - 0.386 / 4)
-
-
-@pytest.mark.parametrize("name", sorted(LAWS))
-def test_every_hidden_law_bends_a_path(name: str) -> None:
-    run = Run(4.0, 0.6, 0.12, start=(1.6, 1.2, 1.0))
-    tank = replace(STILL, hidden={name: dict(LAWS[name].usual)})
-    time_s = np.linspace(0, 4, 21)
-    plain = simulate(STILL, run, 4.0, rtol=1e-7).mean(time_s)[:, :2]
-    bent = simulate(tank, run, 4.0, rtol=1e-7).mean(time_s)[:, :2]
-    assert np.hypot(*(bent - plain).T).max() > 0.003
-
-
-@pytest.mark.parametrize(
-    "chosen", [{"linear_yaw_dampin": {"N_r": 1.0}}, {"linear_yaw_damping": {"k": 1.0}}]
-)
-def test_unknown_hidden_law_is_refused(chosen: dict) -> None:
-    with pytest.raises(InputError, match=r"linear_yaw_damping|N_r"):
-        check_hidden(chosen)
 
 
 def test_recoil_stays_small_and_starts_from_nothing() -> None:

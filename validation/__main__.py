@@ -9,13 +9,15 @@ from pathlib import Path
 
 import click
 
-from . import running, scoring
+from bluekoi.cli import Plainly
+
+from . import running, scoring, sealing
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 WORKERS = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
 
 
-@click.group()
+@click.group(cls=Plainly)
 def main() -> None:
     """Independent generators, the finder's verdicts on them, and their scores."""
     logging.basicConfig(level=logging.ERROR)
@@ -28,10 +30,12 @@ def main() -> None:
 @click.option("--first", default=0, show_default=True)
 @FOLDER
 def make(generator: str, seed: int, count: int, first: int, folder: Path) -> None:
-    """Write studies of a GENERATOR into FOLDER."""
+    """Write studies of a GENERATOR into FOLDER and publish the hashes of their truths."""
     generate = import_module(f"validation.generators.{generator}").generate
     for index in range(first, first + count):
-        click.echo(generate(seed, index, folder)["study"])
+        name = generate(seed, index, folder)["study"]
+        sealing.seal(folder, name)
+        click.echo(name)
 
 
 @main.command()
@@ -66,6 +70,17 @@ def score(folders: tuple[Path, ...], label: str, out: Path | None) -> None:
     if out:
         content = {"label": label, "summary": result, "studies": scoring.rows(studies)}
         out.write_text(json.dumps(content, indent=1))
+
+
+@main.command("ground-truth")
+@click.argument("study", type=click.Path(path_type=Path))
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option("--truth", type=click.Path(path_type=Path), help="Truth; else as STUDY names it.")
+def ground_truth(study: Path, results: Path, truth: Path | None) -> None:
+    """Compare the truth of STUDY with its RESULTS: RESULTS/ground_truth.html."""
+    from .ground_truth.page import write_ground_truth  # noqa: PLC0415
+
+    click.echo(write_ground_truth(study, results, truth))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 DIR/studies/ID   as a generator wrote them        DIR/truth/ID.json   never read here
 DIR/tracks/ID    results folder up to steady.csv  DIR/verdicts/LABEL/ID.json
+
+The processes that measure and analyse are denied reading DIR/truth (`isolation`).
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ import logging
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import partial
 from importlib import import_module
@@ -20,9 +22,12 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
+from .isolation import deny_reading
+
 MEASURED = ("keypoints", "geometry", "tracks", "steady")
 """Stages from a study folder to its tracks."""
 ANALYSED = "mismatch"
+SCRATCH = "scratch"
 
 
 def study_names(directory: Path) -> list[str]:
@@ -32,18 +37,24 @@ def study_names(directory: Path) -> list[str]:
 
 def measure_all(directory: Path, workers: int) -> Iterator[str]:
     """Measure every study that has no tracks yet; a line for each as it ends."""
-    done = partial(_has_tracks, directory)
-    yield from _parallel(partial(measure, directory), directory, done, workers)
+    names = [name for name in study_names(directory) if not _has_tracks(directory, name)]
+    yield from in_processes(measure, directory, names, workers=workers)
 
 
 def analyse_all(directory: Path, label: str, workers: int, *, only: str = "") -> Iterator[str]:
     """Analyse every measured study without a verdict under `label`; a line for each as it ends."""
+    names = [
+        name
+        for name in study_names(directory)
+        if only in name
+        and _has_tracks(directory, name)
+        and not verdict_path(directory, label, name).is_file()
+    ]
+    yield from in_processes(partial(_analyse, label), directory, names, workers=workers)
 
-    def done(name: str) -> bool:
-        measured = _has_tracks(directory, name)
-        return not measured or only not in name or verdict_path(directory, label, name).is_file()
 
-    yield from _parallel(partial(analyse, directory, label), directory, done, workers)
+def _analyse(label: str, directory: Path, name: str) -> str:
+    return analyse(directory, label, name)
 
 
 def verdict_path(directory: Path, label: str, name: str) -> Path:
@@ -105,13 +116,23 @@ def _stage(name: str, study: Path, results: Path) -> None:
         run(study, results, trial.trial_id)
 
 
-def _parallel(
-    task: Callable[[str], str], directory: Path, done: Callable[[str], bool], workers: int
+def _isolate(directory: Path) -> None:
+    """Deny this process the truths; its temporary files go where it can read them."""
+    tempfile.tempdir = str(directory / SCRATCH)
+    deny_reading(directory / "truth")
+
+
+def in_processes(
+    task: Callable[[Path, str], str], directory: Path, names: Sequence[str], *, workers: int
 ) -> Iterator[str]:
-    todo = [name for name in study_names(directory) if not done(name)]
-    if workers == 1:
-        yield from map(task, todo)
-        return
-    with ProcessPoolExecutor(workers, mp_context=get_context("forkserver")) as pool:
-        for future in as_completed([pool.submit(task, name) for name in todo]):
+    """Result of a task for each study as it ends, in processes that cannot read DIR/truth."""
+    for name in ("tracks", "truth", "verdicts", SCRATCH):  # what is made later cannot be read
+        (directory / name).mkdir(exist_ok=True)
+    with ProcessPoolExecutor(
+        workers,
+        mp_context=get_context("forkserver"),
+        initializer=_isolate,
+        initargs=(directory.resolve(),),
+    ) as pool:
+        for future in as_completed([pool.submit(task, directory, name) for name in names]):
             yield future.result()

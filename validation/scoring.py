@@ -13,6 +13,7 @@ import numpy as np
 from scipy.stats import beta
 
 from .running import study_names, verdict_path
+from .sealing import open_truth
 
 UNEXPLAINED = "unexplained"
 EDGES = np.linspace(0.0, 1.0, 11)
@@ -76,7 +77,7 @@ def scored_all(directory: Path, label: str) -> list[Scored]:
 
 
 def _scored(directory: Path, name: str, path: Path) -> Scored:
-    truth = json.loads((directory / "truth" / f"{name}.json").read_text())
+    truth = open_truth(directory, name)
     found = json.loads(path.read_text())
     told = found["mismatch"]
     unlisted = truth.get("unlisted")

@@ -82,7 +82,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bluekoi.synthetic.design import bare_design
-from bluekoi.synthetic.tracking import keypoint_study
+from validation.tracking import keypoint_study
 
 design, root = bare_design(), Path(sys.argv[1])
 plans = tuple(p for p in design.plans if p.trial_id in ("T09", "T10", "T11"))

@@ -7,7 +7,6 @@ import click
 from ..errors import INTERRUPTED, InputError, printable
 from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
-from .challenge import challenge
 from .check import check
 from .completion import completion
 from .design import design
@@ -27,10 +26,11 @@ Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong u
 """
 
 
-class _Plainly(click.Group):
+class Plainly(click.Group):
     """Commands that tell an input error as its message, exit code 1, and end with 130 on Ctrl-C."""
 
     def invoke(self, ctx: click.Context) -> object:
+        """Result of the command."""
         try:
             return super().invoke(ctx)
         except InputError as error:
@@ -42,7 +42,7 @@ class _Plainly(click.Group):
 
 
 @click.group(
-    cls=_Plainly,
+    cls=Plainly,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=EXIT_CODES,
 )
@@ -64,7 +64,6 @@ _COMMANDS = (
     simulate,
     design,
     explain,
-    challenge,
     export,
     completion,
     stage,

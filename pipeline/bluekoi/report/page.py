@@ -11,9 +11,7 @@ from markupsafe import Markup
 
 from ..campaign import Campaign
 from ..files import write_text
-from ..study.seal import Seal
 from . import findings, held_out_errors, identifiability, tables
-from .ground_truth import ground_truth
 from .media import Clip, Picture, clips, pictures, plotting_library
 from .settings import settings, versions
 from .trials import cards, excluded
@@ -27,26 +25,22 @@ def write_report(
     figures_dir: str | Path,
     overlays_dir: str | Path,
     path: str | Path,
-    *,
-    seal: Seal | None = None,
 ) -> None:
     """Write report.html: a page that works offline, with all text escaped.
 
     figures: name -> (title, caption) of the png files in `figures_dir`. overlays_dir: ID.mp4,
-    embedded up to a limit, otherwise loaded from the file. seal: of a synthetic study; its ground
-    truth is the last section.
+    embedded up to a limit, otherwise loaded from the file.
     """
     beside = Path(path).parent
     shown = pictures(figures, Path(figures_dir), beside)
     videos = clips(Path(overlays_dir), beside, campaign)
-    write_text(path, page(campaign, shown, videos, seal))
+    write_text(path, page(campaign, shown, videos))
 
 
 def page(
     campaign: Campaign,
     shown: Sequence[Picture],
     videos: Mapping[str, Clip],
-    seal: Seal | None = None,
 ) -> str:
     """Text of the page."""
     environment = Environment(
@@ -82,7 +76,6 @@ def page(
         cards=cards(campaign, videos),
         settings=settings(campaign),
         versions=versions(),
-        ground_truth=ground_truth(campaign, seal),
         css=Markup(_text("page.css")),  # noqa: S704  our own file
         js=Markup('"use strict";\n' + "\n".join(map(_text, SCRIPTS))),  # noqa: S704  our own files
         plotly=plotting_library(),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import tempfile
 from pathlib import Path
 
-from ..files import write_text
-from ..synthetic.campaign import render_trial, sealed_truth, trial_truth, write_study_files
+from ..files import plain, write_text
+from ..synthetic.campaign import render_trial, study_truth, trial_truth, write_study_files
 from ..synthetic.design import demo_design
 from ..synthetic.trial import prepare
 
@@ -14,9 +15,9 @@ STUDY_FILES = ("study.yaml", "trials.csv")
 
 
 def lay_out(study: Path) -> None:
-    """Write study.yaml, trials.csv and the seal of the demo study, where they are not up to date.
+    """Write study.yaml and trials.csv of the demo study, and its truth in a folder beside it.
 
-    The truth goes beside the study folder. Files that stand already are left alone, so that
+    Files that stand already are left alone, so that
     nothing runs again for their date.
     """
     design, truth = demo_design(), truth_folder(study) / "truth.json"
@@ -24,9 +25,7 @@ def lay_out(study: Path) -> None:
         write_study_files(design, Path(name), source="videos/{}.mp4", fps=None)
         texts = {study / f: (Path(name) / f).read_text(encoding="utf-8") for f in STUDY_FILES}
     trials = [trial_truth(prepare(design, plan.trial_id)) for plan in design.plans]
-    digest, content = sealed_truth(design, trials)
-    texts[truth] = content.decode("utf-8")
-    texts[study / "truth.sha256"] = f"{digest}  ../{truth.parent.name}/{truth.name}\n"
+    texts[truth] = json.dumps(plain(study_truth(design, trials)), indent=1, allow_nan=False) + "\n"
     for target, text in texts.items():
         if not target.is_file() or target.read_text(encoding="utf-8") != text:
             write_text(target, text)

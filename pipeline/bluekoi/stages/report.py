@@ -8,15 +8,11 @@ from pathlib import Path
 from ..campaign import load_campaign
 from ..report.page import write_report
 from ..study import load_study
-from ..study.seal import open_seal
 from .layout import Layout
 
 
 def report(study: Path, results: Path) -> None:
-    """Write report.html from the results and the figures that have been drawn.
-
-    A sealed truth is opened here, when all else is written, and nowhere else.
-    """
+    """Write report.html from the results and the figures that have been drawn."""
     # By name, so that editing one figure's code does not count as a change of the page's.
     figures = import_module("bluekoi.figures")
     campaign = load_campaign(results, load_study(study))
@@ -30,5 +26,4 @@ def report(study: Path, results: Path) -> None:
         results / "figures",
         results / "overlays",
         Layout(results).report,
-        seal=open_seal(study),
     )

@@ -1,8 +1,8 @@
 """Footage of a robot whose laws are known, with its truth; shares no code with the analysis.
 
-water, hidden -> laws -> tank     what moves the robot
+water -> laws -> tank             what moves the robot
 optics                            from the pool to the pixel
-body, raster, scene, glare, company, picture, film, encode    what the camera records
+body, raster, scene, glare, distractors, picture, film, encode    what the camera records
 motor_log, tracking               what potentiometer and tracker would have written
-design, trial, campaign, seal     whole studies on disk
+design, trial, campaign           whole studies on disk
 """

@@ -18,7 +18,6 @@ from bluekoi.synthetic.encode import write_video
 from bluekoi.synthetic.film import frames_of, visible
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.optics import pool_corners
-from bluekoi.synthetic.seal import seal
 from bluekoi.synthetic.trial import (
     Trial,
     camera_at,
@@ -32,12 +31,12 @@ from bluekoi.synthetic.trial import (
 __all__ = [
     "render_study",
     "render_trial",
-    "seal_truth",
-    "sealed_truth",
     "study_contents",
+    "study_truth",
     "trial_truth",
     "write_motor",
     "write_study_files",
+    "write_study_truth",
     "write_truth",
 ]
 
@@ -64,22 +63,22 @@ def trial_truth(trial: Trial) -> dict[str, Any]:
     return {**summary(trial), "mean_path": mean_path(trial), **laws}
 
 
-def sealed_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> tuple[str, bytes]:
-    """SHA-256 and bytes of a study's whole truth, as a report can lay it beside its findings.
+def study_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """A study's whole truth, ready for json, from the truths of its trials.
 
     `hidden`: what the paper's model lacks, by cause; `coefficients`: by name, or by power and name.
     """
     tank = design.tank
     fin = {"S": tank.fin.area_m2 * tank.fin.lift_slope, "a": tank.fin.arm_m} if tank.fin else {}
     common = {power: asdict(c) for power, c in design.coefficients_at.items()}
-    return seal(
-        {
-            "hidden": {**({"tail_fin_lift": fin} if fin else {}), **tank.hidden},
-            "coefficients": common or asdict(tank.coefficients),
-            "design": asdict(design),
-            "trials": trials,
-        }
-    )
+    damping = {"N_r": tank.yaw_damping_n_m_s} if tank.yaw_damping_n_m_s else {}
+    lacking = {"tail_fin_lift": fin, "linear_yaw_damping": damping}
+    return {
+        "hidden": {name: values for name, values in lacking.items() if values},
+        "coefficients": common or asdict(tank.coefficients),
+        "design": asdict(design),
+        "trials": list(trials),
+    }
 
 
 def render_trial(
@@ -149,17 +148,10 @@ def write_study_files(design: Design, folder: Path, *, source: str, fps: float |
     write_text(folder / "trials.csv", text.getvalue())
 
 
-def seal_truth(design: Design, folder: Path, truth_folder: Path) -> str:
-    """Hash of the study's whole truth (all trials' json), written as `truth.sha256`.
-
-    The sealed bytes themselves are `truth.json` in the truth folder.
-    """
+def write_study_truth(design: Design, truth_folder: Path) -> None:
+    """Write truth.json, the study's whole truth, from the trials' json in the truth folder."""
     trials = [read_json(truth_folder / f"{plan.trial_id}.json") for plan in design.plans]
-    digest, content = sealed_truth(design, trials)
-    with whole_file(truth_folder / "truth.json") as path:
-        path.write_bytes(content)
-    write_text(folder / "truth.sha256", digest + "\n")
-    return digest
+    write_json(truth_folder / "truth.json", study_truth(design, trials))
 
 
 def render_study(
@@ -169,8 +161,8 @@ def render_study(
     *,
     workers: int = 2,
     progress: Progress = _silent,
-) -> str:
-    """Hash of the sealed truth of a whole study, rendered to a folder; truth goes elsewhere."""
+) -> None:
+    """Render a whole study to a folder; its truth goes elsewhere."""
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     names = [plan.trial_id for plan in design.plans]
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
@@ -178,4 +170,4 @@ def render_study(
         for done, job in enumerate(as_completed(jobs), start=1):
             job.result()
             progress(jobs[job], done, len(names))
-    return seal_truth(design, folder, truth_folder)
+    write_study_truth(design, truth_folder)

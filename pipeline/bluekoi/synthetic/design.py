@@ -81,14 +81,14 @@ FULL = (
 
 
 def demo_design(seed: int = 11) -> Design:
-    """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping hidden."""
-    tank = Tank(hidden={"linear_yaw_damping": {"N_r": 0.03}})
+    """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
+    tank = Tank(yaw_damping_n_m_s=0.03)
     plans = _plans((50, 75, 100), FULL, LONGEST_S)
     return Design("demo", plans, tank, seed, water_rms_m_s=0.001)
 
 
 def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
-    """12 trials of the paper's bare model, nothing hidden, still water; Table I per power if asked.
+    """12 trials of the paper's bare model in still water; Table I per power if asked.
 
     With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
     """

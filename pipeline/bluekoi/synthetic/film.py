@@ -7,7 +7,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
-from bluekoi.synthetic import company
+from bluekoi.synthetic import distractors
 from bluekoi.synthetic.body import Part
 from bluekoi.synthetic.conditions import Conditions
 from bluekoi.synthetic.design import Design
@@ -57,9 +57,11 @@ def above(state: Conditions, trial: Trial, time_s: float) -> list[tuple[list[Par
     pool = trial.tank.pool_m
     bodies = []
     if state.occluder:
-        bodies.append((company.bar(pool), company.BAR_HEIGHT_M))
+        bodies.append((distractors.bar(pool), distractors.BAR_HEIGHT_M))
     if state.hand:
-        bodies.append((company.hand(time_s, _released_at(trial), pool), company.HAND_HEIGHT_M))
+        bodies.append(
+            (distractors.hand(time_s, _released_at(trial), pool), distractors.HAND_HEIGHT_M)
+        )
     return [(parts, height) for parts, height in bodies if parts]
 
 
@@ -68,8 +70,8 @@ def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: in
     state, now = design.conditions, float(trial.time_s[number])
     planes = add_light(stage, offset + number)
     if state.second_body:
-        other = company.other_body(now, trial.tank.pool_m)
-        draw(planes, stage, [other], height_m=company.OTHER_HEIGHT_M)
+        other = distractors.other_body(now, trial.tank.pool_m)
+        draw(planes, stage, [other], height_m=distractors.OTHER_HEIGHT_M)
     within = (np.arange(state.sub_frames) + 0.5) / state.sub_frames - 0.5
     draw_robot(
         planes,

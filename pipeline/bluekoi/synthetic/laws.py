@@ -5,10 +5,8 @@ Complex numbers stand for vectors of the pool plane (x + i y).
 
 import cmath
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from bluekoi.synthetic.hidden import Drive, Situation
 from bluekoi.synthetic.water import Eddy
 
 __all__ = [
@@ -17,6 +15,7 @@ __all__ = [
     "Recoil",
     "Robot",
     "Run",
+    "Situation",
     "Tank",
     "aerodynamic_arm",
     "bare_tank",
@@ -79,16 +78,31 @@ class Recoil:
 
 @dataclass(frozen=True)
 class Tank:
-    """All laws that hold in one pool: robot, coefficients, fin, water, recoil, hidden effects."""
+    """All laws that hold in one pool.
+
+    yaw_damping_n_m_s: `N_r` of the moment `-N_r r` (N m s), which the published model lacks.
+    """
 
     robot: Robot = Robot()
     coefficients: Coefficients = Coefficients()
     fin: Fin | None = Fin()
     recoil: Recoil | None = Recoil()
     eddies: tuple[Eddy, ...] = ()
-    hidden: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    yaw_damping_n_m_s: float = 0.0
     density_kg_m3: float = 1000.0
     pool_m: tuple[float, float] = (2.6, 1.6)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """What the forces depend on: headings of core and head (rad), velocity relative to the water
+    (m/s, x + i y), yaw rate (rad/s).
+    """
+
+    psi: float
+    theta: float
+    velocity: complex
+    yaw_rate: float
 
 
 @dataclass(frozen=True)
@@ -103,8 +117,8 @@ class Run:
 
 
 def bare_tank(tank: Tank) -> Tank:
-    """The paper's model exactly: no fin, no recoil, still water, nothing hidden."""
-    return replace(tank, fin=None, recoil=None, eddies=(), hidden={})
+    """The paper's model exactly: no fin, no recoil, still water, no damping."""
+    return replace(tank, fin=None, recoil=None, eddies=(), yaw_damping_n_m_s=0.0)
 
 
 def aerodynamic_arm(robot: Robot, head_length_m: float) -> float:
@@ -113,7 +127,12 @@ def aerodynamic_arm(robot: Robot, head_length_m: float) -> float:
     return head_length_m + robot.hinge_to_com_m - body / 4
 
 
-def plate_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
+def plate_area(tank: Tank, run: Run) -> float:
+    """Area (m^2) of the head plate: length times span."""
+    return run.head_length_m * tank.robot.head_span_m
+
+
+def plate_load(tank: Tank, run: Run, situation: Situation) -> tuple[complex, float]:
     """Force (N) and yaw moment (N m) on the head plate: eqs. 2 to 8.
 
     `L = q C_L i v_hat`, `D = -q C_D v_hat`, moment `q C_M + N l`,
@@ -124,11 +143,12 @@ def plate_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
     if speed == 0:
         return 0j, 0.0
     two_alpha = 2 * (situation.theta - cmath.phase(v))
-    q = 0.5 * tank.density_kg_m3 * situation.plate_area_m2 * speed**2
-    lift = q * c.C_La * math.sin(two_alpha) * situation.lift_gain * 1j * v / speed
+    q = 0.5 * tank.density_kg_m3 * plate_area(tank, run) * speed**2
+    lift = q * c.C_La * math.sin(two_alpha) * 1j * v / speed
     drag = -q * (c.C_D0 + c.C_Da * (1 - math.cos(two_alpha))) * v / speed
     normal = ((lift + drag) * (1j * cmath.exp(1j * situation.theta)).conjugate()).real
-    return lift + drag, q * c.C_Ma * math.sin(two_alpha) + normal * situation.arm_m
+    arm = aerodynamic_arm(tank.robot, run.head_length_m)
+    return lift + drag, q * c.C_Ma * math.sin(two_alpha) + normal * arm
 
 
 def fin_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
@@ -143,7 +163,7 @@ def fin_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
     return side_force * 1j * axis, -tank.fin.arm_m * side_force
 
 
-def thrust(tank: Tank, drive: Drive, situation: Situation) -> complex:
+def thrust(tank: Tank, run: Run, situation: Situation) -> complex:
     """Thrust (N), eq. 1: `C_T 1/2 rho A f^2` along the core, through the centre of mass."""
-    size = 0.5 * tank.density_kg_m3 * situation.plate_area_m2 * drive.flap_hz**2
-    return tank.coefficients.C_T * size * drive.thrust_gain * cmath.exp(1j * situation.psi)
+    size = 0.5 * tank.density_kg_m3 * plate_area(tank, run) * run.flap_hz**2
+    return tank.coefficients.C_T * size * cmath.exp(1j * situation.psi)

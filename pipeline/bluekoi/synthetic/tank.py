@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from bluekoi.synthetic.hidden import Drive, Situation, change_drive, extra_current, extra_load
 from bluekoi.synthetic.laws import (
     Recoil,
     Run,
+    Situation,
     Tank,
-    aerodynamic_arm,
     fin_load,
     plate_load,
     thrust,
@@ -67,38 +66,25 @@ def recoil_of(
 
 
 def situation_of(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> Situation:
-    """What the laws of force see at one instant, water motion taken off the velocity."""
-    place = complex(state[0], state[1])
-    drive = change_drive(tank.hidden, time_s, Drive(run.flap_hz, run.head_angle_rad))
-    moving = current(tank.eddies, time_s, place) + extra_current(tank.hidden, time_s, place)
-    return Situation(
-        time_s=time_s,
-        place=place,
-        psi=float(state[2]),
-        theta=float(state[2]) - drive.head_angle_rad,
-        velocity=complex(state[3], state[4]) - moving,
-        yaw_rate=float(state[5]),
-        plate_area_m2=run.head_length_m * tank.robot.head_span_m,
-        arm_m=aerodynamic_arm(tank.robot, run.head_length_m),
-        drive=drive,
-        pool_m=tank.pool_m,
-        density_kg_m3=tank.density_kg_m3,
-    )
+    """What the forces depend on at one instant, water motion taken off the velocity."""
+    moving = current(tank.eddies, time_s, complex(state[0], state[1]))
+    psi = float(state[2])
+    velocity = complex(state[3], state[4]) - moving
+    return Situation(psi, psi - run.head_angle_rad, velocity, float(state[5]))
 
 
 def rates(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> list[float]:
     """Time derivative of the state (eq. 8 with whatever the tank adds)."""
     now = situation_of(tank, run, time_s=time_s, state=state)
-    hidden_force, hidden_moment, now = extra_load(tank.hidden, now)
-    plate_force, plate_moment = plate_load(tank, now)
+    plate_force, plate_moment = plate_load(tank, run, now)
     fin_force, fin_moment = fin_load(tank, now)
-    force = thrust(tank, now.drive, now) * now.thrust_gain + plate_force + fin_force + hidden_force
-    damping = -tank.coefficients.C_Md * now.yaw_rate * abs(now.yaw_rate)
-    moment = plate_moment + damping + fin_moment + hidden_moment
+    force = thrust(tank, run, now) + plate_force + fin_force
+    quadratic = -tank.coefficients.C_Md * now.yaw_rate * abs(now.yaw_rate)
+    linear = -tank.yaw_damping_n_m_s * now.yaw_rate
+    moment = plate_moment + quadratic + fin_moment + linear
     a = force / tank.robot.mass_kg
     turn = moment / tank.robot.yaw_inertia_kg_m2
-    beat = 2 * math.pi * now.drive.flap_hz
-    return [state[3], state[4], state[5], a.real, a.imag, turn, beat]
+    return [state[3], state[4], state[5], a.real, a.imag, turn, 2 * math.pi * run.flap_hz]
 
 
 def simulate(tank: Tank, run: Run, duration_s: float, *, rtol: float = 1e-9) -> Motion:
@@ -116,9 +102,7 @@ def simulate(tank: Tank, run: Run, duration_s: float, *, rtol: float = 1e-9) -> 
     )
 
     def head_angle(time_s: np.ndarray) -> np.ndarray:
-        rest = Drive(run.flap_hz, run.head_angle_rad)
-        at = np.clip(np.atleast_1d(time_s), 0.0, duration_s)
-        return np.array([change_drive(tank.hidden, t, rest).head_angle_rad for t in at])
+        return np.full(np.shape(np.atleast_1d(time_s)), run.head_angle_rad)
 
     return Motion(duration_s, solution.sol, head_angle, tank.recoil)
 

@@ -18,7 +18,6 @@ from ..errors import input_error
 from ..stages.freshness import hash_of, inputs_of, is_fresh, row, status_file, without
 from ..stages.layout import Layout
 from ..study import Study, load_study
-from ..study.seal import seal_files
 from .provenance import PACKAGE, fingerprint
 
 RESULTS = (
@@ -164,10 +163,6 @@ class Plan:
         """What a figure is drawn from beside the fits and the search."""
         return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
 
-    def seal(self, _: Any) -> list[str]:
-        """Files of the study's seal, if it has one; the page is made again when they change."""
-        return [str(path) for path in seal_files(self.folder)]
-
     def code(self, stage: str) -> str:
         """Fingerprint of all source files that a stage runs through."""
         return fingerprint(f"stages.{stage}")
@@ -254,8 +249,9 @@ def _check_apart(study: Study, results: Path) -> None:
 def _lay_out_demo(folder: Path) -> None:
     """Study files of the demo; skipped where they stand and were written by this very code."""
     stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
-    files = [folder / "study.yaml", folder / "trials.csv", stamp, *seal_files(folder)]
-    whole = len(files) == 5 and all(path.is_file() for path in files)
+    truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
+    files = [folder / "study.yaml", folder / "trials.csv", truth, stamp]
+    whole = all(path.is_file() for path in files)
     if whole and stamp.read_text(encoding="utf-8") == code:
         return
     from ..files import write_text  # noqa: PLC0415

@@ -1,0 +1,131 @@
+"""The trials of a concealed study: where each starts, how it swims, what a tracker would see."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bluekoi.synthetic.body import keypoints
+from bluekoi.synthetic.conditions import MIDDLE
+from bluekoi.synthetic.design import Design, Plan
+from bluekoi.synthetic.encode import GOPRO_RATE
+from bluekoi.synthetic.laws import Run, Tank
+from bluekoi.synthetic.optics import gopro_like
+from bluekoi.synthetic.tank import Motion
+from bluekoi.synthetic.trial import Trial, free_until, generator, pixels_of, placed
+from bluekoi.synthetic.water import draw_eddies
+from validation.generators.concealed.recipe import Recipe
+from validation.generators.concealed.swimmer.motion import swim
+from validation.generators.concealed.swimmer.quantities import NO_EDDIES, Command, Laws
+from validation.generators.concealed.swimmer.water import as_rows
+
+__all__ = ["LONGEST_S", "Swum", "design_of", "film_design", "seen_pixels", "swum"]
+
+LONGEST_S = {50: 7.5, 75: 6.5, 100: 5.5}
+NEEDS_LONG_TRIALS = ("wake_reentry",)
+CHECK_STEP_S = 0.05
+SINKING_M = 0.15
+"""Depth (m) gained per unit of drag gained, while sinking."""
+NUDGE_M_PER_DEG = 0.0234
+FILM = replace(MIDDLE, mbit_s=20.0)
+
+
+@dataclass(frozen=True)
+class Swum:
+    """A trial that has been swum: what the film shows, its command, its motor (not delayed)."""
+
+    trial: Trial
+    command: Command
+    eddies: np.ndarray
+    motor: Motion
+
+
+def settings(recipe: Recipe) -> tuple[tuple[float, float], ...]:
+    """Head angles (deg) and lengths (m) of each power: eight, or three in a small campaign."""
+    head = recipe.robot.head_length_m
+    long = round(1.4583 * head, 4)
+    small, large = recipe.angles_deg
+    if recipe.trials == 9:
+        return (0.0, head), (small, head), (-large, long)
+    one = ((0.0, head), (0.0, head), (0.0, long), (small, head), (-small, head))
+    return (*one, (large, head), (-large, head), (large, long))
+
+
+def design_of(recipe: Recipe) -> Design:
+    """The recipe's trials, camera and noise as a design; its tank gives robot and pool alone."""
+    longer = 1.5 if any(c.name in NEEDS_LONG_TRIALS for c in recipe.chosen) else 1.0
+    rows = [(power, *setting) for power in recipe.flap_hz for setting in settings(recipe)]
+    plans = tuple(
+        Plan(f"T{n:02d}", power, angle, round(head, 4), longer * LONGEST_S[power])
+        for n, (power, angle, head) in enumerate(rows, start=1)
+    )
+    robot = recipe.robot
+    if recipe.fault is not None and recipe.fault[0] == "uncorrected_refraction":
+        robot = replace(robot, keypoint_depth_m=round(recipe.fault[1], 4))
+    return Design(
+        recipe.name,
+        plans,
+        Tank(robot=robot, fin=None, recoil=recipe.recoil),
+        recipe.seed,
+        camera=gopro_like("fisheye" if recipe.wide_lens else "pinhole"),
+        flap_hz=recipe.flap_hz,
+        water_rms_m_s=recipe.water_rms_m_s,
+    )
+
+
+def _far_path(recipe: Recipe, laws: Laws, design: Design, plan: Plan, run: Run) -> np.ndarray:
+    """Keypoints `(times, 5)` of the path in still open water, from the origin along x."""
+    still = laws._replace(current_x=0.0, current_y=0.0, gyre=0.0, wall=0.0, tether_n_m=0.0)
+    command = Command(run.flap_hz, run.head_angle_rad, run.head_length_m)
+    motion = swim(
+        recipe.body, still, command, plan.longest_s, eddies=NO_EDDIES, recoil=recipe.recoil
+    )
+    time_s = np.arange(0, plan.longest_s + 1e-9, CHECK_STEP_S)
+    return keypoints(design.tank.robot, plan.head_length_m, motion.pose(time_s))
+
+
+def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
+    """One trial of the recipe under the given laws, from its seed."""
+    rng = generator(design, plan.trial_id, "motion")
+    eddies = draw_eddies(rng, design.water_rms_m_s)
+    spread = 1 + design.flap_spread * rng.standard_normal()
+    run = Run(
+        flap_hz=design.flap_hz[plan.power_pct] * spread,
+        head_angle_rad=math.radians(plan.head_angle_deg),
+        head_length_m=plan.head_length_m,
+        start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
+    )
+    path = _far_path(recipe, laws, design, plan, run)
+    start = placed(design, design.tank.pool_m, path, generator(design, plan.trial_id, "start"))
+    run = replace(run, start=start)
+    command = Command(run.flap_hz, run.head_angle_rad, run.head_length_m, *start,
+                      beat=run.start_beat_rad)  # fmt: skip
+    rows = as_rows(eddies)
+    motion = swim(recipe.body, laws, command, plan.longest_s, eddies=rows, recoil=recipe.recoil)
+    late = recipe.fault[1] if recipe.fault and recipe.fault[0] == "time_offset" else 0.0
+    frames = int((free_until(design, design.tank, plan, motion) + late) * GOPRO_RATE) + 1
+    time_s = np.arange(frames) / float(GOPRO_RATE) - late
+    return Swum(Trial(plan, design.tank, run, motion, time_s), command, rows, motion)
+
+
+def film_design(recipe: Recipe, design: Design, trial: Trial) -> Design:
+    """The design as it stands while a trial is filmed: the camera may have been knocked."""
+    if recipe.fault is None or recipe.fault[0] != "camera_shift":
+        return replace(design, conditions=FILM)
+    numbers = [plan.trial_id for plan in design.plans]
+    knocked, now = len(numbers) // 2, numbers.index(trial.plan.trial_id)
+    at = 0.55 * float(trial.time_s[-1]) if now == knocked else -100.0
+    degrees = recipe.fault[1] / NUDGE_M_PER_DEG
+    state = replace(FILM, nudge_at_s=None if now < knocked else at, nudge_deg=degrees)
+    return replace(design, conditions=state)
+
+
+def seen_pixels(recipe: Recipe, design: Design, one: Swum, laws: Laws) -> np.ndarray:
+    """Pixels `(frames, 5, 2)` where the keypoints truly appear, faults of seeing included."""
+    trial = one.trial
+    pose = trial.motion.pose(trial.time_s)
+    points = keypoints(trial.tank.robot, trial.plan.head_length_m, pose)
+    if recipe.fault is not None and recipe.fault[0] == "keypoint_bias":
+        points[:, 2] += 1j * np.exp(1j * pose[:, 2]) * recipe.fault[1]
+    sinking = SINKING_M * laws.sink_per_s
+    return pixels_of(film_design(recipe, design, trial), trial, points, sinking_m_s=sinking)

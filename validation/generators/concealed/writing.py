@@ -1,0 +1,166 @@
+"""A concealed study on disk, and its truth."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from bluekoi.files import write_text
+from bluekoi.synthetic.campaign import study_contents, write_study_files
+from bluekoi.synthetic.design import Design
+from bluekoi.synthetic.encode import GOPRO_RATE, write_video
+from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
+from bluekoi.synthetic.trial import generator
+from validation.generators.concealed.effects import PHYSICS
+from validation.generators.concealed.faults import state_wrongly
+from validation.generators.concealed.recipe import CLEAR, Chosen, Recipe, effect_of, with_effect
+from validation.generators.concealed.strength import scaled
+from validation.generators.concealed.swimmer.quantities import Laws
+from validation.generators.concealed.trials import Swum, design_of, film_design, seen_pixels, swum
+from validation.generators.concealed.truth import path_truth
+from validation.tracking import TrackingNoise, dlc_text, tracked
+
+__all__ = ["conceal"]
+
+POINT_NOISE_M = 0.00085
+"""Noise of one tracked point in the pool plane at factor 1: 0.32 px each way, 1.88 mm a pixel."""
+
+
+def _put_in(recipe: Recipe, design: Design) -> tuple[Laws, list[dict[str, Any]]]:
+    """Laws with every chosen effect at its strength, and what is true of each effect."""
+    laws, told = recipe.laws, []
+    if recipe.has_fin:
+        told.append(_fin_told(recipe))
+    if recipe.chosen:
+        plain = [swum(recipe, design, recipe.laws, plan) for plan in design.plans]
+        trials = [(one.command, float(one.trial.time_s[-1])) for one in plain]
+    noise = POINT_NOISE_M * recipe.noise
+    for chosen in recipe.chosen:
+        strength, error = scaled(recipe, recipe.laws, chosen, trials, noise_m=noise)
+        laws = with_effect(laws, chosen, strength)
+        told.append(_told(chosen, laws, strength, error / noise))
+    return laws, told
+
+
+def _told(chosen: Chosen, laws: Laws, strength: float, ratio: float) -> dict[str, Any]:
+    effect, form = effect_of(chosen.name), chosen.form
+    values = laws._asdict()
+    same = {k: values[number] * factor for k, (number, factor) in (form.told_as or {}).items()}
+    return {
+        "name": chosen.name if chosen.name in PHYSICS else "unexplained",
+        "effect": chosen.name,
+        "law": form.law,
+        "channels": list(effect.channels),
+        "variables": list(effect.variables),
+        "strength": strength,
+        "wanted_ratio": chosen.ratio,
+        "ratio": ratio,
+        "parameters": same,
+    }
+
+
+def _fin_told(recipe: Recipe) -> dict[str, Any]:
+    """What is true of the fin of a robot that swims straight; it counts as left out as well."""
+    fin, laws = PHYSICS["tail_fin_lift"], recipe.laws
+    point = laws.fin_spread_m == 0.0
+    return {
+        "name": "tail_fin_lift",
+        "effect": "tail_fin_lift",
+        "law": "one point" if point else "strips",
+        "channels": list(fin.channels),
+        "variables": list(fin.variables),
+        "strength": laws.fin_m2,
+        "parameters": {"S": laws.fin_m2, "a": laws.fin_arm_m} if point else {},
+    }
+
+
+def _fault_told(recipe: Recipe) -> list[dict[str, Any]]:
+    if recipe.fault is None:
+        return []
+    name, size = recipe.fault
+    same = {"scale_error": "k", "clock_error": "k", "time_offset": "d"}
+    parameters = {same[name]: size} if name in same else {}
+    return [{"name": name, "effect": name, "law": "as it arises", "channels": [], "variables": [],
+             "strength": size, "parameters": parameters}]  # fmt: skip
+
+
+def _stated_rate(recipe: Recipe) -> float:
+    wrong = recipe.fault[1] if recipe.fault and recipe.fault[0] == "clock_error" else 0.0
+    return float(GOPRO_RATE) * (1 + wrong)
+
+
+def _write_tables(recipe: Recipe, design: Design, folder: Path) -> None:
+    rate = _stated_rate(recipe)
+    wrong = rate != float(GOPRO_RATE)
+    source = "videos/{}.mp4" if recipe.footage else "keypoints/{}.csv"
+    fps = None if recipe.footage and not wrong else rate
+    write_study_files(design, folder, source=source, fps=fps)
+    fault, size = recipe.fault or ("", 0.0)
+    contents = state_wrongly(study_contents(design), fault, size)
+    write_text(folder / "study.yaml", yaml.safe_dump(contents, sort_keys=False))
+
+
+def _write_keypoints(recipe: Recipe, design: Design, one: Swum, laws: Laws, path: Path) -> None:
+    usual, rng = TrackingNoise(), generator(design, one.trial.plan.trial_id, "tracking")
+    noise = replace(
+        usual, white_px=usual.white_px * recipe.noise, slow_px=usual.slow_px * recipe.noise
+    )
+    pixels = seen_pixels(recipe, design, one, laws)
+    seen, likelihood = tracked(pixels, noise, rng, step_s=1 / float(GOPRO_RATE))
+    write_text(path, dlc_text(seen, likelihood))
+
+
+def _film(recipe: Recipe, design: Design, one: Swum, path: Path) -> None:
+    state = film_design(recipe, design, one.trial)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    c = state.conditions
+    write_video(path, frames_of(state, one.trial), size_px=c.size_px, mbit_s=c.mbit_s)
+
+
+def conceal(recipe: Recipe, folder: Path) -> dict[str, Any]:
+    """The truth of a recipe's study, which is written to `folder`."""
+    design = design_of(recipe)
+    laws, causes = _put_in(recipe, design)
+    _write_tables(recipe, design, folder)
+    trials = [swum(recipe, design, laws, plan) for plan in design.plans]
+    for one in trials:
+        name = one.trial.plan.trial_id
+        if recipe.footage:
+            _film(recipe, design, one, folder / "videos" / f"{name}.mp4")
+        else:
+            _write_keypoints(recipe, design, one, laws, folder / "keypoints" / f"{name}.csv")
+        rng = generator(design, name, "motor")
+        duration = float(one.trial.time_s[-1])
+        write_motor_log(folder / "motor" / f"{name}.csv", motor_angles(one.motor, duration, rng))
+    causes += _fault_told(recipe)
+    paths = {one.trial.plan.trial_id: path_truth(one) for one in trials}
+    return _truth(recipe, laws, causes, paths)
+
+
+def _level(recipe: Recipe, causes: list[dict[str, Any]]) -> str:
+    """Clear or faint, by the error that the weakest effect leaves; as dealt for faults."""
+    ratios = [c["ratio"] for c in causes if "ratio" in c]
+    if not ratios:
+        return recipe.level
+    return "clear" if min(ratios) >= 0.5 * CLEAR else "faint"
+
+
+def _truth(
+    recipe: Recipe, laws: Laws, causes: list[dict[str, Any]], paths: dict[str, Any]
+) -> dict[str, Any]:
+    return {
+        "kind": recipe.kind,
+        "level": _level(recipe, causes),
+        "has_fin": recipe.has_fin,
+        "trials": recipe.trials,
+        "footage": recipe.footage,
+        "noise_m": POINT_NOISE_M * recipe.noise,
+        "water_rms_m_s": recipe.water_rms_m_s,
+        "robot": asdict(recipe.robot),
+        "body": recipe.body._asdict(),
+        "laws": laws._asdict(),
+        "causes": causes,
+        "paths": paths,
+    }

@@ -1,0 +1,209 @@
+"""Ground truth of a synthetic study beside the results obtained without it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from bluekoi.campaign import Campaign
+from bluekoi.data import Steady
+from bluekoi.report.findings import Row
+from bluekoi.report.numbers import Z_95, estimate, measured, number, percent, readable, units
+from bluekoi.report.settings import flattened
+
+from .content import READ, injected_causes, true_coefficients, true_steady, true_trials
+from .seal import Seal
+
+MAX_CELL = 200
+MAX_ROWS = 300
+
+
+@dataclass(frozen=True)
+class GroundTruth:
+    """Sentence on the seal, and tables (empty if the truth is not available)."""
+
+    sha256: str
+    sentence: str
+    broken: bool
+    causes: list[Row]
+    coefficients: list[Row]
+    trials: list[Row]
+    further: list[tuple[str, str]]
+
+
+def ground_truth(campaign: Campaign, seal: Seal) -> GroundTruth:
+    """Comparison of a study's truth with the results.
+
+    The truth may contain `hidden` (cause -> parameters) or `causes` (as in mismatch.json),
+    `coefficients` (name -> value, or power -> name -> value) and `trials` (list with `trial_id`,
+    `flap_hz`, `speed_m_s`, `radius_m`, and `mean_path` for a comparison over the measured
+    interval); anything else is listed unchanged.
+    """
+    truth = seal.truth
+    return GroundTruth(
+        sha256=seal.sha256,
+        sentence=_sentence(seal),
+        broken=seal.broken,
+        causes=_causes(campaign, truth),
+        coefficients=_coefficients(campaign, truth),
+        trials=_trials(campaign, truth),
+        further=list(_further(truth)),
+    )
+
+
+def _sentence(seal: Seal) -> str:
+    if seal.broken:
+        return f"The seal is broken: {seal.trouble}. Its content is not shown."
+    if seal.trouble:
+        return (
+            f"The ground truth of this study is sealed: {seal.trouble}. Once its author publishes "
+            "the file, put it there and make this page again."
+        )
+    return "This study is synthetic. Its ground truth was not read during the analysis."
+
+
+def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+    """Injected and identified causes with their parameters, and whether they agree."""
+    true = injected_causes(truth)
+    if true is None:
+        return []
+    found = campaign.mismatch or {}
+    named = {str(c["name"]): c for c in found.get("causes") or []}
+    rivals = {str(r["name"]) for r in found.get("rivals") or []}
+    if not true and not named:
+        outcome = str(found.get("verdict", ""))
+        return [Row("none", ("–", "–", "correct: none" if outcome == "none" else outcome))]
+    return [
+        Row(
+            readable(name),
+            (
+                _parameters(name, true.get(name)),
+                _fitted(name, named.get(name)),
+                _agreement(name in true, name in named, name in rivals),
+            ),
+            (name in true) != (name in named),
+        )
+        for name in dict.fromkeys([*true, *named])
+    ]
+
+
+def _agreement(true: bool, named: bool, rival: bool) -> str:
+    if true and named:
+        return "identified"
+    if true:
+        return "missed; listed as an alternative" if rival else "missed"
+    return "false positive"
+
+
+def _parameters(cause: str, values: Any) -> str:
+    if not isinstance(values, Mapping):
+        return "–"
+    cells = [f"{k} = {_text(v)} {units().get(f'{cause}.{k}', '')}" for k, v in values.items()]
+    return ", ".join(text.strip() for text in cells) or "–"
+
+
+def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
+    cells = (found or {}).get("parameters") or {}
+    texts = [
+        f"{k} = {measured(c.get('value'), c.get('std'), units().get(f'{cause}.{k}', ''))}"
+        for k, c in cells.items()
+    ]
+    return ", ".join(texts)
+
+
+def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+    """True coefficients beside the joint fit without and with the identified causes."""
+    joint = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
+    fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
+    searched = (campaign.mismatch or {}).get("verdict", "none") != "none"
+    after = (fits.get("after") or {}) if searched else {}
+    steps = campaign.coefficients.get("paper_steps") or {}
+    rows = []
+    for name, value in sorted(true_coefficients(truth).items(), key=_order):
+        if isinstance(value, Mapping):
+            cells = (steps.get(name) or {}).get("coefficients") or {}
+            pairs = sorted(value.items(), key=_order)
+            rows += [_coefficient(k, v, cells.get(k), at=f" at {name} %") for k, v in pairs]
+        else:
+            rows.append(_coefficient(name, value, joint.get(name), after.get(name)))
+    return rows
+
+
+def _order(entry: tuple[str, Any]) -> tuple[int, str]:
+    """Coefficients in the order of the model, then others; powers ascending."""
+    name, order = entry[0], list(units())
+    return (order.index(name) if name in order else len(order), name.rjust(4))
+
+
+def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
+    undetermined = isinstance(before, Mapping) and not before.get("determined", True)
+    return Row(
+        f"{name}{at} ({units()[name]})" if name in units() else name + at,
+        (
+            _text(true),
+            _cell(before) + (" (not determined)" if undetermined else ""),
+            _inside(true, None if undetermined else before),
+            _cell(after),
+            _inside(true, after),
+        ),
+    )
+
+
+def _cell(cell: Mapping[str, Any] | None) -> str:
+    return "–" if not cell else estimate(cell)
+
+
+def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
+    """Whether the true value lies in the 95 % interval."""
+    if not cell or not _is_number(true) or not cell.get("std"):
+        return "–"
+    off = abs(float(cell["value"]) - float(true)) / float(cell["std"])
+    low, high = cell.get("interval_95") or (None, None)
+    inside = off <= Z_95 if low is None or high is None else low <= float(true) <= high
+    return "inside" if inside else f"{off:.1f} standard errors away"
+
+
+def _trials(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+    """True and measured speed, radius and flapping frequency of each trial."""
+    return [
+        _trial(name, campaign.steady[name], entry)
+        for name, entry in true_trials(truth).items()
+        if name in campaign.steady
+    ]
+
+
+def _trial(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
+    speed, radius = true_steady(entry, found.steady_from_s, found.steady_to_s)
+    turning = math.isfinite(found.radius_m)
+    cells = [_pair(speed, found.speed_m_s)]
+    cells += [_pair(radius, found.radius_m) if turning else ("straight", "straight", "–")]
+    cells += [_pair(entry.get("flap_hz"), found.flap_hz, 5)]
+    return Row(name, tuple(text for cell in cells for text in cell))
+
+
+def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
+    if not _is_number(true) or not true:
+        return _text(true), number(found, digits), "–"
+    off = percent(100 * (found / float(true) - 1), 2)
+    return number(true, digits), number(found, digits), off
+
+
+def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Remaining entries of the truth, key and value, long values truncated."""
+    rest = {key: value for key, value in truth.items() if key not in READ}
+    rows = list(flattened(rest)) if rest else []
+    for key, value in rows[:MAX_ROWS]:
+        text = f"{value:g}" if _is_number(value) else _text(value)
+        yield key, text if len(text) <= MAX_CELL else text[:MAX_CELL] + " ..."
+    if len(rows) > MAX_ROWS:
+        yield "...", f"{len(rows) - MAX_ROWS} more entries in the sealed file"
+
+
+def _text(value: Any) -> str:
+    return number(value, 4) if _is_number(value) else "–" if value is None else str(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300

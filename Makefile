@@ -8,7 +8,7 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test test-long lint lock clean
+.PHONY: demo test test-long lint docs pages lock clean
 
 demo: $(READY) ## the demo study, from rendered footage to results/demo/report.html
 	@$(BIN)/bluekoi run demo
@@ -26,7 +26,15 @@ lint: $(READY) ## linters, import contract, types, workflow
 	$(BIN)/mypy
 	$(BIN)/snakemake --lint
 
-lock: ## requirements.lock anew, from pyproject.toml (needs uv)
+docs: $(READY) ## the documentation, docs/_build/html/index.html; a broken link is an error
+	@rm -rf docs/_build/html
+	$(BIN)/sphinx-build -q -W --keep-going -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python docs/check_site.py docs/_build/html
+
+pages: $(READY) ## the pages of docs/ that are generated from the code
+	for name in study_keys effects commands api; do $(BIN)/python docs/$${name}_page.py; done
+
+lock: ## requirements.lock from pyproject.toml (needs uv)
 	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
 		--generate-hashes --no-header --no-emit-index-url -o requirements.lock
 
@@ -42,4 +50,4 @@ $(READY): requirements.lock pyproject.toml setup.py
 	@touch $@
 
 clean: ## the environment and everything rendered or computed
-	rm -rf .venv results studies .snakemake
+	rm -rf .venv results studies .snakemake docs/_build

@@ -1,8 +1,8 @@
-"""docs/effects.md from the files of the effects and of the measurement's faults.
+"""docs/effects.md from the files of the effects and of the measurement errors.
 
     python docs/effects_page.py
 
-Each file is one physical statement; this page is made of nothing else. A test holds it current.
+Each file is one physical statement. A test checks that the page is current.
 """
 
 from __future__ import annotations
@@ -14,14 +14,13 @@ from types import ModuleType
 
 HERE = Path(__file__).resolve().parent
 PACKAGE = HERE.parent / "pipeline/bluekoi"
-FOLDERS = {"effects": "Physics", "measurement": "Faults of the measurement"}
-HEAD = """# What may have been left out
+FOLDERS = {"effects": "Physics", "measurement": "Measurement errors"}
+HEAD = """# Candidate causes
 
 Made by `python docs/effects_page.py` from the files of `pipeline/bluekoi/effects/` and
-`pipeline/bluekoi/measurement/`; edit those. The search of `mismatch` refits each on whole
-trajectories together with the coefficients of the plain model. Axes: surge forward, sway to the
-left, yaw counter-clockwise; `u`, `v` velocity along and across the core, `r` yaw rate,
-`rho` water density.
+`pipeline/bluekoi/measurement/`; edit those. The finder refits each candidate together with the
+coefficients of the published model. Axes: surge forward, sway to the left, yaw counter-clockwise;
+`u`, `v` velocity along and across the core, `r` yaw rate, `rho` water density.
 """
 
 
@@ -41,10 +40,10 @@ def _entry(name: str, module: ModuleType) -> Iterator[str]:
     yield f"### `{name}`\n"
     yield f"{module.STATEMENT}\n"
     yield _as_markdown(module.__doc__ or "")
-    yield f"Acts on {', '.join(module.CHANNELS)}; seen in: {module.REGIME}."
+    yield f"Acts on {', '.join(module.CHANNELS)}; visible in: {module.REGIME}."
     if module.CONFUSED_WITH:
         others = ", ".join(f"`{other}`" for other in module.CONFUSED_WITH)
-        yield f"Easily taken for {others}."
+        yield f"Easily confused with {others}."
     yield "\n| parameter | unit | start | from | to | meaning |\n|---|---|---|---|---|---|"
     for one in module.PARAMETERS:
         span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"

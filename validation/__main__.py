@@ -11,7 +11,7 @@ import click
 
 from bluekoi.cli import Plainly
 
-from . import running, scoring, sealing
+from . import report, running, scoring, sealing
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
 WORKERS = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
@@ -81,6 +81,26 @@ def ground_truth(study: Path, results: Path, truth: Path | None) -> None:
     from .ground_truth.page import write_ground_truth  # noqa: PLC0415
 
     click.echo(write_ground_truth(study, results, truth))
+
+
+@main.command()
+@click.argument("folders", nargs=-1, type=click.Path(path_type=Path))
+@click.option("--label", required=True, help="Label of the verdicts; also the finder's name.")
+@click.option("--commit", required=True, help="Commit at which the finder was run.")
+@click.option("--date", required=True, help="Day of the run, 2026-11-23.")
+def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> None:
+    """Write the verdicts under LABEL to validation/results and the tables into docs/evidence.md."""
+    studies = [s for folder in folders for s in scoring.scored_all(folder, label)]
+    content = report.record(studies, finder=label, commit=commit, date=date)
+    for path in report.write(content):
+        click.echo(path)
+    report.update()
+
+
+@main.command("report")
+def evidence_page() -> None:
+    """Make the tables and the plot of docs/evidence.md from validation/results."""
+    report.update()
 
 
 if __name__ == "__main__":

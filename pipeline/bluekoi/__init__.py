@@ -29,4 +29,56 @@ Modules in the order of the data flow:
     data, files, errors    types that flow, files written whole, messages for mistakes in the input
     vectors                the widest vectors of the processor, for compiled functions
     stages, workflow, cli  files in and files out, what Snakemake asks, what a person calls
+
+Public names (`__all__`) are documented in docs/api.md; each module is imported when a name of it is
+first used.
 """
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .campaign import Campaign, load_campaign
+    from .data import Track, read_track
+    from .errors import InputError
+    from .model import Simulation, simulate
+    from .study import Study, Trial, load_study
+
+_MODULES = {
+    "Campaign": "campaign",
+    "InputError": "errors",
+    "Simulation": "model",
+    "Study": "study",
+    "Track": "data",
+    "Trial": "study",
+    "load_campaign": "campaign",
+    "load_study": "study",
+    "read_track": "data",
+    "simulate": "model",
+}
+"""Module of each public name."""
+
+__all__ = [
+    "Campaign",
+    "InputError",
+    "Simulation",
+    "Study",
+    "Track",
+    "Trial",
+    "load_campaign",
+    "load_study",
+    "read_track",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module 'bluekoi' has no attribute {name!r}")
+    return getattr(import_module(f".{_MODULES[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -127,6 +127,10 @@ def load_campaign(
     The study of the campaign has the keypoint depth that its tracks were made with.
 
     Raises: InputError where a file is there and cannot be read.
+
+        >>> campaign = load_campaign("results/lab", load_study("lab"))
+        >>> sorted(campaign.tracks)
+        ['T09']
     """
     root = Path(folder)
     ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)

@@ -30,6 +30,12 @@ class InputError(Exception):
     """A user's mistake or a broken input; its text is the whole message, never a traceback.
 
     Carries one or more `findings`, all of which are shown at once.
+
+        >>> try:
+        ...     load_study("no_such_lab")
+        ... except InputError as error:
+        ...     print(error)
+        no_such_lab: found no such folder; expected a study folder with study.yaml and trials.csv.
     """
 
     def __init__(self, findings: Finding | Iterable[Finding]) -> None:

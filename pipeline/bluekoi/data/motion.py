@@ -24,7 +24,14 @@ def write_track(path: str | Path, track: Track) -> None:
 
 
 def read_track(path: str | Path) -> Track:
-    """Track of one trial from tracks/ID.csv."""
+    """Track of one trial from tracks/ID.csv.
+
+    Raises: InputError where a column is missing or a value is not a number.
+
+        >>> track = read_track("results/lab/tracks/T09.csv")
+        >>> float(track.speed_m_s[-1])
+        0.5
+    """
     columns = read_columns(path, TRACK_COLUMNS)
     recoil = [
         columns[f"recoil_{k}"] for k in ("x_m", "y_m", "heading_rad") if f"recoil_{k}" in columns

@@ -83,7 +83,16 @@ def simulate(
 ) -> Simulation:
     """Path from `start` (x, y, core heading, surge, sway, yaw rate; default: rest at the origin).
 
-    head_angle_rad and flap_hz are constants, or schedules sampled at multiples of `dt_s`.
+    head_angle_rad and flap_hz [Hz] are constants, or schedules sampled at multiples of `dt_s`.
+
+        >>> from bluekoi.model import TABLE_1
+        >>> setup = load_study("lab").setup
+        >>> path = simulate(
+        ...     TABLE_1[100], setup=setup, head_length_m=0.12, head_angle_rad=0.0, flap_hz=5.82,
+        ...     duration_s=8.0,
+        ... )
+        >>> round(float(path.speed_m_s[-1]), 3)
+        0.552
     """
     n = round(duration_s / dt_s) + 1
     times: Float = np.arange(n, dtype=np.float64) * dt_s

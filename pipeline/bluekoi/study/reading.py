@@ -17,6 +17,12 @@ def load_study(folder: str | Path, *, only: str | None = None) -> Study:
 
     Raises: InputError with all that is wrong in both files at once. Files that the trials point to
     are not opened here: a broken recording stops only its own trial.
+
+        >>> study = load_study("lab")
+        >>> [trial.trial_id for trial in study.trials]
+        ['T09', 'T10', 'T11']
+        >>> study.setup.pool.length_m
+        2.6
     """
     root = Path(folder)
     if not root.is_dir():

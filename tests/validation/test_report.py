@@ -1,0 +1,111 @@
+"""Results of validation runs: their files, their scores and the page made of them."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from validation import report
+from validation.scoring import Scored
+
+
+def scored(study, generator, true, said, group="clear", **other):
+    values = {
+        "fin": False, "trials": 24, "alternatives": {}, "probabilities": {},
+        "verdict": "physics", "cpu_s": 10.0, "where": (), "unlisted": None, "failure": "",
+        "held_out": {"baseline": {"path_rmse_m": 0.01}, "extended": {"path_rmse_m": 0.0012},
+                     "noise_floor_path_rmse_m": 0.001},
+    } | other  # fmt: skip
+    return Scored(study=study, generator=generator, group=group, true=tuple(true), said=said,
+                  **values)  # fmt: skip
+
+
+STUDIES = [
+    scored("000", "kirchhoff", ["stall"], {"stall": 0.97}),
+    scored("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
+    scored("002", "kirchhoff", [], {}, group="null"),
+    scored("000", "field_lab", ["sinking"], {"wave_drag": 0.55}, trials=9),
+    scored("001", "field_lab", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
+    scored("002", "field_lab", [], {"clock_error": 0.58}, group="null", failure="boom"),
+]
+
+
+@pytest.fixture
+def runs(tmp_path):
+    content = report.record(STUDIES, finder="new", commit="abc1234", date="2026-11-23")
+    report.write(content, tmp_path)
+    return report.load(tmp_path)
+
+
+def row(text, label):
+    cells = next(line for line in text.splitlines() if line.startswith(f"| {label} |"))
+    return [cell.strip() for cell in cells.strip("|").split("|")][1:]
+
+
+def test_a_file_for_each_generator_comes_back_as_it_was_written(runs):
+    assert [r.generator for r in runs] == ["field_lab", "kirchhoff"]
+    assert [r.development for r in runs] == [False, True]
+    assert runs[1].studies[1]["named"] == {"stall": 0.91, "lift_lag": 0.62}
+    assert [s["strict"] for s in runs[1].studies] == [True, False, True]
+
+
+def test_generators_that_were_not_used_in_development_stand_first(runs):
+    text = report.results(runs)
+    assert text.index("not used in development") < text.index("`kirchhoff`")
+
+
+def test_scores_by_generator_have_their_intervals(runs):
+    text = report.results(runs)
+    assert row(text, "`kirchhoff`") == [
+        "3",
+        "2 of 3 = 67% (9% to 99%)",
+        "3 of 3 = 100% (29% to 100%)",
+        "1 of 1 = 100% (3% to 100%)",
+        "1 of 3 = 33% (1% to 91%)",
+        "",
+    ]
+    assert row(text, "`field_lab`")[5].startswith("1 of 1")
+    assert row(text, "nine trials or fewer")[1].startswith("0 of 1")
+
+
+def test_reliability_counts_true_names_in_bins_of_a_tenth(runs):
+    studies = [s for run in runs for s in run.studies]
+    found = {round(b["from"], 1): (b["true"], b["count"]) for b in report.reliability(studies)}
+    assert found == {0.5: (0, 2), 0.6: (0, 1), 0.9: (3, 3)}
+
+
+def test_errors_and_failures_are_stated(runs):
+    text = report.results(runs)
+    assert "10.0 mm before, 1.2 mm after; within 1.3 noise floors in 3 of 3" in text
+    assert "failed: 1 of 3" in text
+
+
+def test_another_finder_is_compared_on_the_generators_that_both_were_run_on(runs, tmp_path):
+    old = report.record(STUDIES[:3], finder="old", commit="0000000", date="2026-11-01")
+    report.write(old, tmp_path)
+    text = report.results(report.load(tmp_path))
+    assert "Finder `new`" in text
+    assert row(text, "`old`")[0] == row(text, "`new`")[0] == "3"
+
+
+def test_a_file_without_a_required_key_is_refused_by_name(tmp_path):
+    content = {"finder": "x", "commit": "c", "generator": "g", "studies": [{"study": "1"}]}
+    (tmp_path / "x.json").write_text(json.dumps(content))
+    with pytest.raises(ValueError, match=r"x\.json: missing .*studies\[\]\.truth"):
+        report.load(tmp_path)
+
+
+def test_the_plot_is_the_same_for_the_same_results(runs, tmp_path):
+    for name in ("a.svg", "b.svg"):
+        report.draw(runs, tmp_path / name)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    assert "stated probability" in (tmp_path / "a.svg").read_text()
+
+
+def test_the_page_of_evidence_is_current():
+    text = report.PAGE.read_text(encoding="utf-8")
+    again = "docs/evidence.md is not current: run python -m validation report"
+    assert report.page(text, report.load()) == text, again

@@ -1,0 +1,308 @@
+"""Results of validation runs as data, and the page docs/evidence.md made of them.
+
+A run of one finder on the studies of one generator is one file, `validation/results/NAME.json`:
+
+    {"finder": "...", "commit": "...", "date": "2026-11-23", "generator": "kirchhoff",
+     "development": false,
+     "studies": [{"study": "000", "group": "null", "fin": true, "trials": 24,
+                  "truth": ["tail_fin_lift"], "named": {"tail_fin_lift": 0.99}, "strict": true,
+                  "floor_m": 0.001, "baseline_m": 0.012, "extended_m": 0.0011,
+                  "cpu_s": 9.1, "failure": ""}]}
+
+finder: name of the version that was run. generator: package in validation/generators. development:
+whether studies of that generator were inspected while the finder was developed. group: kind of
+study (`null`: nothing is hidden but perhaps a fin). truth: names of the hidden causes;
+`unexplained` stands for a force that is not on the list. named: cause -> posterior probability.
+Path errors are those on held-out trials.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .scoring import EDGES, UNEXPLAINED, Scored, interval
+
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "validation/results"
+PAGE = ROOT / "docs/evidence.md"
+PLOT = ROOT / "docs/evidence/calibration.svg"
+BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
+DEVELOPMENT = ("quasi_steady", "strip_theory", "kirchhoff")
+"""Generators whose studies were inspected while the finder was developed."""
+OWN = ("concealed", "concealed_footage")
+"""Our own generator, from keypoints and from footage."""
+REQUIRED = ("finder", "commit", "generator", "studies")
+REQUIRED_OF_A_STUDY = ("study", "group", "fin", "trials", "truth", "named", "strict")
+FLOORS = 1.3
+"""A held-out path error within this factor of the noise floor counts as explained."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One finder on one generator; studies as in the module's docstring."""
+
+    finder: str
+    commit: str
+    date: str
+    generator: str
+    development: bool
+    studies: Sequence[Mapping[str, Any]]
+
+    @property
+    def rank(self) -> tuple[int, str]:
+        """Order in tables: generators not used in development first, our own last."""
+        return (2 if self.generator in OWN else int(self.development), self.generator)
+
+
+def record(
+    studies: Sequence[Scored], *, finder: str, commit: str, date: str
+) -> dict[str, dict[str, Any]]:
+    """Content of a result file for each generator of scored studies, by generator."""
+    names = sorted({s.generator for s in studies})
+    return {
+        name: {
+            "finder": finder, "commit": commit, "date": date, "generator": name,
+            "development": name in DEVELOPMENT,
+            "studies": [_row(s) for s in studies if s.generator == name],
+        }
+        for name in names
+    }  # fmt: skip
+
+
+def _row(s: Scored) -> dict[str, Any]:
+    errors = {key: s.held_out.get(key) or {} for key in ("baseline", "extended")}
+    return {
+        "study": s.study, "group": s.group, "fin": s.fin, "trials": s.trials,
+        "truth": list(s.true), "named": {n: round(float(p), 3) for n, p in s.said.items()},
+        "strict": s.strict,
+        "baseline_m": errors["baseline"].get("path_rmse_m"),
+        "extended_m": errors["extended"].get("path_rmse_m"),
+        "floor_m": s.held_out.get("noise_floor_path_rmse_m"),
+        "cpu_s": round(s.cpu_s, 1), "failure": s.failure,
+    }  # fmt: skip
+
+
+def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS) -> list[Path]:
+    """Write one file for each generator, `FINDER-GENERATOR.json`; a study takes one line."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for generator, run in content.items():
+        head = {key: value for key, value in run.items() if key != "studies"}
+        rows = ",\n  ".join(json.dumps(row) for row in run["studies"])
+        paths.append(folder / f"{run['finder']}-{generator}.json")
+        paths[-1].write_text(f'{json.dumps(head)[:-1]}, "studies": [\n  {rows}\n]}}\n')
+    return paths
+
+
+def load(folder: Path = RESULTS) -> list[Run]:
+    """All runs of a folder in the order of the tables.
+
+    Raises: ValueError with the file and the missing keys.
+    """
+    return sorted((_run(path) for path in sorted(folder.glob("*.json"))), key=lambda r: r.rank)
+
+
+def _run(path: Path) -> Run:
+    content = json.loads(path.read_text(encoding="utf-8"))
+    missing = [key for key in REQUIRED if key not in content]
+    missing += sorted({f"studies[].{key}" for row in content.get("studies", ())
+                       for key in REQUIRED_OF_A_STUDY if key not in row})  # fmt: skip
+    if missing:
+        raise ValueError(f"{path}: missing {', '.join(missing)}; see validation/report.py")
+    development = bool(content.get("development", content["generator"] in DEVELOPMENT))
+    return Run(content["finder"], content["commit"], content.get("date", ""),
+               content["generator"], development, tuple(content["studies"]))  # fmt: skip
+
+
+def page(text: str, runs: Sequence[Run]) -> str:
+    """The page with the part between its markers made from `runs`."""
+    before, rest = text.split(BEGIN)
+    after = rest.split(END)[1]
+    return f"{before}{BEGIN}\n{results(runs)}\n{END}{after}"
+
+
+def results(runs: Sequence[Run]) -> str:
+    """Tables as Markdown: the current finder in full, the others in one row each."""
+    if not runs:
+        return "\nNo run is recorded.\n"
+    name = current(runs)
+    lines = [*_finder([r for r in runs if r.finder == name]), *_comparison(runs, name)]
+    return "\n".join(lines)
+
+
+def current(runs: Sequence[Run]) -> str:
+    """Name of the finder that was run last."""
+    return max(runs, key=lambda run: (run.date, run.finder)).finder
+
+
+def _finder(runs: Sequence[Run]) -> Iterator[str]:
+    commits = ", ".join(sorted({f"`{run.commit}`" for run in runs}))
+    dates = ", ".join(sorted({run.date for run in runs if run.date}))
+    yield f"\nFinder `{runs[0].finder}`, commit {commits}{f'; {dates}' if dates else ''}.\n"
+    yield "### By generator\n"
+    yield from _heading("generator")
+    parts = {"**not used in development**": [r for r in runs if r.rank[0] == 0],
+             "**used in development**": [r for r in runs if r.rank[0] == 1],
+             "**own generator**": [r for r in runs if r.rank[0] == 2]}  # fmt: skip
+    for title, part in parts.items():
+        if not part:
+            continue
+        yield _score_row(title, _studies(part))
+        yield from (_score_row(f"`{run.generator}`", run.studies) for run in part)
+    judged = _studies([r for r in runs if r.rank[0] == 0]) or _studies(runs)
+    which = "generators not used in development" if parts[next(iter(parts))] else "all generators"
+    yield f"\n### By kind of study\n\nStudies of {which}.\n"
+    yield "| studies | number | strict | all causes named |\n|---|---|---|---|"
+    for title, test in _kinds(judged).items():
+        some = [s for s in judged if test(s)]
+        if some:
+            cells = (_share(some, _strict), _share(some, all_named))
+            yield f"| {title} | {len(some)} | {' | '.join(cells)} |"
+    yield f"\n### Calibration\n\nProbabilities of named causes, {which}.\n"
+    yield "| stated probability | mean | true | share, 95 % interval |\n|---|---|---|---|"
+    for one in reliability(judged):
+        low, high = one["interval_95"]
+        yield (
+            f"| {one['from']:.1f} to {one['to']:.1f} | {one['mean']:.2f} "
+            f"| {one['true']} of {one['count']} "
+            f"| {one['true'] / one['count']:.0%} ({low:.0%} to {high:.0%}) |"
+        )
+    yield f"\n{_errors(judged)}\n"
+
+
+def _comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
+    """A row for each finder on the generators that all of them were run on."""
+    finders = sorted({r.finder for r in runs}, key=lambda f: (f != name, f))
+    if len(finders) < 2:
+        return
+    shared = set.intersection(*({r.generator for r in runs if r.finder == f} for f in finders))
+    yield "\n### Other finders\n"
+    yield f"On the same generators: {', '.join(f'`{g}`' for g in sorted(shared)) or 'none'}.\n"
+    yield from _heading("finder")
+    for f in finders:
+        mine = [r for r in runs if r.finder == f and r.generator in shared]
+        yield _score_row(f"`{f}`", _studies(mine))
+    yield ""
+
+
+def _kinds(studies: Sequence[Mapping[str, Any]]) -> dict[str, Callable[[Mapping[str, Any]], bool]]:
+    groups = sorted({s["group"] for s in studies})
+    return {
+        "with a fin": lambda s: s["fin"],
+        "without a fin": lambda s: not s["fin"],
+        "more than nine trials": lambda s: s["trials"] > 9,
+        "nine trials or fewer": lambda s: s["trials"] <= 9,
+        **{f"kind `{g}`": lambda s, g=g: s["group"] == g for g in groups},
+    }
+
+
+def _studies(runs: Sequence[Run]) -> list[Mapping[str, Any]]:
+    return [study for run in runs for study in run.studies]
+
+
+def _strict(study: Mapping[str, Any]) -> bool:
+    return bool(study["strict"])
+
+
+def all_named(study: Mapping[str, Any]) -> bool:
+    """Whether every hidden cause is named."""
+    return not study.get("failure") and set(study["truth"]) <= set(study["named"])
+
+
+def extra_names(study: Mapping[str, Any]) -> list[str]:
+    """Named causes that are not hidden; `unexplained` apart, which claims no cause."""
+    return [n for n in study["named"] if n not in study["truth"] and n != UNEXPLAINED]
+
+
+def _heading(first: str) -> Iterator[str]:
+    names = ("studies", "strict", "all causes named", "nulls", "a false name", "unlisted forces")
+    yield f"| {first} | {' | '.join(names)} |"
+    yield "|---" * (len(names) + 1) + "|"
+
+
+def _score_row(title: str, studies: Sequence[Mapping[str, Any]]) -> str:
+    nulls = [s for s in studies if s["group"] == "null"]
+    unlisted = [s for s in studies if UNEXPLAINED in s["truth"]]
+    cells = (
+        _share(studies, _strict),
+        _share(studies, all_named),
+        _share(nulls, _strict),
+        _share(studies, lambda s: bool(extra_names(s))),
+        _share(unlisted, all_named),
+    )
+    return f"| {title} | {len(studies)} | {' | '.join(cells)} |"
+
+
+def _share(studies: Sequence[Mapping[str, Any]], test: Callable[[Mapping[str, Any]], bool]) -> str:
+    if not studies:
+        return ""
+    hits, count = sum(map(test, studies)), len(studies)
+    low, high = interval(hits, count)
+    return f"{hits} of {count} = {hits / count:.0%} ({low:.0%} to {high:.0%})"
+
+
+def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Bins of width 0.1 of the probabilities of named causes: how many were true."""
+    pairs = [(p, name in s["truth"]) for s in studies for name, p in s["named"].items()]
+    out = []
+    for low, high in itertools.pairwise(EDGES):
+        inside = [(p, true) for p, true in pairs if low <= p < high or p == high == 1.0]
+        if inside:
+            hits, count = sum(true for _, true in inside), len(inside)
+            out.append({"from": float(low), "to": float(high), "true": hits, "count": count,
+                        "mean": float(np.mean([p for p, _ in inside])),
+                        "interval_95": interval(hits, count)})  # fmt: skip
+    return out
+
+
+def _errors(studies: Sequence[Mapping[str, Any]]) -> str:
+    known = [s for s in studies if s.get("extended_m") and s.get("floor_m")]
+    times = [s["cpu_s"] for s in studies if s.get("cpu_s")]
+    lines = []
+    if known:
+        floors = [s["extended_m"] / s["floor_m"] for s in known]
+        before = [s["baseline_m"] * 1000 for s in known if s.get("baseline_m")]
+        after = [s["extended_m"] * 1000 for s in known]
+        within = sum(f <= FLOORS for f in floors)
+        lines.append(
+            f"Held-out path error, median: {np.median(before):.1f} mm before, "
+            f"{np.median(after):.1f} mm after; within {FLOORS} noise floors in {within} of "
+            f"{len(known)} studies."
+        )
+    if times:
+        lines.append(
+            f"Processor time of the finder: median {np.median(times):.0f} s, "
+            f"longest {max(times):.0f} s."
+        )
+    failed = [s["study"] for s in studies if s.get("failure")]
+    lines.append(f"Runs that failed: {len(failed)} of {len(studies)}.")
+    return "\n".join(lines)
+
+
+def draw(runs: Sequence[Run], path: Path = PLOT) -> None:
+    """The calibration plot of the latest finder: share of true causes over stated probability."""
+    from .drawing import calibration_plot  # noqa: PLC0415  matplotlib is slow to load
+
+    mine = [run for run in runs if run.finder == current(runs)]
+    sets = {
+        "not used in development": [r for r in mine if r.rank[0] == 0],
+        "used in development": [r for r in mine if r.rank[0] == 1],
+        "own generator": [r for r in mine if r.rank[0] == 2],
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    calibration_plot({k: reliability(_studies(v)) for k, v in sets.items() if v}, path)
+
+
+def update() -> None:
+    """Make the generated part of docs/evidence.md and its plot again."""
+    runs = load()
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), runs), encoding="utf-8")
+    if runs:
+        draw(runs)

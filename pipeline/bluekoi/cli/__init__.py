@@ -16,6 +16,7 @@ from .export import export
 from .init import init
 from .report import report
 from .run import run
+from .setup import setup
 from .simulate import simulate
 from .stage import stage
 from .watch import watch
@@ -53,6 +54,7 @@ def main() -> None:
 
 
 _COMMANDS = (
+    setup,
     init,
     run,
     report,

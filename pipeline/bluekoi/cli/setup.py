@@ -1,0 +1,49 @@
+"""`bluekoi setup`: a study set up in the browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+
+import click
+
+from .named import Named
+from .run import command
+
+
+@click.command()
+@click.argument("study", default=".", type=Named(path_type=Path))
+@click.option("--results", type=Named(path_type=Path), help="Folder for the results of a run.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, show_default=True,
+              help="Port on this machine; 0 takes a free one.")  # fmt: skip
+@click.option("--browser/--no-browser", default=True, show_default=True,
+              help="Open the page in the browser.")  # fmt: skip
+def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
+    """Set STUDY up in the browser, from a folder of videos to a study that runs.
+
+    The page is served on this machine alone, at an address with a random token, until Ctrl-C.
+    Nothing is written before it is saved there.
+    """
+    from ..errors import input_error  # noqa: PLC0415
+    from ..preparation.draft import read_draft  # noqa: PLC0415
+    from ..preparation.server import SetupServer  # noqa: PLC0415
+
+    if not study.is_dir():
+        found = "a file" if study.exists() else "no such folder"
+        raise input_error(study, "", found, "a folder with videos")
+    read_draft(study)
+    folder = results or Path("results") / study.resolve().name
+    try:
+        server = SetupServer(study, folder, command(str(study), folder, "all", ()), port=port)
+    except OSError as error:
+        raise input_error("--port", "", f"port {port}: {error.strerror or error}", "a free port",
+                          "Leave --port out to take one.") from error  # fmt: skip
+    click.echo(f"Setting up {study}: {server.address}")
+    click.echo("Open this address in a browser on this machine. Ctrl-C ends it.")
+    if browser:
+        webbrowser.open(server.address)
+    try:
+        server.serve()
+    finally:
+        server.close()
+    click.echo("Ended. What was saved is kept.")

@@ -1,0 +1,60 @@
+// Input fields of study.yaml's keys, each with its meaning, and its errors beside it.
+
+import { element, on, setValue, store, tell } from "./store.js";
+
+const LABELS = {
+  length_m: "Length", width_m: "Width", depth_m: "Depth of the water", density_kg_m3: "Density of the water",
+  refractive_index: "Refractive index of the water", mass_kg: "Mass", yaw_inertia_kg_m2: "Yaw inertia",
+  body_length_m: "Body length", head_length_m: "Head length (1x head)", head_span_m: "Head span",
+  hinge_to_com_m: "Hinge to centre of mass", tail_length_m: "Tail length", keypoint_depth_m: "Depth of the keypoints",
+  model: "Lens model", image_size_px: "Image size", matrix: "Camera matrix", distortion: "Distortion",
+  pool_corners_height_m: "Height of the corners", source: "Detector", body: "Body", marker_hues_deg: "Hues of the dots",
+};
+
+export function field(key) {
+  const found = store.keys.find((one) => one.file === "study.yaml" && one.name === key);
+  const name = key.split(".")[1];
+  const choices = /^[\w-]+( or [\w-]+)+$/.test(found.allowed) ? found.allowed.split(" or ") : null;
+  const input = choices
+    ? element("select", {}, element("option", { value: "", textContent: `(${found.default})` }),
+      ...choices.map((value) => element("option", { value, textContent: value })))
+    : element("input", { autocomplete: "off" });
+  input.id = key;
+  input.dataset.key = key;
+  const usual = found.default && found.default !== "required" ? `, usually ${found.default}` : "";
+  if (!choices && /_(m|kg|m2|m3|index)$/.test(name)) input.inputMode = "decimal";
+  input.setAttribute("aria-describedby", `${key}-hint ${key}-error`);
+  input.value = store.values[key] ?? "";
+  input.addEventListener(choices ? "change" : "input", () => setValue(key, input.value));
+  input.addEventListener("focus", () => tell("focus", key));
+  const unit = found.unit && found.unit !== "1" ? ` [${found.unit}]` : "";
+  const needed = found.default === "required" || ["pool.length_m", "pool.width_m"].includes(key);
+  return element("div", { className: "field" },
+    element("label", { htmlFor: key, textContent: `${LABELS[name] ?? name}${unit}${needed ? "" : " (optional)"}` }),
+    input,
+    element("p", { id: `${key}-hint`, className: "hint", textContent: found.meaning + usual.replace(", usually", " Usually") }),
+    element("p", { id: `${key}-error`, className: "error" }));
+}
+
+export function fill(place, keys) {
+  document.getElementById(place).replaceChildren(...keys.map(field));
+}
+
+function refresh(key) {
+  const input = document.getElementById(key);
+  if (input && input !== document.activeElement && "value" in input) input.value = store.values[key] ?? "";
+}
+
+on("value", refresh);
+on("reload", () => document.querySelectorAll("[data-key]").forEach((input) => refresh(input.dataset.key)));
+on("findings", () => {
+  document.querySelectorAll("[id$='-error']").forEach((place) => {
+    if (place.closest("#trials-table")) return;
+    const key = place.id.slice(0, -6);
+    const texts = store.findings.filter((one) => one.key === key).map((one) => one.text);
+    // A field that was never touched is not called wrong before the last step.
+    const untouched = !store.values[key] && !store.saved && texts.every((text) => text.startsWith("found nothing"));
+    place.textContent = untouched && !store.insist ? "" : texts.join(" ");
+    document.getElementById(key)?.setAttribute("aria-invalid", String(Boolean(place.textContent)));
+  });
+});

@@ -1,0 +1,265 @@
+"""What the page asks of a study: each question a function of plain values, answered as json."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from ..camera.calibrate import calibrate_files, camera_section, from_profile
+from ..camera.corners_picture import compare_corners, edge_points_px, grid_px
+from ..errors import Finding, InputError, input_error
+from ..files import plain, read_text
+from ..footage import open_recording
+from ..motor import flapping_from_log
+from ..study import Camera, Pool, Robot, Setup, Trial, Water
+from ..study.keys import keys
+from ..study.messages import explain
+from .draft import Draft, read_draft
+from .draft_check import draft_findings
+from .pictures import Luma, frame_of, rounded
+from .prefill import study_files, trial_rows
+from .robot_outline import robot_outline
+
+SECTIONS: dict[str, type[BaseModel]] = {
+    "pool": Pool,
+    "water": Water,
+    "robot": Robot,
+    "camera": Camera,
+}
+BOARD_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".mp4", ".mov", ".avi", ".mkv")
+MOST_CAMERA_BYTES = 1_000_000
+
+
+def draft_of(content: Mapping[str, Any]) -> Draft:
+    """The draft that the page sent."""
+    values = {str(k): str(v) for k, v in dict(content.get("values", {})).items()}
+    rows = [{str(k): str(v) for k, v in dict(row).items()} for row in content.get("rows", [])]
+    return Draft(values, rows, (), str(content.get("revision", "")))
+
+
+def state(folder: Path) -> dict[str, Any]:
+    """Files of the folder, the draft, and every key with its meaning."""
+    files, draft = study_files(folder), read_draft(folder)
+    return {
+        "folder": str(folder),
+        "files": {**asdict(files), "cameras": _camera_files(folder)},
+        "keys": [asdict(key) for key in keys()],
+        "draft": as_json(draft),
+        "new_rows": _unused(draft, folder),
+        "findings": [asdict(finding) for finding in draft_findings(draft, folder)],
+    }
+
+
+def as_json(draft: Draft) -> dict[str, Any]:
+    """A draft as the page gets it."""
+    return {"values": dict(draft.values), "rows": [dict(row) for row in draft.rows],
+            "revision": draft.revision}  # fmt: skip
+
+
+def durations(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
+    """Of each row: duration of the recording [s], frames/s, size, and flapping frequency of its log
+    [Hz]; what cannot be read is left out.
+    """
+    return [_recorded(folder, row) for row in rows]
+
+
+def picture_of(folder: Path, source: str, share: float, fps: str) -> tuple[float, Luma]:
+    """A frame of a source as trials.csv names it. Raises: InputError where it cannot be read."""
+    paths = tuple(folder / part.strip() for part in source.split(";") if part.strip())
+    if not paths or any(".." in Path(part).parts for part in source.split(";")):
+        raise input_error(folder / "trials.csv", "source", repr(source), "a video")
+    return frame_of(paths, share, _number(fps))
+
+
+def corners(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
+    """The corners given, compared with the edges of the pool in a frame, in the frame's pixels.
+
+    Raises: InputError where pool or camera are not yet complete.
+    """
+    found = compare_corners(grey, _camera_setup(values))
+    check = found.check
+    return plain({
+        "edges_px": [rounded(points[::2]) for points in edge_points_px(found.fit)],
+        "grid_px": [rounded(line[::9]) for line in grid_px(found.camera)] if found.camera else [],
+        "fitted_px": rounded(found.fit.corners_px),
+        "suggested_px": rounded(check.suggested_px),
+        "inner_rim_px": rounded(found.fit.inner_rim_px),
+        "std_px": rounded(check.std_px),
+        "off_px": rounded(check.off_px),
+        "doubts": found.fit.doubts,
+        "sentences": check.sentences,
+        "confirmed": check.confirmed,
+    })  # fmt: skip
+
+
+def outline(values: Mapping[str, str], place: Mapping[str, float]) -> dict[str, Any]:
+    """The robot to scale with its centre of mass at a pixel of study.yaml.
+
+    place: x_px, y_px; toward_x_px, toward_y_px, where the core points; head_angle_deg;
+    head_length_m (0: the 1x head).
+    Raises: InputError where pool, camera or robot are not yet complete.
+    """
+    camera, pool = _section("camera", values), _section("pool", values)
+    found = robot_outline(
+        camera, pool, _section("robot", values),
+        com_px=(float(place["x_px"]), float(place["y_px"])),
+        toward_px=(float(place["toward_x_px"]), float(place["toward_y_px"])),
+        head_angle_rad=math.radians(float(place["head_angle_deg"])),
+        head_length_m=float(place.get("head_length_m") or 0) or None,
+        refractive_index=_section("water", values).refractive_index,
+    )  # fmt: skip
+    return plain({name: rounded(np.array(value)) for name, value in asdict(found).items()})
+
+
+def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dict[str, Any]:
+    """Camera keys from a camera.yaml, a lens profile, or pictures of a board; with remarks.
+
+    files: a path or a pattern such as `board/*.jpg`, relative to the study folder. What is computed
+    from pictures is also written to camera.yaml, or camera-2.yaml and so on, in the folder.
+
+    Raises: InputError where there is no such file or no lens can be had from it.
+    """
+    paths = _matching(folder, files)
+    if len(paths) == 1 and paths[0].suffix.lower() in (".yaml", ".yml"):
+        return {"values": _camera_keys(_camera_content(paths[0])), "remarks": [f"from {files}"]}
+    if len(paths) == 1 and paths[0].suffix.lower() == ".json":
+        found, out = from_profile(paths[0]), None
+    else:
+        names = ("camera.yaml", *(f"camera-{k}.yaml" for k in range(2, 1000)))
+        out = next(folder / name for name in names if not (folder / name).exists())
+        found = calibrate_files(paths, pattern=pattern, square_mm=square_mm, out=out)
+    content = yaml.safe_load(camera_section(found))["camera"]
+    written = [f"written: {out.name} and {out.stem}.png"] if out else []
+    return {"values": _camera_keys(content), "remarks": [found.quality, *found.remarks, *written]}
+
+
+def _camera_setup(values: Mapping[str, str]) -> Setup:
+    """A setup without the robot, of which the corners need nothing but the depth of its points."""
+    return Setup.model_construct(
+        pool=_section("pool", values), water=_section("water", values),
+        camera=_section("camera", values),
+        robot=Robot.model_construct(keypoint_depth_m=_number(
+            values.get("robot.keypoint_depth_m", "")) or 0.04),
+    )  # fmt: skip
+
+
+def _section(name: str, values: Mapping[str, str]) -> Any:
+    """A section of study.yaml from the values typed. Raises: InputError."""
+    given = {key.partition(".")[2]: _value(text) for key, text in values.items()
+             if key.startswith(f"{name}.") and text.strip()}  # fmt: skip
+    missing = [
+        Finding("study.yaml", f"{name}.{key}", "nothing", "a number")
+        for key in ("length_m", "width_m")
+        if name == "pool" and key not in given
+    ]
+    if missing:
+        raise InputError(missing)
+    model = SECTIONS[name]
+    try:
+        return model.model_validate(given)
+    except ValidationError as error:
+        raise InputError(explain("study.yaml", error, model, prefix=name)) from error
+
+
+def _value(text: str) -> Any:
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        return text
+
+
+def _number(text: str) -> float | None:
+    try:
+        found = float(text)
+    except ValueError:
+        return None
+    return found if math.isfinite(found) and found > 0 else None
+
+
+def _recorded(folder: Path, row: Mapping[str, str]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    try:
+        trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
+        if trial.source and not trial.reads_keypoints:
+            film = open_recording([folder / name for name in trial.sources],
+                                  fps=_number(row.get("fps", "")))  # fmt: skip
+            fps = film.fps or film.nominal_fps
+            found |= {"duration_s": round(film.frames_present / fps, 2), "fps": round(fps, 3),
+                      "size_px": list(film.size_px)}  # fmt: skip
+    except InputError as error:
+        found["error"] = str(error)
+    try:
+        if log := row.get("motor_log", "").strip():
+            found["flap_hz"] = round(flapping_from_log(folder / log).flap_hz, 3)
+    except InputError as error:
+        found["log_error"] = str(error)
+    return found
+
+
+def _unused(draft: Draft, folder: Path) -> list[dict[str, str]]:
+    """Rows for the files of the folder that no trial names yet."""
+    named = {part.strip() for row in draft.rows for part in row.get("source", "").split(";")}
+    return [row for row in trial_rows(study_files(folder))
+            if not set(row["source"].split(";")) & named]  # fmt: skip
+
+
+def _camera_files(folder: Path) -> list[str]:
+    """Files in the folder that hold a camera section, or may be a lens profile."""
+    some = sorted(p for p in folder.glob("*") if p.suffix.lower() in (".yaml", ".yml", ".json"))
+    found = []
+    for path in some:
+        if path.name == "study.yaml" or not path.is_file():
+            continue
+        if path.suffix.lower() == ".json":
+            try:
+                from_profile(path)
+            except InputError:
+                continue
+        elif "camera:" not in path.read_text("utf-8", "replace"):
+            continue
+        found.append(path.name)
+    return found
+
+
+def _camera_content(path: Path) -> dict[str, Any]:
+    """The camera section of a yaml file. Raises: InputError where there is none."""
+    try:
+        content = yaml.safe_load(read_text(path, MOST_CAMERA_BYTES))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise input_error(path, "", f"no readable yaml ({error})", "a camera section") from error
+    camera = content.get("camera") if isinstance(content, dict) else None
+    if not isinstance(camera, dict) or "matrix" not in camera:
+        raise input_error(path, "camera", "no matrix", "a file that `bluekoi calibrate` wrote")
+    return camera
+
+
+def _camera_keys(content: Mapping[str, Any]) -> dict[str, str]:
+    """Lens keys of a camera section as text; the corners stay as they are."""
+    names = ("model", "image_size_px", "matrix", "distortion")
+    return {
+        f"camera.{name}": str(plain(content[name]))
+        for name in names
+        if content.get(name) is not None
+    }
+
+
+def _matching(folder: Path, files: str) -> list[Path]:
+    """Files that a path or a pattern names. Raises: InputError where there are none."""
+    given = Path(files.strip())
+    if not files.strip() or ".." in given.parts:
+        raise input_error(folder, "calibration", repr(files), "a file, or a pattern as board/*.jpg")
+    base = Path(given.anchor) if given.is_absolute() else folder
+    pattern = str(given.relative_to(given.anchor)) if given.is_absolute() else str(given)
+    found = sorted(base.glob(pattern)) if any(c in pattern for c in "*?[") else [base / pattern]
+    if len(found) == 1 and found[0].is_dir():
+        found = sorted(p for p in found[0].iterdir() if p.suffix.lower() in BOARD_SUFFIXES)
+    if not found or not all(path.is_file() for path in found):
+        raise input_error(folder / files, "", "no such file", "a file, or a pattern as board/*.jpg")
+    return found

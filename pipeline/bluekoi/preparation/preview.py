@@ -1,0 +1,93 @@
+"""The detection on a few frames of a trial, to see before a run whether and why it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..data import CONFIDENT, Float, Frame
+from ..errors import input_error
+from ..footage import frames, open_recording
+from ..keypoints import source
+from ..study import Study
+from ..study.filmed import as_filmed
+
+FRAMES = 20
+
+
+@dataclass(frozen=True)
+class Preview:
+    """Detections on frames spread over a trial.
+
+    time_s: (n,). xy_px: (n, parts, 2) of `names`, NaN where not seen. likelihood: (n,) the least of
+    the parts. remarks: what the detector says, the reason where it found nothing. size_px: width
+    and height of the pictures.
+    """
+
+    trial_id: str
+    time_s: Float
+    names: tuple[str, ...]
+    xy_px: Float
+    likelihood: Float
+    remarks: tuple[str, ...]
+    size_px: tuple[int, int]
+
+    @property
+    def found(self) -> int:
+        """Frames in which every part is confident."""
+        return int(np.sum(self.likelihood >= CONFIDENT))
+
+
+def spread_frames(
+    paths: Sequence[Path],
+    *,
+    fps: float | None = None,
+    part_s: tuple[float | None, float | None] = (None, None),
+    colour: bool = False,
+    count: int = FRAMES,
+) -> list[Frame]:
+    """At most `count` frames, evenly spread over the part (start, end) of a recording, numbered.
+
+    Raises: InputError where the recording cannot be read.
+    """
+    recording = open_recording(paths, fps=fps, start_s=part_s[0], end_s=part_s[1])
+    film = frames(recording, colour=colour)
+    if colour:
+        step = max(1, recording.frames_present // count)
+        found = [frame for i, frame in enumerate(film) if i % step == step // 2]
+    else:
+        found = list(film.spread(count))
+    if not found:
+        return []
+    chosen = np.unique(np.linspace(0, len(found) - 1, count).round().astype(int))
+    return [replace(found[i], index=k) for k, i in enumerate(chosen)]
+
+
+def preview_trial(study: Study, trial_id: str) -> Preview:
+    """The detection on `FRAMES` frames of a trial.
+
+    Raises: InputError where the trial has no footage or it cannot be read.
+    """
+    trial = study.trial(trial_id)
+    detector = source(study.setup.detection.source)
+    some = spread_frames(
+        study.paths(trial), fps=trial.fps, part_s=(trial.start_s, trial.end_s),
+        colour=getattr(detector, "COLOUR", False),
+    )  # fmt: skip
+    if not some:
+        raise input_error(trial.source, "", "no frames", "footage with frames")
+    height, width = some[0].luma.shape
+    setup = as_filmed(study.setup, (width, height), trial.source)
+    found = detector.detect(lambda: some, setup, trial)
+    return Preview(
+        trial_id=trial_id,
+        time_s=found.time_s,
+        names=found.names,
+        xy_px=found.xy_px,
+        likelihood=found.likelihood.min(axis=1),
+        remarks=found.remarks,
+        size_px=(width, height),
+    )

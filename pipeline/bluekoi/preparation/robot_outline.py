@@ -1,0 +1,63 @@
+"""The robot's lengths of study.yaml drawn to scale over a frame."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..camera.corners import camera_over
+from ..camera.pool import project, to_pool
+from ..data import Float
+from ..study import Camera, Pool, Robot
+
+
+@dataclass(frozen=True)
+class RobotOutline:
+    """Pixels of the robot's parts as a camera sees them.
+
+    head: (2, 2) nose and hinge. core: (2, 2) hinge and caudal base. tail: (2, 2) caudal base and
+    tail tip. com: (2,). px_per_m: at the centre of mass.
+    """
+
+    head: Float
+    core: Float
+    tail: Float
+    com: Float
+    px_per_m: float
+
+
+def robot_outline(
+    camera: Camera,
+    pool: Pool,
+    robot: Robot,
+    *,
+    com_px: tuple[float, float],
+    toward_px: tuple[float, float],
+    head_angle_rad: float,
+    head_length_m: float | None = None,
+    refractive_index: float = 1.333,
+) -> RobotOutline:
+    """The robot with its centre of mass at a pixel, its core pointing toward another pixel.
+
+    The direction of the head is heading minus head angle. head_length_m: of this trial's head, by
+    default the 1x head.
+
+    Raises: InputError where the corners fit no camera.
+    """
+    depth = robot.keypoint_depth_m
+    over = camera_over(camera, pool, refractive_index, depth_m=depth)
+    com, toward = to_pool(over, np.array([com_px, toward_px]), depth)
+    heading_rad = math.atan2(*(toward - com)[::-1])
+    core = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+    turned = heading_rad - head_angle_rad
+    head = np.array([math.cos(turned), math.sin(turned)])
+    hinge = com + robot.hinge_to_com_m * core
+    nose = hinge + (head_length_m or robot.head_length_m) * head
+    base = com - robot.com_to_tail_base_m * core
+    tip = base - robot.tail_length_m * core
+    points = np.array([nose, hinge, base, tip, com, com + 0.01 * core])
+    px = project(over, np.column_stack([points, np.full(len(points), -depth)]))
+    scale = float(np.hypot(*(px[5] - px[4]))) / 0.01
+    return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4], scale)

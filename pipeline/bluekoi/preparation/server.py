@@ -1,0 +1,212 @@
+"""The server of `bluekoi setup`: on the local machine only, a random token in the address."""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import bottle
+import waitress
+
+from ..errors import InputError
+from . import page_answers as answers
+from .draft import save_draft
+from .draft_check import draft_findings, draft_study
+from .jobs import Jobs, Run
+from .pictures import jpeg, preview
+
+PAGE = Path(__file__).parent / "page"
+HOST = "127.0.0.1"
+MOST_BYTES = 20_000_000
+THREADS = 6
+POLICY = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; " \
+    "frame-ancestors 'none'; form-action 'none'; base-uri 'none'"  # fmt: skip
+
+
+class SetupServer:
+    """The page of one study folder. Nothing is answered without the token, to another host name, or
+    to a page of another origin.
+
+    run_words: the command that runs the study; results: its folder.
+    """
+
+    def __init__(
+        self, folder: Path, results: Path, run_words: Sequence[str], *, port: int = 0
+    ) -> None:
+        self.folder, self.results = folder.resolve(), results.resolve()
+        self.token = secrets.token_urlsafe(24)
+        self.jobs, self.run = Jobs(), Run(run_words, results / "report.html")
+        self._server = waitress.create_server(
+            self._application(), host=HOST, port=port, threads=THREADS,
+            max_request_body_size=MOST_BYTES, ident=None,
+        )  # fmt: skip
+        self.port = int(self._server.effective_port)
+
+    @property
+    def address(self) -> str:
+        """Where the page is."""
+        return f"http://{HOST}:{self.port}/{self.token}/"
+
+    def serve(self) -> None:
+        """Answer until `close`, or until interrupted."""
+        self._server.run()
+
+    def close(self) -> None:
+        """End jobs and run, each in order."""
+        self.run.stop()
+        self.jobs.close()
+        self._server.close()
+
+    def _application(self) -> bottle.Bottle:
+        app = bottle.Bottle()
+        app.add_hook("before_request", self._admit)
+        app.default_error_handler = _plain_error
+        root = f"/{self.token}/"
+        app.get(root, callback=lambda: self._static("index.html"))
+        app.get(f"{root}page/<name>", callback=self._static)
+        app.get(f"{root}frame.jpg", callback=self._frame)
+        app.get(f"{root}results/<path:path>", callback=self._result)
+        questions = {"state": self._state, "run": self.run.state, "job": self._job}
+        orders = {
+            "check": self._check, "save": self._save, "corners": self._corners,
+            "outline": self._outline, "durations": self._durations, "preview": self._preview,
+            "calibrate": self._calibrate, "start": self._start, "stop": self._stop,
+        }  # fmt: skip
+        for name, work in questions.items():
+            app.get(f"{root}{name}", callback=partial(_answer, work))
+        for name, work in orders.items():
+            app.post(f"{root}{name}", callback=partial(_answer, work))
+        return app
+
+    def _admit(self) -> None:
+        """Refuse a request without the token, for another host, or from another origin."""
+        request = bottle.request
+        hosts = {f"{name}:{self.port}" for name in (HOST, "localhost")}
+        origin = request.get_header("Origin")
+        token = request.path.split("/")[1]
+        if request.get_header("Host") not in hosts:
+            bottle.abort(403, "Open the page at the address that the terminal shows.")
+        if origin is not None and origin not in {f"http://{host}" for host in hosts}:
+            bottle.abort(403, "A request of another page is refused.")
+        if request.get_header("Sec-Fetch-Site", "none") not in ("none", "same-origin"):
+            bottle.abort(403, "A request of another page is refused.")
+        if not hmac.compare_digest(token.encode(), self.token.encode()):
+            bottle.abort(404, "Open the page at the address that the terminal shows.")
+        bottle.response.set_header("Cache-Control", "no-store")
+        bottle.response.set_header("X-Content-Type-Options", "nosniff")
+        bottle.response.set_header("Referrer-Policy", "no-referrer")
+
+    def _static(self, name: str) -> Any:
+        found = bottle.static_file(name, root=str(PAGE))
+        found.set_header("Content-Security-Policy", POLICY)
+        found.set_header("Cache-Control", "no-store")
+        return found
+
+    def _result(self, path: str) -> Any:
+        return bottle.static_file(path, root=str(self.results))
+
+    def _frame(self) -> Any:
+        query = bottle.request.query
+        try:
+            time_s, grey = answers.picture_of(
+                self.folder, query.getunicode("source", ""), float(query.get("share", "0.5")),
+                query.get("fps", ""),
+            )  # fmt: skip
+        except InputError as error:
+            bottle.response.status = 400
+            return str(error)
+        bottle.response.content_type = "image/jpeg"
+        bottle.response.set_header("X-Time", f"{time_s:.3f}")
+        return jpeg(grey)
+
+    def _state(self) -> dict[str, Any]:
+        shown = answers.state(self.folder)
+        return {**shown, "results": str(self.results), "run": self.run.state()}
+
+    def _check(self) -> dict[str, Any]:
+        content = _content()
+        draft = answers.draft_of(content)
+        found = draft_findings(draft, self.folder, files=bool(content.get("files")))
+        return {"findings": [asdict(finding) for finding in found]}
+
+    def _save(self) -> dict[str, Any]:
+        draft, done = save_draft(answers.draft_of(_content()), self.folder)
+        found = draft_findings(draft, self.folder)
+        return {"draft": answers.as_json(draft), "done": done,
+                "findings": [asdict(finding) for finding in found]}  # fmt: skip
+
+    def _corners(self) -> dict[str, Any]:
+        content = _content()
+        _, grey = answers.picture_of(self.folder, content["source"], float(content["share"]),
+                                     str(content.get("fps", "")))  # fmt: skip
+        return answers.corners(content["values"], grey)
+
+    def _outline(self) -> dict[str, Any]:
+        content = _content()
+        return answers.outline(content["values"], content["place"])
+
+    def _durations(self) -> dict[str, Any]:
+        return {"rows": answers.durations(self.folder, _content()["rows"])}
+
+    def _preview(self) -> dict[str, Any]:
+        """Begin the preview of one row; the other rows need not be complete."""
+        content = _content()
+        draft = answers.draft_of(content)
+        name = str(content["trial_id"])
+        rows = [row for row in draft.rows if row.get("trial_id") == name]
+        study = draft_study(replace(draft, rows=rows), self.folder)
+        self.jobs.start(f"preview {name}", preview, study, name)
+        return {}
+
+    def _calibrate(self) -> dict[str, Any]:
+        content = _content()
+        self.jobs.start(
+            "calibration", answers.calibration, self.folder, str(content["files"]),
+            str(content["pattern"]), float(content["square_mm"]),
+        )  # fmt: skip
+        return {}
+
+    def _job(self) -> dict[str, Any]:
+        return self.jobs.state(bottle.request.query.getunicode("name", ""))
+
+    def _start(self) -> dict[str, Any]:
+        self.run.start()
+        return self.run.state()
+
+    def _stop(self) -> dict[str, Any]:
+        self.run.stop()
+        return self.run.state()
+
+
+def _content() -> Any:
+    """The json object that the page sent."""
+    if bottle.request.content_type.partition(";")[0] != "application/json":
+        bottle.abort(415, "Expected json.")
+    content = bottle.request.json
+    if not isinstance(content, dict):
+        bottle.abort(400, "Expected a json object.")
+    return content
+
+
+def _answer(work: Callable[[], Any]) -> str:
+    """Json of what `work` returns; an input error as its text, with status 400."""
+    bottle.response.content_type = "application/json"
+    try:
+        return json.dumps(work(), allow_nan=False)
+    except InputError as error:
+        bottle.response.status = 400
+        return json.dumps({"error": str(error)})
+    except (KeyError, TypeError, ValueError) as error:
+        bottle.response.status = 400
+        return json.dumps({"error": f"a request that cannot be read ({error!r})"})
+
+
+def _plain_error(error: bottle.HTTPError) -> str:
+    bottle.response.content_type = "text/plain"
+    return str(error.body)

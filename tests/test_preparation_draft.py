@@ -1,0 +1,162 @@
+"""study.yaml and trials.csv edited as text: checked, saved whole, comments kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from bluekoi.errors import InputError
+from bluekoi.preparation.draft import read_draft, save_draft
+from bluekoi.preparation.draft_check import draft_findings
+from bluekoi.study import load_study
+
+COMMENTED = """# pool in the cellar
+pool:
+  length_m: 2.6   # measured twice
+  # the short side
+  width_m: 1.6
+  depth_m: 0.3
+water: {density_kg_m3: 998.0, refractive_index: 1.333}  # tap water
+robot:
+  mass_kg: 0.68
+  yaw_inertia_kg_m2: 0.0095
+  body_length_m: 0.331
+  head_length_m: 0.12
+  head_span_m: 0.069
+  hinge_to_com_m: 0.04
+  tail_length_m: 0.066
+  keypoint_depth_m: 0.05
+  # end of the robot
+camera:
+  pool_corners_px:
+    - [255.3, 939.7]
+    - [1607.7, 946.4]
+    - [1623.7, 115.9]
+    - [256.2, 93.7]   # under the lamp
+  # at the rim
+  pool_corners_height_m: 0.0
+"""
+TRIALS = "source,trial_id,power_pct,head_angle_deg,head_length_m,fps\nT1.csv,T1,50,0,0.12,30\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "study.yaml").write_text(COMMENTED, encoding="utf-8")
+    (tmp_path / "trials.csv").write_text(TRIALS, encoding="utf-8")
+    (tmp_path / "T1.csv").write_text("scorer\n", encoding="utf-8")
+    return tmp_path
+
+
+def with_values(draft, **changes):
+    values = {k: v for k, v in draft.values.items() if changes.get(k.replace(".", "__"), v)}
+    return replace(
+        draft, values=values | {k.replace("__", "."): v for k, v in changes.items() if v}
+    )
+
+
+def test_a_draft_saved_unchanged_changes_no_byte(folder):
+    draft, done = save_draft(read_draft(folder), folder)
+    assert done == []
+    assert (folder / "study.yaml").read_text() == COMMENTED
+    assert (folder / "trials.csv").read_text() == TRIALS
+    assert draft.values["camera.pool_corners_px"].startswith("[[255.3, 939.7], [1607.7, 946.4]")
+    assert not (folder / ".backup").exists()
+
+
+def test_values_are_changed_with_every_comment_kept(folder):
+    draft = with_values(
+        read_draft(folder), pool__length_m="2.5", robot__keypoint_depth_m="",
+        camera__pool_corners_px="[[250, 939], [1607.7, 946.4], [1623.7, 115.9], [256.2, 93.7]]",
+        camera__pool_corners_height_m="0.02",
+    )  # fmt: skip
+    saved, done = save_draft(draft, folder)
+    text = (folder / "study.yaml").read_text()
+    assert done == ["study.yaml changed"]
+    for line in COMMENTED.splitlines():
+        comment = line.partition("#")[2]
+        assert comment in text, comment
+    assert "length_m: 2.5   # measured twice" in text
+    assert "keypoint_depth_m" not in text
+    setup = load_study(folder).setup
+    assert setup.camera.pool_corners_px[0] == (250, 939)
+    assert setup.camera.pool_corners_height_m == 0.02
+    assert not setup.robot.depth_given
+    assert saved.values["pool.length_m"] == "2.5"
+
+
+def test_what_is_replaced_is_kept_beside(folder):
+    save_draft(with_values(read_draft(folder), pool__length_m="2.5"), folder)
+    (kept,) = (folder / ".backup").iterdir()
+    assert kept.read_text() == COMMENTED
+
+
+def test_a_file_changed_by_others_is_not_overwritten(folder):
+    draft = with_values(read_draft(folder), pool__length_m="2.5")
+    (folder / "trials.csv").write_text(TRIALS.replace("50", "60"), encoding="utf-8")
+    with pytest.raises(InputError, match="changed by another program"):
+        save_draft(draft, folder)
+    assert (folder / "study.yaml").read_text() == COMMENTED
+
+
+def test_a_file_that_cannot_be_read_is_refused_and_left(folder):
+    for name, text in (("study.yaml", "pool: [1\n"), ("trials.csv", "a,a\n1,2\n")):
+        before = (folder / name).read_text()
+        (folder / name).write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match="Mend it in an editor"):
+            read_draft(folder)
+        assert (folder / name).read_text() == text
+        (folder / name).write_text(before, encoding="utf-8")
+
+
+def test_an_unknown_key_stays_and_is_told(folder):
+    (folder / "study.yaml").write_text(COMMENTED.replace("mass_kg", "mas_kg"), encoding="utf-8")
+    draft = read_draft(folder)
+    texts = [f.text for f in draft_findings(draft, folder)]
+    assert any("robot.mas_kg" in text and "Did you mean 'mass_kg'?" in text for text in texts)
+    assert ("robot.mass_kg", "found nothing") in {
+        (f.key, f.text[:13]) for f in draft_findings(draft, folder)
+    }
+
+
+def test_findings_stand_beside_their_fields(folder):
+    draft = with_values(
+        read_draft(folder), pool__length_m="2,6", camera__pool_corners_px="[[1, 2]]"
+    )
+    rows = [{**draft.rows[0], "power_pct": "half"}, {**draft.rows[0], "trial_id": "T2",
+            "source": "gone.csv", "motor_log": "gone_log.csv"}]  # fmt: skip
+    found = draft_findings(replace(draft, rows=rows), folder)
+    assert {"pool.length_m", "camera.pool_corners_px"} <= {f.key for f in found}
+    places = {(f.row, f.column) for f in found if f.row is not None}
+    assert {(0, "power_pct"), (1, "source"), (1, "motor_log")} <= places
+    assert (folder / "study.yaml").read_text() == COMMENTED
+
+
+def test_a_broken_recording_is_found_beside_its_row(folder):
+    (folder / "T9.mp4").write_bytes(b"no video at all")
+    draft = read_draft(folder)
+    row = {**draft.rows[0], "trial_id": "T9", "source": "T9.mp4"}
+    found = draft_findings(replace(draft, rows=[row]), folder, files=True)
+    assert [(f.row, f.column) for f in found] == [(0, "source")]
+    assert "a text file" in found[0].text
+
+
+def test_a_folder_without_study_is_pre_filled_and_saved_as_one(tmp_path):
+    (tmp_path / "videos").mkdir()
+    (tmp_path / "videos/p50_phi20.mp4").write_bytes(b"")
+    draft = read_draft(tmp_path)
+    assert draft.rows[0]["power_pct"] == "50"
+    assert "pool.length_m" not in draft.values
+    full = with_values(
+        draft, pool__length_m="2.6", pool__width_m="1.6", pool__depth_m="0.3",
+        robot__mass_kg="0.68",
+        robot__yaw_inertia_kg_m2="0.0095", robot__body_length_m="0.331",
+        robot__head_length_m="0.12",
+        robot__head_span_m="0.069", robot__hinge_to_com_m="0.04", robot__tail_length_m="0.066",
+        camera__pool_corners_px="[[255, 939], [1607, 946], [1623, 115], [256, 93]]",
+    )  # fmt: skip
+    rows = [{**draft.rows[0], "head_length_m": "0.12"}]
+    _, done = save_draft(replace(full, rows=rows), tmp_path)
+    assert done == ["study.yaml saved", "trials.csv saved"]
+    assert load_study(tmp_path).trials[0].head_angle_deg == 20
+    assert "# Mass of the robot" in (tmp_path / "study.yaml").read_text()

@@ -58,7 +58,7 @@ class Browser:
 class Tab:
     """One page open in a browser."""
 
-    def __init__(self, browser: Browser, page: Path, *, phone: bool = False) -> None:
+    def __init__(self, browser: Browser, page: Path | str, *, phone: bool = False) -> None:
         self.browser = browser
         target = browser.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = browser.call("Target.attachToTarget", targetId=target, flatten=True)[
@@ -69,7 +69,7 @@ class Tab:
         if phone:
             self.call("Emulation.setDeviceMetricsOverride", width=390, height=844,
                       deviceScaleFactor=2, mobile=True)  # fmt: skip
-        self.call("Page.navigate", url=page.as_uri())
+        self.call("Page.navigate", url=page if isinstance(page, str) else page.as_uri())
         self.evaluate(READY)
 
     def call(self, method: str, **parameters: object) -> dict:

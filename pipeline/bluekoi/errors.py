@@ -44,6 +44,10 @@ class InputError(Exception):
         )
         super().__init__("\n".join(str(finding) for finding in self.findings))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Finding, ...]]]:
+        """Carry the findings, not their text, to another process."""
+        return type(self), (self.findings,)
+
 
 def input_error(
     file: object, where: str, found: object, expected: str, remedy: str = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import webbrowser
 from pathlib import Path
 
@@ -42,8 +43,12 @@ def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
     click.echo("Open this address in a browser on this machine. Ctrl-C ends it.")
     if browser:
         webbrowser.open(server.address)
+    # A request to terminate ends it as Ctrl-C does: in order, with the run.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         server.serve()
+    except KeyboardInterrupt:
+        pass
     finally:
         server.close()
     click.echo("Ended. What was saved is kept.")

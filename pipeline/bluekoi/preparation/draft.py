@@ -223,6 +223,8 @@ def _edit(content: CommentedMap, values: Mapping[str, str]) -> bool:
             parent[key or section] = None
         else:
             _remove(parent, key or section)
+            if key and not parent:
+                _remove(content, section)
     changed = {name: text for name, text in given.items() if before.get(name) != text}
     for name, text in changed.items():
         section, _, key = name.partition(".")

@@ -48,10 +48,13 @@ class Jobs:
 
     def close(self) -> None:
         """End the process; jobs that wait are dropped."""
-        if self._pool is not None:
-            self._pool.shutdown(wait=False, cancel_futures=True)
-            for process in list(getattr(self._pool, "_processes", {}).values()):
-                process.terminate()
+        if self._pool is None:
+            return
+        # shutdown would wait for the job at work, and a calibration may take minutes
+        processes = list((getattr(self._pool, "_processes", None) or {}).values())
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in processes:
+            process.terminate()
 
     def _executor(self) -> ProcessPoolExecutor:
         if self._pool is None:

@@ -11,6 +11,9 @@ const LABELS = {
   pool_corners_height_m: "Height of the corners", source: "Detector", body: "Body", marker_hues_deg: "Hues of the dots",
 };
 
+const REQUIRED = "required";
+export const words = ({ text }) => (/^found (nothing|None);/.test(text) ? REQUIRED : text);
+
 export function field(key) {
   const found = store.keys.find((one) => one.file === "study.yaml" && one.name === key);
   const name = key.split(".")[1];
@@ -21,14 +24,14 @@ export function field(key) {
     : element("input", { autocomplete: "off" });
   input.id = key;
   input.dataset.key = key;
-  const usual = found.default && found.default !== "required" ? `, usually ${found.default}` : "";
+  const usual = found.default && found.default !== "required" && !key.startsWith("pool.") ? `, usually ${found.default}` : "";
   if (!choices && /_(m|kg|m2|m3|index)$/.test(name)) input.inputMode = "decimal";
   input.setAttribute("aria-describedby", `${key}-hint ${key}-error`);
   input.value = store.values[key] ?? "";
   input.addEventListener(choices ? "change" : "input", () => setValue(key, input.value));
   input.addEventListener("focus", () => tell("focus", key));
   const unit = found.unit && found.unit !== "1" ? ` [${found.unit}]` : "";
-  const needed = found.default === "required" || ["pool.length_m", "pool.width_m"].includes(key);
+  const needed = found.default === "required" || key.startsWith("pool.");
   return element("div", { className: "field" },
     element("label", { htmlFor: key, textContent: `${LABELS[name] ?? name}${unit}${needed ? "" : " (optional)"}` }),
     input,
@@ -51,9 +54,9 @@ on("findings", () => {
   document.querySelectorAll("[id$='-error']").forEach((place) => {
     if (place.closest("#trials-table")) return;
     const key = place.id.slice(0, -6);
-    const texts = store.findings.filter((one) => one.key === key).map((one) => one.text);
+    const texts = store.findings.filter((one) => one.key === key).map(words);
     // A field that was never touched is not called wrong before the last step.
-    const untouched = !store.values[key] && !store.saved && texts.every((text) => text.startsWith("found nothing"));
+    const untouched = !store.values[key] && !store.saved && texts.every((text) => text === REQUIRED);
     place.textContent = untouched && !store.insist ? "" : texts.join(" ");
     document.getElementById(key)?.setAttribute("aria-invalid", String(Boolean(place.textContent)));
   });

@@ -15,8 +15,8 @@ const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-labe
 <path d="M600 110 Q540 84 420 90 L420 130 Q540 136 600 110Z" fill="#cfe3f1" stroke="#1c2630"/>
 <path d="M412 88 Q260 84 130 102 L130 118 Q260 136 412 132Z" fill="#e6ecf0" stroke="#1c2630"/>
 <path d="M130 110 L40 92 L52 110 L40 128Z" fill="#f3f7f9" stroke="#1c2630"/>
-<circle cx="416" cy="110" r="5" fill="#1c2630"/><text x="396" y="78">hinge</text>
-<circle cx="356" cy="110" r="7" fill="#fff" stroke="#1c2630"/><path d="M356 103v14M349 110h14" stroke="#1c2630"/><text x="296" y="78">centre of mass</text>
+<circle cx="416" cy="110" r="5" fill="#1c2630"/><text x="424" y="80">hinge</text>
+<circle cx="356" cy="110" r="7" fill="#fff" stroke="#1c2630"/><path d="M356 103v14M349 110h14" stroke="#1c2630"/><text x="310" y="78">centre of mass</text>
 <text x="96" y="82">caudal base</text><text x="2" y="84">tail tip</text><text x="604" y="102">nose</text>
 <g data-key="robot.head_length_m"><path class="dim" d="M416 150H600M416 143v14M600 143v14"/><text x="470" y="167">head_length_m</text></g>
 <g data-key="robot.hinge_to_com_m"><path class="dim" d="M356 150H416M356 143v14"/><text x="300" y="167">hinge_to_com_m</text></g>
@@ -26,13 +26,13 @@ const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-labe
 <path d="M20 258 q14 -8 28 0 t28 0 t28 0 t28 0 t28 0 t28 0 t28 0" fill="none" stroke="#0072b2"/>
 <rect x="120" y="290" width="80" height="60" fill="#cfe3f1" stroke="#1c2630"/><rect x="40" y="310" width="80" height="20" fill="#e6ecf0" stroke="#1c2630"/>
 <g data-key="robot.head_span_m"><path class="dim" d="M212 290V350M205 290h14M205 350h14"/><text x="180" y="368">head_span_m</text></g>
-<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="20" y="288"></text><text x="8" y="348">keypoint_depth_m</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
+<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="8" y="348">keypoint_depth_m</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
 <text x="320" y="240">Head angle, seen from above</text>
 <path d="M500 300 H360" stroke="#1c2630" stroke-width="6"/><path d="M500 300 L590 352" stroke="#0072b2" stroke-width="8"/>
 <path class="dim" d="M500 300H610" stroke-dasharray="5 4"/><path d="M572 300 A72 72 0 0 1 562 336" fill="none" stroke="#b34700" stroke-width="2"/>
 <text x="398" y="290">core</text><text x="548" y="372">head</text><text x="578" y="324">+ angle</text>
-<text x="320" y="388">head turned clockwise: positive; core minus head</text>
-<text x="320" y="262" id="unit-note">lengths in m</text></svg>`;
+<text x="320" y="388">positive: head turned clockwise</text>
+</svg>`;
 
 function ready() {
   return ["robot.body_length_m", "robot.head_length_m", "robot.hinge_to_com_m", "robot.tail_length_m",

@@ -1,5 +1,6 @@
 // The last step: what is still wrong, the run and its lines, the report.
 
+import { words } from "./fields.js";
 import { ask, checkNow, element, on, store, tell } from "./store.js";
 
 const id = (name) => document.getElementById(name);
@@ -22,7 +23,7 @@ function findings() {
   const items = store.findings.map((one) => {
     const link = element("a", { href: `#${stepOf(one)}`, textContent: placeOf(one) || "study" });
     link.onclick = () => setTimeout(() => tell("go", one), 50);
-    return element("li", {}, link, `: ${one.text}`);
+    return element("li", {}, link, `: ${words(one)}`);
   });
   id("run-findings").replaceChildren(...(items.length ? items : [element("li", { className: "good", textContent: "Nothing is wrong in study.yaml and trials.csv." })]));
   id("run-start").disabled = items.length > 0 || running;

@@ -1,5 +1,6 @@
 // trials.csv as a table: pre-filled, pasted into, filled down, every error under its cell.
 
+import { words } from "./fields.js";
 import { ask, changed, element, on, store } from "./store.js";
 
 const USUAL = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"];
@@ -41,12 +42,12 @@ function cell(k, name, texts) {
 
 function mark(place, texts) {
   const input = place.querySelector("input");
-  const text = texts.map((one) => (one === "found nothing; expected this key, which is required." ? "required" : one)).join(" ");
+  const text = texts.join(" ");
   input.setAttribute("aria-invalid", String(Boolean(text)));
   place.querySelector(".error").textContent = text;
 }
 
-const errorsOf = (k, name) => store.findings.filter((one) => one.row === k && (one.column === name || (name === "trial_id" && !one.column))).map((one) => one.text);
+const errorsOf = (k, name) => store.findings.filter((one) => one.row === k && (one.column === name || (name === "trial_id" && !one.column))).map(words);
 
 let drawn = "";
 function render(force = false) {

@@ -23,6 +23,7 @@ Modules in the order of the data flow:
     campaign      a study and everything its run has written
     figures       one figure a file
     report        one self-contained page with all of it
+    comparison    two runs side by side
     preparation   a study pre-filled, checked, previewed and set up in the browser
     synthetic     footage rendered from known truth; imports nothing that it tests
 

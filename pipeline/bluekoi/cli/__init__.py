@@ -8,6 +8,7 @@ from ..errors import INTERRUPTED, InputError, printable
 from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
 from .check import check
+from .compare import compare
 from .completion import completion
 from .design import design
 from .doctor import doctor
@@ -58,6 +59,7 @@ _COMMANDS = (
     init,
     run,
     report,
+    compare,
     watch,
     check,
     doctor,

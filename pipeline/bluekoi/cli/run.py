@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -11,6 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import INTERRUPTED
+from ..workflow.client import COMMAND
 from .named import Named, StudyName
 
 PACKAGE = Path(__file__).resolve().parents[1]
@@ -97,6 +100,7 @@ def run(
 
     FURTHER options go to Snakemake as they stand, after `--`.
     """
+    os.environ[COMMAND] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _returned(command(study, results, cores, further))
     folder = _folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)

@@ -10,12 +10,14 @@ from ..files import read_json, write_json
 from ..motor.swimming import study_warnings
 from ..study import load_study
 from .layout import Layout, remove
+from .manifest import write_manifest
 
 
 def outcome(study: Path, results: Path) -> list[str]:
     """A line for each trial that failed or was cut short; outcome.json where there is none.
 
-    Runs last, so that all results of the other trials are there. outcome.json carries `warnings`
+    Runs last, so that all results of the other trials are there, and writes what they were made
+    from (manifest.json). outcome.json carries `warnings`
     on trials that were used: clocks that disagree, speeds that no swimmer has.
     """
     layout, done = Layout(results), results / "outcome.json"
@@ -24,6 +26,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := complaint(s))]
     warnings = study_warnings(statuses)
     remove([done])
+    write_manifest(study, results)
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(ids), "all_good": True, "warnings": warnings})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import shlex
 import sys
 from collections.abc import Mapping
@@ -10,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, printable
+from ..stages.manifest import RUN
+from .client import COMMAND
 from .lock import forget_stale, hold, sweep
 from .plan import Plan, make_plan
 from .preload import Preloaded, preload
 from .progress import Progress, follow
-from .provenance import PACKAGE
+from .provenance import PACKAGE, fingerprint
 from .settings import check_settings
 
 __all__ = [
@@ -50,6 +54,11 @@ def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
         return plan
+    told = {"command": os.environ.get(COMMAND) or shlex.join(sys.argv), "settings": dict(config),
+            "code": fingerprint("stages")}  # fmt: skip
+    os.environ[RUN] = json.dumps(told)
+    if not (plan.results / "manifest.json").is_file():
+        (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     forget_stale(Path(".snakemake") / "locks", plan.results)
     sweep(plan.results)
     plan.forget_due()

@@ -8,6 +8,8 @@ from collections.abc import Sequence
 
 ADDRESS = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
+COMMAND = "BLUEKOI_COMMAND"
+"""Environment variable with the command that a person gave."""
 END = b"\0\0"
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 """How many threads linear algebra takes, one unless the environment says more: matrices are small

@@ -1,0 +1,97 @@
+"""`bluekoi compare`: two runs side by side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .named import Named, StudyName
+from .report import results_folder
+
+if TYPE_CHECKING:
+    from ..comparison import Difference, Run
+
+COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
+CLEAR = 3.0
+"""Numbers that differ by this many standard deviations are marked."""
+
+
+@click.command()
+@click.argument("first", type=StudyName("demo", path_type=Path))
+@click.argument("second", type=StudyName("demo", path_type=Path))
+@click.option("--out", type=Named(path_type=Path), help="Folder for table and figure.")
+@click.option("--all", "everything", is_flag=True, help="List what is the same as well.")
+def compare(first: Path, second: Path, out: Path | None, everything: bool) -> None:
+    """Show what differs between two runs: coefficients, causes, errors, settings and inputs.
+
+    FIRST and SECOND are results folders, or studies whose results are in results/NAME. --out writes
+    comparison.csv, and comparison.png and .pdf with the figure.
+    """
+    from ..comparison import compare as compared  # noqa: PLC0415
+    from ..comparison import read_run  # noqa: PLC0415
+    from ..errors import printable  # noqa: PLC0415
+
+    runs = [read_run(_folder(path)) for path in (first, second)]
+    found = compared(*runs)
+    for line in lines(found, everything=everything):
+        click.echo(printable(line))
+    if missing := [str(run.folder) for run in runs if not run.manifest]:
+        click.echo(f"No manifest.json in {' and '.join(missing)}: settings, inputs and versions "
+                   "were not compared. `bluekoi run` writes it.", err=True)  # fmt: skip
+    if out is not None:
+        _write(out, found, runs)
+        click.echo(f"Written: {out / 'comparison.csv'}, {out / 'comparison.png'} and .pdf")
+
+
+def _folder(path: Path) -> Path:
+    """A results folder as such, else that of a study."""
+    results = any((path / name).is_file() for name in ("coefficients.json", "mismatch.json"))
+    return path if results else results_folder(path, None)
+
+
+def lines(found: Sequence[Difference], *, everything: bool) -> Iterator[str]:
+    """A table by sections, of what differs or of everything."""
+    shown = [d for d in found if everything or not d.same]
+    if not shown:
+        yield "No difference."
+    section = ""
+    for one in shown:
+        if one.section != section:
+            section = one.section
+            yield f"{section}:"
+        far = f"  ({one.sigmas:+.1f} sd)" if math.isfinite(one.sigmas) else ""
+        mark = " *" if abs(one.sigmas) >= CLEAR else ""
+        yield f"  {one.name}: {one.first} -> {one.second}{far}{mark}"
+
+
+def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
+    """Write the table, and the figure as png and pdf."""
+    import csv  # noqa: PLC0415
+    import io  # noqa: PLC0415
+
+    from ..comparison import draw  # noqa: PLC0415
+    from ..files import whole_file, write_text  # noqa: PLC0415
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(
+        [d.section, d.name, d.first, d.second, _number(d.difference), _number(d.sigmas)]
+        for d in found
+    )
+    write_text(out / "comparison.csv", text.getvalue())
+    labels = [run.folder.name or str(run.folder.resolve().name) for run in runs]
+    if labels[0] == labels[1]:
+        labels = [str(run.folder) for run in runs]
+    figure = draw(runs[0], runs[1], (labels[0], labels[1]))
+    for suffix in (".png", ".pdf"):
+        with whole_file(out / f"comparison{suffix}") as temporary:
+            figure.savefig(temporary, dpi=150)
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}" if math.isfinite(value) else ""

@@ -1,0 +1,183 @@
+"""What differs between two runs, read from their results alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..data import Steady
+from ..errors import input_error
+from ..files import read_json
+from ..steady import read_steady
+
+LEAST_PROBABILITY = 0.02
+"""A cause less probable than this in both runs is not listed."""
+MISSING = "–"
+
+
+@dataclass(frozen=True)
+class Run:
+    """Files of one results folder; empty mappings where a file is not there."""
+
+    folder: Path
+    coefficients: Mapping[str, Any] = field(default_factory=dict)
+    mismatch: Mapping[str, Any] = field(default_factory=dict)
+    manifest: Mapping[str, Any] = field(default_factory=dict)
+    steady: Mapping[str, Steady] = field(default_factory=dict)
+
+    @property
+    def joint(self) -> Mapping[str, Any]:
+        """Cells of the joint fit by coefficient."""
+        return dict((self.coefficients.get("joint") or {}).get("coefficients") or {})
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One entry: section, name, value in both runs as text, their difference where it has one.
+
+    sigmas: difference in standard deviations of both together, NaN where they are not known.
+    """
+
+    section: str
+    name: str
+    first: str
+    second: str
+    difference: float = math.nan
+    sigmas: float = math.nan
+
+    @property
+    def same(self) -> bool:
+        """Whether both runs say the same."""
+        return self.first == self.second
+
+
+def read_run(folder: Path) -> Run:
+    """The results in a folder.
+
+    Raises: InputError where there are none, or where a file cannot be read.
+    """
+    names = ("coefficients", "mismatch", "manifest")
+    found = {n: read_json(p) for n in names if (p := folder / f"{n}.json").is_file()}
+    if "coefficients" not in found and "mismatch" not in found:
+        raise input_error(folder, "", "neither coefficients.json nor mismatch.json",
+                          "a folder with the results of a run", "Run the study first.")  # fmt: skip
+    table = folder / "steady.csv"
+    return Run(folder, **found, steady=read_steady(table) if table.is_file() else {})
+
+
+def compare(first: Run, second: Run) -> list[Difference]:
+    """All entries in which two runs can be compared, section by section; settings, inputs and
+    versions only where both have a manifest.
+    """
+    both = bool(first.manifest and second.manifest)
+    return [
+        Difference("verdict", "verdict", _verdict(first), _verdict(second)),
+        *_causes(first, second),
+        *_coefficients(first, second),
+        *_errors(first, second),
+        *_trials(first, second),
+        *(_settings(first, second) if both else ()),
+        *(_inputs(first, second) if both else ()),
+    ]
+
+
+def _verdict(run: Run) -> str:
+    return str(run.mismatch.get("verdict", MISSING))
+
+
+def _causes(first: Run, second: Run) -> Iterator[Difference]:
+    """Probabilities of the causes, and the numbers of those that are named in both."""
+    chances = [dict(run.mismatch.get("probabilities") or {}) for run in (first, second)]
+    for name in sorted(chances[0].keys() | chances[1].keys()):
+        a, b = (float(c.get(name) or 0.0) for c in chances)
+        if max(a, b) >= LEAST_PROBABILITY:
+            yield Difference("probability of cause", name, f"{a:.2f}", f"{b:.2f}", b - a)
+    named = [{c["name"]: c["parameters"] for c in run.mismatch.get("causes") or []}
+             for run in (first, second)]  # fmt: skip
+    for name in sorted(named[0].keys() | named[1].keys()):
+        cells = [causes.get(name, {}) for causes in named]
+        for key in sorted(cells[0].keys() | cells[1].keys()):
+            yield numbers("parameter of cause", f"{name}.{key}", *(c.get(key) for c in cells))
+
+
+def _coefficients(first: Run, second: Run) -> Iterator[Difference]:
+    for name in dict.fromkeys([*first.joint, *second.joint]):
+        yield numbers("coefficient", name, first.joint.get(name), second.joint.get(name))
+
+
+def numbers(
+    section: str, name: str, a: Mapping[str, Any] | None, b: Mapping[str, Any] | None
+) -> Difference:
+    """Difference of two cells with `value`, `std` and `unit`; either may be missing."""
+    values = [math.nan if c is None or c.get("value") is None else float(c["value"])
+              for c in (a, b)]  # fmt: skip
+    stds = [math.nan if c is None or c.get("std") is None else float(c["std"]) for c in (a, b)]
+    apart, both = values[1] - values[0], math.hypot(*stds)
+    sigmas = apart / both if both > 0 else math.nan
+    return Difference(section, name, _text(a), _text(b), apart, sigmas)
+
+
+def _text(cell: Mapping[str, Any] | None) -> str:
+    if cell is None or cell.get("value") is None:
+        return MISSING
+    unit = "" if cell.get("unit") in (None, "", "1") else f" {cell['unit']}"
+    std = "" if cell.get("std") is None else f" +- {cell['std']:.2g}"
+    return f"{cell['value']:.4g}{std}{unit}"
+
+
+def _errors(first: Run, second: Run) -> Iterator[Difference]:
+    held = [run.mismatch.get("held_out") or {} for run in (first, second)]
+    for model in ("baseline", "extended"):
+        for key, unit, factor in (("path_rmse_m", "mm", 1e3), ("radius_error_pct", "%", 1.0),
+                                  ("speed_error_pct", "%", 1.0)):  # fmt: skip
+            cells = [_cell((h.get(model) or {}).get(key), factor, unit) for h in held]
+            yield numbers("error on held-out trials", f"{model} {key.rpartition('_')[0]}", *cells)
+    floor = [_cell(h.get("noise_floor_path_rmse_m"), 1e3, "mm") for h in held]
+    yield numbers("error on held-out trials", "noise floor path_rmse", *floor)
+
+
+def _cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
+    return {"value": None if value is None else factor * value, "unit": unit}
+
+
+def _trials(first: Run, second: Run) -> Iterator[Difference]:
+    for name in dict.fromkeys([*first.steady, *second.steady]):
+        rows = [run.steady.get(name) for run in (first, second)]
+        cells = [None if r is None else {"value": _finite(r.speed_m_s), "std": _finite(
+            r.speed_std_m_s), "unit": "m/s"} for r in rows]  # fmt: skip
+        yield numbers("steady speed", name, *cells)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _settings(first: Run, second: Run) -> Iterator[Difference]:
+    for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
+                         ("setting", "settings"), ("version", "versions")):  # fmt: skip
+        a, b = (dict(_flat(run.manifest.get(key) or {})) for run in (first, second))
+        for name in dict.fromkeys([*a, *b]):
+            if a.get(name, MISSING) != b.get(name, MISSING):
+                yield Difference(section, name, a.get(name, MISSING), b.get(name, MISSING))
+    if (a_code := first.manifest.get("code")) != (b_code := second.manifest.get("code")):
+        yield Difference("version", "code", str(a_code or MISSING), str(b_code or MISSING))
+
+
+def _flat(value: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+    if isinstance(value, Mapping) and value:
+        for key, entry in value.items():
+            yield from _flat(entry, f"{prefix}.{key}".lstrip("."))
+    else:
+        yield prefix, MISSING if value in (None, {}, []) else str(value)
+
+
+def _inputs(first: Run, second: Run) -> Iterator[Difference]:
+    """Input files that differ, by the start of their hash."""
+    files = [dict(run.manifest.get("inputs") or {}) for run in (first, second)]
+    for name in sorted(files[0].keys() | files[1].keys()):
+        a, b = (str((f.get(name) or {}).get("sha256", MISSING))[:12] for f in files)
+        if a != b:
+            yield Difference("input file", name, a, b)

@@ -1,0 +1,123 @@
+"""Two runs side by side, and the manifest that says what each was made from."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from bluekoi.cli import main
+from bluekoi.comparison import compare, draw, read_run
+from bluekoi.data import Steady
+from bluekoi.errors import InputError
+from bluekoi.stages.manifest import RUN, write_manifest
+from bluekoi.steady import write_steady
+from studies import edit_rows, small_study
+
+UNITS = {"C_T": "m2", "C_D0": "1"}
+
+
+def run_in(folder: Path, thrust: float, cause: str, **manifest) -> Path:
+    """A results folder with two coefficients and one cause."""
+    folder.mkdir(parents=True)
+    cells = {"C_T": {"value": thrust, "std": 1e-4, "unit": "m2"},
+             "C_D0": {"value": 0.5, "std": None, "unit": "1"}}  # fmt: skip
+    errors = {"path_rmse_m": 0.01, "radius_error_pct": None, "speed_error_pct": 2.0}
+    found = {"verdict": "physics", "sentence": "", "probabilities": {cause: 0.9, "stall": 0.01},
+             "causes": [{"name": cause, "weight": 0.9,
+                         "parameters": {"k": {"value": 1.0, "std": 0.1, "unit": "1"}}}],
+             "held_out": {"baseline": errors, "extended": errors,
+                          "noise_floor_path_rmse_m": 0.002}}  # fmt: skip
+    (folder / "coefficients.json").write_text(json.dumps({"joint": {"coefficients": cells}}))
+    (folder / "mismatch.json").write_text(json.dumps(found))
+    rows = {f"T{i}": Steady(4.0, 0.3 + i * thrust, 0.01, 0.5, 0.01, 90.0, 1.0, 3.0, "good", "")
+            for i in range(3)}  # fmt: skip
+    write_steady(folder / "steady.csv", rows)
+    if manifest:
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+    return folder
+
+
+@pytest.fixture
+def two(tmp_path) -> tuple[Path, Path]:
+    same = {
+        "study": {"robot": {"mass_kg": 0.68}},
+        "settings": {"overlays": "none"},
+        "versions": {"numpy": "2.0"},
+        "inputs": {"study.yaml": {"sha256": "a" * 64}},
+    }
+    other = {**same, "study": {"robot": {"mass_kg": 0.70}},
+             "inputs": {"study.yaml": {"sha256": "b" * 64}}}  # fmt: skip
+    return (run_in(tmp_path / "a", 0.0045, "wave_drag", **same),
+            run_in(tmp_path / "b", 0.0051, "added_mass", **other))  # fmt: skip
+
+
+def test_differences_are_listed_with_their_size_in_standard_deviations(two):
+    found = {(d.section, d.name): d for d in compare(*map(read_run, two))}
+    thrust = found["coefficient", "C_T"]
+    assert thrust.difference == pytest.approx(6e-4)
+    assert thrust.sigmas == pytest.approx(6e-4 / (2**0.5 * 1e-4))
+    assert found["coefficient", "C_D0"].same
+    assert found["probability of cause", "wave_drag"].second == "0.00"
+    assert ("probability of cause", "stall") not in found
+    assert found["study.yaml", "robot.mass_kg"].second == "0.7"
+    assert found["input file", "study.yaml"].first == "a" * 12
+    assert ("version", "numpy") not in found
+    assert found["error on held-out trials", "baseline path_rmse"].first == "10 mm"
+
+
+def test_the_command_prints_writes_and_draws(two, tmp_path):
+    done = CliRunner().invoke(main, ["compare", *map(str, two), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert "C_T: 0.0045 +- 0.0001 m2 -> 0.0051 +- 0.0001 m2  (+4.2 sd) *" in done.output
+    assert "C_D0" not in done.output
+    with (tmp_path / "out/comparison.csv").open(newline="") as lines:
+        rows = {row["name"]: row for row in csv.DictReader(lines)}
+    assert float(rows["C_T"]["standard_deviations"]) == pytest.approx(4.24, abs=0.01)
+    assert (tmp_path / "out/comparison.pdf").read_bytes().startswith(b"%PDF")
+    figure = draw(read_run(two[0]), read_run(two[1]), ("a", "b"))
+    assert [axes.get_title() for axes in figure.axes] == [
+        "Coefficients, first run = 1", "Probability of each cause",
+        "Path error on held-out trials", "Steady speed of each trial"]  # fmt: skip
+
+
+def test_a_run_is_the_same_as_itself_and_a_folder_without_results_is_refused(two, tmp_path):
+    done = CliRunner().invoke(main, ["compare", str(two[0]), str(two[0])])
+    assert done.output.strip() == "No difference."
+    with pytest.raises(InputError, match="neither coefficients"):
+        read_run(tmp_path)
+
+
+def test_runs_without_a_manifest_are_compared_in_their_results_alone(two):
+    (two[1] / "manifest.json").unlink()
+    done = CliRunner().invoke(main, ["compare", *map(str, two)])
+    assert f"No manifest.json in {two[1]}" in done.output
+    assert "mass_kg" not in done.output
+
+
+def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    told = {"command": "bluekoi run study", "settings": {"overlays": "none"}, "code": "abc"}
+    monkeypatch.setenv(RUN, json.dumps(told))
+    write_manifest(study, results)
+    found = json.loads((results / "manifest.json").read_text())
+    assert {key: found[key] for key in told} == told
+    assert found["study"]["robot"]["mass_kg"] > 0
+    assert set(found["trials"]) == {"T09", "T10", "T11"}
+    assert found["versions"]["numpy"]
+    for name, entry in found["inputs"].items():
+        content = (study / name).read_bytes()
+        assert entry == {"sha256": hashlib.sha256(content).hexdigest(), "bytes": len(content)}
+    assert len(found["inputs"]) == 2 + 3 + 3
+    before = found["inputs"]["trials.csv"]
+    edit_rows(study, T09={"fps": "30"})
+    os.utime(study / "trials.csv", ns=(1, 1))
+    write_manifest(study, results)
+    after = json.loads((results / "manifest.json").read_text())["inputs"]
+    assert after["trials.csv"] != before
+    assert after["study.yaml"] == found["inputs"]["study.yaml"]

@@ -8,7 +8,7 @@ export OPENBLAS_NUM_THREADS = 1
 export OMP_NUM_THREADS = 1
 export MKL_NUM_THREADS = 1
 
-.PHONY: demo test test-long lint docs pages lock clean
+.PHONY: demo test test-long lint package docs pages lock clean
 
 demo: $(READY) ## the demo study, from rendered footage to results/demo/report.html
 	@$(BIN)/bluekoi run demo
@@ -25,6 +25,9 @@ lint: $(READY) ## linters, import contract, types, workflow
 	$(BIN)/lint-imports
 	$(BIN)/mypy
 	$(BIN)/snakemake --lint
+
+package: $(READY) ## sdist and wheel in dist/, checked, installed into an empty environment and tried
+	$(BIN)/python .ci/package.py --install
 
 docs: $(READY) ## the documentation, docs/_build/html/index.html; a broken link is an error
 	@rm -rf docs/_build/html
@@ -50,4 +53,4 @@ $(READY): requirements.lock pyproject.toml setup.py
 	@touch $@
 
 clean: ## the environment and everything rendered or computed
-	rm -rf .venv results studies .snakemake docs/_build
+	rm -rf .venv results studies .snakemake docs/_build dist

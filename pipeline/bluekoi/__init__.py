@@ -38,12 +38,14 @@ first used.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+
+TYPE_CHECKING = False  # as type checkers know it; importing typing costs twenty modules
 
 if TYPE_CHECKING:
     from .campaign import Campaign, load_campaign
     from .data import Track, read_track
     from .errors import InputError
+    from .figures import draw
     from .model import Simulation, simulate
     from .study import Study, Trial, load_study
 
@@ -54,6 +56,7 @@ _MODULES = {
     "Study": "study",
     "Track": "data",
     "Trial": "study",
+    "draw": "figures",
     "load_campaign": "campaign",
     "load_study": "study",
     "read_track": "data",
@@ -68,6 +71,7 @@ __all__ = [
     "Study",
     "Track",
     "Trial",
+    "draw",
     "load_campaign",
     "load_study",
     "read_track",
@@ -75,7 +79,7 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _MODULES:
         raise AttributeError(f"module 'bluekoi' has no attribute {name!r}")
     return getattr(import_module(f".{_MODULES[name]}", __name__), name)

@@ -62,7 +62,7 @@ def _argument(one: inspect.Parameter) -> str:
     """An argument with its annotation as written; without it where a class checks it on entry."""
     default = "" if one.default is inspect.Parameter.empty else f" = {one.default}"
     text = one.name + default if "." in str(one.annotation) else str(one)
-    text = re.sub(r"'([\w., |\[\]]+)'", r"\1", text).replace("<factory>", "...")
+    text = re.sub(r": '([^']+)'", r": \1", text).replace("<factory>", "...")
     return re.sub(r"<function ([\w.]+) at \w+>", r"\1", text)
 
 

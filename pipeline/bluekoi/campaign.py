@@ -99,7 +99,7 @@ class Campaign:
         return ("baseline", "extended") if self.has_additions else ("baseline",)
 
     def held_out_error(self, model: str, key: str) -> float:
-        """Error on held-out trials, from mismatch.json; NaN where none is told.
+        """Error on held-out trials, from mismatch.json; NaN if it is not stated.
 
         model: `baseline` or `extended`; key as in mismatch.json. Infinite where the model ran
         away: a path off by more than the pool is wide, a radius or speed by more than tenfold.

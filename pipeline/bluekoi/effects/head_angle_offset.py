@@ -13,7 +13,7 @@ KIND = "physics"
 CHANNELS = ("yaw", "sway")
 VARIABLES = ("side",)
 STATEMENT = (
-    "The head does not stand at the angle it was told: a constant offset, so that straight "
+    "The head does not stand at the commanded angle: a constant offset, so that straight "
     "runs bend and the two sides differ."
 )
 REGIME = "all trials, to one side"

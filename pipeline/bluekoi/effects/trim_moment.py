@@ -16,7 +16,7 @@ KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("side",)
 STATEMENT = (
-    "A small lasting turning moment acts even with the head straight: the robot is out of trim."
+    "A small constant turning moment acts even with the head straight: the robot is out of trim."
 )
 REGIME = "all trials, to one side, straight runs most visibly"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")

@@ -1,9 +1,9 @@
 """A camera that was moved between trials or during one.
 
-From the moment t_shift of a trial on, everything in it is seen displaced by (dx, dy). Where several
-trials were knocked that is the displacement of the one that was knocked most surely, and those of
-the others are to it as they were found to be: turned and stretched by (x_shift, y_shift), which are
-(1, 0) in a trial without company.
+From the moment t_shift of a trial on, everything in it appears displaced by (dx, dy). If the camera
+moved in several trials, (dx, dy) is the displacement of the trial that determines it best; those of
+the other trials follow from it by the rotation and scale (x_shift, y_shift) with which they were
+found, which is (1, 0) for a single trial.
 Source: own statement.
 """
 
@@ -14,7 +14,7 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("sway", "yaw")
-STATEMENT = "The camera was moved: from some moment on everything is seen displaced."
+STATEMENT = "The camera was moved: from some moment on everything appears displaced."
 REGIME = "from one trial or moment on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
 STRENGTHS = 2

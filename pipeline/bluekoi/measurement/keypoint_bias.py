@@ -1,6 +1,6 @@
-"""A keypoint that is always placed beside its true point.
+"""A keypoint that is always marked away from its true point.
 
-The pose is fitted to all keypoints, so that one of them beside its place moves the whole: the core
+The pose is fitted to all keypoints, so that an offset of one of them moves the whole: the core
 centre by (bx, by) along and across the core, the core's heading by bpsi, the head angle by bphi.
 Along the core by 2 cm at most: what looks like more is a centre of mass that lies elsewhere.
 Source: own statement.
@@ -12,7 +12,7 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("sway", "yaw")
-STATEMENT = "A keypoint is always placed beside its true point on the robot."
+STATEMENT = "A keypoint is always marked away from its true point on the robot."
 REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
 STRENGTHS = 4

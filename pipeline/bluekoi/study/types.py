@@ -120,7 +120,7 @@ class Study(Section):
     trials: tuple[Trial, ...]
 
     def trial(self, trial_id: str) -> Trial:
-        """The trial of that id; InputError with the nearest id where there is none."""
+        """The trial of that id; InputError with the nearest id if there is no such trial."""
         for trial in self.trials:
             if trial.trial_id == trial_id:
                 return trial

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,6 @@ from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source, sources
 from bluekoi.keypoints.files.noise import white_noise_px
 from bluekoi.study import Trial
-from bluekoi.study.csv_file import read_trials
 
 
 def trial(**changes) -> Trial:
@@ -247,11 +247,28 @@ def test_zebrafish_files_read(recordings):
     assert all(one.names == ("TS", "S1", "S2", "T1", "T2", "T3", "T4") for one in found)
 
 
-def test_a_sleap_project_is_refused_with_the_export_that_helps(tmp_path):
-    table = tmp_path / "trials.csv"
-    table.write_text(
-        "trial_id,source,power_pct,head_angle_deg,head_length_m\nT1,fish.slp,50,0,0.1\n"
-    )
-    findings: list = []
-    read_trials(table, findings)
-    assert "Export Analysis HDF5" in str(findings[0])
+def test_a_sleap_project_names_reader_and_export_where_it_cannot_be_read(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "sleap_io", None)  # as where it is not installed
+    path = tmp_path / "fish.slp"
+    path.write_bytes(b"x")
+    with pytest.raises(InputError, match=r"pip install sleap-io.*Export Analysis HDF5"):
+        deeplabcut.read_any(path, 30.0)
+
+
+def test_a_sleap_project_is_read_through_sleaps_own_reader(tmp_path):
+    sleap_io = pytest.importorskip("sleap_io", reason="sleap-io is not installed")
+    points = np.random.default_rng(1).normal(100, 10, (6, 2, 2))
+    skeleton = sleap_io.Skeleton(nodes=["nose", "hinge"])
+    video = sleap_io.Video(filename="fish.mp4", open_backend=False)
+    make = sleap_io.PredictedInstance.from_numpy
+    frames = [
+        sleap_io.LabeledFrame(video=video, frame_idx=i, instances=[
+            make(xy, skeleton=skeleton, point_scores=np.full(2, 0.8), score=0.8)])
+        for i, xy in enumerate(points)
+    ]  # fmt: skip
+    path = tmp_path / "fish.slp"
+    sleap_io.Labels(videos=[video], skeletons=[skeleton], labeled_frames=frames).save(str(path))
+    found = deeplabcut.read_any(path, 30.0)
+    assert found.names == ("nose", "hinge")
+    np.testing.assert_allclose(found.xy_px, points, atol=1e-4)
+    np.testing.assert_allclose(found.likelihood, 0.8, atol=1e-6)

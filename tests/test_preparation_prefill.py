@@ -88,3 +88,10 @@ def test_the_blank_study_lacks_only_what_must_be_measured(tmp_path):
     assert not any("unknown" in finding.found for finding in findings)
     content = yaml.safe_load(path.read_text(encoding="utf-8"))
     assert content["water"]["refractive_index"] == 1.333
+
+
+def test_a_folder_of_many_pictures_is_a_recording_and_one_of_few_is_not(tmp_path):
+    names = [f"T1/{i}.png" for i in range(60)] + [f"board/{i}.jpg" for i in range(20)]
+    found = study_files(folder_with(tmp_path, names))
+    assert found.pictures == ("T1/",)
+    assert [(r["trial_id"], r["source"]) for r in trial_rows(found)] == [("T1", "T1/")]

@@ -13,9 +13,10 @@ import numpy as np
 
 from ..data import Frame
 from .ahead import MOST, Ahead
+from .images import image_frames
 from .pictures import Luma, luma
 from .probe import opened, video_stream
-from .recording import Recording
+from .recording import IMAGES, Recording
 
 EPS_S = 1e-6
 AHEAD_BYTES = 40 * 10**6
@@ -64,6 +65,9 @@ def frames(recording: Recording, *, colour: bool = False) -> Film:
 
 
 def _all(recording: Recording, colour: bool, ready: dict[int, Any]) -> Iterator[Frame]:
+    if recording.codec == IMAGES:
+        yield from image_frames(recording, colour=colour)
+        return
     last = -np.inf
     for index, (time_s, picture) in enumerate(_timed(recording, ready)):
         if recording.end_s is not None and time_s > recording.end_s + EPS_S:
@@ -83,6 +87,9 @@ def spread(
     Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
     Of a recording with fewer key frames than that, every k-th frame of all.
     """
+    if recording.codec == IMAGES:
+        yield from image_frames(recording, colour=False, count=count)
+        return
     ready = {} if ready is None else ready
     keys = [(i, key) for i, stamps in enumerate(recording.key_stamps) for key in stamps]
     keys = [(i, key) for i, key in keys if _wanted(recording, i, key)]

@@ -14,6 +14,8 @@ from .probe import Probe, probe
 from .telemetry import camera_seconds
 
 CLOCK_SLACK = 0.02
+IMAGES = "images"
+"""Codec of a recording whose frames are picture files."""
 STRETCHED = {"S": "SuperView", "H": "HyperView"}
 
 
@@ -54,12 +56,16 @@ def open_recording(
     start_s: float | None = None,
     end_s: float | None = None,
 ) -> Recording:
-    """Recording of one file, or of the chapters of one recording in any order.
+    """Recording of one file, of the chapters of one recording in any order, or of pictures.
 
     Raises: InputError where a file is missing, empty, not a video, without its index, in a
     stretched lens mode or a time-lapse, of another size than its fellows, or where a chapter is
     missing.
     """
+    from .images import are_images, open_images  # noqa: PLC0415  which needs `Recording`
+
+    if are_images(paths):
+        return open_images(paths, fps=fps, start_s=start_s, end_s=end_s)
     ordered = in_order([Path(path) for path in paths])
     probes = [_checked(path, fps) for path in ordered]
     _same_kind(ordered, probes)

@@ -16,7 +16,7 @@ from ..study import Trial
 from .files.dlc_csv import read_csv
 from .files.dlc_h5 import read_h5
 from .files.table import Table, all_keypoints, to_keypoints
-from .sleap import is_sleap
+from .sleap import is_sleap, read_slp
 from .sleap import read_table as read_sleap
 
 SCORER = "bluekoi"
@@ -68,6 +68,8 @@ def read_table(path: Path) -> Table:
 def _dispatch(path: Path) -> Table:
     if path.suffix.lower() == ".csv":
         return read_csv(path)
+    if path.suffix.lower() == ".slp":
+        return read_slp(path)
     return read_sleap(path) if is_sleap(path) else read_h5(path)
 
 

@@ -1,4 +1,6 @@
-"""Keypoints from SLEAP's analysis h5: tracks (tracks, 2, nodes, frames), node_names, scores."""
+"""Keypoints from SLEAP: its analysis h5 with tracks (tracks, 2, nodes, frames), node_names and
+scores; its own .slp through sleap-io, where that is installed.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +11,15 @@ import h5py
 import numpy as np
 
 from ..data import Keypoints
-from ..errors import input_error
+from ..errors import InputError, input_error
 from ..study import Trial
 from .files.safe_h5 import member, open_h5, strings
 from .files.table import Table, assemble, to_keypoints
+
+REMEDY = (
+    "Install SLEAP's reader (pip install sleap-io), or export the file in SLEAP (File, Export "
+    "Analysis HDF5; or sleap-convert --format analysis) and give the .h5 file."
+)
 
 
 def is_sleap(path: Path) -> bool:
@@ -50,6 +57,41 @@ def read_table(path: Path) -> Table:
     if values.shape[3] == 0:
         raise input_error(path, "tracks", "no frames", "a frame at least")
     return _table(path, names, who, np.concatenate([values, scores[:, None]], axis=1))
+
+
+def read_slp(path: Path) -> Table:
+    """Table of a .slp file of one video, each track an individual.
+
+    Raises: InputError where sleap-io is not installed, the file cannot be read, or it labels
+    several videos.
+    """
+    try:
+        import sleap_io  # noqa: PLC0415  an optional dependency
+    except ImportError as error:
+        raise input_error(path, "", "a SLEAP project", "a reader for it", REMEDY) from error
+    try:
+        labels = sleap_io.load_slp(str(path), open_videos=False)
+        videos, names = labels.videos, [str(name) for name in labels.skeleton.node_names]
+        if len(videos) != 1:
+            raise input_error(path, "videos", f"{len(videos)} videos", "one video a file", REMEDY)
+        values = np.asarray(labels.numpy(video=videos[0], return_confidence=True), dtype=float)
+        who = [track.name or f"track_{i}" for i, track in enumerate(labels.tracks)]
+    except InputError:
+        raise
+    except Exception as error:  # whatever a foreign reader raises on a damaged file
+        raise input_error(path, "", f"no readable SLEAP project ({error})", "a .slp file",
+                          REMEDY) from error  # fmt: skip
+    if values.shape[0] == 0:
+        raise input_error(path, "", "no frames", "a frame at least")
+    if len(who) != values.shape[1] or len(set(who)) < len(who):
+        who = [f"track_{i}" for i in range(values.shape[1])]
+    values[..., 2] = np.where(np.isfinite(values[..., 0]), _likelihood(values[..., 2]), 0.0)
+    return _table(path, names, who, values.transpose(1, 3, 2, 0))
+
+
+def _likelihood(scores: np.ndarray) -> np.ndarray:
+    """Scores of points; 1 for those that a person placed, which have none."""
+    return np.where(np.isfinite(scores), scores, 1.0)
 
 
 def _scores(scores: object, values: np.ndarray) -> np.ndarray:

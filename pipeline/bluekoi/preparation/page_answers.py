@@ -19,6 +19,7 @@ from ..files import plain, read_text
 from ..footage import open_recording
 from ..motor import flapping_from_log
 from ..study import Camera, Pool, Robot, Setup, Trial, Water
+from ..study.image_files import expanded
 from ..study.keys import keys
 from ..study.messages import explain
 from .draft import Draft, read_draft
@@ -72,7 +73,8 @@ def durations(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any
 
 def picture_of(folder: Path, source: str, share: float, fps: str) -> tuple[float, Luma]:
     """A frame of a source as trials.csv names it. Raises: InputError where it cannot be read."""
-    paths = tuple(folder / part.strip() for part in source.split(";") if part.strip())
+    names = [part.strip() for part in source.split(";") if part.strip()]
+    paths = tuple(path for name in names for path in expanded(folder, name))
     if not paths or any(".." in Path(part).parts for part in source.split(";")):
         raise input_error(folder / "trials.csv", "source", repr(source), "a video")
     return frame_of(paths, share, _number(fps))
@@ -188,8 +190,8 @@ def _recorded(folder: Path, row: Mapping[str, str]) -> dict[str, Any]:
     try:
         trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
         if trial.source and not trial.reads_keypoints:
-            film = open_recording([folder / name for name in trial.sources],
-                                  fps=_number(row.get("fps", "")))  # fmt: skip
+            paths = [path for name in trial.sources for path in expanded(folder, name)]
+            film = open_recording(paths, fps=_number(row.get("fps", "")))
             fps = film.fps or film.nominal_fps
             found |= {"duration_s": round(film.frames_present / fps, 2), "fps": round(fps, 3),
                       "size_px": list(film.size_px)}  # fmt: skip

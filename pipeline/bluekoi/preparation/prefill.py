@@ -6,16 +6,20 @@ import csv
 import io
 import os
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..footage.chapters import chapter_of
 from ..study import VIDEO_SUFFIXES, Trial
+from ..study.image_files import IMAGE_SUFFIXES, natural
 from ..study.keys import keys
 
 HEADER_BYTES = 4096
-MOST_FILES = 10_000
+MOST_FILES = 100_000
+LEAST_PICTURES = 50
+"""A folder with fewer pictures is one of calibration boards rather than a recording."""
 REQUIRED = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
 POWER = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
 PERCENT = re.compile(r"(?i)(\d{1,3})(?:pct|percent|%)")
@@ -30,11 +34,15 @@ OPTIONAL = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
 
 @dataclass(frozen=True)
 class StudyFiles:
-    """Files of a folder that a study can be made of, as paths relative to it, in natural order."""
+    """Files of a folder that a study can be made of, as paths relative to it, in natural order.
+
+    pictures: folders with at least `LEAST_PICTURES` pictures, with a slash at the end.
+    """
 
     videos: tuple[str, ...]
     keypoints: tuple[str, ...]
     motor_logs: tuple[str, ...]
+    pictures: tuple[str, ...] = ()
 
 
 def study_files(folder: Path) -> StudyFiles:
@@ -43,15 +51,19 @@ def study_files(folder: Path) -> StudyFiles:
     Hidden folders are left out, and folders with a report.html, which are results of a run.
     """
     videos, points, logs = [], [], []
+    pictures: Counter[str] = Counter()
     for path in _files(folder):
         name, suffix = path.relative_to(folder).as_posix(), path.suffix.lower()
         if suffix in VIDEO_SUFFIXES:
             videos.append(name)
+        elif suffix in IMAGE_SUFFIXES:
+            pictures[path.parent.relative_to(folder).as_posix() + "/"] += 1
         elif suffix in (".h5", ".hdf5", ".slp") or (suffix == ".csv" and _is_keypoints(path)):
             points.append(name)
         elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
             logs.append(name)
-    found = (tuple(sorted(some, key=_natural)) for some in (videos, points, logs))
+    films = [name for name, count in pictures.items() if count >= LEAST_PICTURES]
+    found = (tuple(sorted(some, key=natural)) for some in (videos, points, logs, films))
     return StudyFiles(*found)
 
 
@@ -62,7 +74,7 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
     one of the same name. What is not known is left out for the user to fill in. Chapters of one
     GoPro recording make one row. head_length_m: of the 1x head, taken for all trials.
     """
-    sources = _recordings(files.videos) or list(files.keypoints)
+    sources = _recordings(files.videos) or list(files.pictures or files.keypoints)
     logs = _logs_by_name(files.motor_logs)
     rows: list[dict[str, str]] = []
     for source in sources:
@@ -139,12 +151,6 @@ def _files(folder: Path) -> Iterator[Path]:
                 return
             if not name.startswith("."):
                 yield Path(root) / name
-
-
-def _natural(name: str) -> list[tuple[int, int, str]]:
-    """Sort key by which T2 comes before T10."""
-    parts = re.split(r"(\d+)", name.casefold())
-    return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts]
 
 
 def _recordings(videos: Sequence[str]) -> list[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ from .layout import Layout
 
 SMALL_BYTES = 2**20
 """Files up to this size are compared by content, larger ones (videos) by size and date."""
+MOST_READ = 20
+"""Source files of a trial whose content is read to compare them; more are pictures."""
 NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
 """Columns of trials.csv without meaning for the reading of a keypoint file."""
 
@@ -53,7 +55,7 @@ def is_fresh(status: Path, results: Path, inputs: str) -> bool:
 
 
 def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
-    files, setup = [state_of(path) for path in study.paths(trial)], study.setup
+    files, setup = states_of(study.paths(trial)), study.setup
     if not trial.reads_keypoints:
         return [without(row(trial), "role"), setup.model_dump(mode="json"), files]
     return [without(row(trial), *NOT_READ), setup.bodyparts, setup.detection.model_dump(), files]
@@ -71,7 +73,15 @@ def _motion(study: Study, trial: Trial, layout: Layout) -> list[Any]:
 def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
     films = [] if trial.reads_keypoints else list(study.paths(trial))
     fits = (layout.status(trial.trial_id), layout.coefficients, layout.root / "mismatch.json")
-    return [_motion(study, trial, layout), [state_of(path) for path in (*films, *fits)]]
+    return [_motion(study, trial, layout), [*states_of(films), *map(state_of, fits)]]
+
+
+def states_of(paths: Sequence[Path]) -> list[str]:
+    """State of each source file; of many pictures, one hash of their names, sizes and dates."""
+    if len(paths) <= MOST_READ:
+        return [state_of(path) for path in paths]
+    found = [(path, path.stat()) for path in paths if path.is_file()]
+    return [hash_of([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]
 
 
 def state_of(path: Path) -> str:

@@ -10,16 +10,14 @@ from pydantic import ValidationError
 
 from ..errors import Finding, nearest
 from ..files import read_text
+from .image_files import names_images
 from .messages import explain
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 
 MAX_BYTES, MAX_TRIALS = 10_000_000, 10_000
 """Ten times the largest study that was tried; a larger file is hardly a list of trials."""
 Rows = list[tuple[int, list[str]]]
-SLEAP_REMEDY = (
-    "In SLEAP, export it (File, Export Analysis HDF5; or sleap-convert --format analysis) and give "
-    "the .h5 file."
-)
+PATH_RULE = "a path without '..': relative to the study folder, or absolute"
 UNREADABLE = (OSError, UnicodeDecodeError, csv.Error)
 
 
@@ -123,16 +121,18 @@ def _trial(
 def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
     named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
     found = [
-        Finding(path, f"{row}, {column}", repr(name), "a path inside the study folder, no '..'")
+        Finding(path, f"{row}, {column}", repr(name), PATH_RULE)
         for column, name in named
-        if ".." in Path(name).parts or Path(name).is_absolute() or "\0" in name
+        if ".." in Path(name).parts or "\0" in name
     ]
-    suffixes = {Path(name).suffix.lower() for name in trial.sources}
     known = {*VIDEO_SUFFIXES, *KEYPOINT_SUFFIXES}
-    if not trial.sources or not suffixes <= known:
-        expected = f"a video or keypoint file ({', '.join(sorted(known))})"
-        remedy = SLEAP_REMEDY if ".slp" in suffixes else ""
-        found.append(Finding(path, f"{row}, source", repr(trial.source), expected, remedy))
+    films = [name for name in trial.sources if not names_images(name)]
+    if not trial.sources or not {Path(name).suffix.lower() for name in films} <= known:
+        expected = f"a video or keypoint file ({', '.join(sorted(known))}), or pictures: a folder "
+        expected += "or a pattern such as T01/*.png"
+        found.append(Finding(path, f"{row}, source", repr(trial.source), expected))
+    elif films and len(films) < len(trial.sources):
+        found.append(Finding(path, f"{row}, source", repr(trial.source), "videos or pictures"))
     elif trial.reads_keypoints and len(trial.sources) > 1:
         found.append(Finding(path, f"{row}, source", repr(trial.source), "one keypoint file"))
     return found

@@ -50,9 +50,14 @@ def missing_of(study: Study, trial: Trial) -> list[Finding]:
         Finding(
             str(study.root / "trials.csv"),
             f"trial {trial.trial_id}",
-            f"no file '{path.relative_to(study.root)}'",
-            "a file at that path, relative to the study folder",
+            f"no file '{_named(path, study.root)}'",
+            "a file at that path, relative to the study folder or absolute",
         )
         for path in paths
         if not path.is_file()
     ]
+
+
+def _named(path: Path, root: Path) -> Path:
+    """A path as trials.csv names it."""
+    return path.relative_to(root) if path.is_relative_to(root) else path

@@ -153,8 +153,9 @@ def _beyond(value: float, size: int) -> bool:
 def trial_problems(trial: Trial) -> list[Problem]:
     """Cells of a row that do not go together."""
     problems = []
-    if trial.reads_keypoints and trial.fps is None:
-        expected = "frames per second; fps is required where the source is a keypoint file"
+    if (trial.reads_keypoints or trial.reads_images) and trial.fps is None:
+        kind = "a keypoint file" if trial.reads_keypoints else "pictures"
+        expected = f"frames per second; fps is required where the source is {kind}"
         problems.append(Problem("fps", "nothing", expected))
     if (trial.start_x_px is None) != (trial.start_y_px is None):
         lacking = "start_x_px" if trial.start_x_px is None else "start_y_px"

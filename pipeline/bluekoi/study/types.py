@@ -10,11 +10,12 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from ..errors import input_error, nearest
+from .image_files import expanded, names_images
 from .rules import refuse, trial_problems
 from .setup import Section, Setup, key
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
-KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5")
+KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
 
 
 class Trial(Section):
@@ -22,8 +23,9 @@ class Trial(Section):
 
     trial_id: str = key("Name of the trial: unique; letters, digits, `_` and `-`.")
     source: str = key(
-        "Video (chapters of one recording joined by `;`) or DeepLabCut file (.csv, .h5) in raw "
-        "camera pixels; path relative to the study folder."
+        "Video (chapters of one recording joined by `;`), pictures (a folder, or a pattern such as "
+        "`T01/*.png` or `T01/%05d.png`), or keypoint file (.csv, .h5, .slp) in raw camera pixels. "
+        "Paths are relative to the study folder, without `..`, or absolute; links are followed."
     )
     power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = key("Motor power.", "%")
     head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = key(
@@ -35,8 +37,8 @@ class Trial(Section):
         "Nose to hinge in this trial.", "m"
     )
     fps: Annotated[float, Field(gt=0, le=10000, allow_inf_nan=False)] | None = key(
-        "Frame rate at which the scene was filmed: required for keypoint files; overrides the "
-        "time stamps of a video. 30000/1001 is written 29.97003.",
+        "Frame rate at which the scene was filmed: required for keypoint files and pictures; "
+        "overrides the time stamps of a video. 30000/1001 is written 29.97003.",
         "frames/s",
         None,
     )
@@ -95,6 +97,11 @@ class Trial(Section):
         return any(Path(name).suffix.lower() in KEYPOINT_SUFFIXES for name in self.sources)
 
     @property
+    def reads_images(self) -> bool:
+        """Whether the source is pictures in files: a folder of them or a pattern."""
+        return not self.reads_keypoints and any(map(names_images, self.sources))
+
+    @property
     def start_px(self) -> tuple[float, float] | None:
         """Where the intended body is in the first frame, px."""
         if self.start_x_px is None or self.start_y_px is None:
@@ -134,8 +141,8 @@ class Study(Section):
         )
 
     def paths(self, trial: Trial) -> tuple[Path, ...]:
-        """Absolute paths of a trial's source files."""
-        return tuple(self.root / name for name in trial.sources)
+        """Absolute paths of a trial's source files; of pictures, each of them in order."""
+        return tuple(path for name in trial.sources for path in expanded(self.root, name))
 
     def motor_path(self, trial: Trial) -> Path | None:
         """Absolute path of a trial's motor log, where it has one."""

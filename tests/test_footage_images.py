@@ -1,0 +1,97 @@
+"""Pictures as a recording: which files, in which order, at which times, and the same detection."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from bluekoi.errors import InputError
+from bluekoi.footage import frames, open_recording
+from bluekoi.stages.freshness import states_of
+from bluekoi.study import Study, missing_files
+from bluekoi.study.image_files import expanded
+
+HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps\n"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Twelve pictures of 80 x 60 px, each as bright as its number; others beside them."""
+    (tmp_path / "T1").mkdir()
+    for i in range(1, 13):
+        cv2.imwrite(str(tmp_path / f"T1/frame_{i}.png"), np.full((60, 80), 10 * i, np.uint8))
+    cv2.imwrite(str(tmp_path / "T1/mask_1.png"), np.zeros((60, 80), np.uint8))
+    (tmp_path / "T1/notes.txt").write_text("x")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["T1/frame_*.png", "T1/frame_%d.png", "T?/frame_[0-9]*.png"])
+def test_a_pattern_is_its_pictures_as_people_count(folder, name):
+    found = expanded(folder, name)
+    assert [path.name for path in found] == [f"frame_{i}.png" for i in range(1, 13)]
+
+
+def test_a_folder_is_all_of_its_pictures(folder):
+    assert len(expanded(folder, "T1")) == len(expanded(folder, "T1/")) == 13
+    assert expanded(folder, str(folder / "T1"))[0].is_absolute()
+
+
+def test_what_is_not_there_stays_a_path_to_complain_of(folder):
+    (folder / "trials.csv").write_text(HEADER + "A,T2/*.png,50,0,0.12,30\n")
+    study = Study.model_construct(root=folder, setup=None, trials=tuple(trials_of(folder)))
+    assert ["T2/*.png" in str(one) for one in missing_files(study)] == [True]
+
+
+def test_frames_have_the_times_of_the_stated_rate(folder):
+    film = open_recording(expanded(folder, "T1/frame_*.png"), fps=20.0, start_s=0.1, end_s=0.4)
+    assert film.size_px == (80, 60)
+    found = list(frames(film))
+    np.testing.assert_allclose([one.time_s for one in found], np.arange(2, 9) / 20)
+    assert [int(one.luma[0, 0]) for one in found] == [30, 40, 50, 60, 70, 80, 90]
+    assert [int(one.luma[0, 0]) for one in frames(film).spread(3)] == [30, 60, 90]
+    assert next(iter(frames(film, colour=True))).bgr.shape == (60, 80, 3)
+
+
+def test_a_damaged_picture_costs_its_own_frame_alone(folder):
+    (folder / "T1/frame_5.png").write_bytes(b"broken")
+    cv2.imwrite(str(folder / "T1/frame_6.png"), np.zeros((10, 10), np.uint8))
+    film = open_recording(expanded(folder, "T1/frame_*.png"), fps=10.0)
+    assert [one.index for one in frames(film)] == [0, 1, 2, 3, 6, 7, 8, 9, 10, 11]
+
+
+@pytest.mark.parametrize(
+    ("name", "fps", "text"),
+    [("T1/frame_*.png", None, "State fps"), ("T1/none.png", 10.0, "no such file")],
+)
+def test_what_cannot_be_opened_is_refused(folder, name, fps, text):
+    with pytest.raises(InputError, match=text):
+        open_recording(expanded(folder, name), fps=fps)
+
+
+def test_the_state_of_many_pictures_changes_with_one_of_them(folder):
+    paths = expanded(folder, "T1/frame_*.png") * 2
+    before = states_of(paths)
+    cv2.imwrite(str(paths[3]), np.full((60, 80), 99, np.uint8))
+    assert len(before) == 1
+    assert states_of(paths) != before
+
+
+def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
+    other = tmp_path_factory.mktemp("elsewhere")
+    (other / "pictures").symlink_to(folder / "T1")
+    names = ["pictures", str(folder / "T1/frame_*.png")]
+    rows = [f"A{i},{name},50,0,0.12,30\n" for i, name in enumerate(names)]
+    (other / "trials.csv").write_text(HEADER + "".join(rows))
+    study = Study.model_construct(root=other, setup=None, trials=tuple(trials_of(other)))
+    assert missing_files(study) == []
+    assert [len(study.paths(trial)) for trial in study.trials] == [13, 12]
+
+
+def trials_of(folder):
+    from bluekoi.study.csv_file import read_trials
+
+    findings: list = []
+    trials = read_trials(folder / "trials.csv", findings)
+    assert findings == []
+    return trials

@@ -305,3 +305,13 @@ def test_phases_that_do_not_hang_together_tell_of_no_delay():
     assert clock_delay(hz[:4], np.zeros(4), std[:4]) is None
     alike = np.full(24, 3.0)
     assert clock_delay(alike, np.full(24, 0.3), std) is None
+
+
+def test_a_log_of_noise_is_no_turning_shaft(tmp_path):
+    time_s = np.arange(0, 4, 0.005)
+    noise = np.random.default_rng(0).uniform(0, 360, len(time_s))
+    lines = [f"{t:.3f},{a:.3f}" for t, a in zip(time_s, noise, strict=True)]
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(["time_s,angle_deg", *lines]))
+    with pytest.raises(InputError, match="expected a shaft that turns steadily"):
+        flapping_from_log(path)

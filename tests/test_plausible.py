@@ -10,11 +10,13 @@ from exact_campaign import campaign
 
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping, Pose, Steady, Track
+from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import clock_ratio, compare
 from bluekoi.pose import rigid_pose
+from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausible import first_jump, implausible
-from bluekoi.stages.tracks import _doubted, flapping_of
+from bluekoi.stages.tracks import _doubted, flapping_of, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
 from studies import small_study
@@ -163,3 +165,25 @@ def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doub
     assert ("clocks disagree" in reason) == doubted
     assert reason.endswith(SLOW.reason)
     assert _doubted(SLOW, motor) is SLOW
+
+
+def test_a_robot_outside_of_the_pool_is_named(seen):
+    study, trial, positions = seen
+    (text,) = told(study, trial, replace(positions, xy_m=positions.xy_m + np.array([2.0, 0.0])))
+    assert "a robot outside of the pool, near x = 3" in text
+    assert "pool_corners_px those of this recording?" in text
+    assert told(study, trial, replace(positions, xy_m=positions.xy_m + np.array([0.2, 0.0]))) == []
+
+
+def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    path = study / "keypoints/T10.csv"
+    head, rows = path.read_text().splitlines()[:3], path.read_text().splitlines()[3:]
+    same = [",".join([r.split(",")[0], *(5 * r.split(",")[1:4])]) for r in rows]
+    path.write_text("\n".join([*head, *same]) + "\n")
+    keypoints(study, results, "T10")
+    tracks(study, results, "T10")
+    status = read_json(results / "status/T10.json")
+    assert not status["ok"]
+    assert "several parts in one place" in status["message"]
+    assert "defect" not in status["message"]

@@ -20,6 +20,10 @@ GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 
 
+UNSTEADY = 0.2
+"""A log whose frequency is known no better than to this share shows no turning shaft."""
+
+
 def flapping_from_log(path: str | Path) -> Flapping:
     """Flapping frequency of the constant part, with standard deviation and over time [Hz].
 
@@ -45,6 +49,15 @@ def flapping_from_log(path: str | Path) -> Flapping:
             "Log for longer, or give flap_hz in trials.csv instead of motor_log.",
         )
     fit = _fit(time_s[inside], shaft.phase_rad[inside])
+    if not fit.hz_std < UNSTEADY * abs(fit.hz):
+        raise input_error(
+            path,
+            "angle_deg",
+            f"a shaft that turns at {abs(fit.hz):.3g} +- {fit.hz_std:.2g} Hz",
+            "a shaft that turns steadily",
+            "Are these the shaft's angles, in degrees and in their order? Else give flap_hz in "
+            "trials.csv instead of motor_log.",
+        )
     notes = (*remarks, *_notes(fit, shaft))
     return Flapping(
         flap_hz=abs(fit.hz),

@@ -19,6 +19,8 @@ LENGTH_SHARE, LEAST_LENGTH_M = 0.25, 0.02
 MOST_SCALE = 1.5
 """All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
 HEAD_ANGLE_DEG = 25.0
+OUTSIDE_SHARE, OUTSIDE_FRAMES = 0.1, 0.25
+"""A quarter of the frames further beyond a wall than this share of the pool's longer side."""
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 AROUND = 3
@@ -31,6 +33,7 @@ def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) ->
     return [
         *_lengths(table, place, study, trial, positions),
         *_head_angle(table, place, trial, pose),
+        *_outside(str(study.paths(trial)[0]), place, study, pose),
         *_backwards(str(study.paths(trial)[0]), place, study, pose),
         *_jump(str(study.paths(trial)[0]), place, study, pose),
     ]
@@ -90,6 +93,23 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
         else f"{convention} Is it another trial's row?"
     )
     return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", remedy)]
+
+
+def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+    seen = pose.values[np.isfinite(pose.values[:, :2]).all(axis=1), :2]
+    pool = study.setup.pool
+    beyond = np.maximum(-seen, seen - np.array([pool.length_m, pool.width_m])).max(axis=1)
+    out = beyond > OUTSIDE_SHARE * max(pool.length_m, pool.width_m)
+    if len(seen) == 0 or out.mean() < OUTSIDE_FRAMES:
+        return []
+    x, y = np.median(seen[out], axis=0)
+    found = f"a robot outside of the pool, near x = {x:.2f} m, y = {y:.2f} m"
+    expected = f"a robot within {pool.length_m:g} x {pool.width_m:g} m"
+    remedy = (
+        "Are these keypoints of the whole frame (not of a cropped or resized one), x before y, and "
+        "pool_corners_px those of this recording?"
+    )
+    return [Finding(source, place, found, expected, remedy)]
 
 
 def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:

@@ -66,7 +66,10 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     flapping = flapping_of(study, trial, positions)
-    pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    try:
+        pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        raise _without_pose(study, trial) from error
     if wrong := implausible(study, trial, positions, pose):
         raise InputError(wrong)
     try:
@@ -100,6 +103,16 @@ def _recoil_hz(flapping: Flapping) -> float:
     """Flapping frequency in the video's clock, where that is another than the motor's."""
     wrong = not flapping.agrees and np.isfinite(flapping.ratio)
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
+
+
+def _without_pose(study: Study, trial: Trial) -> InputError:
+    return input_error(
+        study.paths(trial)[0],
+        f"trial {trial.trial_id}",
+        "keypoints that no rigid body can have, such as several parts in one place",
+        "head_tip, hinge, core_center and tail_base at their distances",
+        "Look at the labels of this trial.",
+    )
 
 
 def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:

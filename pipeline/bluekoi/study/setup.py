@@ -67,9 +67,14 @@ class Robot(Section):
     from.
     """
 
-    mass_kg: Positive = key("Mass of the robot, without added mass.", "kg")
+    mass_kg: Positive = key(
+        "Mass of the robot, without added mass. All coefficients are proportional to it, and no "
+        "recording can check it.",
+        "kg",
+    )
     yaw_inertia_kg_m2: Positive = key(
-        "Moment of inertia about the vertical axis through the centre of mass, without added mass.",
+        "Moment of inertia about the vertical axis through the centre of mass, without added mass. "
+        "Yaw coefficients are proportional to it.",
         "kg m2",
     )
     body_length_m: Positive = key("Nose to caudal base (root of the tail), with the 1x head.", "m")

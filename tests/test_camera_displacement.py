@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -18,7 +20,7 @@ from bluekoi.camera.displacement import error_forms, lens_strength
 from bluekoi.camera.resection import rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
-from bluekoi.model import simulation
+from bluekoi.observation import view_of
 from bluekoi.study import Setup
 from robots import SETUP
 
@@ -64,9 +66,8 @@ def fitted(observe, constants: dict[str, float], k: float, seen: np.ndarray) -> 
 
 
 def named(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
-    given = simulation.constants(setup, 0.12)
-    names = (*names, "in_part")
-    return {name: float(given[simulation.CONSTANTS.index(name)]) for name in names}
+    given = asdict(view_of(setup)) | {"L_pool": setup.pool.length_m, "W_pool": setup.pool.width_m}
+    return {name: given[name] for name in names}
 
 
 def share_left(model: np.ndarray, seen: np.ndarray) -> float:
@@ -111,7 +112,7 @@ def test_a_homography_is_taken_for_a_camera_over_the_middle():
     assert error_forms(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
 
 
-def test_corners_that_fit_no_pose_stop_no_simulation():
+def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
     setup = stated()
     a, b, c, d = setup.camera.pool_corners_px
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})

@@ -5,12 +5,16 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bluekoi.model import FLAP_HZ, TABLE_1, constants, simulate, steady_turn
+from bluekoi.integrate.dependence import arguments
+from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate, steady_turn
+from bluekoi.model.plates import DYNAMICS
+from bluekoi.observation import constant_names
 from bluekoi.tuning import growth_per_s
 from robots import SETUP
 
@@ -115,3 +119,18 @@ def test_longer_head_has_the_contract_s_arm() -> None:
     values = constants(SETUP, 0.175)
     assert values[3] == pytest.approx(0.175 + 0.04 - (0.331 + 0.055) / 4)
     assert values[1] == pytest.approx(0.175 * 0.069)
+
+
+def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
+    physics = [e for e in plates().effects if e.kind != "measurement"]
+    asked = {name for stage in DYNAMICS for name in arguments(stage, physics)}
+    assert not asked & set(constant_names())
+
+
+def test_a_swim_is_simulated_without_a_camera() -> None:
+    tank = SimpleNamespace(robot=SETUP.robot, pool=SETUP.pool, water=SETUP.water)
+    with_camera, without = (
+        simulate(TABLE_1[75], setup=setup, head_length_m=0.12, head_angle_rad=0.5,
+                 flap_hz=4.0, duration_s=2.0) for setup in (SETUP, tank)
+    )  # fmt: skip
+    assert np.array_equal(with_camera.state, without.state)

@@ -16,6 +16,7 @@ Modules in the order of the data flow:
     explain       the finder for a model and recordings of your own
     effects       candidate physics: one effect a file
     measurement   candidate measurement errors: one a file
+    observation   what camera and clock record of a motion
     model         the paper's equations, with effects added
     tuning        the paper's three steps and the joint fit
     design_space  other designs and manoeuvres of the fitted robot

@@ -1,1 +1,3 @@
-"""Faults of the measurement that look like physics: one file a cause, the folder is the list."""
+"""Candidate measurement errors: one file each, the folder is the list. Each adds to the stages of
+`observation`.
+"""

@@ -17,6 +17,6 @@ EVIDENCE = {"clock_ratio": {"k": 1.0}}
 PARAMETERS = (Parameter("k", "1", 0.01, -0.6, 1.5, "share by which true time runs faster"),)
 
 
-def clock(in_part: float, k: float) -> tuple[float]:
-    """Change of the rate of true time; in_part: 1, or 0 in trials where the fault is not."""
-    return (k * in_part,)
+def clock(k: float) -> tuple[float]:
+    """Change of the rate of true time."""
+    return (k,)

@@ -25,8 +25,7 @@ PARAMETERS = (
 
 
 def observe(
-    cpsi: float, spsi: float, in_part: float, bx: float, by: float, bpsi: float, bphi: float
+    cpsi: float, spsi: float, bx: float, by: float, bpsi: float, bphi: float
 ) -> tuple[float, float, float, float]:
-    """Change of what is seen (m, m, rad, rad); in_part: see `scale_error`."""
-    dx, dy = bx * cpsi - by * spsi, bx * spsi + by * cpsi
-    return in_part * dx, in_part * dy, in_part * bpsi, in_part * bphi
+    """Change of what is seen (m, m, rad, rad)."""
+    return bx * cpsi - by * spsi, bx * spsi + by * cpsi, bpsi, bphi

@@ -29,10 +29,10 @@ PARAMETERS = (
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_lens: float, y_lens: float, Q_lens: float,
-    ax_lens: float, ay_lens: float, ahead: float, in_part: float,
+    ax_lens: float, ay_lens: float, ahead: float,
     k: float, q: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Change of what is seen (m, m, rad, rad); ahead, in_part: see `scale_error`."""
+    """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_lens, y + ahead * spsi - y_lens
-    s, bend = dx * dx + dy * dy - q * Q_lens, k * in_part
-    return bend * (s * dx + ax_lens), bend * (s * dy + ay_lens), 0.0, 0.0
+    s = dx * dx + dy * dy - q * Q_lens
+    return k * (s * dx + ax_lens), k * (s * dy + ay_lens), 0.0, 0.0

@@ -22,9 +22,8 @@ PARAMETERS = (Parameter("k", "1", 0.01, -0.3, 0.3, "share by which lengths are s
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, L_pool: float, W_pool: float, ahead: float,
-    in_part: float, k: float,
+    k: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Change of what is seen (m, m, rad, rad); in_part: 0 in trials where the fault is not."""
+    """Change of what is seen (m, m, rad, rad)."""
     dx, dy = x + ahead * cpsi - 0.5 * L_pool, y + ahead * spsi - 0.5 * W_pool
-    s = k * in_part
-    return s * dx, s * dy, 0.0, 0.0
+    return k * dx, k * dy, 0.0, 0.0

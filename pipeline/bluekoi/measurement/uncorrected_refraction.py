@@ -24,9 +24,9 @@ PARAMETERS = (Parameter("k", "1", 0.005, -0.05, 0.05, "share by which positions 
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_cam: float, y_cam: float, bend: float,
-    ahead: float, in_part: float, k: float,
+    ahead: float, k: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
-    """Change of what is seen (m, m, rad, rad); ahead, in_part: see `scale_error`."""
+    """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_cam, y + ahead * spsi - y_cam
-    s = -k * in_part * (1.0 + bend * (dx * dx + dy * dy))
+    s = -k * (1.0 + bend * (dx * dx + dy * dy))
     return s * dx, s * dy, 0.0, 0.0

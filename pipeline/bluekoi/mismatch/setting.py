@@ -16,11 +16,6 @@ from .locate import MissingForce
 
 HELD_OUT_SHARE = 0.25
 CHANNELS = ("surge", "sway", "yaw")
-PART_FLAG = "in_part"
-PARTIAL = (
-    "clock_error", "keypoint_bias", "lens_error", "scale_error", "uncorrected_refraction",
-)  # fmt: skip
-"""The faults of measuring that act where a trial's flag is 1: in a part of the trials, perhaps."""
 
 
 def has_roles(study: Study) -> bool:
@@ -110,8 +105,6 @@ def _turn(
 ) -> tuple[float, float]:
     """Speed (m/s) and radius (m) of a free run, over the stretch in which they were seen."""
     coefficients, effects = split(kernel, values)
-    if not one.constants[kernel.system.constants.index(PART_FLAG)]:
-        effects = {name: numbers for name, numbers in effects.items() if name not in PARTIAL}
     trial = study.trial(one.name)
     run = simulate(
         coefficients, setup=study.setup, head_length_m=trial.head_length_m,

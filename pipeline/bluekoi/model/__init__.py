@@ -1,10 +1,11 @@
 """The two-plate model: Eqs. 1 to 8, the effects that may be added, and simulations of both."""
 
-from .plates import COEFFICIENTS, OBSERVATIONS, effect_names, is_nameless, plates
+from ..observation import OBSERVATIONS
+from .plates import COEFFICIENTS, effect_names, is_nameless, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
 from .residual import channels as residual_channels
 from .residual import sources as residual_sources
-from .simulation import Simulation, constants, simulate, simulate_at, steady_turn
+from .simulation import Simulation, Tank, constants, simulate, simulate_at, steady_turn
 
 __all__ = [
     "COEFFICIENTS",
@@ -14,6 +15,7 @@ __all__ = [
     "TABLE_2_PCT",
     "UNIT_READING",
     "Simulation",
+    "Tank",
     "constants",
     "effect_names",
     "is_nameless",

@@ -22,11 +22,6 @@ from ..integrate.branchless import sin_cos
 REST = 1e-12  # m2/s2 beside V^2, so that directions exist at rest, where every force is zero
 
 
-def clock() -> tuple[float]:
-    """Rate of true time against the recording's time."""
-    return (1.0,)
-
-
 def drive(head_angle: float, flap_hz: float) -> tuple[float, float]:
     """Head angle phi (rad) and flapping frequency f (Hz) as commanded or measured."""
     return head_angle, flap_hz
@@ -154,8 +149,3 @@ def rates(
         (Y - mx * u * w) * by,
         (N - (my - mx) * u * v) * bJ,
     )
-
-
-def observe(x: float, y: float, psi: float, phi: float) -> tuple[float, float, float, float]:
-    """What the camera gives: centre of mass (m), core heading and head angle (rad)."""
-    return x, y, psi, phi

@@ -1,4 +1,4 @@
-"""The two-plate system: its coefficients, its stages, and the effects that stand in the folders."""
+"""The two-plate model: equations of motion, observation model, and the effects of the folders."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import pkgutil
 from functools import lru_cache
 from importlib import import_module
 
-from .. import effects, measurement
+from .. import effects, measurement, observation
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
-from . import disturbance, equations, hump, residual, sloshing, surging, tracking_error
+from ..observation import tracking_error
+from . import disturbance, equations, hump, residual, sloshing, surging
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -19,8 +20,7 @@ COEFFICIENTS = (
     Parameter("C_Md", "kg m2", 0.12, -0.1, 5.0, "damping of the yaw rate squared"),
 )
 
-STAGES = (
-    Stage("clock", ("clock_rate",), equations.clock, open=True),
+DYNAMICS = (
     Stage("drive", ("phi", "f"), equations.drive, open=True),
     Stage("water", ("wx", "wy", "wr", "wd"), None, open=True),
     Stage("head", ("cphi", "sphi"), equations.head),
@@ -32,18 +32,17 @@ STAGES = (
     Stage("mobility", ("bx", "by", "bJ"), equations.mobility),
     Stage("swing", ("swing",), equations.swing, open=True),
     Stage("rates", ("x", "y", "psi", "u", "v", "r"), equations.rates),
-    Stage("observe", ("x", "y", "heading", "head_angle"), equations.observe, open=True),
 )
+"""Equations of motion, in order."""
+STAGES = (observation.CLOCK, *DYNAMICS, observation.OBSERVE)
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 CONSTANTS = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
-    "l_tail", "L_pool", "W_pool", "x_cam", "y_cam", "bend", "x_lens", "y_lens",
-    "Q_lens", "ax_lens", "ay_lens", "psi0", "t_shift",
-    "x_shift", "y_shift", "ahead", "in_part",
+    "l_tail", "L_pool", "W_pool", "psi0",
 )  # fmt: skip
+"""Constants of the equations of motion; those of the observation model follow them."""
 INPUTS = ("head_angle", "flap_hz")
-OBSERVATIONS = ("x", "y", "heading", "head_angle")
 
 
 def effect_names(package: object = effects) -> tuple[str, ...]:
@@ -77,5 +76,12 @@ def _nameless() -> frozenset[str]:
 def plates() -> System:
     """The paper's model with every effect that may extend it."""
     return System(
-        "plates", STATES, CONSTANTS, INPUTS, COEFFICIENTS, STAGES, OBSERVATIONS, all_effects()
+        name="plates",
+        states=STATES,
+        constants=(*CONSTANTS, *observation.constant_names()),
+        inputs=INPUTS,
+        coefficients=COEFFICIENTS,
+        stages=STAGES,
+        observations=observation.OBSERVATIONS,
+        effects=all_effects(),
     )

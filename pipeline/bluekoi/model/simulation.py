@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from typing import Protocol
 
 import numpy as np
 
-from ..camera.displacement import error_forms
 from ..data import Float
 from ..integrate import LANES, compiled
 from ..integrate.batch import STEP_S, propagate
-from ..study import Setup
+from ..observation import View
+from ..study import Pool, Robot, Water
 from .plates import CONSTANTS, plates
-
-NEVER_S = 1e9
 
 
 @dataclass(frozen=True)
@@ -33,9 +32,30 @@ class Simulation:
         return np.hypot(self.state[:, 3], self.state[:, 4])
 
 
-def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -> Float:
-    """Constants of one trial in the order of `CONSTANTS`, (constants,)."""
-    robot, pool, seen = setup.robot, setup.pool, error_forms(setup)
+class Tank(Protocol):
+    """What a swim depends on: robot, pool and water. A study's `Setup` is one."""
+
+    @property
+    def robot(self) -> Robot:
+        """Dimensions and inertia."""
+
+    @property
+    def pool(self) -> Pool:
+        """Size of the pool."""
+
+    @property
+    def water(self) -> Water:
+        """Properties of the water."""
+
+
+def constants(
+    setup: Tank, head_length_m: float, *, heading_rad: float = 0.0, view: View | None = None
+) -> Float:
+    """Constants of one trial in the order of `plates().constants`, (constants,).
+
+    heading_rad: at the start. view: how the trial is seen; without, no measurement errors.
+    """
+    robot, pool = setup.robot, setup.pool
     values = {
         "rho": setup.water.density_kg_m3,
         "A": robot.head_area_m2(head_length_m),
@@ -51,28 +71,15 @@ def constants(setup: Setup, head_length_m: float, *, heading_rad: float = 0.0) -
         "l_tail": robot.tail_length_m,
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
-        "x_cam": seen.below_m[0],
-        "y_cam": seen.below_m[1],
-        "bend": seen.bend_1_m2,
-        "x_lens": seen.lens_m[0],
-        "y_lens": seen.lens_m[1],
-        "Q_lens": seen.lens_rest_m2,
-        "ax_lens": seen.lens_pull_m3[0],
-        "ay_lens": seen.lens_pull_m3[1],
         "psi0": heading_rad,
-        "t_shift": NEVER_S,
-        "x_shift": 1.0,
-        "y_shift": 0.0,
-        "ahead": 0.0,
-        "in_part": 1.0,
     }
-    return np.array([values[name] for name in CONSTANTS])
+    return np.array([*(values[name] for name in CONSTANTS), *astuple(view or View())])
 
 
 def simulate(
     coefficients: Mapping[str, float],
     *,
-    setup: Setup,
+    setup: Tank,
     head_length_m: float,
     head_angle_rad: float | Float,
     flap_hz: float | Float,
@@ -137,7 +144,7 @@ def _in_world_axes(times: Float, body: Float, head_angle: Float) -> Simulation:
 def steady_turn(
     coefficients: Mapping[str, float],
     *,
-    setup: Setup,
+    setup: Tank,
     head_length_m: float,
     head_angle_rad: float,
     flap_hz: float,

@@ -12,6 +12,7 @@ from ..fitting import Series, normal_equations
 from ..integrate import LANES, Kernel, compiled
 from ..integrate.batch import propagate
 from ..model import constants, plates
+from ..observation import view_of
 from ..study import Setup
 from .bounds import parameter_of, sides
 from .identify import Combination, sizes
@@ -105,7 +106,7 @@ def _imagined(
         like,
         times=times,
         inputs=inputs,
-        constants=constants(setup, length),
+        constants=constants(setup, length, view=view_of(setup)),
         noise=np.tile(stated, (len(times), 1, 1)),
         mean=np.zeros(len(like.mean)),
         evidence={},

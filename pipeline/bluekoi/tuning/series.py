@@ -9,6 +9,7 @@ import numpy as np
 from ..data import Flapping, Float, Pose, Track, poorly_seen
 from ..fitting import Series
 from ..model import constants, plates
+from ..observation import view_of
 from ..study import Setup, Study, Trial
 
 OUTLIER_SIGMA = 6.0
@@ -59,7 +60,7 @@ def trial_series(
         condition=condition(trial),
         times=times - pose.time_s[0],
         inputs=np.tile([trial.head_angle_rad, flapping.flap_hz], (len(times), 1)),
-        constants=constants(setup, trial.head_length_m, heading_rad=start[2]),
+        constants=constants(setup, trial.head_length_m, heading_rad=start[2], view=view_of(setup)),
         seen=seen,
         noise=noise,
         mean=np.concatenate([start, np.zeros(len(plates().all_states) - 6)]),

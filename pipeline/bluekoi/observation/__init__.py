@@ -1,0 +1,21 @@
+"""The observation model: what camera and clock record of a motion. The motion is independent of it.
+
+view            numbers of the camera and of the keypoints that measurement errors depend on
+equations       stages: rate of true time, recorded pose
+tracking_error  random errors of tracking, present in every filter
+
+Candidate measurement errors add to these stages: one file each in `measurement/`.
+"""
+
+from .equations import CLOCK, OBSERVATIONS, OBSERVE
+from .view import NEVER_S, View, constant_names, view_of
+
+__all__ = [
+    "CLOCK",
+    "NEVER_S",
+    "OBSERVATIONS",
+    "OBSERVE",
+    "View",
+    "constant_names",
+    "view_of",
+]

@@ -1,0 +1,46 @@
+"""Numbers that measurement errors of one trial depend on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from ..camera.displacement import error_forms
+from ..study import Setup
+
+NEVER_S = 1e9
+
+
+@dataclass(frozen=True)
+class View:
+    """How one trial is seen; the defaults are an error-free view without a camera.
+
+    x_cam, y_cam: point of the pool below the camera (m). bend: growth of the displacement by
+    refraction, `1 + bend rho^2` (1/m2). x_lens, y_lens (m), Q_lens (m2), ax_lens, ay_lens (m3):
+    `camera.displacement.ErrorForms`. t_shift: time from which the camera is displaced (s).
+    x_shift, y_shift: displacement beside that of the most clearly displaced trial (1, as a complex
+    number). ahead: distance of the observed nose from the core's centre (m).
+    """
+
+    x_cam: float = 0.0
+    y_cam: float = 0.0
+    bend: float = 0.0
+    x_lens: float = 0.0
+    y_lens: float = 0.0
+    Q_lens: float = 0.0
+    ax_lens: float = 0.0
+    ay_lens: float = 0.0
+    t_shift: float = NEVER_S
+    x_shift: float = 1.0
+    y_shift: float = 0.0
+    ahead: float = 0.0
+
+
+def constant_names() -> tuple[str, ...]:
+    """Names of the constants of a view, in order."""
+    return tuple(field.name for field in fields(View))
+
+
+def view_of(setup: Setup) -> View:
+    """The view of a study's camera."""
+    seen = error_forms(setup)
+    return View(*seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3)

@@ -20,7 +20,7 @@ from bluekoi.keypoints.outline.background import (
     without_resident,
 )
 from bluekoi.keypoints.outline.edges import edge_offset
-from bluekoi.keypoints.outline.ghost_removal import _bare
+from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import plane_of
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import first_template, learned, median_seen
@@ -166,7 +166,7 @@ def test_what_hides_the_floor_is_left_out_of_its_median():
     stack = rng.integers(0, 256, (5, 20, 30)).astype(np.uint8)
     hidden = (rng.random(stack.shape) < 0.4).astype(np.uint8)
     floor = np.full((20, 30), 7, np.uint8)
-    _bare(stack, hidden, floor)
+    _write_unhidden_median(stack, hidden, floor)
     seen = np.where(hidden, np.nan, stack.astype(float))
     some = (hidden.sum(axis=0) > 0) & (hidden.sum(axis=0) < 5)
     assert np.abs(floor[some] - np.nanmedian(seen[:, some], axis=0)).max() <= 0.5

@@ -93,7 +93,7 @@ def _lens_parameters(
     """c, Q and a of `ErrorForms` from the displacements that a small error of the lens makes; those
     of a lens over the middle where they come out outside the pool.
     """
-    places = _places(camera)
+    places = _pool_grid(camera)
     moved = _displacements(camera, places, depth_m)
     seen = np.isfinite(moved).all(axis=1)
     rest = float(np.dot(middle, middle))
@@ -134,7 +134,7 @@ def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
     """
     used = Geometry(camera_over(setup.camera, setup.pool, setup.water.refractive_index),
                     setup.robot.keypoint_depth_m)  # fmt: skip
-    places, forms = _places(used.camera), error_forms(setup)
+    places, forms = _pool_grid(used.camera), error_forms(setup)
     pixels = pixels_of(with_errors(used, errors), places)
     moved = to_pool(used.camera, pixels, used.depth_m) - places
     shape = _lens_shape(places, forms.lens_m, forms.lens_rest_m2, forms.lens_pull_m3)
@@ -142,7 +142,7 @@ def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
     return float(np.sum(shape[seen] * moved[seen]) / np.sum(shape[seen] ** 2))
 
 
-def _places(camera: PoolCamera) -> Float:
+def _pool_grid(camera: PoolCamera) -> Float:
     """Places (n, 2) all over a pool."""
     x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
                          for side, n in zip(camera.pool_size_m, GRID, strict=True)))  # fmt: skip

@@ -78,11 +78,11 @@ def simulate(
         hz, lasts = _frequency(flap_hz, power_pct, fit), seconds or 10.0
         told = _made(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
-            _say_steady(fit, setup, length, hz, angle)
+            _print_steady(fit, setup, length, hz, angle)
     with waiting("simulating (the first time on a machine the model is compiled)"):
         run = _run(fit, setup, length, told, lasts)
     if schedule is not None or manoeuvre is not None:
-        _say_path(run)
+        _print_path(run)
     _save(run, told, setup, length, out=out, picture=picture)
     for sentence in _warnings(fit, run, told, power_pct):
         click.echo(f"Beware: {sentence}.", err=True)
@@ -166,7 +166,7 @@ def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) ->
     return Schedule(np.zeros(1), np.full(1, hz), np.full(1, angle_rad))
 
 
-def _say_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
+def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
     from ..design_space import Condition, steady_states  # noqa: PLC0415
 
     with waiting("looking for the steady state (the first time the model is compiled)", 20.0):
@@ -189,7 +189,7 @@ def _run(fit: Fitted, setup: Setup, length: float, told: Schedule, seconds: floa
     return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
 
 
-def _say_path(run: Simulation) -> None:
+def _print_path(run: Simulation) -> None:
     import numpy as np  # noqa: PLC0415
 
     moved = np.hypot(*(run.state[-1, :2] - run.state[0, :2]))

@@ -45,7 +45,7 @@ def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> I
     every half minute.
     """
     wait, over, out = Wait(what, usual_s), threading.Event(), stream or sys.stderr
-    teller = threading.Thread(target=_tell, args=(wait, over, out), daemon=True)
+    teller = threading.Thread(target=_print_progress, args=(wait, over, out), daemon=True)
     teller.start()
     try:
         yield wait
@@ -54,7 +54,7 @@ def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> I
         teller.join()
 
 
-def _tell(wait: Wait, over: threading.Event, out: TextIO) -> None:
+def _print_progress(wait: Wait, over: threading.Event, out: TextIO) -> None:
     live = out.isatty()
     pause = FIRST_S
     while not over.wait(pause):

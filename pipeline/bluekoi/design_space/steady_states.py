@@ -52,7 +52,7 @@ def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyState
     parts = -(-draws // LANES)
     padded = np.concatenate([own, np.repeat(own[:, :1], parts * LANES - draws, axis=1)], axis=1)
     lanes = padded.reshape(count * parts, LANES, -1).transpose(0, 2, 1)
-    speed, rate = _settled(conditions, lanes, parts)
+    speed, rate = _steady_motion(conditions, lanes, parts)
     speed, rate = (a.reshape(2, count, parts * LANES)[:, :, :draws] for a in (speed, rate))
     change = np.abs(speed[1] - speed[0]) + np.abs(rate[1] - rate[0]) * speed[1]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -62,7 +62,9 @@ def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyState
     return SteadyStates(np.where(steady, speed[1], np.nan), np.where(steady, radius, np.nan))
 
 
-def _settled(conditions: Sequence[Condition], lanes: Float, parts: int) -> tuple[Float, Float]:
+def _steady_motion(
+    conditions: Sequence[Condition], lanes: Float, parts: int
+) -> tuple[Float, Float]:
     """Speed and yaw rate (2, blocks, 16) at `CHECK_S` and `SETTLE_S`."""
     system = plates()
     blocks = len(lanes)

@@ -2,7 +2,7 @@
 
     dT = -k T (1 - exp(-w t)) / w,  t since the start of the trial
 
-which is -k t T at first (w = 0: throughout) and ends at -k T / w: a voltage that settles under
+The loss is -k t T at first (always, if w = 0) and approaches -k T / w, as a voltage settles under
 load.
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
 ch. 2).

@@ -1,7 +1,7 @@
 """A centre of mass that is not where it was said to be.
 
-All forces of the head act at an arm shorter by d, the thrust through the keypoint's axis makes no
-moment, and the keypoint core_center runs beside the centre of mass at distance d along the core.
+All forces of the head act at an arm shorter by d, the thrust along the core's axis makes no moment,
+and the keypoint core_center lies at distance d from the centre of mass along the core.
 Source: rigid-body statics.
 """
 

@@ -6,8 +6,8 @@ Lift follows its steady value over the time in which the flow passes the plate:
 
 and L uses V^e ((1 - w) z + w y) in place of the share k of V^2 sin 2 alpha. w = 0 is a lag of first
 order, w = 1 two of them in series (the flow turns, then the circulation follows). With e = 0 the
-force itself lags, with e = 1 the circulation, with e = 2 the lift coefficient alone; of the moment
-q C_Ma sin 2 alpha the share m k lags as well. h is the head length. Vanishes in steady motion.
+force itself lags, with e = 1 the circulation, with e = 2 only the lift coefficient. The share m k
+of the moment q C_Ma sin 2 alpha lags as well. h is the head length. Vanishes in steady motion.
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
 """

@@ -3,8 +3,8 @@
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
     z = max(1 - t / (2 tau), 0),  t since the start
 
-First order (w = 0), or what a controller makes (w = 1) in twice tau: a ramp, or with q = 1 a soft
-start, which begins and ends gently.
+w = 0 is a first-order motor. w = 1 is a motor with a controller, which reaches full frequency after
+2 tau: by a linear ramp (q = 0) or a soft start (q = 1).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """

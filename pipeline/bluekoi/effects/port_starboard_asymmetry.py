@@ -4,9 +4,8 @@ The head's lift is (1 + k) times as large with the flow from one side and (1 - k
 
     dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
 
-so that with w above 0 the sides differ less where the angle of attack is small; of its moment
-q C_Ma sin 2 alpha the part m does so as well. Even where the model is odd; vanishes with the flow
-straight on.
+With w above 0 the sides differ less at small angles of attack. The part m of the moment
+q C_Ma sin 2 alpha differs in the same way. Vanishes at zero angle of attack.
 Source: own statement (asymmetric hull or head cap).
 """
 

@@ -2,10 +2,9 @@
 
     phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
 
-n = 1 and q = 0 is a first-order lag; a servo that turns at a limited rate and then stands has
-larger n and q = 1, since it needs the longer the further it has to turn. Of the turning the core
-takes the part c, psi' = r + c phi', and the head the rest: with c = 1 the head keeps its direction,
-which is the state of Eq. 8.
+n = 1 and q = 0 is a first-order lag. With a limited rate, n is larger and q = 1: the time is
+proportional to the angle. The core turns by the part c, psi' = r + c phi', and the head by the
+rest; with c = 1 the head keeps its direction, as in Eq. 8.
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
 """
 

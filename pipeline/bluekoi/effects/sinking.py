@@ -3,8 +3,8 @@
     D = -1/2 rho A k t ((1 - w) + w t / t_1) V^2 v_hat,  t since the start, t_1 = 4 s
     seen = c + (1 - g t) (true - c),                     c the middle of the pool
 
-w is the part that grows as t^2: a robot that sinks ever faster. Trim and drag change as it leaves
-the surface; farther from the camera it is seen nearer to the middle, and smaller.
+w is the part that grows as t^2 (accelerated sinking). Trim and drag change as the robot leaves the
+surface. As its distance from the camera grows, it appears smaller and nearer to the middle.
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """
 

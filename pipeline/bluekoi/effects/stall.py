@@ -1,8 +1,7 @@
 """Lift lost at a high angle of attack.
 
-Of the head plate's lift the share k w(alpha) is lost, where w rises from 0 to 1 as |sin alpha|
-goes from s0 to s0 + b, and of its moment q C_Ma sin 2 alpha the share m k w. Vanishes at small
-angles.
+The head plate loses the share k w(alpha) of its lift, where w rises from 0 to 1 as |sin alpha| goes
+from s0 to s0 + b, and the share m k w of its moment q C_Ma sin 2 alpha. Vanishes at small angles.
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4.
 """

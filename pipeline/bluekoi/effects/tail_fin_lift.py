@@ -7,11 +7,11 @@ another speed at each station; two stations at a - b and a + b have the same mea
     dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
     dX = g dY w u / (u^2 + w^2)
 
-with S = C_La,fin x area. p = 0 is the wing's law at small angles; sideways flow that adds to the
-dynamic pressure, and the drag across the flow that comes with it, make it larger, a fin that stalls
-gently smaller. g is what of the force lies along the body: above 0 the drag that comes with lift,
-below 0 the pull of a rounded leading edge (-1 where all force stands across the flow). It vanishes
-without forward speed (p = 0) and is zero in straight swimming, which it makes stable.
+with S = C_La,fin x area. p = 0 is the law of a wing at small angles. Sideways flow that contributes
+to the dynamic pressure and cross-flow drag make p larger; a fin that stalls gradually makes it
+smaller. g is the part of the force along the body: above 0 induced drag, below 0 leading-edge
+suction (-1: the force is normal to the flow). The force vanishes without forward speed (p = 0) and
+in straight swimming, which it stabilises.
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio).
 """

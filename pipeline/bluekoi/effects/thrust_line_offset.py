@@ -15,7 +15,7 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("head angle",)
-STATEMENT = "With the head turned, the thrust passes beside the centre of mass and turns the robot."
+STATEMENT = "With the head turned, the thrust misses the centre of mass and turns the robot."
 REGIME = "turns, in proportion to thrust; also before it moves"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
 PARAMETERS = (

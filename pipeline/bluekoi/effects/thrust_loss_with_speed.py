@@ -2,9 +2,9 @@
 
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
-Thrust falls with the advance in one beat, u / f: linearly, and by its square in the part w. With
-q = 0 the advance alone counts, as for a propeller; with q = 1 (w = 0) or 2 (w = 1) a share of the
-thrust is lost that hangs on the speed alone. Vanishes at rest, and for w = 0 with the tail at rest.
+Thrust falls with the advance per beat, u / f: linearly, and in the part w with its square. With
+q = 0 the loss depends on the advance, as for a propeller; with q = 1 (w = 0) or 2 (w = 1) the lost
+share of the thrust depends on the speed only. Vanishes at rest; for w = 0 also with a resting tail.
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
 """

@@ -2,7 +2,7 @@
 
     N = 1/2 rho A c V0^2 (V / V0)^(2 p),   V0 = 0.3 m/s
 
-p = 1 where the shape is at fault; a thrust or tail that is out of line leaves less at high speed.
+p = 1 is an asymmetric hull; a misaligned thrust or tail has a smaller p.
 Vanishes at rest; turns a robot with a straight head, always to the same side.
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """

@@ -2,9 +2,9 @@
 
     D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
 
-Laminar (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^2 V^(-1/2); w is the part of it that
-grows as V, as where the flow creeps. The part h of it acts at the head plate, a distance l ahead of
-the centre of mass, where the paper has all drag; the rest at the centre of mass. Weaker than
+Laminar flow (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^(3/2). The part w grows as V, as
+in creeping flow. The part h acts at the head plate, a distance l ahead of the centre of mass, as
+all drag does in the paper; the rest acts at the centre of mass. Weaker than
 quadratic drag as speed grows; vanishes at rest.
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
 """

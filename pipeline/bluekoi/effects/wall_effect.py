@@ -2,8 +2,8 @@
 
     D grows by k ((1 - w) exp(-d / s) + w / (1 + (d / s)^2)) for each wall at distance d
 
-w is the part that fades as the square of the distance, as that of a body's image behind the wall
-does in two dimensions. Away from walls it vanishes.
+The part w falls with the square of the distance, like the effect of an image behind the wall in two
+dimensions. Vanishes away from walls.
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
 

@@ -52,19 +52,20 @@ def fit_noise(
 
     logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs))
-    before = best = _told(log_likelihood(linear, noise_of(logs)))
+    before = best = _finite(log_likelihood(linear, noise_of(logs)))
     if line_searches:
         for i in range(len(logs)):
-            logs, best = _along(lambda x: _told(log_likelihood(linear, noise_of(x))), logs, best, i,
-                                width)  # fmt: skip
+            logs, best = _parabolic_step(
+                lambda x: _finite(log_likelihood(linear, noise_of(x))), logs, best, i, width
+            )
         linear = linearised(kernel, some, points, noise_of(logs))
 
     def unlikely(logs: Float) -> tuple[float, Float]:
         return _unlikely(kernel, linear, noise_of(logs), sought)
 
-    found = noise_of(_askew(unlikely, logs, rounds))
+    found = noise_of(_quasi_newton_steps(unlikely, logs, rounds))
     passed = sum(f.log_likelihood for f in filter_all(kernel, some, points, found))
-    return found if _told(passed) > before else noise
+    return found if _finite(passed) > before else noise
 
 
 def with_forces_of(kernel: Kernel, noise: Noise, other: Noise) -> Noise:
@@ -90,16 +91,18 @@ def _unlikely(
     return -told.log_likelihood, -by_logs
 
 
-def _askew(unlikely: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int) -> Float:
-    """On from `logs` by quasi-Newton steps: ridges of the likelihood lie askew to the strengths."""
+def _quasi_newton_steps(
+    unlikely: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int
+) -> Float:
+    """Quasi-Newton steps from `logs`: ridges of the likelihood are not parallel to the axes."""
     bounds = [(x - REACH, x + REACH) for x in logs]
     found = minimize(unlikely, logs, jac=True, method="L-BFGS-B", bounds=bounds,
                      options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
     return np.asarray(found.x)
 
 
-def _told(likelihood: float) -> float:
-    """A likelihood of which a filter that runs away has told nothing counts as the least."""
+def _finite(likelihood: float) -> float:
+    """The likelihood, or the least one if the filter diverged."""
     return likelihood if np.isfinite(likelihood) else UNLIKELY
 
 
@@ -115,7 +118,7 @@ def _by_logs(kernel: Kernel, noise: Noise, told: Slopes) -> Float:
     return np.concatenate([own, tau, scale])
 
 
-def _along(
+def _parabolic_step(
     likelihood: Callable[[Float], float], logs: Float, best: float, i: int, width: float
 ) -> tuple[Float, float]:
     unit = np.eye(len(logs))[i] * width

@@ -152,7 +152,7 @@ def spread_over_trials(
         return Spread(cov, freedom)
     root = _inverse_root(total)
     leverage = root.T @ H @ root
-    expected = leverage + (_kept(H, root, lasting, move) if lasting else 0.0)
+    expected = leverage + (_servo_scores_cov(H, root, lasting, move) if lasting else 0.0)
     widened = _widened(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, least) @ root.T
@@ -161,7 +161,7 @@ def spread_over_trials(
     return Spread(cov, freedom, told)
 
 
-def _kept(H: Float, root: Float, lasting: Lasting, move: np.ndarray) -> Float:
+def _servo_scores_cov(H: Float, root: Float, lasting: Lasting, move: np.ndarray) -> Float:
     """s^2 k_t k_t' (t, p, p) of the numbers that move."""
     cross = lasting.cross[:, move]
     k = cross @ root

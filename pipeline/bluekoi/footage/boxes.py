@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-CONTAINERS = (b"moov", b"udta", b"trak", b"mdia", b"edts")
-STARTS = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot", b"uuid")
+CONTAINER_BOXES = (b"moov", b"udta", b"trak", b"mdia", b"edts")
+TOP_LEVEL_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot", b"uuid")
 LARGEST_HEADER = 64 * 2**20
 DEEPEST = 8
 
@@ -36,7 +36,7 @@ def read_boxes(path: Path) -> Boxes | None:
     """Boxes of a file; None where it is no mp4 or mov at all."""
     size = path.stat().st_size
     with path.open("rb") as file:
-        if file.read(8)[4:8] not in STARTS:
+        if file.read(8)[4:8] not in TOP_LEVEL_BOXES:
             return None
         top, cut, moov = [], False, b""
         for name, start, length in _top_level(file, size):
@@ -76,7 +76,7 @@ def _inner(body: bytes, depth: int, path: str = "") -> Iterator[tuple[str, bytes
         here = f"{path}/{name.decode('latin-1')}".lstrip("/")
         inside = body[at + 8 : at + length]
         found.append((here, inside))
-        if name in CONTAINERS and depth < DEEPEST:
+        if name in CONTAINER_BOXES and depth < DEEPEST:
             found.extend(_inner(inside, depth + 1, here))
         at += length
     return iter(found[::-1])

@@ -21,7 +21,7 @@ from .recording import IMAGES, Recording
 EPS_S = 1e-6
 AHEAD_BYTES = 40 * 10**6
 MOST_SMALL = 12
-PICTURE_BYTES = 1.5
+BYTES_PER_PIXEL = 1.5
 
 
 class Film:
@@ -46,7 +46,7 @@ class Film:
         first of them the decoder should not have to wait.
         """
         width, height = self.recording.size_px
-        room = int(AHEAD_BYTES / (PICTURE_BYTES * width * height))
+        room = int(AHEAD_BYTES / (BYTES_PER_PIXEL * width * height))
         return Ahead(iter(self), max(MOST, min(room, MOST_SMALL)))
 
     def spread(self, count: int) -> Iterator[Frame]:

@@ -48,7 +48,7 @@ class Lines:
         return fresh
 
 
-class Crooked(Exception):
+class NotInlinable(Exception):
     """A function does not stand in straight lines."""
 
 
@@ -71,7 +71,7 @@ def _results(
     draft = Lines(names=lines.names)
     try:
         values = _straight(function, given, draft)
-    except Crooked:
+    except NotInlinable:
         return _call(function, given, lines, count or outputs(function))
     lines.written += draft.written
     lines.called |= draft.called
@@ -109,7 +109,7 @@ def _straight(function: Function, given: Sequence[ast.expr], lines: Lines) -> li
         known |= _assigned(statement, _Writer(known, function, lines))
     last = statements[-1]
     if not isinstance(last, ast.Return) or last.value is None:
-        raise Crooked
+        raise NotInlinable
     return _Writer(known, function, lines).values(last.value)
 
 
@@ -118,25 +118,25 @@ def _body(function: Function) -> tuple[list[str], list[ast.stmt]]:
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
     except (OSError, TypeError, SyntaxError) as error:
-        raise Crooked from error
+        raise NotInlinable from error
     if not isinstance(tree, ast.FunctionDef) or function.__closure__:
-        raise Crooked
+        raise NotInlinable
     statements = tree.body[1:] if ast.get_docstring(tree) is not None else tree.body
     if not statements:
-        raise Crooked
+        raise NotInlinable
     return [a.arg for a in tree.args.args], statements
 
 
 def _assigned(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr]:
     """Names of one assignment, with what they stand for."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
-        raise Crooked
+        raise NotInlinable
     target = statement.targets[0]
     targets = list(target.elts) if isinstance(target, ast.Tuple) else [target]
     names = [t.id for t in targets if isinstance(t, ast.Name)]
     values = writer.values(statement.value)
     if len(names) != len(targets) or len(values) != len(names):
-        raise Crooked
+        raise NotInlinable
     return {n: writer.lines.hold(v, n) for n, v in zip(names, values, strict=True)}
 
 
@@ -157,7 +157,7 @@ class _Writer(ast.NodeTransformer):
 
     def _outputs(self, call: ast.Call) -> list[ast.expr]:
         if call.keywords:
-            raise Crooked
+            raise NotInlinable
         function = self._meant(call.func)
         arguments = [self.visit(a) for a in call.args]
         for module, names in KNOWN.items():
@@ -172,13 +172,13 @@ class _Writer(ast.NodeTransformer):
             return self.scope[node.id]
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             return getattr(self.scope.get(node.value.id), node.attr, None)
-        raise Crooked
+        raise NotInlinable
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """One value of a call."""
         values = self._outputs(node)
         if len(values) != 1:
-            raise Crooked
+            raise NotInlinable
         return values[0]
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
@@ -213,7 +213,7 @@ class _Writer(ast.NodeTransformer):
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
         """Comparisons, choices and the like: the function has to be called."""
-        raise Crooked(type(node).__name__)
+        raise NotInlinable(type(node).__name__)
 
 
 def _known_name(module: Any, name: str) -> ast.expr:
@@ -224,7 +224,7 @@ def _known_name(module: Any, name: str) -> ast.expr:
 
 def _number(value: Any) -> ast.expr:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Crooked
+        raise NotInlinable
     return ast.Constant(value)
 
 

@@ -115,7 +115,7 @@ def _frame(
     for k, part in enumerate(names):
         best = max(
             (
-                (_believed(dot, part, dots, lengths), dot.weight, i)
+                (_consistent_neighbours(dot, part, dots, lengths), dot.weight, i)
                 for i, dot in enumerate(dots[part])
             ),
             default=None,
@@ -169,7 +169,7 @@ def _dot(
     return Dot(centre, plane.body_lengths(centre[None])[0], float(total), radius)
 
 
-def _believed(
+def _consistent_neighbours(
     dot: Dot,
     part: str,
     dots: Mapping[str, list[Dot]],

@@ -60,7 +60,9 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     found = _rigid(again, samples, plane, setup=setup, trial=trial)
     if setup.detection.body == "auto" and _poor(found):
         bending = _bending(again, plane, setup, trial)
-        return found if bending is None or _believed(bending) < _believed(found) else bending
+        return (
+            found if bending is None or _likely_share(bending) < _likely_share(found) else bending
+        )
     return found
 
 
@@ -93,10 +95,10 @@ def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> 
 
 def _poor(found: Keypoints) -> bool:
     """Whether the rigid template explains too few frames."""
-    return _believed(found) < MOSTLY
+    return _likely_share(found) < MOSTLY
 
 
-def _believed(found: Keypoints) -> float:
+def _likely_share(found: Keypoints) -> float:
     """Share of the frames in which all points are likely."""
     return float(np.mean(found.likelihood.min(axis=1) >= BELIEVED))
 

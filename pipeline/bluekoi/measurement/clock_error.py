@@ -10,7 +10,7 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("surge", "sway", "yaw")
-STATEMENT = "The frame rate is wrong: everything is seen too slow or too fast by the same share."
+STATEMENT = "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
 REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
 CONFUSED_WITH = ("scale_error",)
 EVIDENCE = {"clock_ratio": {"k": 1.0}}

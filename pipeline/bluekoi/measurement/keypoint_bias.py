@@ -2,7 +2,7 @@
 
 The pose is fitted to all keypoints, so that an offset of one of them moves the whole: the core
 centre by (bx, by) along and across the core, the core's heading by bpsi, the head angle by bphi.
-Along the core by 2 cm at most: what looks like more is a centre of mass that lies elsewhere.
+The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
 Source: own statement.
 """
 

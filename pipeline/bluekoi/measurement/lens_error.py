@@ -2,9 +2,9 @@
 
     seen = true + k [(rho^2 - q Q) (true - c) + a]
 
-with rho the distance from c, where the lens's axis meets the water: the camera's pose was found
-from the corners and makes up for part of the error, by Q and a. These and c are those of the
-study's own camera with another first coefficient (camera/displacement.py), where q = 1.
+rho is the distance from c, where the lens axis meets the water. The camera pose was fitted to the
+pool corners and compensates part of the error; Q and a describe that part. Q, a and c are computed
+from the study's own camera with another first coefficient (camera/displacement.py), for which q = 1.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial distortion).
 """
@@ -16,7 +16,7 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
 STATEMENT = (
-    "The lens correction is wrong: positions are bent outwards or inwards towards the edges."
+    "The lens correction is wrong: positions are displaced outwards or inwards towards the edges."
 )
 REGIME = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")

@@ -2,8 +2,8 @@
 
     seen = c + (1 + k) (true - c), c the middle of the pool
 
-Where keypoints are placed back from the nose at stated lengths, it is the nose that is seen so, and
-the core's centre is displaced as much: a distance `ahead` lies between them.
+If a detector places keypoints at stated lengths behind the nose, the error applies to the nose, which
+lies the distance `ahead` in front of the core's centre.
 Source: own statement (pool dimensions or corner marks wrong).
 """
 
@@ -13,7 +13,7 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
-STATEMENT = "The scale is wrong: all lengths are seen too long or too short by the same share."
+STATEMENT = "The scale is wrong: all lengths appear too long or too short by the same factor."
 REGIME = "everything, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
 EVIDENCE = {"scale": {"k": 1.0}}

@@ -1,8 +1,8 @@
 """Recordings that do not start together.
 
-The motion starts d after the video, at once and with all its thrust. A video that starts in the
-motion does no harm: each trial's first state is free. A motor log whose clock is e ahead of the
-video's shows in the phase of the tail beat alone (`motor/delay.py`).
+The motion starts d after the video, with full thrust. A video that starts during the motion has no
+effect, since each trial's initial state is free. A motor log whose clock is e ahead of the video is
+visible only in the phase of the tail beat (`motor/delay.py`).
 Source: own statement.
 """
 
@@ -14,7 +14,7 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge",)
 STATEMENT = (
-    "Video, commands and motor log do not start together: what happens is seen early or late."
+    "Video, commands and motor log do not start at the same time: the video is early or late."
 )
 REGIME = "the start of every trial; the phase of the tail beat in the video against the motor log"
 EVIDENCE = {"delay": {"e": 1.0}}

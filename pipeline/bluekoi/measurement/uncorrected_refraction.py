@@ -1,7 +1,7 @@
 """Refraction at the surface not corrected, or for the wrong depth.
 
-Seen from a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears
-drawn in towards it: seen = true - k (true - c) (1 + b rho^2), with b from the camera's height
+For a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears closer to
+that point: seen = true - k (true - c) (1 + b rho^2), with b from the camera's height
 (camera/displacement.py).
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """

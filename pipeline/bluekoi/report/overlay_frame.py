@@ -68,7 +68,7 @@ def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
     canvas = np.full((height, width_px, 3), (96, 88, 80), np.uint8)
     length, width = camera.pool_size_m
     rim = _edges(length, width)
-    cv2.fillPoly(canvas, [_fixed(scale * project(camera, rim))], (190, 172, 140), shift=SHIFT)
+    cv2.fillPoly(canvas, [_fixed_point(scale * project(camera, rim))], (190, 172, 140), shift=SHIFT)
     for line in _grid(length, width):
         _polyline(canvas, scale * project(camera, line), (205, 190, 165), 1)
     _polyline(canvas, scale * project(camera, rim), (235, 235, 235), 2)
@@ -85,7 +85,7 @@ def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None
         _polyline(canvas, piece, DARK, line.width_px + 2)
     for piece in pieces:
         _polyline(canvas, piece, line.colour, line.width_px)
-    end = _fixed(path[-1])
+    end = _fixed_point(path[-1])
     cv2.circle(canvas, end, 5 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
     cv2.circle(canvas, end, 3 << SHIFT, line.colour, -1, cv2.LINE_AA, SHIFT)
 
@@ -96,8 +96,8 @@ def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float)
         return
     sure = confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
     for point in scale * found.xy_px[i][sure]:
-        cv2.circle(canvas, _fixed(point), 4 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
-        cv2.circle(canvas, _fixed(point), 40, POINT, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(canvas, _fixed_point(point), 4 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(canvas, _fixed_point(point), 40, POINT, -1, cv2.LINE_AA, SHIFT)
 
 
 def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
@@ -115,10 +115,10 @@ def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
 
 
 def _polyline(canvas: Picture, path: Float, colour: Colour, width: int) -> None:
-    cv2.polylines(canvas, [_fixed(path)], False, colour, width, cv2.LINE_AA, SHIFT)
+    cv2.polylines(canvas, [_fixed_point(path)], False, colour, width, cv2.LINE_AA, SHIFT)
 
 
-def _fixed(points: Float) -> npt.NDArray[np.int32]:
+def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
     """Pixels in OpenCV's fixed-point format, clipped to its integer range."""
     return np.round(np.clip(points, -1e5, 1e5) * (1 << SHIFT)).astype(np.int32)
 

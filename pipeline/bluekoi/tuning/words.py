@@ -29,7 +29,7 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
         {
             **told(names, one),
             "sentence": _sentence(names, one, straight=still),
-            "trial": _once_more(series, tuned, one)
+            "trial": _repeat_that_trial(series, tuned, one)
             or _trial(best_new_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
@@ -90,7 +90,7 @@ def _together(parts: Mapping[str, float]) -> str:
     return told + (": only their ratio is fixed." if len(both) == 2 else " and hardly be noticed.")
 
 
-def _once_more(series: Sequence[Series], tuned: Tuned, one: Combination) -> str:
+def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination) -> str:
     """Of what one trial of several alone tells: that trial again, so that there are two."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""

@@ -130,23 +130,23 @@ class Progress(logging.Handler):
         elif name := killed_by(record.getMessage()):
             self._killed(name)
         elif "cannot be locked" in record.getMessage():
-            self._say(LOCKED)
+            self._print(LOCKED)
         elif TRACEBACK in record.getMessage() and _by_hand(record.getMessage()):
             self._interrupted()
         elif record.getMessage().startswith("Nothing to be done"):
-            self._say("Everything is up to date.")
+            self._print("Everything is up to date.")
             self.farewell()
 
     def _killed(self, name: str) -> None:
         if name != "SIGINT":
-            self._say(KILLED.format(name))
+            self._print(KILLED.format(name))
         else:
             self._interrupted()
 
     def _interrupted(self) -> None:
         if not self.stopped:
             self.stopped = True
-            self._say(STOPPED)
+            self._print(STOPPED)
 
     def _start(self, found: dict[str, Any]) -> None:
         self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
@@ -209,13 +209,13 @@ class Progress(logging.Handler):
             return
         shown = lines if found["rule_name"] == "outcome" else lines[-12:]
         if shown:
-            self._say("\n".join(shown))
+            self._print("\n".join(shown))
         if found["rule_name"] != "outcome":
-            self._say(
+            self._print(
                 f"The stage {found['rule_name']} ended there; more in {', '.join(map(str, paths))}"
             )
 
-    def _say(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         self.stream.write(("\r\x1b[K" if self.live else "") + text + "\n")
         self.stream.flush()
 
@@ -225,11 +225,11 @@ class Progress(logging.Handler):
         if self.preloaded:
             self.preloaded.close()
         for text in _warnings(self.report.with_name("outcome.json")):
-            self._say(f"Warning: {text}")
+            self._print(f"Warning: {text}")
         if text := _verdict(self.report.with_name("mismatch.json")):
-            self._say(f"Verdict: {text}")
+            self._print(f"Verdict: {text}")
         if self.report.is_file():
-            self._say(f"Report: {self.report}")
+            self._print(f"Report: {self.report}")
 
 
 def _warnings(outcome: Path) -> list[str]:

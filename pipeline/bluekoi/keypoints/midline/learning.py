@@ -28,7 +28,7 @@ def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] 
     """
     seen = [(picture, blob) for luma in samples for picture in [cut(luma, arena)]
             for blob in blobs(picture, arena)]  # fmt: skip
-    seen = _alike(seen)[:MOST_BODIES]
+    seen = _usual_blobs(seen)[:MOST_BODIES]
     if len(seen) < 2:
         return None
     px_per_bl = arena.plane.px_per_bl
@@ -78,7 +78,7 @@ def _rescaled(
     return _averaged(replace(shape, length_bl=length), renewed, arena), renewed
 
 
-def _alike(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
+def _usual_blobs(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
     """Those of the usual length and thickness, spread over the pictures."""
     if not seen:
         return []

@@ -60,7 +60,7 @@ def keypoints_of(
     remarks: list[str] = []
     if known:
         where, fits = [i for i, _ in known], [one for _, one in known]
-        backwards = _ahead(fits, shape) < BACKWARDS
+        backwards = _forward_share(fits, shape) < BACKWARDS
         arc = 1 - arc if backwards else arc
         xy[where], cov[where] = _points(fits, arena, shape, arc)
         each = np.array([_likelihood(one, backwards=backwards) for one in fits])
@@ -80,7 +80,7 @@ def keypoints_of(
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, tuple(remarks))
 
 
-def _ahead(fits: Sequence[Fit], shape: Shape) -> float:
+def _forward_share(fits: Sequence[Fit], shape: Shape) -> float:
     """How far the body moved towards its nose, as a share of its way; 0 where it hardly moved."""
     pose = np.array([one.pose for one in fits])
     step = np.diff(pose[:, :2], axis=0)

@@ -60,7 +60,7 @@ def follow(
             others = [
                 body
                 for body in others
-                if body.lost <= LOST_FRAMES and _apart(body, target, shape) < COMPANY
+                if body.lost <= LOST_FRAMES and _distance(body, target, shape) < COMPANY
             ]
             if not target.lost:
                 others += _born(frame, [target, *others], arena, shape)
@@ -192,7 +192,7 @@ def _without(picture: Cut, poses: Sequence[Float], arena: Arena, shape: Shape) -
     return Cut(picture.change, depth, picture.place)
 
 
-def _apart(one: Track, other: Track, shape: Shape) -> float:
+def _distance(one: Track, other: Track, shape: Shape) -> float:
     """Distance of two bodies in whole lengths."""
     a, b = one.last(), other.last()
     if a is None or b is None:
@@ -207,7 +207,7 @@ def _watch(target: Track, others: Sequence[Track], shape: Shape) -> None:
     midline lies on its own.
     """
     reach = MOST_REACH if target.lost else BESIDE
-    others = [body for body in others if _apart(body, target, shape) < reach]
+    others = [body for body in others if _distance(body, target, shape) < reach]
     if not others:
         return
     one, known = target.fits[-1], [fit for fit in target.fits[-3:-1] if fit is not None]

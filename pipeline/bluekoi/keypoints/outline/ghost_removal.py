@@ -67,7 +67,7 @@ def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
         return None
     floor = scene.floor.copy()
     for strip in _strips(cut):
-        _bare(
+        _write_unhidden_median(
             np.stack([frame.luma[strip] for frame, _ in fits]), _layers(masks, strip), floor[strip]
         )
     never = often == len(fits)
@@ -114,7 +114,9 @@ def _layers(masks: Sequence[tuple[Cut, Image]], strip: Cut) -> npt.NDArray[np.ui
 
 
 @numba.njit(cache=True)
-def _bare(stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image) -> None:
+def _write_unhidden_median(
+    stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image
+) -> None:
     """Write to `floor` the median of the frames in which a pixel is not hidden, if it is in one."""
     count, height, width = stack.shape
     seen = np.empty(count, np.int64)

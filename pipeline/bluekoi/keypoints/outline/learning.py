@@ -126,7 +126,7 @@ def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
 def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
     """Generic template of the width of the blobs that could be the robot by length and area."""
     length = length_of(robot, trial)
-    sides = [_alike(seen, length, sign) for sign in (1.0, -1.0)]
+    sides = [_strongest_blobs(seen, length, sign) for sign in (1.0, -1.0)]
     likely = max(sides, key=_evidence)
     if not likely:
         return None
@@ -134,7 +134,9 @@ def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial)
     return first_template(robot, trial, half, float(np.median([b.skin for b in likely])))
 
 
-def _alike(seen: Sequence[tuple[Frame, list[Blob]]], length_bl: float, sign: float) -> list[Blob]:
+def _strongest_blobs(
+    seen: Sequence[tuple[Frame, list[Blob]]], length_bl: float, sign: float
+) -> list[Blob]:
     """From each frame the strongest blob of a sign and of the robot's size."""
     likely = []
     for _, found in seen:

@@ -129,7 +129,7 @@ def tail_length(
         if now < 0.5 * usual:
             share = (before - 0.5 * usual) / max(before - now, 1e-9)
             radius = 3.0 + (k - 1 + min(max(share, 0.0), 1.0)) * STRIDE_PX
-            return _along(bearings[:k], radius)
+            return _curve_length_px(bearings[:k], radius)
         before = now
     return math.nan
 
@@ -141,7 +141,7 @@ def _clear_of_border(pictures: Pictures, u: float, v: float) -> bool:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _along(bearings: Float, radius: float) -> float:
+def _curve_length_px(bearings: Float, radius: float) -> float:
     """Length [px] of a line of which the bearings are known along its distance from the base, out
     to a radius: a cubic about its own direction.
     """

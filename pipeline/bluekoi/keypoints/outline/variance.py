@@ -73,7 +73,7 @@ def _clues(
     for j in range(count):
         for k in range(count):
             slope, gain = carried[j, :, :5], carried[k, :, 5:10]
-            expected[j, k] = _alike(known[j], known[k], seen)
+            expected[j, k] = _kernel_products(known[j], known[k], seen)
             expected[j, k] -= 2.0 * np.sum(seen * np.sum(slope * gain, axis=1))
             expected[j, k] += np.sum(outer[j, :5, :5] * outer[k, 5:10, 5:10])
     return forms, expected, outer[:, 5:10, 5:10].copy()
@@ -100,7 +100,7 @@ def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tu
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=True)
-def _alike(one: Float, other: Float, seen: Float) -> float:
+def _kernel_products(one: Float, other: Float, seen: Float) -> float:
     """tr(K_j K_k) over the points seen."""
     total = 0.0
     for i in range(len(seen)):

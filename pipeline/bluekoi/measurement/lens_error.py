@@ -4,7 +4,7 @@
 
 rho is the distance from c, where the lens axis meets the water. The camera pose was fitted to the
 pool corners and compensates part of the error; Q and a describe that part. Q, a and c are computed
-from the study's own camera with another first coefficient (camera/displacement.py), for which q = 1.
+from the study's own camera with another first coefficient (camera/displacement.py); there q = 1.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial distortion).
 """

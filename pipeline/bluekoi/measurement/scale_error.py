@@ -2,7 +2,7 @@
 
     seen = c + (1 + k) (true - c), c the middle of the pool
 
-If a detector places keypoints at stated lengths behind the nose, the error applies to the nose, which
+If a detector places keypoints at stated lengths behind the nose, the error applies to the nose. It
 lies the distance `ahead` in front of the core's centre.
 Source: own statement (pool dimensions or corner marks wrong).
 """

@@ -12,8 +12,13 @@ from matplotlib.figure import Figure
 COLOURS = ("#0072b2", "#e69f00", "#7f7f7f")
 
 
-def calibration_plot(sets: Mapping[str, Sequence[Mapping[str, Any]]], path: Path) -> None:
-    """Share of true causes over mean stated probability for each set of bins, with 95 % bars."""
+def calibration_plot(
+    sets: Mapping[str, Sequence[Mapping[str, Any]]], path: Path, *, description: str
+) -> None:
+    """Share of true causes over mean stated probability for each set of bins, with 95 % bars.
+
+    description: kept in the metadata of the svg.
+    """
     with mpl.rc_context({"svg.hashsalt": "bluekoi", "svg.fonttype": "none"}):
         figure = Figure(figsize=(5.0, 4.2), layout="constrained")
         axes = figure.subplots()
@@ -22,8 +27,8 @@ def calibration_plot(sets: Mapping[str, Sequence[Mapping[str, Any]]], path: Path
             _errorbars(axes, name, bins, COLOURS[i], shift=0.006 * (i - 1))
         axes.set(xlabel="stated probability of a named cause", ylabel="share that was true",
                  xlim=(0, 1.03), ylim=(-0.03, 1.03), title="Calibration")  # fmt: skip
-        axes.legend(loc="upper left", frameon=False)
-        figure.savefig(path, metadata={"Date": None})
+        axes.legend(loc="lower right", frameon=False)
+        figure.savefig(path, metadata={"Date": None, "Description": description})
 
 
 def _errorbars(

@@ -18,6 +18,7 @@ Path errors are those on held-out trials.
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -172,8 +173,9 @@ def _finder(runs: Sequence[Run]) -> Iterator[str]:
         yield (
             f"| {one['from']:.1f} to {one['to']:.1f} | {one['mean']:.2f} "
             f"| {one['true']} of {one['count']} "
-            f"| {one['true'] / one['count']:.0%} ({low:.0%} to {high:.0%}) |"
+            f"| {_pct(one['true'] / one['count'], low, high)} |"
         )
+    yield f"\n![Calibration]({PLOT.relative_to(PAGE.parent)})\n"
     yield f"\n{_errors(judged)}\n"
 
 
@@ -245,7 +247,11 @@ def _share(studies: Sequence[Mapping[str, Any]], test: Callable[[Mapping[str, An
         return ""
     hits, count = sum(map(test, studies)), len(studies)
     low, high = interval(hits, count)
-    return f"{hits} of {count} = {hits / count:.0%} ({low:.0%} to {high:.0%})"
+    return f"{hits} of {count}: {_pct(hits / count, low, high)}"
+
+
+def _pct(value: float, low: float, high: float) -> str:
+    return f"{100 * value:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
 
 
 def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -297,7 +303,14 @@ def draw(runs: Sequence[Run], path: Path = PLOT) -> None:
         "own generator": [r for r in mine if r.rank[0] == 2],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    calibration_plot({k: reliability(_studies(v)) for k, v in sets.items() if v}, path)
+    bins = {k: reliability(_studies(v)) for k, v in sets.items() if v}
+    calibration_plot(bins, path, description=digest(runs))
+
+
+def digest(runs: Sequence[Run]) -> str:
+    """Short hash of all results, kept in the plot to show which ones it was drawn from."""
+    rows = [[r.finder, r.generator, r.date, [dict(s) for s in r.studies]] for r in runs]
+    return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def update() -> None:

@@ -61,10 +61,10 @@ def test_scores_by_generator_have_their_intervals(runs):
     text = report.results(runs)
     assert row(text, "`kirchhoff`") == [
         "3",
-        "2 of 3 = 67% (9% to 99%)",
-        "3 of 3 = 100% (29% to 100%)",
-        "1 of 1 = 100% (3% to 100%)",
-        "1 of 3 = 33% (1% to 91%)",
+        "2 of 3: 67 % (9 to 99)",
+        "3 of 3: 100 % (29 to 100)",
+        "1 of 1: 100 % (3 to 100)",
+        "1 of 3: 33 % (1 to 91)",
         "",
     ]
     assert row(text, "`field_lab`")[5].startswith("1 of 1")
@@ -109,3 +109,9 @@ def test_the_page_of_evidence_is_current():
     text = report.PAGE.read_text(encoding="utf-8")
     again = "docs/evidence.md is not current: run python -m validation report"
     assert report.page(text, report.load()) == text, again
+
+
+def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
+    runs = report.load()
+    drawn = report.PLOT.read_text(encoding="utf-8") if report.PLOT.is_file() else ""
+    assert not runs or report.digest(runs) in drawn, "run python -m validation report"

@@ -32,6 +32,7 @@ from click.testing import CliRunner
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from bluekoi.camera.scale_warning import scale_warning
 from bluekoi.cli import main as bluekoi
 from bluekoi.errors import InputError
 from bluekoi.motor.swimming import study_warnings
@@ -404,6 +405,9 @@ def searched(study: Path, results: Path, right: Path) -> tuple[str, str]:
     off = [name for name, c in cells[0].items()
            if c["std"] is not None and abs(c["value"] - cells[1][name]["value"])
            > 3 * np.hypot(c["std"], cells[1][name]["std"] or 0.0)]  # fmt: skip
+    content = json.loads((results / "geometry.json").read_text())
+    if warned := scale_warning(content, found):
+        return "warned", warned[0]
     if found["verdict"] == "none" and not off and alike(results, right):
         return "harmless", found["sentence"]
     return "SILENT", f"{found['verdict']}; off: {', '.join(off) or 'speeds'}; {found['sentence']}"

@@ -9,6 +9,7 @@ import pytest
 from exact_campaign import campaign
 
 from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.camera.scale_warning import scale_warning
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read
@@ -187,3 +188,14 @@ def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):
     assert not status["ok"]
     assert "several parts in one place" in status["message"]
     assert "defect" not in status["message"]
+
+
+def test_rigid_lengths_of_another_size_are_a_warning_unless_the_verdict_says_why():
+    off = {"scale": 1.0068, "scale_std": 2e-4}
+    (text,) = scale_warning(off, {"causes": []})
+    assert "rigid lengths come out +0.7 +- 0.0 %" in text
+    assert "refractive_index" in text
+    assert scale_warning(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
+    assert scale_warning({"scale": 1.004, "scale_std": 2e-4}, None) == []
+    assert scale_warning({"scale": 1.05, "scale_std": 0.02}, None) == []
+    assert scale_warning(None, None) == scale_warning({"scale": None, "scale_std": None}, {}) == []

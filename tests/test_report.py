@@ -148,6 +148,9 @@ def test_a_diverged_model_is_reported_as_diverging(tmp_path, found):
 
 
 def test_a_fit_that_determines_no_coefficient_gives_a_warning(found):
+    (scale,) = warnings(found)  # its rigid lengths are 1.5 % off, and no cause says why
+    assert "rigid lengths come out -1.5" in scale
+    found = Campaign(**{**found.__dict__, "geometry": None})
     assert warnings(found) == []
     cells = found.coefficients["joint"]["coefficients"]
     open_ = {name: {**cell, "determined": False} for name, cell in cells.items()}

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ..camera.scale_warning import scale_warning
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
 from ..figures.drawing.missing_force import LABELS, NAMES
@@ -75,6 +76,7 @@ def verdict(campaign: Campaign) -> dict[str, str]:
 def warnings(campaign: Campaign) -> list[str]:
     """Warnings on clocks and speeds, of the search, and one if no coefficient is determined."""
     found = study_warnings(campaign.statuses)
+    found += scale_warning(campaign.geometry, campaign.mismatch)
     found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):

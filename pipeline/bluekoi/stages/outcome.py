@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..camera.scale_warning import scale_warning
 from ..files import read_json, write_json
 from ..motor.swimming import study_warnings
 from ..study import load_study
@@ -18,19 +19,25 @@ def outcome(study: Path, results: Path) -> list[str]:
 
     Runs last, so that all results of the other trials are there, and writes what they were made
     from (manifest.json). outcome.json carries `warnings`
-    on trials that were used: clocks that disagree, speeds that no swimmer has.
+    on trials that were used: clocks that disagree, speeds that no swimmer has, rigid lengths of
+    another size.
     """
     layout, done = Layout(results), results / "outcome.json"
     ids = [trial.trial_id for trial in load_study(study).trials]
     statuses = {name: read_json(layout.status(name)) for name in ids}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := complaint(s))]
-    warnings = study_warnings(statuses)
+    geometry, mismatch = (_optional(results / f"{n}.json") for n in ("geometry", "mismatch"))
+    warnings = [*study_warnings(statuses), *scale_warning(geometry, mismatch)]
     remove([done])
     write_manifest(study, results)
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(ids), "all_good": True, "warnings": warnings})
     return []
+
+
+def _optional(path: Path) -> dict[str, Any]:
+    return read_json(path) if path.is_file() else {}
 
 
 def complaint(status: Mapping[str, Any]) -> str:

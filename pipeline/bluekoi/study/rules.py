@@ -55,13 +55,17 @@ def setup_problems(setup: Setup) -> list[Problem]:
     pool, robot = setup.pool, setup.robot
     length = robot.body_length_m
     cube = setup.water.density_kg_m3 * length**3
-    rod = robot.mass_kg * length**2
+    rod = robot.mass_kg * (0.5 * (length + robot.tail_length_m)) ** 2
     limits = (
         ("body_length_m", pool.length_m, f"a robot shorter than the pool ({pool.length_m:g} m)"),
         ("head_span_m", length, f"a head less high than the robot is long ({length:g} m)"),
         ("keypoint_depth_m", pool.depth_m, f"a depth within the water ({pool.depth_m:g} m)"),
         ("mass_kg", cube, f"less than a cube of water of the robot's length ({cube:.3g} kg)"),
-        ("yaw_inertia_kg_m2", rod, f"less than mass times length squared ({rod:.3g} kg m2)"),
+        (
+            "yaw_inertia_kg_m2",
+            rod,
+            f"less than all mass at nose and tail tip would have ({rod:.3g} kg m2)",
+        ),
     )
     too_large = [
         Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, "Units are m, kg and kg m2.")

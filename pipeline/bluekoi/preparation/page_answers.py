@@ -71,13 +71,18 @@ def durations(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any
     return [_recorded(folder, row) for row in rows]
 
 
-def picture_of(folder: Path, source: str, share: float, fps: str) -> tuple[float, Luma]:
-    """A frame of a source as trials.csv names it. Raises: InputError where it cannot be read."""
+def picture_of(
+    folder: Path, source: str, share: float, fps: str, first_s: float | None = None
+) -> tuple[float, Luma]:
+    """A frame of a source as trials.csv names it, `frame_of`.
+
+    Raises: InputError where it cannot be read.
+    """
     names = [part.strip() for part in source.split(";") if part.strip()]
     paths = tuple(path for name in names for path in expanded(folder, name))
     if not paths or any(".." in Path(part).parts for part in source.split(";")):
         raise input_error(folder / "trials.csv", "source", repr(source), "a video")
-    return frame_of(paths, share, _number(fps))
+    return frame_of(paths, share, _number(fps), first_s)
 
 
 def corners(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:

@@ -14,25 +14,32 @@ from ..data import Float
 from ..errors import input_error
 from ..files import plain
 from ..study import Study
-from .preview import FRAMES, preview_trial, spread_frames
+from .preview import preview_trial, spread_frames
 
 QUALITY = 90
 Luma = npt.NDArray[np.uint8]
 
 
 @lru_cache(maxsize=3)
-def _spread(paths: tuple[Path, ...], _stamps: tuple[int, ...], fps: float | None) -> list[Any]:
-    return spread_frames(paths, fps=fps)
+def _some(
+    paths: tuple[Path, ...], _stamps: tuple[int, ...], fps: float | None, first_s: float | None
+) -> list[Any]:
+    if first_s is None:
+        return spread_frames(paths, fps=fps)
+    return spread_frames(paths, fps=fps, part_s=(first_s, None), consecutive=True)
 
 
-def frame_of(paths: tuple[Path, ...], share: float, fps: float | None = None) -> tuple[float, Luma]:
-    """Time [s] and brightness of one of `FRAMES` frames spread over a recording, the nearest to a
-    share of it.
+def frame_of(
+    paths: tuple[Path, ...], share: float, fps: float | None = None, first_s: float | None = None
+) -> tuple[float, Luma]:
+    """Time [s] and brightness of one of `FRAMES` frames, the nearest to a share of them.
+
+    They are spread over the recording, or the first ones from `first_s` on.
 
     Raises: InputError where the recording cannot be read.
     """
     stamps = tuple(path.stat().st_mtime_ns if path.exists() else 0 for path in paths)
-    some = _spread(paths, stamps, fps)
+    some = _some(paths, stamps, fps, first_s)
     if not some:
         raise input_error(paths[0], "", "no frames", "a recording with frames")
     frame = some[round(min(max(share, 0.0), 1.0) * (len(some) - 1))]
@@ -53,7 +60,7 @@ def preview(study: Study, trial_id: str) -> dict[str, Any]:
         "trial_id": trial_id, "time_s": found.time_s, "names": found.names,
         "xy_px": rounded(found.xy_px), "likelihood": np.round(found.likelihood, 2),
         "remarks": found.remarks, "found": found.found, "frames": len(found.time_s),
-        "size_px": found.size_px, "most": FRAMES,
+        "size_px": found.size_px, "consecutive": found.consecutive,
     })  # fmt: skip
 
 

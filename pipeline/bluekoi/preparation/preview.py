@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ FRAMES = 20
 
 @dataclass(frozen=True)
 class Preview:
-    """Detections on frames spread over a trial.
+    """Detections on frames spread over a trial, or on its first ones (`consecutive`).
 
     time_s: (n,). xy_px: (n, parts, 2) of `names`, NaN where not seen. likelihood: (n,) the least of
     the parts. remarks: what the detector says, the reason where it found nothing. size_px: width
@@ -34,6 +35,7 @@ class Preview:
     likelihood: Float
     remarks: tuple[str, ...]
     size_px: tuple[int, int]
+    consecutive: bool = False
 
     @property
     def found(self) -> int:
@@ -47,15 +49,19 @@ def spread_frames(
     fps: float | None = None,
     part_s: tuple[float | None, float | None] = (None, None),
     colour: bool = False,
+    consecutive: bool = False,
     count: int = FRAMES,
 ) -> list[Frame]:
-    """At most `count` frames, evenly spread over the part (start, end) of a recording, numbered.
+    """At most `count` frames of the part (start, end) of a recording, numbered: evenly spread, or
+    the first ones.
 
     Raises: InputError where the recording cannot be read.
     """
     recording = open_recording(paths, fps=fps, start_s=part_s[0], end_s=part_s[1])
     film = frames(recording, colour=colour)
-    if colour:
+    if consecutive:
+        found = list(islice(film, count))
+    elif colour:
         step = max(1, recording.frames_present // count)
         found = [frame for i, frame in enumerate(film) if i % step == step // 2]
     else:
@@ -67,7 +73,10 @@ def spread_frames(
 
 
 def preview_trial(study: Study, trial_id: str) -> Preview:
-    """The detection on `FRAMES` frames of a trial.
+    """The detection on `FRAMES` frames of a trial, spread over it.
+
+    Of a trial with start_x_px and start_y_px, the first frames: among several bodies the intended
+    one can only be followed from frame to frame.
 
     Raises: InputError where the trial has no footage or it cannot be read.
     """
@@ -75,7 +84,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     detector = source(study.setup.detection.source)
     some = spread_frames(
         study.paths(trial), fps=trial.fps, part_s=(trial.start_s, trial.end_s),
-        colour=getattr(detector, "COLOUR", False),
+        colour=getattr(detector, "COLOUR", False), consecutive=trial.start_px is not None,
     )  # fmt: skip
     if not some:
         raise input_error(trial.source, "", "no frames", "footage with frames")
@@ -90,4 +99,5 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
         likelihood=found.likelihood.min(axis=1),
         remarks=found.remarks,
         size_px=(width, height),
+        consecutive=trial.start_px is not None,
     )

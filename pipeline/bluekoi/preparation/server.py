@@ -116,7 +116,7 @@ class SetupServer:
         try:
             time_s, grey = answers.picture_of(
                 self.folder, query.getunicode("source", ""), float(query.get("share", "0.5")),
-                query.get("fps", ""),
+                query.get("fps", ""), float(query["first"]) if "first" in query else None,
             )  # fmt: skip
         except InputError as error:
             bottle.response.status = 400

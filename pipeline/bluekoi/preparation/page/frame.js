@@ -17,8 +17,10 @@ export const line = (points, attributes) => svg("polyline", {
   points: points.filter((p) => p && p[0] !== null).map(([u, v]) => `${u + 0.5},${v + 0.5}`).join(" "), ...attributes });
 
 export class FrameView {
-  constructor(place, { onPicture = () => {}, choose = true } = {}) {
+  // more: further words for the address of a row's frame.
+  constructor(place, { onPicture = () => {}, more = () => ({}) } = {}) {
     this.onPicture = onPicture;
+    this.more = more;
     this.size = [0, 0];
     this.handles = [];
     this.image = element("img", { alt: "Frame of the video", draggable: false });
@@ -30,7 +32,6 @@ export class FrameView {
     this.slider = element("input", { type: "range", min: 0, max: 1, step: 1 / 19, value: 0, "aria-label": "Frame" });
     this.time = element("span");
     const bar = element("div", { className: "choose" }, this.select, this.slider, this.time);
-    bar.hidden = !choose;
     document.getElementById(place).replaceChildren(bar, this.frame);
     this.image.addEventListener("load", () => this.shown());
     this.select.addEventListener("change", () => this.show(this.select.value, chosen.share));
@@ -53,7 +54,8 @@ export class FrameView {
     this.slider.value = share;
     if (!chosen.source) return;
     const row = store.rows.find((one) => one.source === chosen.source);
-    const address = `frame.jpg?${new URLSearchParams({ source: chosen.source, share, fps: row?.fps ?? "" })}`;
+    const address = `frame.jpg?${new URLSearchParams({ source: chosen.source, share, fps: row?.fps ?? "",
+      ...this.more(row) })}`;
     if (address === this.address) { this.onPicture(); return; }
     this.address = address;
     this.message.textContent = "Reading the video …";

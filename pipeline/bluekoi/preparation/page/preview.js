@@ -80,12 +80,13 @@ function draw() {
   const parts = [line(points, { stroke: "#ff3c3c", "stroke-width": 1.5 })];
   points.forEach((p, i) => { if (p[0] !== null) parts.push(svg("circle", { cx: p[0] + 0.5, cy: p[1] + 0.5, r: view.size[0] / 250, stroke: colours[i % 5], "stroke-width": 2 })); });
   view.draw(parts);
-  const said = found.likelihood[k] > 0 ? `likelihood ${found.likelihood[k]}` : "not found";
-  id("preview-about").textContent = `Frame ${k + 1} of ${found.frames} (${found.time_s[k].toFixed(2)} s): ${said}. ${found.names.join(", ")} from nose to tail.`;
+  const said = points.some((p) => p[0] !== null) ? `likelihood ${found.likelihood[k]}` : "not found";
+  id("preview-about").textContent = `Frame ${k + 1} of ${found.frames} (${found.time_s[k].toFixed(2)} s): ${said}. ${found.names.join(", ")} from nose to tail.${found.consecutive ? " The first frames, since start_x_px names one of several bodies." : ""}`;
 }
 
 export function start() {
-  view = new FrameView("preview-frame", { onPicture: draw });
+  const first = (row) => (row?.start_x_px ? { first: Number(row.start_s) || 0 } : {});
+  view = new FrameView("preview-frame", { onPicture: draw, more: first });
   id("preview-all").onclick = () => { if (stopped) all(); };
   id("preview-stop").onclick = () => { stopped = true; };
   // What was seen with other values says nothing about these.

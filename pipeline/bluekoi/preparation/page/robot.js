@@ -101,6 +101,10 @@ function detected() {
     id("robot-said").textContent = "Preview this video first (step Preview): then the outline can be placed on what was found.";
     return;
   }
+  if (found.consecutive) {
+    id("robot-said").textContent = "This video was previewed on its first frames; place the outline by hand.";
+    return;
+  }
   const k = Math.round(chosen.share * (found.frames - 1));
   const at = (name) => found.xy_px[k][found.names.indexOf(name)];
   const [center, hinge] = [at("core_center"), at("hinge")];

@@ -80,6 +80,13 @@ def test_one_corner_31_px_off_is_put_right_in_one_run(lens, rim_m, corner):
     assert (found.outer_px > 0) == (rim_m > 0)
 
 
+def test_corners_3_px_off_converge_without_a_camera_matrix():
+    given = TRUTH.corners_px + np.random.default_rng(5).normal(0, 3, (4, 2))
+    found = fit_corners(drawn_pool(rim_m=RIM_M), given, None)
+    assert found.converged
+    assert off(found.corners_px).max() < 1.2
+
+
 def test_stated_deviations_of_the_corners_hold():
     errors = []
     for seed in range(4):

@@ -89,7 +89,8 @@ def fit_corners(
     picture = smoothed(grey)
     model_std_px = 0.0 if lens else ASSUMED_LENS_STD_PX
     view = (lens, corners_m) if lens and corners_m is not None else None
-    lens, width = lens or straightening_lens(picture, given_px), grey.shape[1]
+    width, assumed = grey.shape[1], lens is None
+    lens = lens or straightening_lens(picture, given_px, WIDE_SHARE)
     click = CLICK_SHARE * diagonal_px(given_px)
     corners, reach, iteration = given_px, WIDE_SHARE * width, 0
     lines: tuple[EdgeLine | None, ...] = (None,) * 4
@@ -103,6 +104,8 @@ def fit_corners(
         moved = _meeting(curves, lines)
         converged = bool(np.max(np.abs(moved - corners)) < CONVERGED_PX)
         corners, reach = moved, NEAR_SHARE * width
+        if assumed and iteration == 1:  # the lens of corners some pixels off is not yet right
+            lens = straightening_lens(picture, corners, NEAR_SHARE)
         curves = _curves(corners, lens)
         if converged:
             break
@@ -123,9 +126,10 @@ def fit_corners(
     )
 
 
-def straightening_lens(picture: Picture, corners_px: Float) -> Lens:
+def straightening_lens(picture: Picture, corners_px: Float, reach_share: float) -> Lens:
     """Equidistant fisheye lens, r = f theta, under which the most of the edges is straight.
 
+    reach_share: how far from the corners' edges lines are searched, over the picture's width.
     A calibration by plumb lines (Brown 1971) with one parameter; the longest f is a pinhole.
     """
     height, width = picture.shape
@@ -137,7 +141,7 @@ def straightening_lens(picture: Picture, corners_px: Float) -> Lens:
 
     def straightness(share: float) -> float:
         curves = _curves(corners_px, lens_of_focal(share))
-        lines = [find_lines(picture, curve, WIDE_SHARE * width)[:1] for curve in curves]
+        lines = [find_lines(picture, curve, reach_share * width)[:1] for curve in curves]
         return sum(line.share - BEND_WEIGHT * line.bend_px for some in lines for line in some)
 
     inverse = np.linspace(0.02, 2.8, 15)

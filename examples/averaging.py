@@ -7,13 +7,11 @@ means of a stretch longer than the errors' memory they cannot.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from bluekoi.data import Float
-from bluekoi.fitting import Series
 
 
 def block_means(times: Float, seen: Float, length_s: float) -> tuple[Float, Float]:
@@ -24,16 +22,3 @@ def block_means(times: Float, seen: Float, length_s: float) -> tuple[Float, Floa
     known = [k for k in inside if np.isfinite(seen[k]).all(axis=1).sum() > 1]
     rows = [(times[k].mean(), np.nanmean(seen[k], axis=0)) for k in known]
     return np.array([t for t, _ in rows]), np.array([v for _, v in rows])
-
-
-def averaged(one: Series, length_s: float) -> Series:
-    """A series by its means over stretches of `length_s`, inputs interpolated to their middles."""
-    times, seen = block_means(one.times, one.seen, length_s)
-    inputs = [np.interp(times, one.times, column) for column in one.inputs.T]
-    return replace(
-        one,
-        times=times,
-        seen=seen,
-        inputs=np.ascontiguousarray(np.array(inputs).T.reshape(len(times), -1)),
-        noise=one.noise[: len(times)].copy(),
-    )

@@ -5,14 +5,12 @@ Drag coefficients are those of a sphere of the ball's circumference: F = 1/2 rho
 
 from __future__ import annotations
 
-from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.explain import Cause, Constant, Model, Observation, Parameter, Stage, State
 from bluekoi.integrate.branchless import smooth_step
 
-from ..effect import effect
-from ..randomness import lasting_errors, pushes
+from .reading import GRAVITY, read_folder
 
 AIR_KG_M3 = 1.2
-GRAVITY = 9.81
 DRAG_SPREAD = 0.4
 """How far one ball's drag coefficient may be from that of all, as a share: spheres have 0.4 to 0.5
 below the drag crisis, 0.1 to 0.3 beyond it, to 0.6 with fuzz or holes. Source: Hoerner,
@@ -24,9 +22,9 @@ def gravity(m: float, g: float) -> tuple[float]:
     return (-m * g,)
 
 
-def motion(w: float, m: float, m_air: float, F: float, gust: float) -> tuple[float, float, float]:
-    """H' = w, w' = F / (m + m_air) + gust; the drop's scale s stays as it is."""
-    return w, F / (m + m_air) + gust, 0.0
+def motion(w: float, m: float, m_air: float, F: float) -> tuple[float, float, float]:
+    """H' = w, w' = F / (m + m_air); the drop's scale s stays as it is."""
+    return w, F / (m + m_air), 0.0
 
 
 def seen(h: float, h0: float, s: float) -> tuple[float]:
@@ -42,11 +40,6 @@ def drag(w: float, rho: float, A: float, C: float, z: float) -> tuple[float]:
 def own_drag() -> tuple[float]:
     """A ball's z stays as it is."""
     return (0.0,)
-
-
-def linear_drag(w: float, rho: float, A: float, k: float, z_l: float) -> tuple[float]:
-    """F = -1/2 rho A k (1 + z) w; z: by how much this ball differs from k."""
-    return (-0.5 * rho * A * k * (1.0 + z_l) * w,)
 
 
 def crisis(w: float, rho: float, A: float, k: float, Re: float) -> tuple[float]:
@@ -96,42 +89,88 @@ def clock() -> tuple[float]:
     return (1.0,)
 
 
-EFFECTS = (
-    pushes("Air is never quite still.", "air", ("fall",), (1.0, 0.05, 10.0)),
-    lasting_errors("The tracked height's errors last for a while.", 1, (0.2, 0.02, 2.0)),
-    effect("air_drag", "The air holds the ball back, as the square of its speed.", {"force": drag},
-           (("C", "1", 0.4, 0.0, 3.0, "drag coefficient of the sphere"),),
-           states=("z",), rates=own_drag),
-    effect("linear_drag", "The air holds the ball back, in proportion to its speed.",
-           {"force": linear_drag}, (("k", "m/s", 5.0, 0.0, 100.0, "over 1/2 rho A"),),
-           states=("z_l",), rates=own_drag),
-    effect("added_mass", "The ball has to set air in motion.", {"inertia": carried},
-           (("k", "1", 1.0, 0.0, 50.0, "1: a sphere's in still air"),)),
-    effect("scale_error", "All lengths are seen too long or too short.", {"observe": scaled},
-           (("k", "1", 0.01, -0.3, 0.3, "share seen too long"),), kind="measurement"),
-    effect("clock_error", "The frame rate is not what it was said to be.", {"clock": quickened},
-           (("k", "1", 0.01, -0.3, 0.3, "share by which true time runs faster"),),
-           kind="measurement"),
-    effect("lens_error", "The lens shows the ends of the fall shorter than its middle.",
-           {"observe": distorted}, (("k", "1", 0.01, -0.2, 0.2, "middle seen too long"),),
-           kind="measurement"),
-    effect("perspective", "Lengths near the ground are seen longer than lengths near the top.",
-           {"observe": tilted}, (("k", "1", 0.02, -0.4, 0.8, "too long at the ground"),),
-           kind="measurement"),
-    effect("drag_crisis", "At speed the boundary layer turns turbulent and drag falls.",
-           {"force": crisis},
-           (("k", "1", 0.2, 0.0, 1.0, "drag coefficient lost"),
-            ("Re", "1e5", 1.5, 0.3, 5.0, "Reynolds number of the crisis"))),
-)  # fmt: skip
-STAGES = (
-    Stage("clock", ("clock_rate",), clock, open=True),
-    Stage("force", ("F",), gravity, open=True),
-    Stage("inertia", ("m_air",), None, open=True),
-    Stage("air", ("gust",), None, open=True),
-    Stage("rates", ("h", "w", "s"), motion),
-    Stage("observe", ("height",), seen, open=True),
+CAUSES = (
+    Cause(
+        "air_drag",
+        "The air holds the ball back, as the square of its speed.",
+        {"force": drag},
+        (Parameter("C", "1", 0.4, 0.0, 3.0, "drag coefficient of the sphere"),),
+        states=("z",),
+        rates=own_drag,
+        start_std=DRAG_SPREAD,
+    ),
+    Cause(
+        "added_mass",
+        "The ball has to set air in motion.",
+        {"inertia": carried},
+        (Parameter("k", "1", 1.0, 0.0, 50.0, "1: a sphere's in still air"),),
+    ),
+    Cause(
+        "scale_error",
+        "All lengths are seen too long or too short.",
+        {"observe": scaled},
+        (Parameter("k", "1", 0.01, -0.3, 0.3, "share seen too long"),),
+        kind="measurement",
+        site=True,
+    ),
+    Cause(
+        "clock_error",
+        "The frame rate is not what it was said to be.",
+        {"clock": quickened},
+        (Parameter("k", "1", 0.01, -0.3, 0.3, "share by which true time runs faster"),),
+        kind="measurement",
+        site=True,
+    ),
+    Cause(
+        "lens_error",
+        "The lens shows the ends of the fall shorter than its middle.",
+        {"observe": distorted},
+        (Parameter("k", "1", 0.01, -0.2, 0.2, "middle seen too long"),),
+        kind="measurement",
+        site=True,
+    ),
+    Cause(
+        "perspective",
+        "Lengths near the ground are seen longer than lengths near the top.",
+        {"observe": tilted},
+        (Parameter("k", "1", 0.02, -0.4, 0.8, "too long at the ground"),),
+        kind="measurement",
+        site=True,
+    ),
+    Cause(
+        "drag_crisis",
+        "At speed the boundary layer turns turbulent and drag falls.",
+        {"force": crisis},
+        (
+            Parameter("k", "1", 0.2, 0.0, 1.0, "drag coefficient lost"),
+            Parameter("Re", "1e5", 1.5, 0.3, 5.0, "Reynolds number of the crisis"),
+        ),
+    ),
 )
-CONSTANTS = ("m", "A", "rho", "h0")
-COEFFICIENTS = (Parameter("g", "m/s2", GRAVITY, 9.78, 9.84, "gravity, anywhere on the ground"),)
-STATES = ("h", "w", "s")
-SYSTEM = System("ball_drops", STATES, CONSTANTS, (), COEFFICIENTS, STAGES, ("height",), EFFECTS)
+MODEL = Model(
+    name="ball_drops",
+    states=(
+        State("h", "m", 0.3, observed="height"),
+        State("w", "m/s", 0.4, rate_of="height"),
+        State("s", "1", 0.05),
+    ),
+    observations=(Observation("height", "m", 0.02),),
+    constants=(
+        Constant("m", "kg"),
+        Constant("A", "m2"),
+        Constant("rho", "kg/m3", AIR_KG_M3),
+        Constant("h0", "m"),
+    ),
+    coefficients=(Parameter("g", "m/s2", GRAVITY, 9.78, 9.84, "gravity, anywhere on the ground"),),
+    stages=(
+        Stage("clock", ("clock_rate",), clock, open=True),
+        Stage("force", ("F",), gravity, open=True),
+        Stage("inertia", ("m_air",), None, open=True),
+        Stage("rates", ("h", "w", "s"), motion),
+        Stage("observe", ("height",), seen),
+    ),
+    causes=CAUSES,
+    pushed=(),
+    read=read_folder,
+)
+"""Nothing pushes a ball in still air. s: share by which a drop's lengths are seen too long."""

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import math
 
-from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.explain import Cause, Constant, Model, Observation, Parameter, Stage, State
 from bluekoi.integrate.branchless import sin_cos
 
-from ..effect import effect
-from ..randomness import lasting_errors, pushes
+from .reading import TANK_M, read_folder, start
 
 Two = tuple[float, float]
 COEFFICIENTS = (
@@ -70,32 +69,74 @@ def barrel(x: float, L: float, k: float) -> Two:
     return -k * m * z * z * z, 0.0
 
 
-EFFECTS = (
-    pushes("The course wanders.", "effort", ("surge", "yaw"), (1.0, 0.1, 20.0)),
-    lasting_errors(
-        "The light swings with the body and is not always found.", 2, (0.3, 0.05, 2.0)),
-    effect("wall_effect", "Close to the tank's edge the robot is slowed.", {"effort": near_edge},
-           (("k", "1", 0.5, 0.0, 20.0, "share of drag added at the edge"),
-            ("d", "m", 0.1, 0.02, 0.5, "reach")), channels=("surge",)),
-    effect("far_wall", "Close to the far edge the robot is slowed.", {"effort": far_edge},
-           (("k", "1", 0.5, 0.0, 20.0, "share of drag added at the edge"),), channels=("surge",)),
-    effect("end_walls", "Close to the tank's ends the robot is slowed.", {"effort": end_wall},
-           (("k", "1", 0.5, 0.0, 20.0, "share of drag added at an end"),), channels=("surge",)),
-    effect("battery_sag", "The batteries give out during a run.", {"effort": sagging},
-           (("k", "1/s", 0.02, -1.0, 1.0, "share of drag per second"),), channels=("surge",)),
-    effect("edge_scale", "Lengths along the edge are seen too short.", {"observe": edge_scale},
-           (("k", "1", 0.05, -0.6, 0.6, "share seen too short at the edge"),), kind="measurement",
-           channels=("surge",)),
-    effect("lens_error", "The lens shows the tank's ends shorter than its middle.",
-           {"observe": barrel}, (("k", "1", 0.03, -0.3, 0.3, "shortening at the ends"),),
-           kind="measurement", channels=("surge",)),
-)  # fmt: skip
-STAGES = (
-    Stage("effort", ("X", "w"), effort, open=True),
-    Stage("rates", ("x", "y", "psi", "u"), motion),
-    Stage("observe", ("x_seen", "y_seen"), seen, open=True),
+CAUSES = (
+    Cause(
+        "wall_effect",
+        "Close to the tank's edge the robot is slowed.",
+        {"effort": near_edge},
+        (
+            Parameter("k", "1", 0.5, 0.0, 20.0, "share of drag added at the edge"),
+            Parameter("d", "m", 0.1, 0.02, 0.5, "reach"),
+        ),
+        site=True,
+    ),
+    Cause(
+        "far_wall",
+        "Close to the far edge the robot is slowed.",
+        {"effort": far_edge},
+        (Parameter("k", "1", 0.5, 0.0, 20.0, "share of drag added at the edge"),),
+        site=True,
+    ),
+    Cause(
+        "end_walls",
+        "Close to the tank's ends the robot is slowed.",
+        {"effort": end_wall},
+        (Parameter("k", "1", 0.5, 0.0, 20.0, "share of drag added at an end"),),
+        site=True,
+    ),
+    Cause(
+        "battery_sag",
+        "The batteries give out during a run.",
+        {"effort": sagging},
+        (Parameter("k", "1/s", 0.02, -1.0, 1.0, "share of drag per second"),),
+    ),
+    Cause(
+        "edge_scale",
+        "Lengths along the edge are seen too short.",
+        {"observe": edge_scale},
+        (Parameter("k", "1", 0.05, -0.6, 0.6, "share seen too short at the edge"),),
+        kind="measurement",
+        site=True,
+    ),
+    Cause(
+        "lens_error",
+        "The lens shows the tank's ends shorter than its middle.",
+        {"observe": barrel},
+        (Parameter("k", "1", 0.03, -0.3, 0.3, "shortening at the ends"),),
+        kind="measurement",
+        site=True,
+    ),
 )
-SYSTEM = System(
-    "fish_robot_pool", ("x", "y", "psi", "u"), ("L", "W"), (), COEFFICIENTS, STAGES,
-    ("x_seen", "y_seen"), EFFECTS,
-)  # fmt: skip
+MODEL = Model(
+    name="fish_robot_pool",
+    states=(
+        State("x", "m", 0.05),
+        State("y", "m", 0.05),
+        State("psi", "rad", 0.3),
+        State("u", "m/s", 0.1),
+    ),
+    observations=(Observation("x_seen", "m", 0.003), Observation("y_seen", "m", 0.003)),
+    constants=(Constant("L", "m", TANK_M[0]), Constant("W", "m", TANK_M[1])),
+    coefficients=COEFFICIENTS,
+    stages=(
+        Stage("effort", ("X", "w"), effort, open=True),
+        Stage("rates", ("x", "y", "psi", "u"), motion),
+        Stage("observe", ("x_seen", "y_seen"), seen),
+    ),
+    causes=CAUSES,
+    pushed=("X", "w"),
+    per_group=("V_0",),
+    path=("x_seen", "y_seen"),
+    start=start,
+    read=read_folder,
+)

@@ -10,18 +10,15 @@ import pandas as pd
 
 from bluekoi.data import Float
 from bluekoi.errors import input_error
-from bluekoi.fitting import Noise, Series
+from bluekoi.explain import Trial
 
-from ..averaging import averaged
-from .model import SYSTEM
+from ..averaging import block_means
 
 TANK_M = (6.0, 2.04)
 """ASSUME length and width of the tank: the light is seen from 0 to 5.9 m and from 0 to 2.01 m."""
-PLACE_STD_M = 0.01
 FASTEST_M_S = 1.0
 """Faster than any robot here swims by twice: what moves faster was mistaken for the light."""
 SWIMMING_M_S = 0.08
-FIRST_NOISE = Noise(np.array([0.02, 0.1, 0.005, 0.005]), np.array([1.0, 1.0, 0.3, 0.3]), np.ones(2))
 
 
 @dataclass(frozen=True)
@@ -40,8 +37,16 @@ class Run:
     gap_s: float
 
 
-def read_folder(folder: Path) -> list[Run]:
+def read_folder(folder: Path) -> list[Trial]:
     """All runs of a folder of `data_FREQUENCY_AMPLITUDE_LAG_STAMP.csv`.
+
+    Raises: InputError where there is none.
+    """
+    return [trial(run) for run in read_runs(folder)]
+
+
+def read_runs(folder: Path) -> list[Run]:
+    """The runs of a folder, their tracking faults set aside.
 
     Raises: InputError where there is none.
     """
@@ -98,19 +103,14 @@ def swimming(times: Float, places: Float) -> tuple[int, int]:
     return int(edges[2 * longest]), int(edges[2 * longest + 1])
 
 
-def series(run: Run) -> Series:
+def trial(run: Run) -> Trial:
     """A run by its means over body beats, in which the swing of the light averages out."""
-    n, states = len(run.times), len(SYSTEM.all_states)
-    early = run.times < run.times[0] + 2.0
-    (x, y), (vx, vy) = np.polynomial.polynomial.polyfit(run.times[early], run.places[early], 1)
-    start = [x, y, np.arctan2(vy, vx), np.hypot(vx, vy)]
-    std = np.concatenate([[0.05, 0.05, 0.3, 0.1], np.full(states - 4, 1e-6)])
-    return averaged(
-        Series(
-            name=run.name, group=run.condition, condition=run.name, times=run.times,
-            inputs=np.zeros((n, 0)), constants=np.array(TANK_M), seen=run.places,
-            noise=np.tile(np.eye(2) * PLACE_STD_M**2, (n, 1, 1)),
-            mean=np.concatenate([start, np.zeros(states - 4)]), cov=np.diag(std) ** 2,
-        ),
-        1.0 / run.beat_hz,
-    )  # fmt: skip
+    times, places = block_means(run.times, run.places, 1.0 / run.beat_hz)
+    return Trial(run.name, times, {"x_seen": places[:, 0], "y_seen": places[:, 1]},
+                 condition=run.name, group=run.condition)  # fmt: skip
+
+
+def start(times: Float, seen: Float) -> tuple[float, ...]:
+    """Place, course and speed at the first frame, from the first four."""
+    (x, y), (vx, vy) = np.polynomial.polynomial.polyfit(times[:4] - times[0], seen[:4], 1)
+    return float(x), float(y), float(np.arctan2(vy, vx)), float(np.hypot(vx, vy))

@@ -5,11 +5,10 @@ Per unit of inertia, so that every friction has the unit of an angular accelerat
 
 from __future__ import annotations
 
-from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.explain import Cause, Model, Observation, Parameter, Stage, State
 from bluekoi.integrate.branchless import sin_cos
 
-from ..effect import effect
-from ..randomness import lasting_errors, pushes
+from .reading import read_folder
 
 
 def swing(a: float, w0: float) -> tuple[float]:
@@ -54,25 +53,31 @@ def rate_scaled(b: float, k: float) -> tuple[float, float]:
     return 0.0, k * b
 
 
-COEFFICIENTS = (Parameter("w0", "rad/s", 1.16, 0.2, 20.0, "frequency of small swings"),)
-EFFECTS = (
-    pushes("Air and bearing are never quite even.", "moment", ("swing",), (0.5, 0.05, 10.0)),
-    lasting_errors("The recorded angle's errors last for a while.", 2, (0.3, 0.02, 5.0)),
-    effect("viscous_friction", "Friction in proportion to the rate.", {"moment": viscous},
-           (("k", "1/s", 0.05, 0.0, 5.0, "over the rate"),)),
-    effect("coulomb_friction", "Dry friction, the same at every rate.", {"moment": coulomb},
-           (("k", "rad/s2", 0.1, 0.0, 10.0, "deceleration"),)),
-    effect("quadratic_friction", "Friction in proportion to the rate squared.",
-           {"moment": quadratic}, (("k", "1", 0.02, 0.0, 5.0, "over the rate squared"),)),
-    effect("zero_error", "The angle's zero is not where the pendulum rests.",
-           {"moment": zero_error}, (("d", "rad", 0.01, -0.5, 0.5, "angle of rest"),),
+CAUSES = (
+    Cause("viscous_friction", "Friction in proportion to the rate.", {"moment": viscous},
+           (Parameter("k", "1/s", 0.05, 0.0, 5.0, "over the rate"),)),
+    Cause("coulomb_friction", "Dry friction, the same at every rate.", {"moment": coulomb},
+           (Parameter("k", "rad/s2", 0.1, 0.0, 10.0, "deceleration"),)),
+    Cause("quadratic_friction", "Friction in proportion to the rate squared.",
+           {"moment": quadratic}, (Parameter("k", "1", 0.02, 0.0, 5.0, "over the rate squared"),)),
+    Cause("zero_error", "The angle's zero is not where the pendulum rests.",
+           {"moment": zero_error}, (Parameter("d", "rad", 0.01, -0.5, 0.5, "angle of rest"),),
            kind="measurement"),
-    effect("rate_scale", "The rate is recorded too large or too small.", {"observe": rate_scaled},
-           (("k", "1", 0.01, -0.3, 0.3, "share too large"),), kind="measurement"),
+    Cause("rate_scale", "The rate is recorded too large or too small.", {"observe": rate_scaled},
+           (Parameter("k", "1", 0.01, -0.3, 0.3, "share too large"),), kind="measurement"),
 )  # fmt: skip
-STAGES = (
-    Stage("moment", ("N",), swing, open=True),
-    Stage("rates", ("a", "b"), motion),
-    Stage("observe", ("angle", "rate"), seen, open=True),
+MODEL = Model(
+    name="pendulum",
+    states=(State("a", "rad", 0.05, observed="angle"), State("b", "rad/s", 0.05, observed="rate")),
+    observations=(Observation("angle", "rad", 0.002), Observation("rate", "rad/s", 0.002)),
+    coefficients=(Parameter("w0", "rad/s", 1.16, 0.2, 20.0, "frequency of small swings"),),
+    stages=(
+        Stage("moment", ("N",), swing, open=True),
+        Stage("rates", ("a", "b"), motion),
+        Stage("observe", ("angle", "rate"), seen),
+    ),
+    causes=CAUSES,
+    pushed=(),
+    read=read_folder,
 )
-SYSTEM = System("pendulum", ("a", "b"), (), (), COEFFICIENTS, STAGES, ("angle", "rate"), EFFECTS)
+"""Nothing pushes a pendulum in still air."""

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 import math
 
-from bluekoi.integrate import Parameter, Stage, System
+from bluekoi.explain import Constant, Input, Model, Observation, Parameter, Stage, State
 from bluekoi.integrate.branchless import sin_cos
 
-from . import effects
+from . import causes
+from .reading import read_folder
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 1e-3, 1e-6, 1.0, "thrust over 1/2 rho A (a f)^2, a in rad"),
@@ -27,22 +28,17 @@ COEFFICIENTS = (
     Parameter("C_Ma", "m", 0.05, -2.0, 4.0, "moment over sin 2 alpha"),
     Parameter("C_Md", "kg m2", 0.005, -0.05, 1.0, "damping of the yaw rate squared"),
 )
-STATES = ("x", "y", "psi", "u", "v", "r")
-CONSTANTS = ("rho", "A", "l", "m", "I", "length", "span", "x_tail", "beat_hz0", "recoil_share")
-INPUTS = ("bias", "amplitude", "beat_hz", "recoil")
-OBSERVATIONS = ("x", "y", "heading")
-
 GEOMETRY = {
-    "rho": 1000.0,
-    "length": 0.21,
-    "span": 0.08,
-    "A": 0.21 * 0.08,
-    "l": 0.0525,
-    "m": 0.725,
-    "I": 2.66e-3,
-    "x_tail": 0.105,
-    "beat_hz0": 2.0,
-    "recoil_share": 0.163,
+    "rho": (1000.0, "kg/m3"),
+    "length": (0.21, "m"),
+    "span": (0.08, "m"),
+    "A": (0.21 * 0.08, "m2"),
+    "l": (0.0525, "m"),
+    "m": (0.725, "kg"),
+    "I": (2.66e-3, "kg m2"),
+    "x_tail": (0.105, "m"),
+    "beat_hz0": (2.0, "Hz"),
+    "recoil_share": (0.163, "1"),
 }
 """ASSUME the size of this family of robots: body some 0.21 m long and 0.08 m deep, 0.725 kg,
 2.66e-3 kg m2, tail joint 0.105 m behind the centre of mass; aerodynamic centre a quarter of the
@@ -120,19 +116,43 @@ def seen(x: float, y: float, psi: float) -> tuple[float, float, float]:
     return x, y, psi
 
 
-STAGES = (
-    Stage("clock", ("clock_rate",), clock, open=True),
-    Stage("drive", ("phi", "a", "f"), drive, open=True),
-    Stage("water", ("wx", "wy"), None, open=True),
-    Stage("flow", ("cpsi", "spsi", "cphi", "sphi", "uh", "vh", "V"), flow),
-    Stage("thrust", ("T",), thrust, open=True),
-    Stage("plate", ("Xh", "Yh"), plate, open=True),
-    Stage("force", ("X", "Y", "N"), force, open=True),
-    Stage("inertia", ("mx", "my", "J"), inertia, open=True),
-    Stage("rates", STATES, rates),
-    Stage("observe", OBSERVATIONS, seen, open=True),
-)
-
-SYSTEM = System(
-    "robotic_fish", STATES, CONSTANTS, INPUTS, COEFFICIENTS, STAGES, OBSERVATIONS, effects.EFFECTS
+MODEL = Model(
+    name="robotic_fish",
+    states=(
+        State("x", "m", 0.005),
+        State("y", "m", 0.005),
+        State("psi", "rad", 0.05),
+        State("u", "m/s", 0.02),
+        State("v", "m/s", 0.02),
+        State("r", "rad/s", 0.15),
+    ),
+    inputs=(
+        Input("bias", "rad"),
+        Input("amplitude", "rad"),
+        Input("beat_hz", "Hz"),
+        Input("recoil", "rad"),
+    ),
+    observations=(
+        Observation("x_seen", "m", 5e-4),
+        Observation("y_seen", "m", 5e-4),
+        Observation("heading", "rad", 5e-3, angle=True),
+    ),
+    constants=tuple(Constant(name, unit, value) for name, (value, unit) in GEOMETRY.items()),
+    coefficients=COEFFICIENTS,
+    stages=(
+        Stage("clock", ("clock_rate",), clock, open=True),
+        Stage("drive", ("phi", "a", "f"), drive, open=True),
+        Stage("water", ("wx", "wy"), None, open=True),
+        Stage("flow", ("cpsi", "spsi", "cphi", "sphi", "uh", "vh", "V"), flow),
+        Stage("thrust", ("T",), thrust, open=True),
+        Stage("plate", ("Xh", "Yh"), plate, open=True),
+        Stage("force", ("X", "Y", "N"), force, open=True),
+        Stage("inertia", ("mx", "my", "J"), inertia, open=True),
+        Stage("rates", ("x", "y", "psi", "u", "v", "r"), rates),
+        Stage("observe", ("x_seen", "y_seen", "heading"), seen),
+    ),
+    causes=causes.CAUSES,
+    random_force_s=(0.5, 0.05, 10.0),
+    path=("x_seen", "y_seen"),
+    read=read_folder,
 )

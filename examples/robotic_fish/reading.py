@@ -10,18 +10,15 @@ import numpy as np
 
 from bluekoi.data import Float, Pose, Track
 from bluekoi.errors import input_error
-from bluekoi.fitting import Series
+from bluekoi.explain import Trial
 from bluekoi.motor import tail_beat
 from bluekoi.smoothing import smooth
 
-from ..averaging import averaged
-from .model import CONSTANTS, GEOMETRY, SYSTEM
+from ..averaging import block_means
 
 COLUMNS = 7
 POSITION_STD_M = 1e-3
 HEADING_STD_RAD = 0.01
-START_STD = np.array([0.005, 0.005, 0.05, 0.02, 0.02, 0.15])
-"""What is known of the first frame's state beforehand: m, m, rad, m/s, m/s, rad/s."""
 _FOLDER = re.compile(r"Amp(?P<amp>\d+(?:\.\d+)?)Bias(?P<bias>-?\d+(?:\.\d+)?)$")
 
 
@@ -48,8 +45,13 @@ class Recording:
         return f"Amp{self.amplitude_deg:g}Bias{self.bias_deg:g}"
 
 
-def read_folder(folder: Path) -> list[Recording]:
-    """All trials of a folder of `AmpABiasB/STATESn.txt`, by amplitude and bias.
+def read_folder(folder: Path) -> list[Trial]:
+    """All trials of a folder, by their means over tail beats."""
+    return [by_beats(one) for one in read_recordings(folder)]
+
+
+def read_recordings(folder: Path) -> list[Recording]:
+    """All recordings of a folder of `AmpABiasB/STATESn.txt`, by amplitude and bias.
 
     Raises: InputError where there is none, or where a file does not hold seven columns of numbers.
     """
@@ -95,40 +97,28 @@ def _cov(frames: int, size: int) -> Float:
     return np.tile(np.diag(std**2), (frames, 1, 1))
 
 
-def by_beats(one: Recording) -> Series:
-    """A trial by its means over tail beats, as the fit takes it.
+def by_beats(one: Recording) -> Trial:
+    """A trial by its means over tail beats.
 
     The model knows thrust as its mean over a beat; over a beat the recoil, with all that its
     harmonics do, averages to nothing.
     """
-    return averaged(series(one), 1.0 / one.beat_hz)
-
-
-def series(one: Recording) -> Series:
-    """A trial frame by frame, without its recoil."""
-    states = len(SYSTEM.all_states)
+    times, seen = block_means(one.times, one.seen - one.track.recoil[:, :3], 1.0 / one.beat_hz)
     amplitude, bias = np.radians([one.amplitude_deg, one.bias_deg])
-    start = _start(one)
-    return Series(
-        name=one.name,
-        group=format(one.amplitude_deg, "g"),
-        condition=one.condition,
-        times=one.times,
-        inputs=np.tile([bias, amplitude, one.beat_hz, one.recoil_rad], (len(one.times), 1)),
-        constants=np.array([GEOMETRY[name] for name in CONSTANTS]),
-        seen=one.seen - one.track.recoil,
-        noise=_cov(len(one.times), 3),
-        mean=np.concatenate([start, np.zeros(states - 6)]),
-        cov=np.diag(np.concatenate([START_STD, np.full(states - 6, 1e-6)]) ** 2),
-    )
+    inputs = {"bias": bias, "amplitude": amplitude, "beat_hz": one.beat_hz,
+              "recoil": one.recoil_rad}  # fmt: skip
+    return Trial(
+        one.name, times, dict(zip(("x_seen", "y_seen", "heading"), seen.T, strict=True)),
+        {name: np.full(len(times), value) for name, value in inputs.items()},
+        condition=one.condition, start=_start(one),
+    )  # fmt: skip
 
 
-def _start(one: Recording) -> Float:
-    """x, y, heading, surge, sway, yaw rate at the first frame, from the smoothed track."""
+def _start(one: Recording) -> dict[str, float]:
+    """State at the first frame, from the smoothed track."""
     k = one.track
     c, s = np.cos(k.heading_rad[0]), np.sin(k.heading_rad[0])
     vx, vy = k.vx_m_s[0], k.vy_m_s[0]
-    return np.array(
-        [k.x_m[0], k.y_m[0], k.heading_rad[0], vx * c + vy * s, vy * c - vx * s,
-         k.yaw_rate_rad_s[0]]
-    )  # fmt: skip
+    own = {"x": k.x_m[0], "y": k.y_m[0], "psi": k.heading_rad[0], "u": vx * c + vy * s,
+           "v": vy * c - vx * s, "r": k.yaw_rate_rad_s[0]}  # fmt: skip
+    return {name: float(value) for name, value in own.items()}

@@ -13,11 +13,13 @@ modulus and cubic terms); single-screw asymmetry as constant force and moment.
 # ruff: noqa: PLR0913, PLR0917 -- arguments are named after what an equation needs
 from __future__ import annotations
 
-from bluekoi.integrate import Parameter, Stage, System
+import numpy as np
+
+from bluekoi.data import Float
+from bluekoi.explain import Cause, Constant, Input, Model, Observation, Parameter, Stage, State
 from bluekoi.integrate.branchless import sin_cos
 
-from ..effect import effect
-from ..randomness import lasting_errors, pushes
+from .reading import read_folder
 
 LENGTH_M = 7.0
 Three = tuple[float, float, float]
@@ -45,9 +47,21 @@ def sailed(u: float, v: float) -> tuple[float]:
 
 
 def acceleration(
-    u: float, v: float, r: float, U: float, delta: float, L: float, X_0: float, U_0: float,
-    Y_v: float, Y_r: float, Y_d: float, N_v: float, N_r: float, N_d: float,
-) -> Three:  # fmt: skip
+    u: float,
+    v: float,
+    r: float,
+    U: float,
+    delta: float,
+    L: float,
+    X_0: float,
+    U_0: float,
+    Y_v: float,
+    Y_r: float,
+    Y_d: float,
+    N_v: float,
+    N_r: float,
+    N_d: float,
+) -> Three:
     """Surge, sway (m/s2) and yaw (rad/s2)."""
     X = X_0 * (U_0 * U_0 - u * u) / L
     Y = U / L * (Y_v * v + Y_r * r * L) + U * U / L * Y_d * delta
@@ -57,7 +71,7 @@ def acceleration(
 
 def motion(
     psi: float, u: float, v: float, r: float, wx: float, wy: float, X: float, Y: float, N: float
-) -> tuple[float, float, float, float, float, float]:  # fmt: skip
+) -> tuple[float, float, float, float, float, float]:
     """Derivatives of x, y, psi, u, v, r; water that moves (wx, wy) carries the ship along."""
     s, c = sin_cos(psi)
     return u * c - v * s + wx, u * s + v * c + wy, r, X, Y, N
@@ -128,54 +142,164 @@ def heading_zero(d: float) -> Three:
     return 0.0, 0.0, d
 
 
-EFFECTS = (
-    pushes("The tank is never quite still.", "force", ("surge", "sway", "yaw"), (2.0, 0.2, 5.0)),
-    lasting_errors("Errors of tracking last for a while.", 3, (1.0, 0.1, 5.0)),
-    effect("speed_loss", "Drifting and turning cost speed.", {"force": speed_loss},
-           (("X_vv", "1", -0.1, -10.0, 10.0, "from drift"),
-            ("X_vr", "1", 0.1, -10.0, 10.0, "from drift and turn"),
-            ("X_rr", "1", -0.02, -10.0, 10.0, "from turn")), channels=("surge",), strengths=3),
-    effect("rudder_drag", "A rudder put over costs speed.", {"force": rudder_drag},
-           (("X_dd", "1", 0.02, -2.0, 5.0, "per rudder angle squared"),), channels=("surge",)),
-    effect("single_screw", "The single screw pushes the stern to one side.",
-           {"force": single_screw},
-           (("Y_0", "1", 0.001, -0.5, 0.5, "side force"), ("N_0", "1", 0.005, -0.5, 0.5, "moment")),
-           channels=("sway", "yaw"), strengths=2),
-    effect("rudder_zero", "The rudder's zero is not amidships.", {"steer": rudder_zero},
-           (("d", "rad", 0.005, -0.2, 0.2, "offset"),), kind="measurement", channels=("yaw",)),
-    effect("rudder_stall", "The rudder loses force at large angles.", {"steer": stalled},
-           (("k", "1/rad2", 0.2, -2.5, 2.5, "share lost per angle squared"),), channels=("yaw",)),
-    effect("slipstream", "The screw keeps blowing on the rudder as the ship slows down.",
-           {"force": slipstream}, (("k", "1", 0.2, -10.0, 10.0, "share of N_d"),),
-           channels=("yaw",)),
-    effect("crossflow_drag", "Drag across the flow grows with its square.", {"force": crossflow},
-           (("Y_vv", "1", 0.3, -20.0, 40.0, "in sway"), ("N_rr", "1", 0.3, -20.0, 40.0, "in yaw")),
-           channels=("sway", "yaw"), strengths=2),
-    effect("drift_and_turn", "The yaw moment of drifting and turning at once is not linear.",
-           {"force": cubic},
-           (("N_vvr", "1", -1.0, -300.0, 300.0, "drift squared times turn"),
-            ("N_vrr", "1", 1.0, -300.0, 300.0, "drift times turn squared")),
-           channels=("yaw",), strengths=2),
-    effect("drift_asymmetry", "Drift to port and to starboard turn the ship unequally.",
-           {"force": drift_asymmetry}, (("k", "1", 0.2, -50.0, 50.0, "per drift squared"),),
-           channels=("yaw",)),
-    effect("current", "The water in the tank moves.", {"water": set_by},
-           (("c_x", "m/s", 0.003, -0.3, 0.3, "ahead"), ("c_y", "m/s", 0.003, -0.3, 0.3, "aside")),
-           channels=("surge", "sway"), strengths=2),
-    effect("heading_zero", "The heading is read beside the ship's axis.",
-           {"observe": heading_zero}, (("d", "rad", 0.003, -0.2, 0.2, "offset"),),
-           kind="measurement", channels=("yaw",)),
-)  # fmt: skip
-STATES = ("x", "y", "psi", "u", "v", "r")
-STAGES = (
-    Stage("steer", ("delta",), steer, open=True),
-    Stage("sailed", ("U",), sailed),
-    Stage("force", ("X", "Y", "N"), acceleration, open=True),
-    Stage("water", ("wx", "wy"), None, open=True),
-    Stage("rates", STATES, motion),
-    Stage("observe", ("x_seen", "y_seen", "heading"), seen, open=True),
+CAUSES = (
+    Cause(
+        "speed_loss",
+        "Drifting and turning cost speed.",
+        {"force": speed_loss},
+        (
+            Parameter("X_vv", "1", -0.1, -10.0, 10.0, "from drift"),
+            Parameter("X_vr", "1", 0.1, -10.0, 10.0, "from drift and turn"),
+            Parameter("X_rr", "1", -0.02, -10.0, 10.0, "from turn"),
+        ),
+        strengths=3,
+    ),
+    Cause(
+        "rudder_drag",
+        "A rudder put over costs speed.",
+        {"force": rudder_drag},
+        (Parameter("X_dd", "1", 0.02, -2.0, 5.0, "per rudder angle squared"),),
+    ),
+    Cause(
+        "single_screw",
+        "The single screw pushes the stern to one side.",
+        {"force": single_screw},
+        (
+            Parameter("Y_0", "1", 0.001, -0.5, 0.5, "side force"),
+            Parameter("N_0", "1", 0.005, -0.5, 0.5, "moment"),
+        ),
+        strengths=2,
+    ),
+    Cause(
+        "rudder_zero",
+        "The rudder's zero is not amidships.",
+        {"steer": rudder_zero},
+        (Parameter("d", "rad", 0.005, -0.2, 0.2, "offset"),),
+        kind="measurement",
+    ),
+    Cause(
+        "rudder_stall",
+        "The rudder loses force at large angles.",
+        {"steer": stalled},
+        (Parameter("k", "1/rad2", 0.2, -2.5, 2.5, "share lost per angle squared"),),
+    ),
+    Cause(
+        "slipstream",
+        "The screw keeps blowing on the rudder as the ship slows down.",
+        {"force": slipstream},
+        (Parameter("k", "1", 0.2, -10.0, 10.0, "share of N_d"),),
+    ),
+    Cause(
+        "crossflow_drag",
+        "Drag across the flow grows with its square.",
+        {"force": crossflow},
+        (
+            Parameter("Y_vv", "1", 0.3, -20.0, 40.0, "in sway"),
+            Parameter("N_rr", "1", 0.3, -20.0, 40.0, "in yaw"),
+        ),
+        strengths=2,
+    ),
+    Cause(
+        "drift_and_turn",
+        "The yaw moment of drifting and turning at once is not linear.",
+        {"force": cubic},
+        (
+            Parameter("N_vvr", "1", -1.0, -300.0, 300.0, "drift squared times turn"),
+            Parameter("N_vrr", "1", 1.0, -300.0, 300.0, "drift times turn squared"),
+        ),
+        strengths=2,
+    ),
+    Cause(
+        "drift_asymmetry",
+        "Drift to port and to starboard turn the ship unequally.",
+        {"force": drift_asymmetry},
+        (Parameter("k", "1", 0.2, -50.0, 50.0, "per drift squared"),),
+    ),
+    Cause(
+        "current",
+        "The water in the tank moves.",
+        {"water": set_by},
+        (
+            Parameter("c_x", "m/s", 0.003, -0.3, 0.3, "ahead"),
+            Parameter("c_y", "m/s", 0.003, -0.3, 0.3, "aside"),
+        ),
+        strengths=2,
+        site=True,
+    ),
+    Cause(
+        "heading_zero",
+        "The heading is read beside the ship's axis.",
+        {"observe": heading_zero},
+        (Parameter("d", "rad", 0.003, -0.2, 0.2, "offset"),),
+        kind="measurement",
+    ),
 )
-SYSTEM = System(
-    "ship_zigzag", STATES, ("L",), ("rudder",), COEFFICIENTS, STAGES,
-    ("x_seen", "y_seen", "heading"), EFFECTS,
-)  # fmt: skip
+
+
+def start(times: Float, seen: Float) -> tuple[float, ...]:
+    """State at the first frame, from the first seconds."""
+    first = times <= times[min(len(times) - 1, 4)] + 1.0
+    (x, y, psi), (vx, vy, r) = np.polynomial.polynomial.polyfit(
+        times[first] - times[0], seen[first], 1
+    )
+    c, s = np.cos(psi), np.sin(psi)
+    return x, y, psi, vx * c + vy * s, vy * c - vx * s, r
+
+
+def measures(_: Float, seen: Float, inputs: Float) -> dict[str, float]:
+    """Of a turning circle: advance at a change of heading by 90 degrees, tactical diameter at 180
+    degrees (m), from where the rudder is put over, along and across the approach.
+
+    Source: ITTC 7.5-04-02-01 (2021), Full scale manoeuvring trials, sec. 2.3.
+    """
+    rudder = np.abs(inputs[:, 0])
+    order = int(np.argmax(rudder > 0.5 * rudder.max()))
+    turned = np.abs(seen[:, 2] - seen[order, 2])
+    c, s = np.cos(seen[order, 2]), np.sin(seen[order, 2])
+    along = (seen[:, 0] - seen[order, 0]) * c + (seen[:, 1] - seen[order, 1]) * s
+    across = (seen[:, 1] - seen[order, 1]) * c - (seen[:, 0] - seen[order, 0]) * s
+    out = {}
+    for name, degrees, way in (("advance_m", 90.0, along), ("tactical_diameter_m", 180.0, across)):
+        past = np.flatnonzero(turned >= np.radians(degrees))
+        if len(past) and past[0] > order:
+            pair = [past[0] - 1, past[0]]
+            out[name] = abs(float(np.interp(np.radians(degrees), turned[pair], way[pair])))
+    return out
+
+
+MODEL = Model(
+    name="ship_zigzag",
+    states=(
+        State("x", "m", 0.05),
+        State("y", "m", 0.05),
+        State("psi", "rad", 0.02),
+        State("u", "m/s", 0.05),
+        State("v", "m/s", 0.05),
+        State("r", "rad/s", 0.01),
+    ),
+    inputs=(Input("rudder", "rad"),),
+    observations=(
+        Observation("x_seen", "m", 0.003),
+        Observation("y_seen", "m", 0.003),
+        Observation("heading", "rad", 0.001, angle=True),
+    ),
+    constants=(Constant("L", "m", LENGTH_M),),
+    coefficients=COEFFICIENTS,
+    stages=(
+        Stage("steer", ("delta",), steer, open=True),
+        Stage("sailed", ("U",), sailed),
+        Stage("force", ("X", "Y", "N"), acceleration, open=True),
+        Stage("water", ("wx", "wy"), None, open=True),
+        Stage("rates", ("x", "y", "psi", "u", "v", "r"), motion),
+        Stage("observe", ("x_seen", "y_seen", "heading"), seen),
+    ),
+    causes=CAUSES,
+    random_force_s=(2.0, 0.2, 5.0),
+    error_s=(1.0, 0.1, 5.0),
+    path=("x_seen", "y_seen"),
+    start=start,
+    measures=measures,
+    most_hz=1.0,
+    read=read_folder,
+)
+"""A towing tank is still: random forces are forgotten within 5 s at most."""

@@ -1,15 +1,13 @@
 """Yaw alone: I r' = -d(r) + what may have been left out; the gyro sees r.
 
-The vessel's authors fitted d = N_r r. Here every part of the damping is an effect; the bare model
-has one of them, the others are candidates.
+The vessel's authors fitted d = N_r r, the bare model here.
 """
 
 from __future__ import annotations
 
-from bluekoi.integrate import Stage, System
+from bluekoi.explain import Cause, Constant, Model, Observation, Parameter, Stage, State
 
-from ..effect import effect
-from ..randomness import lasting_errors, pushes
+from .reading import read_folder
 
 YAW_INERTIA = 5.45
 """kg m2, as the vessel's authors give it."""
@@ -55,35 +53,53 @@ def scaled(r: float, k: float) -> tuple[float]:
     return (k * r,)
 
 
-_LINEAR = effect(
-    "linear_yaw_damping", "The water resists turning in proportion to the yaw rate.",
-    {"moment": linear_moment}, (("N_r", "N m s", 0.5, 0.0, 50.0, "moment at 1 rad/s"),),
-)  # fmt: skip
-_QUADRATIC = effect(
-    "quadratic_yaw_damping", "The water resists turning in proportion to the yaw rate squared.",
-    {"moment": quadratic_moment}, (("N_rr", "N m s2", 1.0, 0.0, 100.0, "moment at 1 rad/s"),),
-)  # fmt: skip
-_OTHERS = (
-    effect("dry_friction", "A moment against the turning that does not depend on its rate.",
-           {"moment": dry_moment}, (("N_c", "N m", 0.05, 0.0, 5.0, "moment"),)),
-    effect("constant_moment", "A lasting moment acts on the vessel: wind, trim, a bent keel.",
-           {"moment": constant_moment}, (("N_0", "N m", 0.05, -5.0, 5.0, "moment"),)),
-    effect("gyro_bias", "The gyro does not read zero at rest.", {"observe": offset},
-           (("b", "rad/s", 0.01, -0.2, 0.2, "reading at rest"),), kind="measurement",
-           evidence={"compass": {"b": 1.0}}),
-    effect("gyro_scale", "The gyro reads all rates too large or too small.", {"observe": scaled},
-           (("k", "1", 0.02, -0.3, 0.3, "share read too much"),), kind="measurement"),
-)  # fmt: skip
-
-
-STAGES = (
-    Stage("moment", ("N",), None, open=True),
-    Stage("rates", ("r",), acceleration),
-    Stage("observe", ("rate",), gyro, open=True),
+CAUSES = (
+    Cause(
+        "quadratic_yaw_damping",
+        "The water resists turning in proportion to the yaw rate squared.",
+        {"moment": quadratic_moment},
+        (Parameter("N_rr", "N m s2", 1.0, 0.0, 100.0, "moment at 1 rad/s"),),
+    ),
+    Cause(
+        "dry_friction",
+        "A moment against the turning that does not depend on its rate.",
+        {"moment": dry_moment},
+        (Parameter("N_c", "N m", 0.05, 0.0, 5.0, "moment"),),
+    ),
+    Cause(
+        "constant_moment",
+        "A lasting moment acts on the vessel: wind, trim, a bent keel.",
+        {"moment": constant_moment},
+        (Parameter("N_0", "N m", 0.05, -5.0, 5.0, "moment"),),
+    ),
+    Cause(
+        "gyro_bias",
+        "The gyro does not read zero at rest.",
+        {"observe": offset},
+        (Parameter("b", "rad/s", 0.01, -0.2, 0.2, "reading at rest"),),
+        kind="measurement",
+        evidence={"compass": {"b": 1.0}},
+    ),
+    Cause(
+        "gyro_scale",
+        "The gyro reads all rates too large or too small.",
+        {"observe": scaled},
+        (Parameter("k", "1", 0.02, -0.3, 0.3, "share read too much"),),
+        kind="measurement",
+    ),
 )
-EFFECTS = (
-    pushes("The water is never quite still.", "moment", ("yaw",), (1.0, 0.05, 10.0)),
-    lasting_errors("The gyro's errors last for a while.", 1, (0.2, 0.02, 2.0)),
-    _LINEAR, _QUADRATIC, *_OTHERS,
-)  # fmt: skip
-SYSTEM = System("yaw_coastdown", ("r",), ("inertia",), (), (), STAGES, ("rate",), EFFECTS)
+MODEL = Model(
+    name="yaw_coastdown",
+    states=(State("r", "rad/s", 0.05, observed="rate"),),
+    observations=(Observation("rate", "rad/s", 0.003),),
+    constants=(Constant("inertia", "kg m2", YAW_INERTIA),),
+    coefficients=(Parameter("N_r", "N m s", 0.5, 0.0, 50.0, "linear damping, moment at 1 rad/s"),),
+    stages=(
+        Stage("moment", ("N",), linear_moment, open=True),
+        Stage("rates", ("r",), acceleration),
+        Stage("observe", ("rate",), gyro),
+    ),
+    causes=CAUSES,
+    pushed=("N",),
+    read=read_folder,
+)

@@ -7,42 +7,33 @@ from pathlib import Path
 import numpy as np
 
 from bluekoi.errors import input_error
-from bluekoi.fitting import Noise, Series
+from bluekoi.explain import Trial
 
 from ..spreadsheet import columns, sheets
-from .model import YAW_INERTIA
 
-GYRO_STD = 0.003
-FIRST_NOISE = Noise(np.array([0.02, 0.002]), np.array([1.0, 0.2]), np.ones(1))
 COMPASS_STD = 0.015
 """rad/s: a compass that is wrong by 0.3 rad, over 20 s."""
 
 
-def read_folder(folder: Path) -> tuple[Series, ...]:
-    """One `Series` a workbook.
+def read_folder(folder: Path) -> list[Trial]:
+    """One `Trial` a workbook.
 
     Raises: InputError where there is none, or where one has no rows of rate and time.
     """
     paths = sorted(Path(folder).glob("*.xlsx"))
     if not paths:
         raise input_error(folder, "", "no .xlsx", "one workbook a spin-down")
-    return tuple(read(path) for path in paths)
+    return [read(path) for path in paths]
 
 
-def read(path: Path) -> Series:
+def read(path: Path) -> Trial:
     """One spin-down."""
     table = columns(sheets(path).get("Sheet1", {}), "JI")
     if len(table) < 20:
         raise input_error(path, "Sheet1", f"{len(table)} rows", "20 or more with columns I and J")
     times, rate = np.ascontiguousarray(table.T)
-    n = len(times)
-    return Series(
-        name=path.stem, group="all", condition=path.stem, times=times - times[0],
-        inputs=np.zeros((n, 0)), constants=np.array([YAW_INERTIA]), seen=rate.reshape(-1, 1),
-        noise=np.full((n, 1, 1), GYRO_STD**2), mean=np.array([rate[0], 0.0, 0.0]),
-        cov=np.diag([0.05, 1e-6, 1e-6]) ** 2,
-        evidence={"compass": (gyro_over_compass(path), COMPASS_STD)},
-    )  # fmt: skip
+    return Trial(path.stem, times - times[0], {"rate": rate}, source=str(path),
+                 evidence={"compass": (gyro_over_compass(path), COMPASS_STD)})  # fmt: skip
 
 
 def gyro_over_compass(path: Path) -> float:

@@ -16,6 +16,8 @@ from .numbers import Finite
 @click.option("--out", type=click.Path(path_type=Path), help="Default: results/explain/MODEL.")
 @click.option("--predict", "others", multiple=True, type=click.Path(path_type=Path),
               help="A folder of recordings to predict, not fitted (repeat).")  # fmt: skip
+@click.option("--left-out", is_flag=True,
+              help="Predict each condition by models fitted to the others.")  # fmt: skip
 @click.option("--known-s", type=Finite(min=0.001), default=1.0, show_default=True,
               help="First seconds of a predicted trial that tell its start.")  # fmt: skip
 @click.option("--candidates", metavar="NAMES", help="Causes to ask for, joined by commas.")
@@ -27,6 +29,7 @@ def explain(
     data: Path,
     out: Path | None,
     others: tuple[Path, ...],
+    left_out: bool,
     known_s: float,
     candidates: str | None,
     without: str | None,
@@ -37,32 +40,25 @@ def explain(
     MODEL.py is run as a program: use only files that you would run yourself. Writes
     explanation.json, explanation.md and report.html.
     """
-    from ..explain import explain as explained  # noqa: PLC0415
-    from ..explain import (  # noqa: PLC0415  # noqa: PLC0415
-        explanation_json,
-        load_model,
-        predict,
-        prediction_json,
-        prediction_text,
-        read_trials,
-        summary,
-    )
+    from .. import explain as ex  # noqa: PLC0415
     from ..files import write_json, write_text  # noqa: PLC0415
     from ..report.explanation import write_explanation  # noqa: PLC0415
 
-    given = load_model(model)
-    trials = read_trials(given, data)
-    further = [t for folder in others for t in read_trials(given, folder)]
-    found = explained(
+    given = ex.load_model(model)
+    trials = ex.read_trials(given, data)
+    further = [t for folder in others for t in ex.read_trials(given, folder)]
+    found = ex.explain(
         given, trials, candidates=_names(candidates), without=_names(without) or (),
         progress=lambda text: None if quiet else click.echo(f"... {text}", err=True),
     )  # fmt: skip
-    predicted = predict(found, further, known_s=known_s) if further else None
+    predicted = ex.predict(found, further, known_s=known_s) if further else None
+    if left_out and predicted is None:
+        predicted = ex.predict_left_out(found, known_s=known_s)
     folder = out or Path("results") / "explain" / given.name
-    content, text = explanation_json(found), summary(found)
+    content, text = ex.explanation_json(found), ex.summary(found)
     if predicted is not None:
-        content["prediction"] = prediction_json(predicted)
-        text += "\n\n" + prediction_text(given, predicted)
+        content["prediction"] = ex.prediction_json(predicted)
+        text += "\n\n" + ex.prediction_text(given, predicted)
     write_json(folder / "explanation.json", content)
     write_text(folder / "explanation.md", text + "\n")
     write_explanation(found, predicted, folder / "report.html")

@@ -16,7 +16,7 @@ from .explanation import Explanation, explain
 from .folder import read_trials
 from .model import Cause, Constant, Input, Model, Observation, State
 from .model_file import load_model
-from .prediction import Predicted, predict
+from .prediction import Predicted, predict, predict_left_out
 from .results_json import explanation_json, prediction_json
 from .text import prediction_text, summary
 from .trials import Trial
@@ -37,6 +37,7 @@ __all__ = [
     "explanation_json",
     "load_model",
     "predict",
+    "predict_left_out",
     "prediction_json",
     "prediction_text",
     "read_trials",

@@ -108,7 +108,7 @@ class Model:
     per_group: coefficients that each group of trials has for itself. varies: parameters that
     differ from trial to trial by a known standard deviation. path: two observations that are a
     place in the plane. start: function (times (n,), observed (n, observations)) -> start of all
-    states. measures: function (times, observed) -> name -> value, compared in predictions.
+    states. measures: function (times, observed, inputs) -> name -> value, compared in predictions.
     most_hz: observations beyond this rate are averaged; default by the model's time constants.
     read: function (folder) -> trials, for data in a layout of its own.
     """
@@ -128,7 +128,7 @@ class Model:
     varies: Sequence[TrialEffect] = ()
     path: tuple[str, ...] = ()
     start: Callable[[Float, Float], Sequence[float]] | None = None
-    measures: Callable[[Float, Float], Mapping[str, float]] | None = None
+    measures: Callable[[Float, Float, Float], Mapping[str, float]] | None = None
     most_hz: float | None = None
     read: Callable[..., Any] | None = None
 
@@ -199,8 +199,10 @@ def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
 
 
 def channels_of(model: Model, cause: Cause) -> tuple[str, ...]:
-    """Outputs of the stage `force` that a cause pushes; all of them where it acts before it."""
-    if cause.channels:
+    """Outputs of the stage `force` that a cause pushes: all of them where it acts before it, none
+    where it acts on the observations alone.
+    """
+    if cause.channels or set(cause.hooks) == {OBSERVE}:
         return cause.channels
     stage = model.force
     function = cause.hooks.get(stage.name) if stage else None

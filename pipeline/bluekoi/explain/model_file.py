@@ -35,6 +35,12 @@ def load_model(path: Path) -> Model:
 
 
 def _run(path: Path) -> ModuleType:
+    """The module of a file; as part of its package where its folder is one."""
+    root = path.parent
+    while (root / "__init__.py").exists():
+        root = root.parent
+    if root != path.parent:
+        return _imported(path, root)
     digest = hashlib.sha256(str(path).encode()).hexdigest()[:12]
     name = f"bluekoi_model_{''.join(c if c.isalnum() else '_' for c in path.stem)}_{digest}"
     spec = importlib.util.spec_from_file_location(name, path)
@@ -53,6 +59,25 @@ def _run(path: Path) -> ModuleType:
                           "a file that runs") from None  # fmt: skip
     finally:
         sys.path.remove(str(path.parent))
+    return module
+
+
+def _imported(path: Path, root: Path) -> ModuleType:
+    """A module of a package whose parent folder is `root`."""
+    name = ".".join(path.relative_to(root).with_suffix("").parts)
+    sys.path.insert(0, str(root))
+    try:
+        module = importlib.import_module(name)
+    except InputError:
+        raise
+    except Exception as error:
+        raise input_error(path, _line(error, path), f"{type(error).__name__}: {error}",
+                          "a file that runs") from None  # fmt: skip
+    finally:
+        sys.path.remove(str(root))
+    if Path(str(module.__file__)).resolve() != path:
+        raise input_error(path, "", f"another module of the name {name}: {module.__file__}",
+                          "a package of a name of its own")  # fmt: skip
     return module
 
 

@@ -8,13 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, shoot
-from .comparison import Fitted
+from ..engine import Problem
+from ..fitting import Noise, Series, filter_series, shoot
+from ..fitting.filtering import with_noise
+from ..integrate import LANES, Kernel
+from ..integrate.batch import propagate
+from .comparison import Fitted, by_both_criteria, folds_of, refitted
 from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, checked
 
-KNOWN_S = 1.0
+KNOWN_S, LEAST_FOR_MEASURES = 1.0, 3
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,7 @@ def predict(found: Explanation, trials: Sequence[Trial], *, known_s: float = KNO
     messages = [f"{c} belongs to the site of the fitted recordings and is not applied here."
                 for c in site]  # fmt: skip
     messages += _groups(found, series)
-    return Predicted(runs, [_measures(model, s.times, s.seen) for s in series], known_s, site,
+    return Predicted(runs, [_measures(model, s, s.seen) for s in series], known_s, site,
                      tuple(messages))  # fmt: skip
 
 
@@ -78,14 +82,61 @@ def _groups(found: Explanation, series: Sequence[Series]) -> list[str]:
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
 
 
+def predict_left_out(found: Explanation, *, known_s: float = KNOWN_S) -> Predicted:
+    """`Predicted` for the fitted trials, each condition by models fitted to the others."""
+    problem, model = found.prepared.problem, found.model
+    series = list(problem.series)
+    runs: dict[tuple[str, str], dict[str, Run]] = {}
+    for fold in folds_of(series):
+        rest = replace(problem, series=tuple(s for s in series if s.condition not in fold))
+        own = [s for s in series if s.condition in fold]
+        for name, one in (("baseline", found.baseline), ("extended", found.extended)):
+            again = _again(rest, one) if rest.series else one
+            for start, known in ((WHOLE, np.inf), (FIRST, known_s)):
+                every = runs.setdefault((name, start), {})
+                every |= {r.trial: r for r in _runs(found, again, own, known)}
+    ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
+    measured = [_measures(model, s, s.seen) for s in series]
+    return Predicted(ordered, measured, known_s, (), ())
+
+
+def _again(problem: Problem, one: Fitted) -> Fitted:
+    """The same set, fitted to other trials by the same criterion."""
+    both = by_both_criteria(problem, refitted(problem, one.model))
+    return next((f for f in both if f.criterion == one.criterion), both[0])
+
+
 def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: float) -> list[Run]:
     problem, model = found.prepared.problem, found.model
-    told = [replace(s, seen=np.where(s.times[:, None] <= s.times[0] + known_s, s.seen, np.nan))
-            for s in series]  # fmt: skip
-    shots = shoot(problem.kernel, told, one.values(problem, series), open_states=len(model.states))
-    return [Run(s.name, s.times, shot.observed, s.seen, errors_of(model, shot.observed - s.seen),
-                _measures(model, s.times, shot.observed))
-            for s, shot in zip(series, shots, strict=True)]  # fmt: skip
+    values = one.values(problem, series)
+    if np.isfinite(known_s):
+        observed = [forecast(problem.kernel, s, v, one.model.noise, known_s)
+                    for s, v in zip(series, values, strict=True)]  # fmt: skip
+    else:
+        shots = shoot(problem.kernel, series, values, open_states=len(model.states))
+        observed = [shot.observed for shot in shots]
+    out = []
+    for s, y in zip(series, observed, strict=True):
+        later = s.times > s.times[0] + (known_s if np.isfinite(known_s) else -1.0)
+        errors = errors_of(model, (y - s.seen)[later])
+        out.append(Run(s.name, s.times, y, s.seen, errors, _measures(model, s, y)))
+    return out
+
+
+def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: float) -> Float:
+    """Observations (n, observations) predicted from the first `known_s` seconds of a trial by the
+    filter, lasting errors and all.
+    """
+    known = one.times <= one.times[0] + known_s
+    told = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
+    states = filter_series(kernel, told, values, noise).predicted
+    count, full = len(one.times), with_noise(kernel, values, noise)
+    lanes = [
+        np.repeat(rows[:, :, None], LANES, axis=2)
+        for rows in (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
+    ]
+    observed, _ = propagate(kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None])
+    return observed[:, 0, :, 0]
 
 
 def errors_of(model: Model, error: Float) -> dict[str, float]:
@@ -100,10 +151,11 @@ def errors_of(model: Model, error: Float) -> dict[str, float]:
     return out
 
 
-def _measures(model: Model, times: Float, observed: Float) -> dict[str, float]:
+def _measures(model: Model, series: Series, observed: Float) -> dict[str, float]:
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)
-    if known.sum() < 3:
+    if known.sum() < LEAST_FOR_MEASURES:
         return {}
-    return {str(k): float(v) for k, v in model.measures(times[known], observed[known]).items()}
+    given = (series.times[known], observed[known], series.inputs[known])
+    return {str(k): float(v) for k, v in model.measures(*given).items()}

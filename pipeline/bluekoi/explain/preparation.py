@@ -20,8 +20,9 @@ from .sampling import LEAST_IN_BLOCK, block_rate_hz
 from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
 from .trials import Trial, all_series, pieces
 
-FEWEST_TRIALS, STRETCHES, LEAST_FRAMES = 4, 8, 50
-"""Fewer trials are cut into stretches, about so many in all, of so many frames at least."""
+FEWEST_TRIALS, STRETCHES, LEAST_FRAMES = 4, 4, 50
+"""Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
+loses what the state before it tells: no more cuts than resampling needs."""
 MOST_FRAMES = 6000
 """Samples of all trials beyond which they are averaged in blocks."""
 SIZES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))

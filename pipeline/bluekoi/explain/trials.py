@@ -29,7 +29,7 @@ class Trial:
     times (n,) in s, increasing. inputs, observed: name -> (n,), NaN where nothing was seen.
     constants: name -> number. condition: what repeats share; group: what trials share that have
     coefficients of their own; role: `fit` or `held_out`. evidence: side measurement -> value, std.
-    source: file named in messages.
+    start: state -> value at the first sample, where it is known. source: file named in messages.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Trial:
     group: str = "all"
     role: str = FIT
     evidence: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)
     source: str = ""
 
 
@@ -81,6 +82,8 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
     out += _name_faults(file, "input", trial.inputs, [i.name for i in model.inputs])
     out += _name_faults(file, "observation", trial.observed, [o.name for o in model.observations])
     required = [c.name for c in model.constants if not np.isfinite(c.value)]
+    states = [s.name for s in model.states]
+    out += _name_faults(file, "start", trial.start, states, [])
     out += _name_faults(file, "constant", trial.constants, [c.name for c in model.constants],
                         required)  # fmt: skip
     for name, column in [*trial.inputs.items(), *trial.observed.items()]:
@@ -192,6 +195,8 @@ def series_of(
     constants = [trial.constants.get(c.name, c.value) for c in model.constants]
     constants += [scales.get(name, 1.0) for name in scale_names(model)]
     mean, cov = start_of_trial(model, assembly, trial.times, seen)
+    for name, value in trial.start.items():
+        mean[system.states.index(name)] = value
     noise = np.diag([o.std for o in model.observations]) ** 2
     assert len(mean) == len(system.all_states)
     return Series(trial.name, trial.group, trial.condition, trial.times, inputs,
@@ -240,7 +245,7 @@ def pieces(trials: Sequence[Trial], count: int) -> list[Trial]:
         for k, (a, b) in enumerate(pairwise(edges)):
             name = f"{t.name}/{k + 1}"
             out.append(replace(
-                t, name=name, condition=name, times=t.times[a:b],
+                t, name=name, condition=name, start=t.start if k == 0 else {}, times=t.times[a:b],
                 observed={n: c[a:b] for n, c in t.observed.items()},
                 inputs={n: c[a:b] for n, c in t.inputs.items()},
             ))  # fmt: skip

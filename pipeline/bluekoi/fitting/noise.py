@@ -107,13 +107,14 @@ def _finite(likelihood: float) -> float:
 
 
 def _by_logs(kernel: Kernel, noise: Noise, told: Slopes) -> Float:
-    """Slopes by the logarithms of `_flat`: sigma goes with 1 / sqrt(tau)."""
+    """Slopes by the logarithms of `_flat`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
     count, own = len(noise.disturbance), told.disturbance * noise.disturbance
     tau = np.zeros(count)
     for k, (shared, parameter) in _memories(kernel, count).items():
-        if parameter.lower < noise.tau[k] < parameter.upper:
-            states = slice(k, k + shared)
-            tau[k] = np.sum(told.tau[states] * noise.tau[states] - 0.5 * own[states])
+        states = slice(k, k + shared)
+        slope = float(np.sum(told.tau[states] * noise.tau[states] - 0.5 * own[states]))
+        below, above = noise.tau[k] < parameter.upper, noise.tau[k] > parameter.lower
+        tau[k] = slope if (below or slope < 0) and (above or slope > 0) else 0.0
     scale = np.where(noise.scale > noise.least_scale, told.scale * noise.scale, 0.0)
     return np.concatenate([own, tau, scale])
 

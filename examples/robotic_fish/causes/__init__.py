@@ -2,4 +2,4 @@
 
 from . import camera, tail, water
 
-EFFECTS = (*water.EFFECTS, *camera.EFFECTS, *tail.EFFECTS)
+CAUSES = (*water.CAUSES, *camera.CAUSES, *tail.CAUSES)

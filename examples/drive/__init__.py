@@ -1,0 +1,1 @@
+"""A linear drive: what holds it back beside mass and viscous friction."""

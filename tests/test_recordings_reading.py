@@ -11,14 +11,12 @@ import numpy as np
 import pytest
 
 from bluekoi.errors import InputError
-from bluekoi.fitting import Series
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 spreadsheet = import_module("examples.spreadsheet")
 averaging = import_module("examples.averaging")
 pool = import_module("examples.fish_robot_pool.reading")
 fish = import_module("examples.robotic_fish.reading")
-errors = import_module("examples.robotic_fish.errors")
 balls = import_module("examples.ball_drops.reading")
 ship = import_module("examples.ship_zigzag.reading")
 yaw = import_module("examples.yaw_coastdown.reading")
@@ -54,20 +52,12 @@ def test_what_is_no_workbook_is_named(tmp_path):
         spreadsheet.sheets(path)
 
 
-def straight(times: np.ndarray, seen: np.ndarray) -> Series:
-    n, o = seen.shape
-    return Series("a", "a", "a", times, np.zeros((n, 1)), np.zeros(0), seen,
-                  np.tile(np.eye(o), (n, 1, 1)), np.zeros(o), np.eye(o))  # fmt: skip
-
-
 def test_means_over_whole_beats_leave_a_line_and_take_a_beat_away():
     times = np.arange(0, 6.005, 0.01)
     line = 0.3 * times[:, None] + 0.1 * np.sin(2 * np.pi * 2.0 * times)[:, None]
-    mean = averaging.averaged(straight(times, line), 0.5)
-    assert len(mean.times) == 12
-    np.testing.assert_allclose(mean.seen[:, 0], 0.3 * mean.times, atol=1e-12)
-    assert mean.inputs.shape == (12, 1)
-    assert mean.noise.shape == (12, 1, 1)
+    middles, means = averaging.block_means(times, line, 0.5)
+    assert len(middles) == 12
+    np.testing.assert_allclose(means[:, 0], 0.3 * middles, atol=1e-12)
 
 
 def test_a_light_mistaken_for_another_is_set_aside_and_the_rest_kept():
@@ -89,10 +79,10 @@ def test_only_the_swimming_counts():
     assert times[last - 1] == pytest.approx(13.0, abs=0.8)
 
 
-def fish_folder(root: Path, name: str, *, delay_s: float = 0.0, turn_rad: float = 0.0) -> Path:
-    """A trial on a circle of 0.5 m at 0.1 m/s, turned and started later as told."""
+def fish_folder(root: Path, name: str) -> Path:
+    """A trial on a circle of 0.5 m at 0.1 m/s, with its tail beat."""
     t = np.arange(0, 6, 1 / 30)
-    psi = 0.2 * (t + delay_s) + turn_rad
+    psi = 0.2 * t
     x, y = 1.0 + 0.5 * np.sin(psi), 1.0 - 0.5 * np.cos(psi)
     beat = 0.05 * np.sin(2 * np.pi * 2.1 * t)
     x, y = (k + np.random.default_rng(7).normal(0, 2e-4, len(t)) for k in (x, y))
@@ -110,17 +100,10 @@ def test_a_fish_trial_brings_its_tail_beat_and_its_condition(tmp_path):
     assert one.times[0] == 0.0
     by_beats = fish.by_beats(one)
     assert np.diff(by_beats.times) == pytest.approx(1 / 2.1, abs=0.04)
-    told = [*np.radians([-20.0, 25.0]), one.beat_hz, one.recoil_rad]
-    np.testing.assert_allclose(by_beats.inputs[0], told)
+    told = dict(zip(("bias", "amplitude"), np.radians([-20.0, 25.0]), strict=True))
+    told |= {"beat_hz": one.beat_hz, "recoil": one.recoil_rad}
+    assert {name: values[0] for name, values in by_beats.inputs.items()} == pytest.approx(told)
     assert one.recoil_rad == pytest.approx(0.05, rel=0.1)  # as `fish_folder` makes it
-
-
-def test_repeats_that_differ_by_place_heading_and_start_alone_are_the_same(tmp_path):
-    fish_folder(tmp_path, "Amp25Bias20/STATES1.txt")
-    fish_folder(tmp_path, "Amp25Bias20/STATES2.txt", delay_s=0.5, turn_rad=1.0)
-    apart = errors.repeatability(fish.read_folder(tmp_path))
-    assert apart.shape == (1,)
-    assert apart[0] < 1e-3
 
 
 @pytest.mark.parametrize(
@@ -159,7 +142,7 @@ def test_the_ships_u_and_v_are_velocities_in_the_tank(recordings):
 
 @pytest.mark.recordings
 def test_the_fishs_tail_beats_twice_as_fast_as_told_and_not_always_the_same(recordings):
-    found = fish.read_folder(recordings / "robotic_fish")
+    found = fish.read_recordings(recordings / "robotic_fish")
     assert len(found) == 36
     beat = {(r.amplitude_deg, r.bias_deg): r.beat_hz for r in found}
     sure = np.array([r.beat_hz for r in found if r.beat_std_hz < 0.01])
@@ -172,7 +155,7 @@ def test_the_fishs_tail_beats_twice_as_fast_as_told_and_not_always_the_same(reco
 
 @pytest.mark.recordings
 def test_no_light_in_the_pool_moves_too_fast_once_faults_are_set_aside(recordings):
-    runs = pool.read_folder(recordings / "fish_robot_pool")
+    runs = pool.read_runs(recordings / "fish_robot_pool")
     assert len(runs) == 16
     for run in runs:
         step = np.hypot(*np.diff(run.places, axis=0).T)
@@ -184,8 +167,8 @@ def test_no_light_in_the_pool_moves_too_fast_once_faults_are_set_aside(recording
 @pytest.mark.recordings
 def test_balls_have_mass_and_size(recordings):
     found = balls.read_folder(recordings / "ball_drops")
-    assert len(found) == 11
-    assert all(len(drops) == 2 for drops in found.values())
-    mass, area = found["Golf Ball"][0].constants[:2]
+    assert len(found) == 22
+    golf = next(drop for drop in found if drop.condition == "Golf Ball")
+    mass, area = golf.constants["m"], golf.constants["A"]
     assert mass == pytest.approx(0.0459, abs=1e-4)
     assert 2 * np.sqrt(area / np.pi) == pytest.approx(0.0439, abs=1e-4)

@@ -14,14 +14,32 @@ from .numbers import Finite
 @click.argument("model", type=Named(path_type=Path))
 @click.argument("data", type=Named(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Default: results/explain/MODEL.")
-@click.option("--predict", "others", multiple=True, type=click.Path(path_type=Path),
-              help="A folder of recordings to predict, not fitted (repeat).")  # fmt: skip
-@click.option("--left-out", is_flag=True,
-              help="Predict each condition by models fitted to the others.")  # fmt: skip
-@click.option("--known-s", type=Finite(min=0.001), default=1.0, show_default=True,
-              help="First seconds of a predicted trial that tell its start.")  # fmt: skip
+@click.option(
+    "--predict",
+    "others",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="A folder of recordings to predict, not fitted (repeat).",
+)
+@click.option(
+    "--left-out", is_flag=True, help="Predict each condition by models fitted to the others."
+)
+@click.option(
+    "--known-s",
+    type=Finite(min=0.001),
+    default=1.0,
+    show_default=True,
+    help="First seconds of a predicted trial that tell its start.",
+)
 @click.option("--candidates", metavar="NAMES", help="Causes to ask for, joined by commas.")
 @click.option("--without", metavar="NAMES", help="Causes to leave out, joined by commas.")
+@click.option(
+    "--compare",
+    "sets",
+    multiple=True,
+    metavar="NAMES",
+    help="A set of causes, joined by commas, to fit and compare as well (repeat).",
+)
 @click.option("--quiet", is_flag=True, help="No lines of progress.")
 def explain(
     *,
@@ -33,6 +51,7 @@ def explain(
     known_s: float,
     candidates: str | None,
     without: str | None,
+    sets: tuple[str, ...],
     quiet: bool,
 ) -> None:
     """Which causes the model in MODEL.py leaves out of the recordings in the folder DATA.
@@ -48,9 +67,13 @@ def explain(
     trials = ex.read_trials(given, data)
     further = [t for folder in others for t in ex.read_trials(given, folder)]
     found = ex.explain(
-        given, trials, candidates=_names(candidates), without=_names(without) or (),
+        given,
+        trials,
+        candidates=_names(candidates),
+        without=_names(without) or (),
+        compare=[_names(one) or () for one in sets],
         progress=lambda text: None if quiet else click.echo(f"... {text}", err=True),
-    )  # fmt: skip
+    )
     predicted = ex.predict(found, further, known_s=known_s) if further else None
     if left_out and predicted is None:
         predicted = ex.predict_left_out(found, known_s=known_s)

@@ -147,9 +147,10 @@ def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
     for stage, function in cause.hooks.items():
         known = set(base)
         for s in model.stages:
+            if s.name not in (RATES, OBSERVE):
+                known |= set(s.outputs)  # of its own stage too: what the model gives there
             if s.name == stage:
                 break
-            known |= set(s.outputs) if s.name != RATES else set()
         out += _asks(model, f"cause {cause.name}", function, known)
     if cause.rates is not None:
         out += _asks(model, f"cause {cause.name}", cause.rates, every)

@@ -82,28 +82,35 @@ def held_out(
 ) -> HeldOut:  # fmt: skip
     """`HeldOut`: on `test` where there are such trials, else by leaving conditions out in turn."""
     horizon = bearable_s(problem, extended, test or problem.series)
-    sets = {"baseline": baseline, "extended": extended}
-    errors: dict[str, dict[str, list[Float]]] = {k: {} for k in sets}
+    found = errors_of_sets(model, problem, (baseline, extended), test, horizon)
+    floor = noise_floor(model, problem, extended, test or problem.series, horizon)
+    trials = tuple(s.name for s in (test or problem.series))
+    (first, before), (second, after) = found
+    return HeldOut(trials, before, after, floor, (first, second), horizon)
+
+
+def errors_of_sets(
+    model: Model, problem: Problem, sets: Sequence[FittedSet], test: Sequence[Series],
+    horizon_s: float,
+) -> list[tuple[str, dict[str, float]]]:  # fmt: skip
+    """Of each set the better criterion of its fit, and its errors on trials not fitted to."""
     parts = [(list(problem.series), list(test))] if test else [
         ([s for s in problem.series if s.condition not in fold],
          [s for s in problem.series if s.condition in fold])
         for fold in folds_of(problem.series)]  # fmt: skip
     parts = [p for p in parts if p[0] and p[1]] or [(list(problem.series), list(problem.series))]
-    for train, own in parts:
-        local = replace(problem, series=tuple(train))
-        for name, one in sets.items():
+    out = []
+    for one in sets:
+        errors: dict[str, list[Float]] = {}
+        for train, own in parts:
+            local = replace(problem, series=tuple(train))
             again = one if len(train) == len(problem.series) else refitted(local, one)
             for found in by_both_criteria(local, again):
-                rows = errors[name].setdefault(found.criterion, [])
-                rows += stretch_errors(model, local, found, own, horizon)
-    best = {n: min(e, key=lambda k: _total(e[k])) for n, e in errors.items()}
-    floor = noise_floor(model, problem, extended, test or problem.series, horizon)
-    return HeldOut(
-        tuple(s.name for s in (test or problem.series)),
-        _rms(model, errors["baseline"][best["baseline"]]),
-        _rms(model, errors["extended"][best["extended"]]), floor,
-        (best["baseline"], best["extended"]), horizon,
-    )  # fmt: skip
+                rows = errors.setdefault(found.criterion, [])
+                rows += stretch_errors(model, local, found, own, horizon_s)
+        best = min(errors, key=lambda k: _total(errors[k]))
+        out.append((best, _rms(model, errors[best])))
+    return out
 
 
 def refitted(problem: Problem, model: FittedSet) -> FittedSet:

@@ -8,13 +8,32 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..engine import FittedSet, Named, Posterior, Scored, best_set, named_causes, posterior, search
+from ..engine import (
+    FittedSet,
+    Named,
+    Posterior,
+    Scored,
+    Visited,
+    best_set,
+    named_causes,
+    own_noise,
+    posterior,
+    search,
+)
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..engine.problem import silent
+from ..engine.search import score
 from ..errors import Finding, InputError, nearest
 from ..fitting import Series
 from .checks import checked_model
-from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, by_both_criteria, held_out
+from .comparison import (
+    PREDICTION_ERRORS,
+    Fitted,
+    HeldOut,
+    by_both_criteria,
+    errors_of_sets,
+    held_out,
+)
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
 from .preparation import Prepared, converged_step, prepared, runs_away
@@ -24,6 +43,19 @@ from .trials import HELD_OUT, Trial, checked, series_of, warnings_of
 OVERDISPERSED, COMPARABLE = 2.0, 0.5
 """Variance over trials against standard errors, and random force against the causes' own force,
 beyond which the report warns."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A set of causes that was asked for: its log posterior less that of the most probable set, the
+    criterion of its fit, its numbers, and its errors on conditions left out.
+    """
+
+    causes: tuple[str, ...]
+    log_posterior: float
+    fitted_to: str
+    numbers: tuple[Number, ...]
+    errors: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -51,6 +83,7 @@ class Explanation:
     best: Scored
     held_out: HeldOut
     warnings: tuple[str, ...]
+    compared: tuple[Compared, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -64,17 +97,21 @@ def explain(
     *,
     candidates: Sequence[str] | None = None,
     without: Sequence[str] = (),
+    compare: Sequence[Sequence[str]] = (),
     progress: Callable[[str], None] = silent,
 ) -> Explanation:
     """Which of the model's causes act in the trials.
 
-    candidates: names of the causes to ask for, all by default; without: names to leave out.
+    candidates: names of the causes to ask for, all by default; without: names to leave out;
+    compare: further sets of causes to fit and compare, whatever their probability.
 
     Raises: InputError for a model, a trial or a name that cannot be used, naming it.
     """
     checked_model(model)
     given = checked(model, trials)
     names = asked(model, candidates, without)
+    for one in compare:
+        asked(replace(model, causes=[c for c in model.causes if c.name in names]), one, ())
     fit = [t for t in given if t.role != HELD_OUT]
     ready = prepared(model, fit, names, progress)
     try:
@@ -102,7 +139,23 @@ def explain(
         with_criterion(ready, bare.model, errors.fitted_to[0]),
         with_criterion(ready, best.model, errors.fitted_to[1]), tuple(own), tuple(base), best,
         errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
+        tuple(_compared(ready, visited, tuple(one), test, errors.stretch_s) for one in compare),
     )  # fmt: skip
+
+
+def _compared(
+    ready: Prepared, visited: Visited, causes: tuple[str, ...], test: Sequence[Series],
+    horizon_s: float,
+) -> Compared:  # fmt: skip
+    """A set of causes, fitted from the baseline on where the search had no use for it."""
+    problem, best = ready.problem, visited.best
+    scored = visited.add(causes, visited.sets[frozenset()].model)
+    if scored is None:
+        return Compared(causes, -np.inf, PREDICTION_ERRORS, (), {})
+    scored = score(problem, own_noise(problem, scored.model))
+    ((criterion, errors),) = errors_of_sets(ready.model, problem, [scored.model], test, horizon_s)
+    return Compared(causes, scored.log_posterior - best.log_posterior, criterion,
+                    tuple(numbers(problem.kernel, scored.model)), errors)  # fmt: skip
 
 
 def asked(

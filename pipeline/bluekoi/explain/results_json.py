@@ -43,6 +43,11 @@ def explanation_json(found: Explanation) -> dict[str, Any]:
                 "trials": [s.name for s in found.prepared.series],
                 "samples": sum(len(s.times) for s in found.prepared.series)},
         "sets": _sets(found),
+        "compared": [
+            {"causes": list(c.causes), "log_posterior": _number(c.log_posterior),
+             "fitted_to": c.fitted_to, "numbers": _numbers(c.numbers), "errors": _finite(c.errors)}
+            for c in found.compared
+        ],
         "warnings": list(found.warnings),
     }  # fmt: skip
 

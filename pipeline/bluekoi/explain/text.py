@@ -36,6 +36,8 @@ def summary(found: Explanation) -> str:
     others = rivals(found)
     if others:
         parts.append("Not excluded: " + ", ".join(f"{r['name']} {r['weight']:.2f}" for r in others))
+    if found.compared:
+        parts.append(table(*compared_table(found)))
     parts += [f"Warning: {w}" for w in found.warnings]
     return "\n\n".join(parts)
 
@@ -75,6 +77,19 @@ def probability_rows(found: Explanation) -> list[tuple[str, str]]:
     terms = ", ".join(f"{n} {p:.2f}" for n, p in residual_terms(found).items())
     last = f"{found.unexplained:.3f}" + (f" ({terms})" if terms else "")
     return [*((n, f"{p:.3f}") for n, p in rows), ("a force that no candidate describes", last)]
+
+
+def compared_table(found: Explanation) -> tuple[list[str], list[list[str]]]:
+    """Head and rows of the sets that were asked for."""
+    names = list(found.held_out.baseline)
+    units = [f"{n}, {unit_of_error(found.model, n)}" for n in names]
+    rows = []
+    for c in found.compared:
+        own = [n for n in c.numbers if "." in n.label]
+        rows.append([" + ".join(c.causes) or "none", f"{c.log_posterior:.1f}",
+                     ", ".join(map(measured, own)), c.fitted_to,
+                     *(f"{c.errors.get(n, np.nan):.4g}" for n in names)])  # fmt: skip
+    return ["set", "log posterior, less the best", "size", "fitted to", *units], rows
 
 
 def error_rows(found: Explanation) -> list[tuple[str, ...]]:

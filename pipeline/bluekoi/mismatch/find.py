@@ -11,14 +11,16 @@ import numpy as np
 from ..data import Steady
 from ..engine import (
     FittedSet,
+    Named,
     Posterior,
     Scored,
-    fitted,
-    own_noise,
+    best_set,
+    named_causes,
     posterior,
     search,
     unconstrained,
 )
+from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..fitting import Free, Series, fit_paths, inverse_fisher, spread_over_trials
 from ..integrate import Kernel, compiled
 from ..integrate.batch import each
@@ -31,19 +33,7 @@ from .locate import Dependence, MissingForce, added_force, dependences, missing_
 from .robot_problem import robot_problem
 from .setting import has_roles, held_out_trials, steady_errors, variables
 
-NAMED = 0.5
-"""A cause is named where it is more probable than not."""
 LEAST_UNIT = 0.1
-UNEXPLAINED = "unexplained"
-
-
-@dataclass(frozen=True)
-class Cause:
-    """A named cause: probability that it acts, and others that may act in its place."""
-
-    name: str
-    probability: float
-    alternatives: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -61,7 +51,7 @@ class Found:
 
     verdict: str
     posterior: Posterior
-    named: Sequence[Cause]
+    named: Sequence[Named]
     unexplained: float
     model: FittedSet
     gains: Mapping[str, float]
@@ -127,7 +117,7 @@ def find_mismatch(
     }  # fmt: skip
     if not best.causes:
         errors["extended"] = errors["baseline"]
-    gains = {c.name: _gain(found, best, c.name) for c in named}
+    gains = {c.name: gain(found.sets, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return Found(
         verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
@@ -137,63 +127,6 @@ def find_mismatch(
         stretch_s=paths.horizon_s, displacements=displaced,
         warnings=model_warnings(kernel, train, best),
     )  # fmt: skip
-
-
-def named_causes(found: Posterior, candidates: Mapping[str, object]) -> tuple[list[Cause], float]:
-    """Causes that are probably there, and the probability of an unlisted force.
-
-    A place of the most probable set is filled where it is more probable than not that its cause, or
-    another in its place, acts; it bears the name of the most probable of them.
-    """
-
-    def is_residual(name: str) -> bool:
-        return bool(candidates[name].is_residual)  # type: ignore[attr-defined]
-
-    pairs = list(zip(found.sets, found.probability, strict=True))
-    unexplained = float(sum(p for s, p in pairs if any(map(is_residual, s.causes))))
-    best = found.best
-    out: list[Cause] = []
-    for name in best.causes:
-        if is_residual(name):
-            continue
-        rest = frozenset(best.causes) - {name}
-        place = {name: found.inclusion[name]}
-        for s, p in pairs:
-            new = s.model.key - rest - {name}
-            if name not in s.model.key and len(new) == 1 and rest <= s.model.key:
-                (other,) = new
-                place[other] = place.get(other, 0.0) + float(p)
-        taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
-        listed = {n: q for n, q in place.items() if not is_residual(n)}
-        if taken > NAMED and listed:
-            leader = max(listed, key=lambda n: listed[n])
-            others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
-            if not (sum(q for n, q in place.items() if is_residual(n)) > NAMED):
-                out.append(Cause(leader, found.inclusion[leader], others))
-    names = {c.name for c in out}
-    out += [Cause(n, q, {}) for n, q in found.inclusion.items()
-            if q > NAMED and n not in names and not is_residual(n)]  # fmt: skip
-    return out, unexplained
-
-
-def best_set(
-    found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, object]
-) -> Scored:
-    """The most probable set with just these named causes, with a residual term where asked for."""
-
-    def fits(s: Scored) -> bool:
-        residual = [c for c in s.causes if candidates[c].is_residual]  # type: ignore[attr-defined]
-        return set(named) == set(s.causes) - set(residual) and bool(residual) == unexplained
-
-    pairs = sorted(zip(found.probability, found.sets, strict=True), key=lambda x: -x[0])
-    return next((s for _, s in pairs if fits(s)), found.best)
-
-
-def _gain(found: Posterior, best: Scored, name: str) -> float:
-    """Log evidence that the set loses without one of its causes."""
-    less = best.model.key - {name}
-    without = [s.log_posterior for s in found.sets if s.model.key == less]
-    return best.log_posterior - max(without, default=-np.inf)
 
 
 SINGLE_TRIAL_FACTOR = 2.0
@@ -248,7 +181,7 @@ def _located(
     return forces, dependences(series, shown, variables(series, forces, trials), units)
 
 
-def verdict_of(kernel: Kernel, named: Sequence[Cause], unexplained: float) -> str:
+def verdict_of(kernel: Kernel, named: Sequence[Named], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
     if unexplained > NAMED:
         return UNEXPLAINED
@@ -293,6 +226,3 @@ def _main_forces(
     arm = float(np.median([abs(s.constants[names.index("l")]) for s in train]))
     typical = float(np.median(thrust))
     return typical, typical, typical * arm
-
-
-__all__ = ["Cause", "Found", "find_mismatch", "fitted", "named_causes", "own_noise"]

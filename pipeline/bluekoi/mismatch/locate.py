@@ -18,9 +18,8 @@ from ..fitting import Noise, Series, disturbance_slots, filter_all, smooth
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
-from .judge import folds
 
-DEGREE = 3
+FOLDS, DEGREE = 6, 3
 MOMENT_S = 1e-3
 LEAST_SHARE = 0.02
 MOST_VARIABLES = 2
@@ -113,6 +112,14 @@ def _difference(
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(own - own[:, :, 1:2], posinf=0.0, neginf=0.0)  # a model that ran away
     return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
+
+
+def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:
+    """Trials by fold; trials of one condition are never parted, folds are about equally long."""
+    conditions = sorted({s.condition for s in series})
+    order = {c: i % min(count, max(len(conditions), 1)) for i, c in enumerate(conditions)}
+    chosen = np.array([order[s.condition] for s in series])
+    return [np.flatnonzero(chosen == k) for k in sorted(set(order.values()))]
 
 
 def dependences(

@@ -7,19 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from ..engine import Named
+from ..engine.naming import UNEXPLAINED
 from ..fitting import Series, trial_values
 from ..integrate import Effect, compiled
 from ..model import is_nameless, plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned
 from ..tuning.joint import BAND
-from .find import UNEXPLAINED, Cause, Found
+from .find import Found
 from .robot_problem import CAMERA_SHIFT
 from .sentences import sentence, unexplained_sentence
 from .setting import CHANNELS, best_next_trial
 
 LEAST_RIVAL = 0.02
-CREDIBLE = 0.9
 
 
 def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
@@ -60,7 +61,7 @@ def causes(found: Found) -> list[dict[str, Any]]:
     return [*out, _unexplained(found)] if found.verdict == UNEXPLAINED else out
 
 
-def _cause(found: Found, cause: Cause) -> dict[str, Any]:
+def _cause(found: Found, cause: Named) -> dict[str, Any]:
     effect = plates().effect(cause.name)
     return {
         "name": cause.name,
@@ -75,16 +76,9 @@ def _cause(found: Found, cause: Cause) -> dict[str, Any]:
     }
 
 
-def credible_set(cause: Cause) -> list[str]:
+def credible_set(cause: Named) -> list[str]:
     """The fewest causes of a place, the most probable first, that hold 90 % of it."""
-    place = {cause.name: cause.probability, **cause.alternatives}
-    total, out, held = sum(place.values()), [], 0.0
-    for name in sorted(place, key=lambda n: -place[n]):
-        out.append(name if not is_nameless(name) else UNEXPLAINED)
-        held += place[name]
-        if held >= CREDIBLE * total:
-            break
-    return out
+    return [UNEXPLAINED if is_nameless(n) else n for n in cause.credible_set]
 
 
 def _regime(found: Found, effect: Effect) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..engine.naming import UNEXPLAINED
 from ..tuning import table
-from .find import UNEXPLAINED, Found
+from .find import Found
 
 SURE = 0.8
 DOUBTFUL_SHARE = 0.1

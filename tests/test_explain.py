@@ -281,7 +281,7 @@ FAULTY = {
     "a time is missing": (rows(7, ",0.06,1.0"), None, "time, sample 6.*expected finite times"),
     "an input is missing": (rows(7, "0.30,0.06,"), None, "push, sample 6: found nan"),
     "an infinite place": (rows(7, "0.30,inf,1.0"), None, "position, sample 6: found inf"),
-    "too short": ("t,x,u\n0,0,0\n1,0,0\n", None, "10 samples or more"),
+    "too short": ("t,x,u\n0,0,0\n1,0,0\n", None, "3 samples or more"),
     "empty file": ("", None, "expected a csv with a header"),
     "nothing seen": (
         "t,x,u\n" + "\n".join(f"{k},,1" for k in range(30)),

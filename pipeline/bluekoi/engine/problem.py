@@ -25,6 +25,7 @@ class Problem:
     base (parameters,): values of what is not fitted. coefficients: the model's own numbers. noise:
     where estimates of the random part begin. tolerances: strength of a candidate -> standard
     deviation to which a careful laboratory makes it 0; integrated out where it is not a cause.
+    most_causes: how many a set may have.
     """
 
     kernel: Kernel
@@ -36,6 +37,7 @@ class Problem:
     tolerances: Mapping[str, float] = field(default_factory=dict)
     residual_sizes: Mapping[str, float] = field(default_factory=dict)
     progress: Progress = field(default=silent)
+    most_causes: int = 4
 
     @cached_property
     def by_name(self) -> dict[str, Candidate]:

@@ -21,7 +21,6 @@ from .expansion import Expansion, expanded
 from .problem import Problem
 from .refit import FittedSet, fitted, likeliest_start, own_noise, starts_of
 
-MOST_CAUSES = 4
 REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
@@ -173,7 +172,7 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
     done: set[frozenset[str]] = set()
     while (best := visited.best).model.key not in done:
         done.add(best.model.key)
-        if len(best.causes) < MOST_CAUSES:
+        if len(best.causes) < visited.problem.most_causes:
             _further(visited, best, REFITS)
             visited.converge()
         if visited.best.model.key != best.model.key:

@@ -158,7 +158,7 @@ def stretches(
         edges = np.linspace(0, len(one.times), count + 1).astype(int)
         states = smooth(result)[0] if count > 1 else result.filtered
         for a, b in pairwise(edges):
-            if b - a < LEAST_FRAMES:
+            if b - a < LEAST_FRAMES and count > 1:
                 continue
             part = one.frames(a, b)
             if a:
@@ -174,6 +174,8 @@ def stretch_errors(
 ) -> list[Float]:
     """Simulated minus seen (frames, observations) of every stretch, starts fitted."""
     parts = stretches(problem, found, series, horizon_s)
+    if not parts:
+        return []
     shots = shoot(problem.kernel, parts, found.values(problem, parts),
                   open_states=len(model.states))  # fmt: skip
     return [shot.observed - part.seen for shot, part in zip(shots, parts, strict=True)]

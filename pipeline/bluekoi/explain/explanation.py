@@ -205,6 +205,8 @@ def _warnings(
             f"Parameters vary between trials {c:.1f} times more (in variance) than their "
             "standard errors allow: something is missing that no candidate describes."
         )
+    if len(best.causes) == ready.problem.most_causes:
+        out.append(f"The search ends at {len(best.causes)} causes; more may act.")
     out += _random_forces(ready, best, bare)
     labels = {n.label for n in own}
     out += at_bounds(own) + [

@@ -23,8 +23,8 @@ from .trials import Trial, all_series, pieces
 FEWEST_TRIALS, STRETCHES, LEAST_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses what the state before it tells: no more cuts than resampling needs."""
-MOST_FRAMES = 6000
-"""Samples of all trials beyond which they are averaged in blocks."""
+MOST_CAUSES, MOST_FRAMES = 6, 6000
+"""Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
 SIZES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
 
@@ -74,6 +74,7 @@ def prepared(
         candidates=candidates_of(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
+        most_causes=MOST_CAUSES,
     )  # fmt: skip
     return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
                     tuple(warnings))  # fmt: skip

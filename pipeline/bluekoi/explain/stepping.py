@@ -13,10 +13,10 @@ from ..integrate.batch import propagate
 
 MOMENT_S, DIFFERENCE = 1e-6, 1e-4
 MOST_STATES = 200
-STEPS_PER_TIME_CONSTANT = 1.0
-"""Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 1 % of a
-decay over one."""
-LONGEST_STEP_S = 1.0
+STEP_PER_TIME_CONSTANT = 0.5
+"""Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 3e-4 of a
+decay over half of one."""
+LONGEST_STEP_S = 0.5
 CONVERGED = 0.5
 """Log likelihood that a step of half the length may change."""
 
@@ -64,7 +64,7 @@ def _tiled(vector: Float, count: int) -> Float:
 
 def longest_step_s(rate_per_s: float) -> float:
     """Integration step for a model whose fastest time constant is 1 / rate."""
-    return float(min(LONGEST_STEP_S, STEPS_PER_TIME_CONSTANT / max(rate_per_s, 1e-9)))
+    return float(min(LONGEST_STEP_S, STEP_PER_TIME_CONSTANT / max(rate_per_s, 1e-9)))
 
 
 def step_error(

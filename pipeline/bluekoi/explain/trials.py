@@ -16,7 +16,7 @@ from .model import Model
 from .sampling import at_rate
 
 FIT, HELD_OUT = "fit", "held_out"
-LEAST_SAMPLES = 10
+LEAST_SAMPLES = 3
 GAP = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 LARGEST = 1e12
@@ -173,7 +173,10 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
 def _is_stepwise(changes: Float) -> bool:
     """Whether an input rests most of the time and changes in few jumps."""
     moving = np.abs(changes) > 1e-12 * max(np.abs(changes).max(initial=0.0), 1e-300)
-    return bool(moving.any() and moving.mean() < 0.2)
+    beside = np.zeros(len(moving), dtype=bool)
+    beside[1:] |= moving[:-1]
+    beside[:-1] |= moving[1:]
+    return bool(moving.any() and moving.mean() < 0.2 and (moving & beside).sum() < moving.sum() / 2)
 
 
 def all_series(

@@ -87,6 +87,8 @@ def trials_figure(found: Explanation) -> Figure:
         for fitted, colour in ((found.baseline, BEFORE), (found.extended, AFTER)):
             for column, one in enumerate(chosen):
                 parts = stretches(problem, fitted, [one], found.held_out.stretch_s)
+                if not parts:
+                    continue
                 shots = shoot(problem.kernel, parts, fitted.values(problem, parts),
                               open_states=len(model.states))  # fmt: skip
                 for part, shot in zip(parts, shots, strict=True):

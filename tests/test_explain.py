@@ -303,7 +303,7 @@ def test_a_faulty_data_set_is_told_in_one_message(name, cart, tmp_path):
 def test_arrays_of_the_wrong_shape_never_reach_compiled_code(cart):
     t = np.arange(30) * 0.1
     for times, seen, push in ((t, np.zeros((30, 2)), t), (t, np.zeros(29), t), (t, t, np.zeros(31)),
-                              (t[:, None], t, t), (t[:5], t[:5], t[:5])):  # fmt: skip
+                              (t[:, None], t, t), (t[:2], t[:2], t[:2])):  # fmt: skip
         with pytest.raises(InputError, match="shape"):
             explain(cart, [Trial("t", times, {"position": seen}, {"push": push})])
 

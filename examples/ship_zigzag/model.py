@@ -98,12 +98,12 @@ def single_screw(U: float, L: float, Y_0: float, N_0: float) -> Three:
     return 0.0, Y_0 * U * U / L, N_0 * U * U / (L * L)
 
 
-def slipstream(U: float, delta: float, L: float, U_0: float, k: float) -> Three:
-    """The rudder's forces grow by k (U_0 / U - 1): the screw keeps blowing on it as speed falls.
-
-    In units of a yaw acceleration U^2 / L^2 delta.
+def slipstream(U: float, delta: float, L: float, U_0: float, k: float, k_y: float) -> Three:
+    """The rudder's moment and side force grow by k and k_y times (U_0 / U - 1), in units of
+    U^2 / L^2 delta and U^2 / L delta: the screw keeps blowing on the rudder as speed falls.
     """
-    return 0.0, 0.0, k * (U_0 / U - 1.0) * U * U / (L * L) * delta
+    blown = (U_0 / U - 1.0) * U * U / L * delta
+    return 0.0, k_y * blown, k * blown / L
 
 
 def crossflow(v: float, r: float, L: float, Y_vv: float, N_rr: float) -> Three:
@@ -187,7 +187,11 @@ CAUSES = (
         "slipstream",
         "The screw keeps blowing on the rudder as the ship slows down.",
         {"force": slipstream},
-        (Parameter("k", "1", 0.2, -10.0, 10.0, "share of N_d"),),
+        (
+            Parameter("k", "1", 0.2, -10.0, 10.0, "of the moment"),
+            Parameter("k_y", "1", 0.05, -5.0, 5.0, "of the side force"),
+        ),
+        strengths=2,
     ),
     Cause(
         "crossflow_drag",

@@ -117,19 +117,22 @@ def score(problem: Problem, model: FittedSet) -> Scored:
     sources = {s for c in model.causes for s in problem.by_name[c].sources}
     covered = [c for c in problem.candidates if (c.is_residual and c.sources & sources)
                or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
-    expansion = at_optimum(expanded(problem, model, covered))
+    expansion = at_optimum(problem, expanded(problem, model, covered))
     lay = layout(problem, expansion, model.causes)
     value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
     return Scored(model, expansion, lay, value if np.isfinite(value) else -np.inf)
 
 
-def at_optimum(expansion: Expansion) -> Expansion:
-    """An expansion whose gradient in the fitted numbers off their bounds is 0, as it is at a fit.
+def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
+    """An expansion whose gradient in fitted numbers of the observations alone is 0, as at a fit.
 
     With the filter's gains held, a number that scales the observations has a gradient that no refit
     follows: the innovations' covariance would go along.
     """
-    own = np.flatnonzero(~expansion.model.at_bound)
+    seen = {e.name for e in problem.kernel.system.effects if set(e.hooks) == {"observe"}}
+    model = expansion.model
+    own = [k for k, (f, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True))
+           if not held and f.name.partition(".")[0] in seen]  # fmt: skip
     gradient = expansion.gradient.copy()
     gradient[:, own] -= gradient[:, own].mean(axis=0)
     return replace(expansion, gradient=gradient)

@@ -17,7 +17,7 @@ from .simulation import simulated
 
 GROWTH = 6.0
 """Small differences may grow by e^6 over a compared stretch."""
-MOST_FOLDS, LEAST_FRAMES = 6, 8
+MOST_FOLDS, LEAST_FRAMES, MOST_NUMBERS = 6, 8, 15
 FLOOR_DRAWS, FLOOR_SEED = 2, 20240517
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
@@ -59,7 +59,8 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     out = [Fitted(model, model.fit, PREDICTION_ERRORS)]
     kernel, base = problem.kernel, start_of(problem, model.causes, model.fit.by_label())
     states = len(kernel.system.states)
-    if len(model.fit.free) + states > 15:
+    own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
+    if own or len(model.fit.free) + states > MOST_NUMBERS:  # states of causes have no free start
         return out
     with np.errstate(all="ignore"):
         found = fit_paths(kernel, problem.series, base, model.fit.free, open_states=states,

@@ -13,7 +13,7 @@ from ..fitting import Noise, Series, filter_series, shoot
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
-from .comparison import Fitted, by_both_criteria, folds_of, refitted
+from .comparison import PREDICTION_ERRORS, Fitted, by_both_criteria, folds_of, refitted
 from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, checked
@@ -109,7 +109,8 @@ def _again(problem: Problem, one: Fitted) -> Fitted:
 def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: float) -> list[Run]:
     problem, model = found.prepared.problem, found.model
     values = one.values(problem, series)
-    if np.isfinite(known_s):
+    if np.isfinite(known_s):  # the filter goes with the fit by its prediction errors
+        values = Fitted(one.model, one.model.fit, PREDICTION_ERRORS).values(problem, series)
         observed = [forecast(problem.kernel, s, v, one.model.noise, known_s)
                     for s, v in zip(series, values, strict=True)]  # fmt: skip
     else:
@@ -117,17 +118,25 @@ def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: fl
         observed = [shot.observed for shot in shots]
     out = []
     for s, y in zip(series, observed, strict=True):
-        later = s.times > s.times[0] + (known_s if np.isfinite(known_s) else -1.0)
+        later = ~is_known(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)
         errors = errors_of(model, (y - s.seen)[later])
         out.append(Run(s.name, s.times, y, s.seen, errors, _measures(model, s, y)))
     return out
+
+
+def is_known(one: Series, known_s: float) -> np.ndarray:
+    """Frames (n,) in the first seconds of a trial, by its clock; after its first sample where it
+    begins later.
+    """
+    first = one.times[0] if one.times[0] >= known_s else min(one.times[0], 0.0)
+    return np.asarray(one.times <= first + known_s)
 
 
 def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: float) -> Float:
     """Observations (n, observations) predicted from the first `known_s` seconds of a trial by the
     filter, lasting errors and all.
     """
-    known = one.times <= one.times[0] + known_s
+    known = is_known(one, known_s)
     told = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
     states = filter_series(kernel, told, values, noise).predicted
     count, full = len(one.times), with_noise(kernel, values, noise)

@@ -56,7 +56,7 @@ def cause_rows(found: Explanation) -> list[tuple[str, ...]]:
 
 def measured(number: Number) -> str:
     """A number with its deviation and unit, and whether it stands at a bound."""
-    label = number.label.split(".", 1)[-1]
+    label = number.label if "@" in number.label else number.label.split(".", 1)[-1]
     if number.at_bound:
         return f"{label} {number.value:.3g} {number.unit} (at its {number.at_bound} bound)"
     if not np.isfinite(number.std):

@@ -25,7 +25,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from bluekoi.fitting import Lasting, Normal, jackknife_cov, spread_over_trials
+from bluekoi.fitting import Normal, TrialRandomEffect, jackknife_cov, spread_over_trials
 from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
 from bluekoi.tuning import thin, tune
@@ -69,7 +69,7 @@ def kept(path: Path) -> list[tuple[np.ndarray, ...]]:
         return list(zip(*(file[part] for part in PARTS), strict=True))
 
 
-def half_widths(normal: Normal, own: Lasting) -> dict[str, np.ndarray]:
+def half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]:
     """Half widths of the 95 % intervals by each way to get them."""
     naive = np.linalg.inv(normal.hessian.sum(axis=0))
     return {
@@ -83,10 +83,13 @@ def half_widths(normal: Normal, own: Lasting) -> dict[str, np.ndarray]:
 def report(found: Sequence[tuple[np.ndarray, ...]]) -> bool:
     """Print shares and widths; whether the intervals in use are within the bar."""
     values = np.array([f[0] for f in found])
-    ways = [half_widths(Normal(f[1], f[2], np.zeros(len(f[1]))), Lasting(*f[3:])) for f in found]
+    ways = [
+        half_widths(Normal(f[1], f[2], np.zeros(len(f[1]))), TrialRandomEffect(*f[3:]))
+        for f in found
+    ]
     error = values - TRUTH
     spread = error.std(axis=0, ddof=1)
-    servo_rad = np.sqrt(np.mean([Lasting(*f[3:]).variance(f[1]) for f in found]))
+    servo_rad = np.sqrt(np.mean([TrialRandomEffect(*f[3:]).variance(f[1]) for f in found]))
     print(f"error of the head angle from trial to trial: found {servo_rad:.2g} rad, true 0.005")
     print(f"{len(found)} campaigns{'':22s}" + "".join(f"{name:>10s}" for name in NAMES))
     print(f"{'true value':35s}" + "".join(f"{v:10.4g}" for v in TRUTH))

@@ -108,7 +108,7 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
                        fit.base, spread.freedom))  # fmt: skip
     assert told["C_Da"]["std"] is None
     assert told["C_Da"]["interval_95"] == [None, None]
-    assert "one trial alone" in told["C_Da"]["why"]
+    assert "only one trial determines it" in told["C_Da"]["why"]
     assert told["C_T"]["determined"]
 
 
@@ -151,7 +151,7 @@ def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
     told = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
     assert told["stable"] is None
     assert told["interval_95"] is None
-    assert "fewer than two trials" in told["sentence"]
+    assert "fewer than two turning trials" in told["sentence"]
 
 
 @pytest.fixture

@@ -129,7 +129,7 @@ def test_one_trial_determines_no_combination(campaign) -> None:
     assert not any(one.determined for one in spectrum(joint))
     told = undetermined(turn, joint, SETUP)
     assert len(told) == 6
-    assert any("One trial alone" in one["sentence"] for one in told)
+    assert any("Only one trial determines it" in one["sentence"] for one in told)
 
 
 def test_what_one_trial_of_several_tells_is_to_be_swum_once_more(campaign) -> None:
@@ -137,7 +137,7 @@ def test_what_one_trial_of_several_tells_is_to_be_swum_once_more(campaign) -> No
     few = [*[s for s in campaign if s.inputs[0, 0] == 0.0][:2],
            next(s for s in campaign if abs(s.inputs[0, 0]) > 0.5)]  # fmt: skip
     told = undetermined(few, tune(few), SETUP)
-    assert any(one["trial"].startswith(f"one more like {few[2].name}") for one in told), told
+    assert any(one["trial"].startswith(f"a repeat of {few[2].name}") for one in told), told
 
 
 def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(campaign) -> None:

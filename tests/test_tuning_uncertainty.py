@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Lasting, Normal, jackknife_cov, scatter_cov, spread_over_trials
+from bluekoi.fitting import (
+    Normal,
+    TrialRandomEffect,
+    jackknife_cov,
+    scatter_cov,
+    spread_over_trials,
+)
 from bluekoi.fitting.resampling import LEAST_LEFT, RIDGE
 from bluekoi.fitting.sandwich import _widened
 
@@ -86,7 +92,7 @@ SERVO = 0.5
 
 def with_an_error_of_each_trial(
     count: int, size: float
-) -> list[tuple[np.ndarray, Normal, Lasting]]:
+) -> list[tuple[np.ndarray, Normal, TrialRandomEffect]]:
     """Fits to 18 trials of which three tell most; each has an error of its own that the fit lacks.
 
     z is what that error does to the observations; it weighs most where most is told.
@@ -103,7 +109,9 @@ def with_an_error_of_each_trial(
         shift = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, e))
         left = e - X @ shift
         normal = Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(18))
-        lasting = Lasting(np.einsum("tnp,tn->tp", X, z), np.sum(z**2, 1), np.sum(z * left, 1))
+        lasting = TrialRandomEffect(
+            np.einsum("tnp,tn->tp", X, z), np.sum(z**2, 1), np.sum(z * left, 1)
+        )
         out.append((shift, normal, lasting))
     return out
 
@@ -147,7 +155,7 @@ def test_widened_scores_have_the_covariance_expected() -> None:
 
 def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
     for _, normal, own in with_an_error_of_each_trial(20, 0.0):
-        nothing = Lasting(own.cross, own.fisher, 0.0 * own.score)
+        nothing = TrialRandomEffect(own.cross, own.fisher, 0.0 * own.score)
         same, white = spread_over_trials(normal, None, nothing), spread_over_trials(normal)
         assert same.cov == pytest.approx(white.cov)
         assert same.freedom == pytest.approx(white.freedom)

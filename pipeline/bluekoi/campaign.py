@@ -20,7 +20,7 @@ Tree = Mapping[str, Any]
 LEAST_SHARE = 0.8
 """Share of a track that a simulated path must cover to be judged."""
 MOST_PCT = 1000.0
-"""A larger error is told as a model that ran away."""
+"""A larger error counts as a diverged model."""
 
 
 @dataclass(frozen=True)

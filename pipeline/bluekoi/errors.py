@@ -1,4 +1,4 @@
-"""What a person did not mean, told so that they can mend it."""
+"""Errors of the input, each with place, found, expected and remedy."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Finding:
 
 
 class InputError(Exception):
-    """A user's mistake or a broken input; its text is the whole message, never a traceback.
+    """A user's mistake or a broken input; its text is the whole message, shown without a traceback.
 
     Carries one or more `findings`, all of which are shown at once.
 

@@ -29,7 +29,7 @@ Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong u
 
 
 class Plainly(click.Group):
-    """Commands that tell an input error as its message, exit code 1, and end with 130 on Ctrl-C."""
+    """Commands that print an input error as its message (exit code 1); Ctrl-C ends with 130."""
 
     def invoke(self, ctx: click.Context) -> object:
         """Result of the command."""

@@ -41,7 +41,7 @@ def _is_no_announcement(record: logging.LogRecord) -> bool:
 
 
 def _told() -> bool:
-    """Whether the line of progress has told already that the run was interrupted."""
+    """Whether the line of progress has reported that the run was interrupted."""
     return any(getattr(handler, "stopped", False) for handler in _snakemakes_handlers())
 
 

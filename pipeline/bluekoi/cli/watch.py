@@ -90,7 +90,7 @@ def _state(count: int, text: str) -> str:
 
 
 def state_of_study(study: Path, results: Path) -> State:
-    """Size and date of each file of a study, results inside its folder aside, by path."""
+    """Size and date of each file of a study, by path, without results inside its folder."""
     own, found = results.resolve(), {}
     for path in sorted(study.rglob("*")):
         hidden = any(part.startswith(".") for part in path.relative_to(study).parts)

@@ -1,4 +1,4 @@
-"""The fitted robot as a results folder tells it, with what must be known before it is believed."""
+"""The fitted robot of a results folder, with the reasons to doubt it."""
 
 from __future__ import annotations
 

@@ -13,16 +13,22 @@ from .normal import (
 )
 from .paths import PathFit, fit_paths
 from .resampling import ensemble, inverse_fisher, jackknife_cov, moving, scatter_cov
-from .sandwich import Lasting, Spread, Told, spread_over_trials, without_bounds
+from .sandwich import (
+    ClusterInfluence,
+    Spread,
+    TrialRandomEffect,
+    spread_over_trials,
+    without_bounds,
+)
 from .series import Free, Noise, Series, TrialEffect
 from .shooting import Shot, shoot
 from .thinning import thinned
 
 __all__ = [
+    "ClusterInfluence",
     "Filtered",
     "Fit",
     "Free",
-    "Lasting",
     "Noise",
     "Normal",
     "Passes",
@@ -30,8 +36,8 @@ __all__ = [
     "Series",
     "Shot",
     "Spread",
-    "Told",
     "TrialEffect",
+    "TrialRandomEffect",
     "disturbance_slots",
     "ensemble",
     "filter_all",

@@ -20,7 +20,7 @@ from .predictions import Change, whitened_products
 from .series import Free, Noise, Series
 
 NOTHING = (0.0, np.inf)
-"""A side measurement that tells of nothing."""
+"""A side measurement without information."""
 
 
 @dataclass(frozen=True)

@@ -39,9 +39,9 @@ LEAST_SHARE = 0.25
 
 
 @dataclass(frozen=True)
-class Told:
-    """What each trial tells, in units in which all together tell 1: root R (m, m) of the m numbers
-    that moved (p,), and leverage S_t, expected F_t, widened A_t, each (t, m, m).
+class ClusterInfluence:
+    """Information of each trial, in units in which that of all trials is 1: root R (m, m) of the m
+    coefficients off their bounds (p,), and leverage S_t, expected F_t, widened A_t, each (t, m, m).
     """
 
     move: np.ndarray
@@ -70,7 +70,7 @@ class Spread:
 
     cov: Float
     freedom: Float
-    told: Told | None = None
+    told: ClusterInfluence | None = None
 
     def half_widths(self, level: float = 0.95) -> Float:
         """Half widths (p,) of the intervals that hold the truth with this probability; infinite
@@ -98,10 +98,10 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Lasting:
-    """An error that each trial has anew and keeps, in the normal equations beside the fitted
-    numbers: cross (t, p) = J'j, fisher (t,) = j'j, score (t,) = j'e, with j the derivative of the
-    whitened predictions with respect to it.
+class TrialRandomEffect:
+    """An error that is constant within a trial and differs between trials, in the normal equations
+    of the fitted coefficients: cross (t, p) = J'j, fisher (t,) = j'j, score (t,) = j'e, with j the
+    derivative of the whitened predictions with respect to it.
     """
 
     cross: Float
@@ -129,7 +129,7 @@ class Lasting:
 def spread_over_trials(
     normal: Normal,
     moving: np.ndarray | None = None,
-    lasting: Lasting | None = None,
+    lasting: TrialRandomEffect | None = None,
     *,
     least: float = LEAST_SHARE,
 ) -> Spread:
@@ -156,16 +156,16 @@ def spread_over_trials(
     widened = _widened(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, least) @ root.T
-    told = Told(move, root, leverage, expected, widened)
+    told = ClusterInfluence(move, root, leverage, expected, widened)
     freedom[move] = [told.freedom(unit) for unit in np.eye(p)[move]]
     return Spread(cov, freedom, told)
 
 
-def _servo_scores_cov(H: Float, root: Float, lasting: Lasting, move: np.ndarray) -> Float:
+def _servo_scores_cov(H: Float, root: Float, lasting: TrialRandomEffect, move: np.ndarray) -> Float:
     """s^2 k_t k_t' (t, p, p) of the numbers that move."""
     cross = lasting.cross[:, move]
     k = cross @ root
-    variance = Lasting(cross, lasting.fisher, lasting.score).variance(H)
+    variance = TrialRandomEffect(cross, lasting.fisher, lasting.score).variance(H)
     return variance * np.einsum("tp,tq->tpq", k, k)
 
 

@@ -58,8 +58,9 @@ class Noise:
     disturbance (random states,): stationary standard deviation of each random state, in the order
     of the system's states; states beyond its end are absent. tau (random states,), or one for all:
     correlation times [s]. scale (observations,): factor on the stated standard deviation of each
-    observation. trial_effects: errors that each trial has anew and keeps. least_scale: lower bound
-    of estimates of `scale`, 1 where the stated deviations are those of the instrument.
+    observation. trial_effects: errors that are constant within a trial and differ between trials.
+    least_scale: lower bound of estimates of `scale`, 1 if the stated deviations are those of the
+    instrument.
     """
 
     disturbance: Float

@@ -153,7 +153,7 @@ def _key_stamps(stream: Any, size: int) -> tuple[int, ...]:
 
 
 def _first_picture(container: Any, stream: Any, path: Path) -> Any:
-    """The first picture decoded, whose rotation tells the turn that the file asks for."""
+    """The first picture decoded, whose rotation is the turn that the file asks for."""
     try:
         for frame in container.decode(stream):
             return frame

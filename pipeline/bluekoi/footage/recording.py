@@ -148,7 +148,7 @@ def _check_clock(path: Path, found: Probe, fps: float | None) -> None:
 
 
 def _check_camera_clock(path: Path) -> None:
-    """InputError where a GoPro's telemetry tells that its clock outran the footage."""
+    """InputError if the clock in a GoPro's telemetry ran faster than the footage."""
     ran = camera_seconds(path)
     if ran is not None and abs(ran - 1) > CLOCK_SLACK:
         raise input_error(

@@ -1,4 +1,4 @@
-"""How fast the camera's own clock ran while the footage plays: told by its telemetry.
+"""Speed of the camera's own clock relative to the footage, from its telemetry.
 
 A GoPro file has a track of GPMF payloads, one for about each second shown; every sensor's stream in
 a payload bears STMP, the camera's clock in microseconds at its first sample
@@ -22,7 +22,7 @@ NESTED = 0
 
 
 def camera_seconds(path: Path) -> float | None:
-    """Seconds on the camera's clock per second of footage shown; None where no telemetry tells."""
+    """Seconds on the camera's clock per second of footage shown; None without telemetry."""
     with opened(path) as container:
         tracks = [
             s for s in container.streams.data if HANDLER in s.metadata.get("handler_name", "")

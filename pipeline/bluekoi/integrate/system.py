@@ -89,7 +89,7 @@ class Effect:
 
     @cached_property
     def aside(self) -> dict[str, set[str]]:
-        """Parameter that acts on no stage -> the side measurements that alone tell of it."""
+        """Parameter that acts on no stage -> the side measurements that determine it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
         acting = {name for f in functions for name in inspect.signature(f).parameters}
         told = {p: {n for n, by in self.evidence.items() if p in by}

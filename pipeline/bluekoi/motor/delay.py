@@ -18,7 +18,7 @@ from .shaft import wrapped
 
 REACH_S = 2.0
 STEP_S = 0.002
-SCATTER_RAD = 0.15  # ASSUME a tail follows its shaft to 9 degrees, anew in each trial
+SCATTER_RAD = 0.15  # ASSUME a tail follows its shaft to 9 degrees, with another error in each trial
 DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
 LEAST_TRIALS = 6
 UNLIKELY = 1e-3

@@ -15,7 +15,7 @@ from .shaft import Shaft, shaft_motion
 COLUMNS = ("time_s", "angle_deg")
 LEAST_TURNS = 1.5
 MOST_TURN_DEG = 400.0
-"""A shaft angle that begins anew after more than this is not in degrees."""
+"""A shaft angle that wraps after more than this is not in degrees."""
 GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 

@@ -30,7 +30,7 @@ MOST_BEATS_A_FRAME = 2.0
 """With more beats than that between frames, any frequency fits as well as any other."""
 LEAST_FRAMES = 12
 CLEAR_LAG_RAD = 0.5
-"""A lag less sure than this is not told."""
+"""A lag with a larger standard error is not reported."""
 BACKGROUND_BEATS = 3.0
 """The slow background has one spline knot per so many beats."""
 

@@ -117,7 +117,7 @@ def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) ->
 def blank_study_yaml() -> str:
     """A study.yaml with a comment on each key, required values left empty.
 
-    Values with a default stand in it as such, those of the pool aside, which has to be measured;
+    Values with a default stand in it as such, except those of the pool, which has to be measured;
     what most studies leave out is commented out.
     """
     lines = ["# A study: pool, water, robot, camera. Units are SI unless the name says otherwise."]

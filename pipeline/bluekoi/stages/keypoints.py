@@ -19,7 +19,7 @@ from .status import attempt
 
 LEAST_LOST = 3
 MOST_LENGTHS = 80
-"""Frames of a trial whose whole length is kept: more tell no more."""
+"""Frames of a trial whose whole length is kept; more add no information."""
 
 
 def keypoints(

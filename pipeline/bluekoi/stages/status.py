@@ -73,7 +73,7 @@ def good_trials(statuses: Sequence[Path]) -> list[str]:
 
 
 def lengths_measured(detection: Path) -> bool:
-    """Whether a trial's keypoints were seen one by one, not placed at lengths told beforehand."""
+    """Whether a trial's keypoints were seen one by one, not placed at stated lengths."""
     name = read_json(detection).get("source")
     return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
 

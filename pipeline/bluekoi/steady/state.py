@@ -14,7 +14,7 @@ from .errors import error_cov, error_length, scatter_cov
 from .plateau import Plateau, fit_plateau
 
 STRAIGHT_DEG = 20.0
-"""A path that bends less than this tells no radius."""
+"""A path that bends less than this determines no radius."""
 LEAST_ARC_DEG = 25.0
 TOLERANCES = (0.005, 0.01, 0.02)
 """Steady: the speed changes by less than this share over the stretch, the turning rate by less than
@@ -28,7 +28,7 @@ LEAST_S = 0.7
 LEAST_FRAMES = 8
 SUFFICES = ("good", "straight")
 RADIUS_SHARE = 0.05
-"""A radius known worse than this is told as too short an arc."""
+"""A radius with a larger relative error counts as too short an arc."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
 def _over(
     track: Track, flapping: Flapping, head_angle_rad: float, plateau: Plateau, stretch: _Stretch
 ) -> Steady:
-    """What one stretch tells."""
+    """Steady state of one stretch."""
     at = stretch.frames
     speed, speed_std = (
         _mean_speed(track, at) if stretch.settled else _not_reached(track, at, plateau)

@@ -22,7 +22,7 @@ UNREADABLE = (OSError, UnicodeDecodeError, csv.Error)
 
 
 def read_trials(path: Path, findings: list[Finding], *, only: str | None = None) -> list[Trial]:
-    """The good rows of a trials.csv; what is wrong with the others is told in `findings`.
+    """The good rows of a trials.csv; errors of the others go to `findings`.
 
     only: this trial's rows alone, if there are any: to check a thousand takes longer than to read
     one trial's keypoints.

@@ -37,7 +37,7 @@ _OnceLoader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _map
 
 
 def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
-    """The setup in a study.yaml; None where something is wrong, told in `findings`."""
+    """The setup in a study.yaml; None if something is wrong, with the errors in `findings`."""
     content = _content(path, findings)
     if content is None:
         return None

@@ -31,7 +31,7 @@ class Combination:
     """One direction of the Fisher spectrum: unit vector (p,) in relative changes, its deviation.
 
     std: that of a normal law with its 95 % interval, or the naive one where that is larger; `inf`
-    where no trial tells of it, or one alone. naive: by the Fisher matrix. side: `lower` or `upper`
+    if no trial determines it, or only one. naive: by the Fisher matrix. side: `lower` or `upper`
     of one number that stands at a bound, which is not determined however near it is held.
     """
 
@@ -48,7 +48,7 @@ class Combination:
 
 @dataclass(frozen=True)
 class Profile:
-    """Log likelihood lost by holding one coefficient at values, all others fitted anew.
+    """Log likelihood lost by holding one coefficient at values, all others refitted.
 
     values, lost: (n,), the fit itself left out. lower, upper: where 1.92 would be lost, the 95 %
     bounds by likelihood; None where the values tried do not lose so much.

@@ -10,13 +10,13 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import (
+    ClusterInfluence,
     Fit,
     Free,
-    Lasting,
     Noise,
     Series,
     Spread,
-    Told,
+    TrialRandomEffect,
     fit,
     fit_noise,
     moving,
@@ -67,7 +67,7 @@ class Tuned:
     cov: Float
     base: Float
     freedom: Float | None = None
-    told: Told | None = None
+    told: ClusterInfluence | None = None
 
     @property
     def spread(self) -> Spread:
@@ -149,7 +149,7 @@ def _first_fit(
 
 def servo(
     kernel: Kernel, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
-) -> Lasting | None:
+) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
     not have it; None where the fit has one for all trials already, or ran away.
     """
@@ -160,7 +160,9 @@ def servo(
     normal = normal_equations(kernel, series, base, free, at, noise=noise)
     if not normal.usable:
         return None
-    return Lasting(normal.hessian[:, :-1, -1], normal.hessian[:, -1, -1], normal.gradient[:, -1])
+    return TrialRandomEffect(
+        normal.hessian[:, :-1, -1], normal.hessian[:, -1, -1], normal.gradient[:, -1]
+    )
 
 
 def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
@@ -213,7 +215,7 @@ def _too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
     its interval, and the naive one, are below 30 % of it or of its usual size.
     """
     if not np.isfinite(half):
-        return "one trial alone tells of it: how far it may be off is seen from how trials disagree"
+        return "only one trial determines it: variation between trials cannot show its error"
     size = max(abs(value), usual)
     of = "its size" if abs(value) >= usual else f"its usual size of {usual:g}"
     if half >= BAND * OPEN * size:

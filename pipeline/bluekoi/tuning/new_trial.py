@@ -1,4 +1,4 @@
-"""The trial that would tell most of what a study leaves open."""
+"""The trial that adds most information on what a study leaves undetermined."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class NewTrial:
 def best_new_trial(
     series: Sequence[Series], tuned: Tuned, setup: Setup, combination: Combination
 ) -> NewTrial | None:
-    """The trial, of those that the robot can swim, that would tell most of a combination; None
-    where none can be simulated.
+    """The trial within the robot's range that adds most information on a combination; None if
+    none can be simulated.
 
     Each is simulated with the fitted coefficients (`imaginable`) and seen with the errors of the
     trials there are; its Fisher matrix is added, and what is left of the combination's deviation

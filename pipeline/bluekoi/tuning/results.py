@@ -16,7 +16,7 @@ from .draws import drawn
 from .identify import profiles, spectrum
 from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
-from .stability import growth_per_s, untold, verdict
+from .stability import growth_per_s, undetermined_stability, verdict
 from .turns import hangs_on_one_trial, open_without_turns, outcome, straight, turns
 from .words import is_open, told, undetermined
 
@@ -68,7 +68,7 @@ def straight_swimming(
 ) -> dict[str, Any]:
     """Growth of a small turn at each power, and over draws of the fit where it is fastest.
 
-    Nothing is asserted where fewer than two trials tell of what turns the robot.
+    Nothing is stated if fewer than two trials turn.
     """
 
     def growth(values: Mapping[str, float], power: str) -> float:
@@ -78,7 +78,7 @@ def straight_swimming(
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
     if turns(series) < LEAST_TURNS or hangs_on_one_trial(joint):
-        return untold(by_power[worst]) | {"by_power": by_power}
+        return undetermined_stability(by_power[worst]) | {"by_power": by_power}
     over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
     return verdict(by_power[worst], over) | {"by_power": by_power}
 

@@ -13,7 +13,7 @@ from ..observation import view_of
 from ..study import Setup, Study, Trial
 
 OUTLIER_SIGMA = 6.0
-SERVO_STD_RAD = 0.01  # ASSUME a commanded head angle is reached to 0.6 degrees, anew each trial
+SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
 START_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """Of the place as much as the centre of mass may be off the keypoint."""
 

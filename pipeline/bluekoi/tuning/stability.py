@@ -88,11 +88,11 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     return told | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
 
 
-def untold(growth: float) -> dict[str, Any]:
-    """The fit's own eigenvalue where fewer than two trials tell of it: nothing is asserted."""
+def undetermined_stability(growth: float) -> dict[str, Any]:
+    """Eigenvalue of the fit without a statement: fewer than two turning trials determine it."""
     sentence = (
-        "Whether the robot swims straight is not told by these trials: what would turn it is seen "
-        "where the head is turned, and fewer than two trials speak of that."
+        "Straight-line stability is undetermined: fewer than two turning trials constrain the yaw "
+        "coefficients."
     )
     return {"eigenvalue_per_s": growth, "interval_95": None, "stable": None, "sentence": sentence}
 

@@ -37,7 +37,7 @@ def turns(series: Sequence[Series]) -> int:
 
 
 def hangs_on_one_trial(tuned: Tuned) -> bool:
-    """Whether one trial alone tells of some number that acts at an angle of attack."""
+    """Whether some number that acts at an angle of attack is determined by one trial alone."""
     held = sides(tuned.fit)
     return any(
         f.name in TURNING and not held[i] and not np.isfinite(tuned.interval_95[i]).all()

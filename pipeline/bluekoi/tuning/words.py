@@ -61,8 +61,8 @@ def _sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
     parts = by_name(names, one.direction)
     out = _alone(next(iter(parts)), one) if len(parts) == 1 else _together(parts)
     if np.isinf(one.std) and np.isfinite(one.naive):
-        out += " One trial alone tells how much: how far it may be off is seen from how trials"
-        out += " disagree."
+        out += " Only one trial determines it, so that its error cannot be estimated from the"
+        out += " variation between trials."
     blind = _blind(parts)
     if straight and blind:
         out += (
@@ -87,22 +87,24 @@ def _together(parts: Mapping[str, float]) -> str:
         return f"More {_listed(up)} with less {_listed(down)} leaves these trials almost unchanged."
     both = up or down
     told = f"{_listed(both)} may grow together"
-    return told + (": only their ratio is fixed." if len(both) == 2 else " and hardly be noticed.")
+    return told + (
+        ": only their ratio is fixed." if len(both) == 2 else " with little effect on these trials."
+    )
 
 
 def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination) -> str:
-    """Of what one trial of several alone tells: that trial again, so that there are two."""
+    """Advice to repeat the trial that alone determines a combination."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""
     weights = tuned.fit.naive_cov @ (one.direction / sizes(tuned))
     told = np.einsum("p,tpq,q->t", weights, tuned.fit.normal.hessian, weights)
     name = series[int(np.argmax(told))].name
-    return f"one more like {name}, which alone tells of it: then it is seen how far two disagree"
+    return f"a repeat of {name}, the only trial that determines it: two show how far they disagree"
 
 
 def _trial(trial: NewTrial | None) -> str:
     if trial is None:
-        return "none can be imagined: with these coefficients no simulation stays finite"
+        return "none: with these coefficients every simulation diverges"
     if trial.left > HELPS:
         return (
             "no single trial of this robot helps much: "

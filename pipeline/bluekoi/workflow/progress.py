@@ -53,7 +53,7 @@ WIDEST = 60
 
 
 class Hush(logging.Filter):
-    """Leaves out what `Progress` tells, from the moment that a run proper begins."""
+    """Leaves out what `Progress` prints, from the start of the run on."""
 
     begun = False
 
@@ -169,7 +169,7 @@ class Progress(logging.Handler):
                 self.still()
 
     def still(self) -> None:
-        """Tell what runs, where nothing has been told for a while."""
+        """Print what runs if nothing was printed for a while."""
         silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
         if silent and self.timing.started:
             self._line(self.timing.running(), now=True)

@@ -49,7 +49,7 @@ def edge_offset(
     """Offset of the edge along the outward normal [px]; NaN where there is none.
 
     place: u, v and the normal's u, v [px]. skin: grey level inside. lines: (2, 2 reach + 1) to
-    work in; their length tells how far the edge is looked for.
+    work in; their length is the range of the search for the edge.
     """
     luma, floor = pictures
     seen, clear = lines[0], lines[1]

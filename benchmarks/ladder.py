@@ -42,7 +42,7 @@ RIGID = PARTS[:3]
 HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
 STILL = tuple(step for step in LADDER if step != "nudged")
 EVEN = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
-SIZES = {"1080p": (1920, 1080), "2.7K": (2704, 1520), "4K": (3840, 2160)}
+SIZES = {"848x480": (848, 480), "1080p": (1920, 1080), "2.7K": (2704, 1520), "4K": (3840, 2160)}
 
 
 @dataclass(frozen=True)

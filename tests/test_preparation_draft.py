@@ -8,7 +8,7 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.preparation.draft import read_draft, save_draft
-from bluekoi.preparation.draft_check import draft_findings
+from bluekoi.preparation.draft_check import draft_findings, draft_study
 from bluekoi.study import load_study
 
 COMMENTED = """# pool in the cellar
@@ -130,6 +130,14 @@ def test_findings_stand_beside_their_fields(folder):
     places = {(f.row, f.column) for f in found if f.row is not None}
     assert {(0, "power_pct"), (1, "source"), (1, "motor_log")} <= places
     assert (folder / "study.yaml").read_text() == COMMENTED
+
+
+def test_an_incomplete_draft_is_no_study_and_says_so_in_the_words_of_its_file(folder):
+    draft = with_values(read_draft(folder), robot__mass_kg="")
+    with pytest.raises(InputError, match=r"^study\.yaml: robot\.mass_kg: found None") as refused:
+        draft_study(draft, folder)
+    assert str(refused.value).count("\n") == 0
+    assert draft_study(read_draft(folder), folder).trials[0].trial_id == "T1"
 
 
 def test_a_broken_recording_is_found_beside_its_row(folder):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import Finding, InputError
@@ -59,6 +59,7 @@ def _checked(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Find
             (Path(name) / file).write_text(text, encoding="utf-8")
         setup = read_setup(Path(name) / NAMES[0], findings)
         trials = read_trials(Path(name) / NAMES[1], findings)
+    findings = [replace(finding, file=Path(finding.file).name) for finding in findings]
     study = Study.model_construct(root=folder.resolve(), setup=setup, trials=tuple(trials))
     findings += missing_files(study)
     return setup, study, findings

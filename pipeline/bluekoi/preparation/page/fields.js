@@ -56,7 +56,7 @@ on("findings", () => {
     const key = place.id.slice(0, -6);
     const texts = store.findings.filter((one) => one.key === key).map(words);
     // A field that was never touched is not called wrong before the last step.
-    const untouched = !store.values[key] && !store.saved && texts.every((text) => text === REQUIRED);
+    const untouched = !store.values[key] && texts.every((text) => text === REQUIRED);
     place.textContent = untouched && !store.insist ? "" : texts.join(" ");
     document.getElementById(key)?.setAttribute("aria-invalid", String(Boolean(place.textContent)));
   });

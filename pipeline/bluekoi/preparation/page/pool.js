@@ -6,7 +6,8 @@ import { ask, element, numbers, on, setValue, store } from "./store.js";
 
 const KEY = "camera.pool_corners_px";
 const NAMES = ["(0,0)", "(L,0)", "(L,W)", "(0,W)"];
-let view, handles = [], fit = null, asked = 0, history = [];
+let view, handles = [], fit = null, history = [], busy = false, again = false;
+const placed = new Set();
 const id = (name) => document.getElementById(name);
 
 function corners() {
@@ -72,20 +73,31 @@ async function refit() {
     said.textContent = "Enter the pool's length and width above: then the edges are fitted.";
     return;
   }
-  const count = ++asked;
+  const open = NAMES.filter((_, k) => !placed.has(k));
   said.className = "";
+  if (open.length) {
+    said.textContent = `Now drag ${open.join(", ")}.`;
+    return;
+  }
   said.textContent = "Fitting the edges …";
+  // One fit at a time: what has moved meanwhile is fitted after it.
+  again = busy;
+  if (busy) return;
+  busy = true;
   try {
     const row = store.rows.find((one) => one.source === chosen.source);
     const found = await ask("corners", { values: store.values, source: chosen.source, share: chosen.share, fps: row?.fps ?? "" });
-    if (count !== asked) return;
+    if (again) return;
     fit = found;
     verdict();
   } catch (error) {
-    if (count !== asked) return;
+    if (again) return;
     fit = null;
     said.className = "bad";
     said.textContent = error.message;
+  } finally {
+    busy = false;
+    if (again) { again = false; refit(); }
   }
   table();
   draw();
@@ -111,6 +123,9 @@ export function start() {
   id("pool-turn").onclick = () => {
     const points = corners() ?? guess();
     put([points[3], ...points.slice(0, 3)]);
+    const turned = [...placed].map((k) => (k + 1) % 4);
+    placed.clear();
+    turned.forEach((k) => placed.add(k));
     place();
     refit();
   };
@@ -132,11 +147,13 @@ export function start() {
 function place() {
   if (!view.size[0]) return;
   const points = corners() ?? guess();
+  if (!handles.length && corners()) NAMES.forEach((_, k) => placed.add(k));
   const before = document.activeElement;
   if (!handles.length) handles = NAMES.map((name, k) => view.handle(`Corner ${name}`, view.toFrame(points[k]), {
     moved: (at) => {
       const all = corners() ?? guess();
       all[k] = view.toStudy(at);
+      placed.add(k);
       setValue(KEY, text(all));
       draw();
       table();

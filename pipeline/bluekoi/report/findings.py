@@ -100,7 +100,9 @@ def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
     out = [(f"{len(campaign.analysed)}/{len(campaign.study.trials)}", "trials analysed")]
     if fastest:
         lengths = f"{fastest.speed_m_s / body:.2f} body lengths/s"
-        out.append((f"{fastest.speed_m_s:.3f} m/s", f"highest steady speed, {lengths}"))
+        wrong = (campaign.mismatch or {}).get("clock_factor")
+        clock = "; in the stated frame rate, which is wrong" if wrong else ""
+        out.append((f"{fastest.speed_m_s:.3f} m/s", f"highest steady speed, {lengths}{clock}"))
     if tightest:
         lengths = f"{tightest.radius_m / body:.2f} body lengths"
         out.append((f"{tightest.radius_m:.3f} m", f"smallest steady turn radius, {lengths}"))
@@ -190,6 +192,7 @@ def _cause(entry: dict[str, Any]) -> Cause:
         f"{name} = {measured(cell.get('value'), cell.get('std'), unit(str(cell.get('unit', ''))))}"
         for name, cell in (entry.get("parameters") or {}).items()
     ]
+    others = entry.get("credible_set") or []
     return Cause(
         name=readable(str(entry["name"])),
         sentence=str(entry.get("sentence") or ""),
@@ -197,7 +200,7 @@ def _cause(entry: dict[str, Any]) -> Cause:
         channels=", ".join(NAMES.get(name, name) for name in entry.get("channels") or []),
         weight=probability(entry.get("weight")),
         parameters=tuple(parameters),
-        credible_set=", ".join(readable(str(name)) for name in entry.get("credible_set") or []),
+        credible_set=", ".join(readable(str(name)) for name in others) if len(others) > 1 else "",
     )
 
 

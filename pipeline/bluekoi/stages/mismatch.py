@@ -22,11 +22,13 @@ from ..fitting import Series, shoot
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.jumps import with_jumps
+from ..mismatch.laws import cause_laws
 from ..mismatch.results_json import details, mismatch_json
 from ..mismatch.setting import held_out_trials
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
+from ..tuning import thin
 from .clock import CLOCK_STD, in_true_time, with_clock_cause
 from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
@@ -72,6 +74,11 @@ def mismatch(study: Path, results: Path) -> None:
         detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)
+    trials = {trial.trial_id: trial for trial in loaded.trials}
+    laws = cause_laws(kernel, thin(series), found.forces, found.extended, trials)
+    for cause in content["causes"]:
+        if cause["name"] in laws:
+            cause["law"] = laws[cause["name"]]
     write_json(results / "mismatch.json", with_clock_cause(content, factors, len(series)))
 
 

@@ -1,0 +1,151 @@
+"""Law of each named cause: its force over the variable that describes it best, with a band."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Series, slots_by_name
+from ..integrate import Kernel
+from ..study import Trial
+from ..tuning import Tuned
+from ..tuning.joint import BAND
+from .locate import MissingForce, added_force
+from .setting import CHANNELS, variables
+
+BINS, LEAST_IN_BIN = 15, 3
+UNITS = ("N", "N", "N m")
+STEP = 0.1
+"""Step of the derivatives with respect to a parameter, in its standard deviations."""
+
+
+@dataclass(frozen=True)
+class Binned:
+    """Frames sorted into bins of equal count over one variable: index (frames,), means (bins,)."""
+
+    index: np.ndarray
+    x: Float
+
+    def means(self, values: Float) -> Float:
+        """Mean of values (frames,) in each bin."""
+        return np.array([values[self.index == k].mean() for k in range(len(self.x))])
+
+
+def cause_laws(
+    kernel: Kernel,
+    series: Sequence[Series],
+    forces: Sequence[MissingForce],
+    tuned: Tuned,
+    trials: Mapping[str, Trial],
+) -> dict[str, dict[str, Any]]:
+    """Law of every cause in a tuned model that exerts a force.
+
+    The force is that of the cause alone along the smoothed paths, in the channel where it is
+    largest against the random force, averaged over bins of the variable that explains most of it.
+    Each: variable, x (bins,), y, low, high (95 % band by the covariance of the cause's numbers;
+    empty where one of them is not known), channel, y_unit, explained (share of its variance).
+    """
+    known = variables(series, forces, trials)
+    over = {name: np.concatenate([v[name] for v in known]) for name in known[0]}
+    names = dict.fromkeys(f.name.split(".")[0] for f in tuned.fit.free if "." in f.name)
+    found = {name: _law(kernel, series, tuned, name, over) for name in names}
+    return {name: law for name, law in found.items() if law}
+
+
+def _law(
+    kernel: Kernel, series: Sequence[Series], tuned: Tuned, name: str, over: Mapping[str, Float]
+) -> dict[str, Any] | None:
+    own = [i for i, f in enumerate(tuned.fit.free) if f.name.startswith(f"{name}.")]
+    force = partial(_force, kernel, series, tuned, name)
+    every = force(tuned.fit.values)
+    units = tuned.noise.disturbance[: every.shape[1]]
+    channel = int(np.argmax(np.sqrt((every**2).mean(axis=0)) / np.maximum(units, 1e-12)))
+    y = every[:, channel]
+    if not np.isfinite(y).all() or np.ptp(y) == 0.0:
+        return None
+    binned = {v: b for v, x in over.items() if (b := bins(x)) is not None}
+    shares = {v: _explained(b, y) for v, b in binned.items()}
+    if not shares:
+        return None
+    variable = max(shares, key=lambda v: shares[v])
+    grid = binned[variable]
+    mean = grid.means(y)
+    half = _half_width(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
+    law: dict[str, Any] = {
+        "variable": variable, "x": grid.x, "y": mean, "channel": CHANNELS[channel],
+        "y_unit": UNITS[channel], "explained": shares[variable], "low": [], "high": [],
+    }  # fmt: skip
+    return law if half is None else law | {"low": mean - half, "high": mean + half}
+
+
+def _force(
+    kernel: Kernel, series: Sequence[Series], tuned: Tuned, name: str, values: Float
+) -> Float:
+    """Force (frames, channels) of one cause along all trials, with these fitted numbers."""
+    free, slots = tuned.fit.free, slots_by_name(kernel)
+    on = []
+    for one in series:
+        point = tuned.base.copy()
+        for item, value in zip(free, values, strict=True):
+            if item.group in (None, one.group):
+                point[slots[item.name]] = value
+        on.append(point)
+    off = [point.copy() for point in on]
+    effect = kernel.system.effect(name)
+    for point in off:
+        for parameter in effect.parameters[: effect.strengths]:
+            point[slots[f"{name}.{parameter.name}"]] = 0.0
+    return np.concatenate(added_force(kernel, series, on, off, tuned.noise))
+
+
+def bins(x: Float) -> Binned | None:
+    """Bins of about equal count over the values of a variable; one for each value of a variable
+    with few; None for a constant one.
+    """
+    values = np.unique(x)
+    if len(values) < 2 or not np.isfinite(x).all():
+        return None
+    if len(values) <= BINS:
+        index = np.searchsorted(values, x)
+    else:
+        edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)[1:-1]))
+        index = np.searchsorted(edges, x, side="right")
+    kept = [k for k in np.unique(index) if np.sum(index == k) >= LEAST_IN_BIN]
+    if len(kept) < 2:
+        return None
+    place = np.full(int(index.max()) + 1, -1)
+    place[kept] = np.arange(len(kept))
+    new = place[index]
+    return Binned(new, np.array([x[new == k].mean() for k in range(len(kept))]))
+
+
+def _explained(binned: Binned, y: Float) -> float:
+    """Share of the mean square of y that the means of the bins explain."""
+    inside = binned.index >= 0
+    left = y[inside] - binned.means(y)[binned.index[inside]]
+    return float(1.0 - np.mean(left**2) / max(float(np.mean(y[inside] ** 2)), 1e-300))
+
+
+def _half_width(tuned: Tuned, own: Sequence[int], law: Any, mean: Float) -> Float | None:
+    """Half width of the 95 % band (bins,), linear in the cause's numbers; None where one of their
+    deviations is unknown. A number at its bound does not vary.
+    """
+    half = 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND
+    moved = [i for i in own if tuned.cov[i, i] > 0]
+    if not moved or not np.isfinite(half[moved]).all():
+        return None
+    columns = []
+    for i in moved:
+        at = tuned.fit.values.copy()
+        at[i] += STEP * half[i]
+        columns.append((law(at) - mean) / (STEP * half[i]))
+    J = np.array(columns).T
+    own_std = np.sqrt(np.diag(tuned.cov)[moved])
+    correlation = tuned.cov[np.ix_(moved, moved)] / np.outer(own_std, own_std)
+    cov = correlation * np.outer(half[moved], half[moved])
+    return BAND * np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", J, cov, J), 0.0))

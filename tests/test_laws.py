@@ -1,0 +1,59 @@
+"""The law of a cause is its own force over the variable that describes it, with its band."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bluekoi.fitting import Free
+from bluekoi.integrate import compiled
+from bluekoi.mismatch.laws import bins, cause_laws
+from bluekoi.mismatch.locate import missing_force
+from bluekoi.model import COEFFICIENTS, plates
+from bluekoi.study import Trial
+from bluekoi.tuning.joint import thin, tune
+from campaigns import Errors, sixteen
+from campaigns import plans as plans_of
+
+N_R = 0.02
+
+
+@pytest.fixture(scope="module")
+def laws():
+    """Laws of a model with a damping N_r = 0.02 +- 0.001 N m s put into it."""
+    wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
+    series = thin(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+    free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
+    found = tune(series, free)
+    values, cov = found.fit.values.copy(), np.zeros((7, 7))
+    values[-1], cov[-1, -1] = N_R, 0.001**2
+    found = replace(found, fit=replace(found.fit, values=values), cov=cov, freedom=None)
+    kernel = compiled(plates())
+    forces = missing_force(kernel, series, found.trial_values(kernel, series), found.noise)
+    trials = {p.name: Trial(trial_id=p.name, source="a.csv", power_pct=100, fps=30.0,
+                            head_angle_deg=p.angle_deg, head_length_m=p.head_length_m)
+              for p in wanted}  # fmt: skip
+    return cause_laws(kernel, series, forces, found, trials)
+
+
+def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(laws):
+    law = laws["linear_yaw_damping"]
+    assert (law["channel"], law["y_unit"]) == ("yaw", "N m")
+    assert law["variable"] == "yaw_rate_rad_s"
+    assert law["explained"] > 0.95
+    assert law["y"] == pytest.approx(-N_R * law["x"], rel=0.05, abs=1e-4)
+    half = 0.5 * (law["high"] - law["low"])
+    fast = np.abs(law["x"]) > 0.5
+    assert half[fast] == pytest.approx(1.96 * 0.001 * np.abs(law["x"][fast]), rel=0.1)
+
+
+def test_bins_have_about_equal_counts_and_a_constant_has_none():
+    x = np.random.default_rng(0).normal(size=300)
+    found = bins(x)
+    assert np.bincount(found.index).tolist() == 15 * [20]
+    assert found.means(x) == pytest.approx(found.x)
+    few = bins(np.repeat([0.12, 0.18], 20))
+    assert few.x == pytest.approx([0.12, 0.18])
+    assert bins(np.zeros(50)) is None

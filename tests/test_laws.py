@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.fitting import Free
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.laws import bins, cause_laws
+from bluekoi.mismatch.laws import OWN, bins, cause_laws
 from bluekoi.mismatch.locate import missing_force
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
@@ -47,6 +47,11 @@ def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(
     half = 0.5 * (law["high"] - law["low"])
     fast = np.abs(law["x"]) > 0.5
     assert half[fast] == pytest.approx(1.96 * 0.001 * np.abs(law["x"][fast]), rel=0.1)
+
+
+def test_variables_of_effects_are_known_or_none():
+    names = {v for e in plates().effects if e.kind == "physics" for v in e.variables}
+    assert names - set(OWN) == {"current"}
 
 
 def test_bins_have_about_equal_counts_and_a_constant_has_none():

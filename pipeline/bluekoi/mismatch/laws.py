@@ -20,6 +20,21 @@ from .setting import CHANNELS, variables
 
 BINS, LEAST_IN_BIN = 15, 3
 UNITS = ("N", "N", "N m")
+OWN: Mapping[str, tuple[str, ...]] = {
+    "angle of attack": ("angle_of_attack_rad",),
+    "beat": ("flap_hz",),
+    "drift": ("sway_speed_m_s",),
+    "early": ("time_s",),
+    "head angle": ("head_angle_rad",),
+    "head length": ("head_length_m",),
+    "heading turned": ("heading_turned_rad",),
+    "place": ("x_m", "y_m"),
+    "side": ("side", "head_angle_rad"),
+    "speed": ("speed_m_s",),
+    "time": ("time_s",),
+    "turn": ("yaw_rate_rad_s",),
+}
+"""`VARIABLES` of an effect -> variables over which its law is drawn."""
 STEP = 0.1
 """Step of the derivatives with respect to a parameter, in its standard deviations."""
 
@@ -46,7 +61,8 @@ def cause_laws(
     """Law of every cause in a tuned model that exerts a force.
 
     The force is that of the cause alone along the smoothed paths, in the channel where it is
-    largest against the random force, averaged over bins of the variable that explains most of it.
+    largest against the random force, averaged over bins of the variable, of those that the effect
+    names, that explains most of it.
     Each: variable, x (bins,), y, low, high (95 % band by the covariance of the cause's numbers;
     empty where one of them is not known), channel, y_unit, explained (share of its variance).
     """
@@ -68,7 +84,9 @@ def _law(
     y = every[:, channel]
     if not np.isfinite(y).all() or np.ptp(y) == 0.0:
         return None
-    binned = {v: b for v, x in over.items() if (b := bins(x)) is not None}
+    named = {v for kind in kernel.system.effect(name).variables for v in OWN.get(kind, ())}
+    binned = {v: b for v, x in over.items()
+              if (v in named or not named) and (b := bins(x)) is not None}  # fmt: skip
     shares = {v: _explained(b, y) for v, b in binned.items()}
     if not shares:
         return None

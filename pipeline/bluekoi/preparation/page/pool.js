@@ -80,6 +80,7 @@ async function refit() {
     return;
   }
   said.textContent = "Fitting the edges …";
+  id("pool-use").disabled = true;
   // One fit at a time: what has moved meanwhile is fitted after it.
   again = busy;
   if (busy) return;

@@ -1,0 +1,45 @@
+"""Why no robot was found: each reason has its numbers and its remedy."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from bluekoi.keypoints.outline.absence import reason
+from bluekoi.keypoints.outline.plane import Plane
+
+CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])
+
+
+def plane(px_per_bl: float) -> Plane:
+    nothing = np.zeros((2, 2, 2))
+    return Plane(nothing, nothing, np.zeros((2, 2)), np.zeros((2, 2)), CORNERS, px_per_bl)
+
+
+def pictures(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)):
+    """Five pictures of bodies that move from one to the next, on a noisy floor."""
+    rng = np.random.default_rng(3)
+    for k in range(5):
+        image = rng.normal(150, 2, (300, 400))
+        for body in range(bodies):
+            shape = np.zeros_like(image)
+            cv2.ellipse(shape, (70 + 60 * k, 60 + 90 * body), half_px, 0, 0, 360, 1.0, -1)
+            image -= contrast * shape
+        yield np.clip(image, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("seen", "px_per_bl", "words"),
+    [
+        ((1, 80), 30.0, ("the robot is 30 px long", "at least 40", "film from nearer")),
+        ((1, 0), 80.0, ("nothing differs from the background", "grey levels", "must move")),
+        ((1, 80), 250.0, ("the largest thing that moves is 8", "250 px", "body_length_m")),
+        ((3, 80), 80.0, ("3 bodies of about the stated 80 px", "start_x_px")),
+        ((1, 80), 80.0, ("a thing of about the stated 80 px", "head_length_m", "bending")),
+    ],
+    ids=["too small", "no contrast", "another size", "several bodies", "another shape"],
+)
+def test_the_reason_names_size_contrast_number_or_shape(seen, px_per_bl, words):
+    text = reason(list(pictures(*seen)), plane(px_per_bl), 1.0)
+    assert all(word in text for word in words), text

@@ -24,7 +24,7 @@ export function field(key) {
     : element("input", { autocomplete: "off" });
   input.id = key;
   input.dataset.key = key;
-  const usual = found.default && found.default !== "required" && !key.startsWith("pool.") ? `, usually ${found.default}` : "";
+  const usual = found.default && found.default !== "required" && !key.startsWith("pool.") ? ` Usually ${found.default}.` : "";
   if (!choices && /_(m|kg|m2|m3|index)$/.test(name)) input.inputMode = "decimal";
   input.setAttribute("aria-describedby", `${key}-hint ${key}-error`);
   input.value = store.values[key] ?? "";
@@ -35,7 +35,7 @@ export function field(key) {
   return element("div", { className: "field" },
     element("label", { htmlFor: key, textContent: `${LABELS[name] ?? name}${unit}${needed ? "" : " (optional)"}` }),
     input,
-    element("p", { id: `${key}-hint`, className: "hint", textContent: found.meaning + usual.replace(", usually", " Usually") }),
+    element("p", { id: `${key}-hint`, className: "hint", textContent: `${found.meaning}${usual}`.replaceAll("`", "") }),
     element("p", { id: `${key}-error`, className: "error" }));
 }
 

@@ -26,7 +26,7 @@ const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-labe
 <path d="M20 258 q14 -8 28 0 t28 0 t28 0 t28 0 t28 0 t28 0 t28 0" fill="none" stroke="#0072b2"/>
 <rect x="120" y="290" width="80" height="60" fill="#cfe3f1" stroke="#1c2630"/><rect x="40" y="310" width="80" height="20" fill="#e6ecf0" stroke="#1c2630"/>
 <g data-key="robot.head_span_m"><path class="dim" d="M212 290V350M205 290h14M205 350h14"/><text x="180" y="368">head_span_m</text></g>
-<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="8" y="348">keypoint_depth_m</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
+<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="8" y="368">keypoint_depth_m</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
 <text x="320" y="240">Head angle, seen from above</text>
 <path d="M500 300 H360" stroke="#1c2630" stroke-width="6"/><path d="M500 300 L590 352" stroke="#0072b2" stroke-width="8"/>
 <path class="dim" d="M500 300H610" stroke-dasharray="5 4"/><path d="M572 300 A72 72 0 0 1 562 336" fill="none" stroke="#b34700" stroke-width="2"/>

@@ -71,7 +71,7 @@ function render(force = false) {
   id("trials-table").replaceChildren(head, element("tbody", {}, ...rows));
   const meanings = store.keys.filter((key) => key.file === "trials.csv" && names.includes(key.name));
   id("trials-keys").replaceChildren(...meanings.flatMap((key) => [element("dt", { textContent: key.name }),
-    element("dd", { textContent: key.meaning + (key.unit ? ` [${key.unit}]` : "") })]));
+    element("dd", { textContent: key.meaning.replaceAll("`", "") + (key.unit ? ` [${key.unit}]` : "") })]));
   id("trials-new").hidden = !store.newRows.length;
   id("trials-new").textContent = `Add the ${store.newRows.length} files without a row`;
   if (focus && document.activeElement === document.body) select(focus.row, focus.column);

@@ -129,8 +129,8 @@ def lengthened(study: Path, times: int) -> Path:
 def megabytes_of(study: Path) -> float:
     """Greatest memory of a process that detects in a study's first trial, MB."""
     command = [sys.executable, __file__, "--study", str(study), "--memory"]
-    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    return float(told.split()[0])
+    reported = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    return float(reported.split()[0])
 
 
 def detect_alone(study: Path) -> str:

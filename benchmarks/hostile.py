@@ -429,8 +429,10 @@ def outcome(change: Change, base: Path, right: Path, *, search: bool) -> tuple[s
                     return found or same, said
                 if found in {"trial lost", "CRASH"}:
                     return found, said
-                last, told = searched(study, results, right)
-                return (last, told) if last in ("named", "refused") or not found else (found, said)
+                last, reported = searched(study, results, right)
+                return (
+                    (last, reported) if last in ("named", "refused") or not found else (found, said)
+                )
         except Hang:
             return "HANG", ""
         except Exception as error:

@@ -111,7 +111,7 @@ def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), *goals]
     command += ["--workflow-profile", str(ROOT / "config/profiles/default"), "--cores", str(cores)]
     command += ["--config", f"study={study}", f"results={results}"]
-    start, used, told = time.monotonic(), Used(), 0.0
+    start, used, reported = time.monotonic(), Used(), 0.0
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     env = os.environ | {"PYTHONPATH": str(ROOT / "pipeline")}
     with (results.parent / "snakemake.log").open("a") as log:
@@ -119,8 +119,8 @@ def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
         while process.poll() is None:
             used = used_so_far(process.pid, used)
             used = replace(used, wall=time.monotonic() - start)
-            if used.wall > told + 60:
-                told = used.wall
+            if used.wall > reported + 60:
+                reported = used.wall
                 jobs = sum(1 for _ in (results / "benchmarks").rglob("*.tsv"))
                 print(f"  {used.wall:.0f} s: {jobs} jobs; {share(used)}", flush=True)
             time.sleep(0.1)

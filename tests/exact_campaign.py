@@ -157,7 +157,7 @@ def searched(base: Campaign) -> Campaign:
             "surge_N": zero, "sway_N": zero, "yaw_Nm": (-0.02 * one.yaw_rate_rad_s).tolist(),
             "surge_std": zero, "sway_std": zero, "yaw_std": [1e-3] * len(zero),
         }  # fmt: skip
-    told = {k: {"value": v, "std": 0.01 * v} for k, v in TABLE_1[75].items()}
+    reported = {k: {"value": v, "std": 0.01 * v} for k, v in TABLE_1[75].items()}
     damping = {"linear_yaw_damping.N_r": {"value": 0.02, "std": 0.001}}
     cause = {"name": "linear_yaw_damping", "kind": "physics", "channels": ["yaw"], "weight": 0.98,
              "regime": "turns", "sentence": "Turning is resisted in proportion to the yaw rate.",
@@ -182,6 +182,6 @@ def searched(base: Campaign) -> Campaign:
                             "trials_better": 9, "trials": 10, "outcome": "converged",
                             "parameters": {"N_r": 0.02}}],
             "foretold": [{"servo_lag": 1.5}],
-            "coefficients": {"before": told, "after": {**told, **damping}},
+            "coefficients": {"before": reported, "after": {**reported, **damping}},
         },
     })  # fmt: skip

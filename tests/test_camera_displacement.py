@@ -50,9 +50,9 @@ def stated(*, k1: float = -0.06, index: float = WATER) -> Setup:
         "distortion": lens(k1).distortion.tolist(),
         "pool_corners_px": camera().corners_px.tolist(),
     }
-    told = SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
-    told["robot"]["keypoint_depth_m"] = DEPTH_M
-    return Setup.model_validate(told)
+    reported = SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
+    reported["robot"]["keypoint_depth_m"] = DEPTH_M
+    return Setup.model_validate(reported)
 
 
 HERE = {"cpsi": 1.0, "spsi": 0.0, "ahead": 0.0}
@@ -91,8 +91,10 @@ def test_the_strength_of_a_lens_error_is_that_of_the_displacements_it_makes(off)
     seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
     given = named(setup, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")) | {"q": 1.0}
     strength = lens_strength(setup, {"k1": -off})
-    told = np.array([lens_error.observe(x, y, **HERE, **given, k=strength)[:2] for x, y in PLACES])
-    assert share_left(told, seen) < 0.08
+    reported = np.array(
+        [lens_error.observe(x, y, **HERE, **given, k=strength)[:2] for x, y in PLACES]
+    )
+    assert share_left(reported, seen) < 0.08
 
 
 @pytest.mark.parametrize("index", [1.0, WATER])

@@ -46,13 +46,13 @@ def detected(tmp_path_factory):
     return study, root / "results"
 
 
-def told(study: Path, results: Path) -> dict:
+def reported(study: Path, results: Path) -> dict:
     geometry(study, results)
     return json.loads((results / "geometry.json").read_text())
 
 
 def test_a_right_study_has_scale_one_and_its_depth_as_given(detected):
-    found = told(*detected)
+    found = reported(*detected)
     assert found["scale"] == pytest.approx(1.0, abs=max(4 * found["scale_std"], 0.001))
     assert 0 < found["scale_std"] < 0.01
     assert found["depth_given"]
@@ -69,7 +69,7 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected, tmp_path):
     notes = [Layout(tmp_path / "results").detection(name) for name in PLANS]
     for count, note in enumerate(notes, start=1):
         note.write_text(json.dumps(json.loads(note.read_text()) | {"source": "silhouette"}))
-        found = told(study, tmp_path / "results")
+        found = reported(study, tmp_path / "results")
         assert found.get("trials", 0) == len(notes) - count
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert "lengths of study.yaml" in found["sentence"]
@@ -80,8 +80,8 @@ def shown(found: Path, lengths: list[list[float]]) -> None:
     """Keypoints of all trials as a silhouette gives them, and the whole lengths that it saw."""
     for name in PLANS:
         note = Layout(found).detection(name)
-        told = {"source": "silhouette", "length_seen": lengths}
-        note.write_text(json.dumps(json.loads(note.read_text()) | told))
+        reported = {"source": "silhouette", "length_seen": lengths}
+        note.write_text(json.dumps(json.loads(note.read_text()) | reported))
 
 
 def frames_of(share: float, spread: float) -> list[list[float]]:
@@ -94,7 +94,7 @@ def test_the_whole_length_of_a_silhouette_gives_the_scale(detected, tmp_path, sh
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", frames_of(share, 0.001))
-    found = told(study, tmp_path / "results")
+    found = reported(study, tmp_path / "results")
     assert found["scale"] == pytest.approx(share, abs=0.002)
     assert found["measured"] == "whole length"
     evidence = rigid_evidence(found, load_study(study).setup)
@@ -106,7 +106,7 @@ def test_whole_lengths_a_little_off_show_no_error(detected, tmp_path):
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", frames_of(0.9975, 0.001))
-    assert told(study, tmp_path / "results")["likely"] == "nothing"
+    assert reported(study, tmp_path / "results")["likely"] == "nothing"
 
 
 @pytest.mark.parametrize("lengths", [frames_of(0.97, 0.02), frames_of(0.97, 0.001)[:9], []])
@@ -114,7 +114,7 @@ def test_a_smeared_tail_or_few_frames_tell_no_length(detected, tmp_path, lengths
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", lengths)
-    found = told(study, tmp_path / "results")
+    found = reported(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert rigid_evidence(found, load_study(study).setup) == {}
 
@@ -126,7 +126,7 @@ def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_p
     least = []
     for spread in (0.0005, 0.004):
         shown(tmp_path / "results", frames_of(0.995, spread))
-        found = told(study, tmp_path / "results")
+        found = reported(study, tmp_path / "results")
         least.append(found["min_share"])
         assert found["likely"] == "nothing"
         evidence = rigid_evidence(found, load_study(study).setup)
@@ -140,7 +140,7 @@ def test_lengths_of_two_trials_are_too_few(detected, tmp_path):
     shown(tmp_path / "results", frames_of(0.97, 0.001))
     note = Layout(tmp_path / "results").detection(next(iter(PLANS)))
     note.write_text(json.dumps(json.loads(note.read_text()) | {"length_seen": []}))
-    found = told(study, tmp_path / "results")
+    found = reported(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert "2 trials" in found["sentence"]
 
@@ -153,7 +153,7 @@ def test_frames_that_are_not_believed_give_no_length(detected, tmp_path):
         path = Layout(tmp_path / "results").keypoints(name)
         given = read(path, load_study(study).trial(name), {})
         write(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
-    assert told(study, tmp_path / "results")["likely"] == "unknown"
+    assert reported(study, tmp_path / "results")["likely"] == "unknown"
 
 
 def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
@@ -168,11 +168,11 @@ def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
         content["pool"]["width_m"] *= 0.97
 
     edited(copy, shorten)
-    found = told(copy, results)
+    found = reported(copy, results)
     assert found["scale"] == pytest.approx(0.97, abs=0.006)
     assert found["likely"] != "nothing"
     assert "scale_error" in {found["likely"], *found["rivals"]}
-    told(study, results)
+    reported(study, results)
 
 
 def test_depth_that_is_not_given_is_estimated_and_used(detected, tmp_path):
@@ -182,14 +182,14 @@ def test_depth_that_is_not_given_is_estimated_and_used(detected, tmp_path):
     for name in ("study.yaml", "trials.csv"):
         (copy / name).write_bytes((study / name).read_bytes())
     edited(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
-    found = told(copy, results)
+    found = reported(copy, results)
     assert not found["depth_given"]
     std = found["depth_estimate_std_m"]
     assert found["depth_estimate_m"] == pytest.approx(0.04, abs=4 * std)
     taken = round(found["depth_estimate_m"], 3) if std < 0.01 else 0.04
     assert found["depth_m"] == pytest.approx(taken)
     assert keypoint_depth(load_study(copy).setup, Layout(results)) == pytest.approx(taken)
-    told(study, results)
+    reported(study, results)
 
 
 def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected, tmp_path):
@@ -212,7 +212,7 @@ def test_no_keypoints_at_all_are_said_and_stop_nothing(tmp_path):
     for name in PLANS:
         (study / f"keypoints/{name}.csv").write_text("")
         keypoints(study, tmp_path / "results", name)
-    found = told(study, tmp_path / "results")
+    found = reported(study, tmp_path / "results")
     assert found["likely"] == "unknown"
     assert found["scale"] is None
     assert "could not be checked" in found["sentence"]

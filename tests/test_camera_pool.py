@@ -244,14 +244,14 @@ def test_keypoints_outside_the_pool_are_remarked():
 @pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (1066, 600), (2880, 1620)])
 def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
     given = setup(overhead())
-    told = as_filmed(given, size)
-    assert told.camera.image_size_px == size
-    by_size, by_section = pool_camera(given, size), pool_camera(told)
+    reported = as_filmed(given, size)
+    assert reported.camera.image_size_px == size
+    by_size, by_section = pool_camera(given, size), pool_camera(reported)
     points = np.column_stack([pool_points(), np.full(60, -0.04)])
     np.testing.assert_allclose(project(by_section, points), project(by_size, points), atol=1e-6)
-    back = in_study(given, size, np.array(told.camera.pool_corners_px))
+    back = in_study(given, size, np.array(reported.camera.pool_corners_px))
     np.testing.assert_allclose(back, np.array(given.camera.pool_corners_px), atol=1e-9)
-    Setup.model_validate(told.model_dump())
+    Setup.model_validate(reported.model_dump())
 
 
 def test_a_film_of_another_shape_is_refused():

@@ -118,9 +118,9 @@ def test_a_cell_with_a_comma_or_quote_is_quoted(tmp_path):
 def test_a_csv_that_is_not_what_it_seems_is_refused_with_its_row(tmp_path, text, words):
     path = tmp_path / "t.csv"
     path.write_text(text)
-    with pytest.raises(InputError) as told:
+    with pytest.raises(InputError) as reported:
         data.read_columns(path, ("a", "b"))
-    assert all(word in str(told.value) for word in words)
+    assert all(word in str(reported.value) for word in words)
 
 
 def test_quoted_numbers_are_numbers(tmp_path):

@@ -130,9 +130,9 @@ def test_bare_model_comes_back_from_footage(bare):
     joint = fitted(bare / "study")["joint"]
     assert len(joint["trials"]) == 8
     assert set(joint["coefficients"]) == set(Coefficients.__dataclass_fields__)
-    told = {name: cell for name, cell in joint["coefficients"].items() if cell["determined"]}
-    assert {"C_T", "C_D0", "C_La", "C_Da", "C_Md"} <= set(told)
-    for name, cell in told.items():
+    reported = {name: cell for name, cell in joint["coefficients"].items() if cell["determined"]}
+    assert {"C_T", "C_D0", "C_La", "C_Da", "C_Md"} <= set(reported)
+    for name, cell in reported.items():
         true = getattr(Coefficients(), name)
         assert cell["value"] == pytest.approx(true, rel=0.1), name
         assert abs(cell["value"] - true) < student.ppf(0.975, 7) * cell["std"], (name, cell)

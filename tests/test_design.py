@@ -172,8 +172,8 @@ def test_start_stop_slows_down_and_speeds_up_again() -> None:
 def test_schedules_are_read_and_their_faults_told(tmp_path: Path) -> None:
     file = tmp_path / "s.csv"
     file.write_text("time_s,power_pct,head_angle_deg\n0,100,0\n2,100,0\n2,0,30\n5,0,-30\n")
-    told = read_schedule(file, lambda power: 0.05 * power)
-    hz, angle = told.at(np.array([1.0, 3.5, 9.0]))
+    reported = read_schedule(file, lambda power: 0.05 * power)
+    hz, angle = reported.at(np.array([1.0, 3.5, 9.0]))
     assert hz == pytest.approx([5.0, 0.0, 0.0])
     assert np.degrees(angle) == pytest.approx([0.0, 0.0, -30.0])
     for text, message in (
@@ -254,10 +254,10 @@ def broken(results: Path, folder: Path, change) -> Path:
 def test_incomplete_results_are_told_with_their_file(
     results: Path, tmp_path: Path, change, words: str
 ) -> None:
-    with pytest.raises(InputError, match=words) as told:
+    with pytest.raises(InputError, match=words) as reported:
         fitted(broken(results, tmp_path / "r", change))
-    assert str(tmp_path / "r/coefficients.json") in str(told.value)
-    assert "Run the analysis again" in str(told.value)
+    assert str(tmp_path / "r/coefficients.json") in str(reported.value)
+    assert "Run the analysis again" in str(reported.value)
 
 
 def test_an_incomplete_search_is_told_with_its_file(results: Path, tmp_path: Path) -> None:

@@ -88,10 +88,10 @@ def test_mirror_symmetry(effect: Effect) -> None:
 
 @pytest.mark.parametrize("effect", [e for e in ALL if e.name in ONE_SIDED], ids=lambda e: e.name)
 def test_one_sided_effects_say_so(effect: Effect) -> None:
-    told = (effect.regime + effect.statement).lower()
+    reported = (effect.regime + effect.statement).lower()
     words = ("to one side", "two sides", "place", "wall", "direction", "everything", "all frames",
              "edges", "opposite sign", "displaced")  # fmt: skip
-    assert any(word in told for word in words)
+    assert any(word in reported for word in words)
 
 
 @pytest.mark.parametrize("effect", [e for e in ALL if "force" in e.hooks], ids=lambda e: e.name)

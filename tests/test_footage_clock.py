@@ -12,7 +12,7 @@ from test_footage import SIZE, numbers, picture, write_video
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage import telemetry as told
+from bluekoi.footage import telemetry as reported
 from bluekoi.footage.telemetry import camera_seconds
 
 
@@ -26,10 +26,10 @@ class Entry:
 def test_the_cameras_clock_is_read_from_each_sensors_stream(tmp_path):
     body = payload({"Accelerometer": 80_577, "Gyroscope": 80_600})
     (tmp_path / "p.bin").write_bytes(b"xx" + body + b"more")
-    found = told._stamps(tmp_path / "p.bin", Entry(2, len(body)))
+    found = reported._stamps(tmp_path / "p.bin", Entry(2, len(body)))
     assert found == {"Accelerometer": 80_577, "Gyroscope": 80_600}
-    assert told._stamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
-    assert told._stamps(tmp_path / "p.bin", Entry(2, 9)) == {}
+    assert reported._stamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
+    assert reported._stamps(tmp_path / "p.bin", Entry(2, 9)) == {}
 
 
 @pytest.mark.parametrize(("ran", "refused"), [(1.0003, False), (None, False), (10.0, True)])

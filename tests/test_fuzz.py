@@ -214,9 +214,9 @@ def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, compiled, folde
     with in_time():
         keypoints(other, results, "T09")
         tracks(other, results, "T09")
-    told = json.loads((results / "status/T09.json").read_text())
-    assert "a defect of this program" not in told["message"], told["message"]
-    assert told["ok"] or "T09" in told["message"]
+    reported = json.loads((results / "status/T09.json").read_text())
+    assert "a defect of this program" not in reported["message"], reported["message"]
+    assert reported["ok"] or "T09" in reported["message"]
 
 
 CELLS = {

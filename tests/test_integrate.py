@@ -148,8 +148,8 @@ def test_effects_that_change_the_command_reach_what_is_held() -> None:
     off = plates().values(values, {"head_angle_offset": {"d": math.radians(5)}})
     set_off = run(plates(), off, inputs, fixed, start=[0.0] * 6)
     inputs[:, 0] += math.radians(5)
-    told = run(plates(), plates().values(values), inputs, fixed, start=[0.0] * 6)
-    assert set_off[:, :6] == pytest.approx(told[:, :6], abs=1e-10)
+    reported = run(plates(), plates().values(values), inputs, fixed, start=[0.0] * 6)
+    assert set_off[:, :6] == pytest.approx(reported[:, :6], abs=1e-10)
 
 
 def test_accuracy_over_eight_seconds_of_a_schedule() -> None:

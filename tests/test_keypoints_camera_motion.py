@@ -61,16 +61,16 @@ def test_shifts_are_found_to_a_tenth_of_a_pixel():
 
 @pytest.mark.parametrize("move", [turned(0.0, (1.5, 0.5)), turned(0.4)])
 def test_a_sudden_motion_is_reported_with_its_time(move):
-    told = camera_remarks(film([pool()] * 3 + [pool(move)] * 3), plane())
-    assert len(told) == 1
-    assert "the camera moved by about" in told[0]
-    assert "between 1.00 s and 1.50 s" in told[0]
+    reported = camera_remarks(film([pool()] * 3 + [pool(move)] * 3), plane())
+    assert len(reported) == 1
+    assert "the camera moved by about" in reported[0]
+    assert "between 1.00 s and 1.50 s" in reported[0]
 
 
 def test_a_slow_drift_is_reported_as_stabilisation():
-    told = camera_remarks(film([pool(turned(0.0, (0.45 * i, 0.0))) for i in range(6)]), plane())
-    assert len(told) == 1
-    assert "drifts by about 2." in told[0]
+    reported = camera_remarks(film([pool(turned(0.0, (0.45 * i, 0.0))) for i in range(6)]), plane())
+    assert len(reported) == 1
+    assert "drifts by about 2." in reported[0]
 
 
 def test_corners_that_do_not_agree_tell_nothing():

@@ -40,7 +40,7 @@ def frames(variance: tuple[float, ...], rng: np.random.Generator, count: int):
     points, normals = outline()
     known, slope = kernels(points, normals, LENGTH_M), slopes()
     root = np.linalg.cholesky(np.tensordot(variance, known, axes=1) + 1e-9 * np.eye(len(points)))
-    told, errors = [], []
+    reported, errors = [], []
     for _ in range(count):
         weight = np.where(rng.random(len(points)) < 0.1, 0.0, rng.uniform(0.6, 1.0, len(points)))
         e = root @ rng.standard_normal(len(points))
@@ -48,18 +48,18 @@ def frames(variance: tuple[float, ...], rng: np.random.Generator, count: int):
         change = np.linalg.solve(normal, slope.T @ (weight * e))
         errors.append(change)
         left = np.where(weight > 0, e - slope @ change, np.nan)
-        told.append(clues((left, weight, slope), 0.0, PRIOR, known))
-    return told, np.array(errors)
+        reported.append(clues((left, weight, slope), 0.0, PRIOR, known))
+    return reported, np.array(errors)
 
 
 @pytest.mark.parametrize("variance", [(0.04, 0.0, 0.0), (0.01, 0.01, 0.01), (0.02, 0.1, 0.05)])
 def test_variances_and_covariance_are_those_put_in(variance):
-    told, errors = frames(variance, np.random.default_rng(5), 300)
+    reported, errors = frames(variance, np.random.default_rng(5), 300)
     forms, expected = (
-        np.mean([getattr(t, n) for t in told], axis=0) for n in ("forms", "expected")
+        np.mean([getattr(t, n) for t in reported], axis=0) for n in ("forms", "expected")
     )
     assert variances(forms, expected) == pytest.approx(variance, abs=0.12 * sum(variance))
-    stated = usual_covariance(told)
+    stated = usual_covariance(reported)
     pulls = np.sqrt(np.mean(errors**2, axis=0) / np.diag(stated))
     assert np.all((pulls > 0.85) & (pulls < 1.15))
 
@@ -70,18 +70,18 @@ def test_the_algebra_is_that_of_whole_matrices():
     rng = np.random.default_rng(1)
     seen = rng.random(len(points)) > 0.2
     weight, left = np.where(seen, 0.7, 0.0), np.where(seen, rng.normal(0, 0.1, len(points)), np.nan)
-    told = clues((left, weight, slope), 0.4, PRIOR, known)
+    reported = clues((left, weight, slope), 0.4, PRIOR, known)
     c, s = np.cos(0.4), np.sin(0.4)
     body = slope.copy()
     body[:, 0], body[:, 1] = c * slope[:, 0] + s * slope[:, 1], c * slope[:, 1] - s * slope[:, 0]
     x = np.where(seen[:, None], body, 0.0)
     gain = np.linalg.solve(x.T @ (weight[:, None] * x) + np.diag(PRIOR), x.T * weight)
     rest, r = np.diag(seen.astype(float)) - x @ gain, np.nan_to_num(left)
-    assert told.forms == pytest.approx([r @ k @ r for k in known])
+    assert reported.forms == pytest.approx([r @ k @ r for k in known])
     for j, one in enumerate(known):
         right = [np.trace(one @ rest @ other @ rest.T) for other in known]
-        assert told.expected[j] == pytest.approx(right)
-        assert told.spread[j] == pytest.approx(gain @ one @ gain.T)
+        assert reported.expected[j] == pytest.approx(right)
+        assert reported.spread[j] == pytest.approx(gain @ one @ gain.T)
 
 
 def test_no_variance_is_negative():

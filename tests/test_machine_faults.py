@@ -90,10 +90,10 @@ def test_a_file_size_limit_is_said_like_a_full_disk(study, tmp_path):
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 
     done = stage("keypoints", study, tmp_path / "r", "--trial", "T09", limit=small_files)
-    told = json.loads((tmp_path / "r/status/keypoints/T09.json").read_text())
+    reported = json.loads((tmp_path / "r/status/keypoints/T09.json").read_text())
     assert done.returncode == 0
-    assert not told["ok"]
-    assert "File too large" in told["message"]
+    assert not reported["ok"]
+    assert "File too large" in reported["message"]
     assert not list((tmp_path / "r").rglob("keypoints/*.csv"))
 
 
@@ -118,9 +118,9 @@ def test_want_of_memory_is_a_word_on_the_trial_and_stops_nothing_else(tmp_path):
 
     status, products = tmp_path / "T1.json", (tmp_path / "half.csv",)
     attempt(status, "T1", hungry, source="videos/T1.mp4", products=products)
-    told = json.loads(status.read_text())
-    assert not told["ok"]
-    assert told["message"].startswith("videos/T1.mp4: not enough memory; run fewer jobs")
+    reported = json.loads(status.read_text())
+    assert not reported["ok"]
+    assert reported["message"].startswith("videos/T1.mp4: not enough memory; run fewer jobs")
     assert not (tmp_path / "half.csv").exists()
 
 

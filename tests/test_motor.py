@@ -281,7 +281,7 @@ def test_given_frequency():
 def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay_s):
     """A tail 0.7 rad behind its shaft; the log's time is the video's plus the delay."""
     rng = np.random.default_rng(31)
-    told = []
+    reported = []
     for k, hz in enumerate([1.8, 3.0, 4.2, 5.6] * 2):
         first, log_s = rng.uniform(0, 2 * np.pi), np.arange(0, 6, 0.005)
         shaft = first + 2 * np.pi * hz * (log_s - delay_s)
@@ -292,8 +292,8 @@ def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay
         lag, std = beat_lag(with_tail(video, beat + 0.02 * rng.standard_normal(180)), flapping)
         assert std < 0.05
         assert wrapped(lag - (0.7 - 2 * np.pi * hz * delay_s)) == pytest.approx(0, abs=5 * std)
-        told.append((flapping.flap_hz, lag, std))
-    value, std = clock_delay(*np.array(told).T)
+        reported.append((flapping.flap_hz, lag, std))
+    value, std = clock_delay(*np.array(reported).T)
     assert value == pytest.approx(delay_s, abs=0.01)
     assert std == pytest.approx(0.03, abs=0.01)
 

@@ -218,9 +218,9 @@ def test_frames_of_variable_rate():
 def test_covariances_that_are_stated_wrong_are_found_out():
     truth = circle(times(150))
     pose = observe(truth, np.random.default_rng(8), FAST)
-    told = smooth(pose, 5.82)
+    reported = smooth(pose, 5.82)
     misled = smooth(Pose(pose.time_s, pose.values, pose.cov / 9), 5.82)
-    assert np.median(misled.x_m_std) == pytest.approx(np.median(told.x_m_std), rel=0.35)
+    assert np.median(misled.x_m_std) == pytest.approx(np.median(reported.x_m_std), rel=0.35)
 
 
 def test_a_body_that_does_not_beat():

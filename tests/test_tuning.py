@@ -51,12 +51,12 @@ def test_bare_study_gives_back_what_it_determines(bare: Measured) -> None:
     found, joint = coefficients(bare.study, bare.series, bare.steady)
     table = found["joint"]["coefficients"]
     truth = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1} | _common()
-    told = [name for name in truth if table[name]["determined"]]
-    assert {"C_T", "C_D0", "C_La"} <= set(told)
-    for name in told:
+    reported = [name for name in truth if table[name]["determined"]]
+    assert {"C_T", "C_D0", "C_La"} <= set(reported)
+    for name in reported:
         assert table[name]["value"] == pytest.approx(truth[name], rel=0.1), name
         assert abs(table[name]["value"] - truth[name]) < student.ppf(0.975, 5) * table[name]["std"]
-    for name in set(truth) - set(told):
+    for name in set(truth) - set(reported):
         assert table[name]["why"]
     assert joint.fit.outcome == "converged"
     assert found["joint"]["straight_swimming"]["stable"] is False

@@ -13,7 +13,7 @@ from bluekoi.integrate import compiled
 from bluekoi.model import plates
 from bluekoi.tuning import Tuned, table, thin, tune
 from bluekoi.tuning.identify import profiles, sizes, spectrum
-from bluekoi.tuning.new_trial import best_new_trial, imaginable
+from bluekoi.tuning.new_trial import c_optimal_trial, imaginable
 from bluekoi.tuning.turns import open_without_turns, outcome
 from bluekoi.tuning.words import undetermined
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
@@ -46,18 +46,18 @@ def test_spectrum_covers_all_directions_the_least_determined_first(campaign) -> 
 
 def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight) -> None:
     joint = tune(straight)
-    told = undetermined(straight, joint, SETUP)
-    assert told
-    named = " ".join(t["combination"] for t in told)
+    reported = undetermined(straight, joint, SETUP)
+    assert reported
+    named = " ".join(t["combination"] for t in reported)
     assert "C_Da" in named or "C_Md" in named
-    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in told)
-    assert any(t["trial"].startswith("a turn at") for t in told), told
+    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in reported)
+    assert any(t["trial"].startswith("a turn at") for t in reported), reported
 
 
 def test_the_trial_that_is_named_does_help(straight) -> None:
     joint = tune(straight)
     worst = spectrum(joint)[0]
-    trial = best_new_trial(straight, joint, SETUP, worst)
+    trial = c_optimal_trial(straight, joint, SETUP, worst)
     assert trial.head_angle_deg > 0
     assert trial.left < 0.7
 
@@ -72,20 +72,20 @@ def at_bounds(straight) -> Tuned:
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
     spread = spread_over_trials(fit.normal, moving(kernel, fit))
-    return Tuned(fit, found.noise, spread.cov, found.base, spread.freedom, spread.told)
+    return Tuned(fit, found.noise, spread.cov, found.base, spread.freedom, spread.influence)
 
 
 def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds) -> None:
     """With C_Da 40 and C_Ma -1 imagined turns run away; nan is no recommendation."""
-    told = undetermined(straight, at_bounds, SETUP)
-    assert len(told) >= 4
-    for one in told:
+    reported = undetermined(straight, at_bounds, SETUP)
+    assert len(reported) >= 4
+    for one in reported:
         assert "nan" not in one["trial"]
     for one in spectrum(at_bounds):
-        trial = best_new_trial(straight, at_bounds, SETUP, one)
+        trial = c_optimal_trial(straight, at_bounds, SETUP, one)
         assert trial is not None
         assert 0.0 <= trial.left <= 1.0
-    assert any(t["trial"].startswith("a turn at") for t in told)
+    assert any(t["trial"].startswith("a turn at") for t in reported)
 
 
 def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) -> None:
@@ -98,10 +98,10 @@ def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) 
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:
-    told = outcome(at_bounds, straight)
-    assert "turns are lacking" in told
-    assert "C_Da, C_Ma, C_Md" in told
-    assert "physics" not in told
+    reported = outcome(at_bounds, straight)
+    assert "turns are lacking" in reported
+    assert "C_Da, C_Ma, C_Md" in reported
+    assert "physics" not in reported
     table_ = open_without_turns(table(at_bounds), straight)
     assert "no turns" in table_["C_Da"]["why"]
     assert outcome(at_bounds, campaign) == AT_BOUND

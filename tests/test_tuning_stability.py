@@ -11,26 +11,26 @@ from robots import SETUP
 
 
 def test_a_growth_that_all_draws_share_is_asserted_with_its_range() -> None:
-    told = verdict(3.6, np.linspace(2.0, 5.0, 61).tolist())
-    assert told["stable"] is False
-    assert told["interval_95"] == pytest.approx([2.0, 5.0], abs=0.1)
-    assert "does not swim straight" in told["sentence"]
-    assert "+2.1 to +4.9" in told["sentence"]
+    reported = verdict(3.6, np.linspace(2.0, 5.0, 61).tolist())
+    assert reported["stable"] is False
+    assert reported["interval_95"] == pytest.approx([2.0, 5.0], abs=0.1)
+    assert "does not swim straight" in reported["sentence"]
+    assert "+2.1 to +4.9" in reported["sentence"]
 
 
 def test_a_growth_that_fades_in_all_draws_swims_straight() -> None:
-    told = verdict(-1.0, [-2.0, -1.5, -0.5])
-    assert told["stable"] is True
-    assert "The fitted model swims straight" in told["sentence"]
+    reported = verdict(-1.0, [-2.0, -1.5, -0.5])
+    assert reported["stable"] is True
+    assert "The fitted model swims straight" in reported["sentence"]
 
 
 @pytest.mark.parametrize("draws", [np.linspace(-3.0, 6.0, 61).tolist(), [1.0] * 50 + [np.nan] * 10])
 def test_nothing_is_asserted_where_the_draws_hold_both_answers_or_many_have_none(
     draws: list[float],
 ) -> None:
-    told = verdict(3.6, draws)
-    assert told["stable"] is None
-    assert "not determined by these trials" in told["sentence"]
+    reported = verdict(3.6, draws)
+    assert reported["stable"] is None
+    assert "not determined by these trials" in reported["sentence"]
 
 
 def test_without_draws_the_fit_itself_speaks() -> None:

@@ -34,7 +34,9 @@ PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 def given(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
     spread = spread_over_trials(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return Tuned(fit, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom, spread.told)
+    return Tuned(
+        fit, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom, spread.influence
+    )
 
 
 def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
@@ -80,7 +82,7 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
 
 def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() -> None:
     later, earlier, along = two_steps(np.random.default_rng(7))
-    unknown = replace(earlier, freedom=np.zeros(1), told=None)
+    unknown = replace(earlier, freedom=np.zeros(1), influence=None)
     assert carried(later, unknown, along).freedom[0] == 0.0
     nothing = carried(later, earlier, 0.0 * along)
     assert nothing.cov == pytest.approx(later.cov)
@@ -104,9 +106,9 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> 
                  start=second.fit.by_label())  # fmt: skip
     moved = again.fit.values - second.fit.values
     size = np.abs(along[:, 1] * change)
-    told = size > 0.1 * second.std
-    assert told.any()
-    assert moved[told] == pytest.approx(along[told, 1] * change, rel=0.25)
+    reported = size > 0.1 * second.std
+    assert reported.any()
+    assert moved[reported] == pytest.approx(along[reported, 1] * change, rel=0.25)
     whole = carried(second, first, along)
     assert whole.cov == pytest.approx(second.cov + along @ first.cov @ along.T)
     assert np.all(whole.std >= second.std)

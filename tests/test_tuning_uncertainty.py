@@ -13,7 +13,7 @@ from bluekoi.fitting import (
     spread_over_trials,
 )
 from bluekoi.fitting.resampling import LEAST_LEFT, RIDGE
-from bluekoi.fitting.sandwich import _widened
+from bluekoi.fitting.sandwich import _cr2_adjustment
 
 TRUTH = np.array([1.0, -0.5, 0.3])
 FRAMES, MEMORY = 30, 8.0
@@ -148,7 +148,7 @@ def test_widened_scores_have_the_covariance_expected() -> None:
     k = 0.3 * rng.standard_normal((9, 5))
     F = S + np.einsum("tp,tq->tpq", k, k)
     every = F.sum(axis=0)
-    for A, s, f in zip(_widened(S, F), S, F, strict=True):
+    for A, s, f in zip(_cr2_adjustment(S, F), S, F, strict=True):
         left = f - s @ f - f @ s + s @ every @ s
         assert A @ left @ A.T == pytest.approx(f, abs=1e-9)
 
@@ -168,18 +168,18 @@ def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known(
     """
     rng = np.random.default_rng(8)
     size = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 10.0])
-    told = {scatter_cov: [], jackknife_cov: []}
+    reported = {scatter_cov: [], jackknife_cov: []}
     for _ in range(400):
         J = rng.normal(size=(7, 8, 3)) * size[:, None, None] ** 0.5
         e = rng.normal(size=(7, 8))
         H = np.einsum("tnp,tnq->tpq", J, J)
         fit = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", J, e))
         g = np.einsum("tnp,tn->tp", J, e - J @ fit)
-        for cov, found in told.items():
+        for cov, found in reported.items():
             C = cov(Normal(H, g, np.zeros(7)), np.ones(3, dtype=bool))
             found.append(np.trace(H.sum(axis=0) @ C) / 3)
-    assert np.mean(told[scatter_cov]) == pytest.approx(1.25, abs=0.08)
-    assert np.mean(told[jackknife_cov]) > 1.5 * 1.25
+    assert np.mean(reported[scatter_cov]) == pytest.approx(1.25, abs=0.08)
+    assert np.mean(reported[jackknife_cov]) > 1.5 * 1.25
 
 
 def test_a_number_at_its_bound_widens_no_other():

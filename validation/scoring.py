@@ -79,17 +79,17 @@ def scored_all(directory: Path, label: str) -> list[Scored]:
 def _scored(directory: Path, name: str, path: Path) -> Scored:
     truth = open_truth(directory, name)
     found = json.loads(path.read_text())
-    told = found["mismatch"]
+    reported = found["mismatch"]
     unlisted = truth.get("unlisted")
     true = [c["name"] for c in truth["causes"]] + ([UNEXPLAINED] if unlisted else [])
     return Scored(
         study=name, generator=truth["generator"], group=truth["group"], fin=truth["fin"],
         trials=truth["trials"], true=tuple(true),
-        said={c["name"]: c["weight"] for c in told.get("causes", ())},
-        alternatives={r["name"]: r["weight"] for r in told.get("rivals", ())},
-        probabilities=told.get("probabilities", {}),
-        verdict=told.get("verdict", "failed"), cpu_s=found["cpu_s"],
-        held_out=told.get("held_out", {}), where=told.get("where", ()),
+        said={c["name"]: c["weight"] for c in reported.get("causes", ())},
+        alternatives={r["name"]: r["weight"] for r in reported.get("rivals", ())},
+        probabilities=reported.get("probabilities", {}),
+        verdict=reported.get("verdict", "failed"), cpu_s=found["cpu_s"],
+        held_out=reported.get("held_out", {}), where=reported.get("where", ()),
         unlisted=unlisted, failure=found["failure"],
     )  # fmt: skip
 

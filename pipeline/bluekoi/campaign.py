@@ -104,8 +104,8 @@ class Campaign:
         model: `baseline` or `extended`; key as in mismatch.json. Infinite where the model ran
         away: a path off by more than the pool is wide, a radius or speed by more than tenfold.
         """
-        told = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
-        value = float("nan") if told.get(key) is None else float(told[key])
+        errors = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
+        value = float("nan") if errors.get(key) is None else float(errors[key])
         most = self.study.setup.pool.width_m if key.endswith("_m") else MOST_PCT
         return float("inf") if value > most else value
 

@@ -103,22 +103,23 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
     one = chosen(name, number)
     laws = with_effect(Laws(), one, effect_of(name).usual)
     values = laws._asdict()
-    told = {k: values[field] * factor for k, (field, factor) in one.form.told_as.items()}
-    told |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0, "w": 0.0},
+    in_truth = {k: values[field] * factor for k, (field, factor) in one.form.told_as.items()}
+    in_truth |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0, "w": 0.0},
              "lift_lag": {"s": laws.lag_lengths}, "tail_fin_lift": {"b": 0.0, "p": 0.0},
              "crossflow_drag": {"q": 0.0, "w": 0.0},
              "port_starboard_asymmetry": {"w": 0.0}}.get(name, {})  # fmt: skip
     if name == "thrust_loss_with_speed":
-        told = {"k": 0.5 * BODY.C_T * laws.slip_per_m}
+        in_truth = {"k": 0.5 * BODY.C_T * laws.slip_per_m}
     start = (1.3, 0.8, 0.2, 0.0, 0.0, 0.0)
     run = simulate(COEFFICIENTS, setup=setup, head_length_m=0.15, head_angle_rad=0.5, flap_hz=4.0,
-                   duration_s=SHORT_S, dt_s=1 / 120, start=start, effects={name: told})  # fmt: skip
+                   duration_s=SHORT_S, dt_s=1 / 120, start=start,
+                   effects={name: in_truth})  # fmt: skip
     expected = run.state[::12, :2]
     found = path(laws, Command(4.0, 0.5, 0.15, *start[:3]))[: len(expected), :2]
     bent = np.abs(found - path(Laws(), Command(4.0, 0.5, 0.15, *start[:3]))[:, :2]).max()
     if name == "centre_of_mass_shift":
         psi = run.heading_rad[::12]
-        expected = expected - told["d"] * np.column_stack([np.cos(psi), np.sin(psi)])
+        expected = expected - in_truth["d"] * np.column_stack([np.cos(psi), np.sin(psi)])
     along_the_body = 0.3 if name == "pool_gyre" else 0.02  # here the water differs along the body
     assert np.abs(found - expected).max() < along_the_body * bent + 2e-5
 

@@ -147,7 +147,7 @@ def test_every_cause_is_dealt_about_equally_often():
 
 def test_a_study_is_whole_consistent_and_deterministic(tmp_path):
     index = next(i for i in range(40) if plan.slot(i)[::3] == ("null", 9) and plan.slot(i).fin)
-    told = studies.generate(11, index, tmp_path / "a")
+    reported = studies.generate(11, index, tmp_path / "a")
     studies.generate(11, index, tmp_path / "b")
     files = sorted(
         p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*.*") if p.is_file()
@@ -155,10 +155,12 @@ def test_a_study_is_whole_consistent_and_deterministic(tmp_path):
     assert all(
         (tmp_path / "a" / f).read_bytes() == (tmp_path / "b" / f).read_bytes() for f in files
     )
-    assert told["verdict"] == "physics"
-    assert [c["name"] for c in told["causes"]] == ["tail_fin_lift"]
-    assert told["causes"][0]["sigma"] >= 15
-    assert told == json.loads((tmp_path / "a" / "truth" / f"{told['study']}.json").read_text())
+    assert reported["verdict"] == "physics"
+    assert [c["name"] for c in reported["causes"]] == ["tail_fin_lift"]
+    assert reported["causes"][0]["sigma"] >= 15
+    assert reported == json.loads(
+        (tmp_path / "a" / "truth" / f"{reported['study']}.json").read_text()
+    )
 
 
 def test_strength_bounds_are_ordered_and_forms_are_several():

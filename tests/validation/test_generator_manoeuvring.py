@@ -247,24 +247,24 @@ def written(tmp_path_factory):
 
 
 def test_generation_is_deterministic(written):
-    (a, told), (b, _) = written
+    (a, reported), (b, _) = written
     files = sorted(p.relative_to(a) for p in a.rglob("*") if p.is_file())
     assert files == sorted(p.relative_to(b) for p in b.rglob("*") if p.is_file())
     assert all((a / f).read_bytes() == (b / f).read_bytes() for f in files)
-    assert studies.generate(2, told["index"], a) == told
+    assert studies.generate(2, reported["index"], a) == reported
 
 
 def test_truth_and_study_agree(written):
-    folder, told = written[0]
-    name = told["study"]
-    assert json.loads((folder / "truth" / f"{name}.json").read_text()) == told
-    assert told["verdict"] == ("physics" if told["fin"] else "none")
-    assert [c["name"] for c in told["causes"]] == ["tail_fin_lift"] * told["fin"]
+    folder, reported = written[0]
+    name = reported["study"]
+    assert json.loads((folder / "truth" / f"{name}.json").read_text()) == reported
+    assert reported["verdict"] == ("physics" if reported["fin"] else "none")
+    assert [c["name"] for c in reported["causes"]] == ["tail_fin_lift"] * reported["fin"]
     study = folder / "studies" / name
     content = yaml.safe_load((study / "study.yaml").read_text())
-    assert content["robot"]["mass_kg"] == told["robot"]["mass"]
+    assert content["robot"]["mass_kg"] == reported["robot"]["mass"]
     trials = pd.read_csv(study / "trials.csv")
-    assert len(trials) == told["trials"]
+    assert len(trials) == reported["trials"]
     assert all((study / s).exists() for s in trials.source)
     assert not list(study.rglob("*truth*"))
 

@@ -72,15 +72,15 @@ def simulate(
     if schedule is not None:
         from ..design_space import read_schedule  # noqa: PLC0415
 
-        told = read_schedule(schedule, fit.at_power)
-        lasts = seconds or max(10.0, float(told.time_s[-1]))
+        commands = read_schedule(schedule, fit.at_power)
+        lasts = seconds or max(10.0, float(commands.time_s[-1]))
     else:
         hz, lasts = _frequency(flap_hz, power_pct, fit), seconds or 10.0
-        told = _made(manoeuvre, hz, angle, lasts)
+        commands = _made(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
             _print_steady(fit, setup, length, hz, angle)
     with waiting("simulating (the first time on a machine the model is compiled)"):
-        run = _run(fit, setup, length, told, lasts)
+        run = _run(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
         _print_path(run)
     _save(run, told, setup, length, out=out, picture=picture)
@@ -109,20 +109,22 @@ def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | Non
 
 
 def _save(
-    run: Simulation, told: Schedule, setup: Setup, length: float, *, out: Path | None,
+    run: Simulation, commands: Schedule, setup: Setup, length: float, *, out: Path | None,
     picture: Path | None,
 ) -> None:  # fmt: skip
     if out is not None:
-        _write(out, run, told)
+        _write(out, run, commands)
         click.echo(f"Written: {out}")
     if picture is not None:
         from ..design_space.picture import path_figure, save  # noqa: PLC0415
 
-        save(path_figure(run, told, setup, length), picture)
+        save(path_figure(run, commands, setup, length), picture)
         click.echo(f"Drawn: {picture}")
 
 
-def _warnings(fit: Fitted, run: Simulation, told: Schedule, power_pct: float | None) -> list[str]:
+def _warnings(
+    fit: Fitted, run: Simulation, commands: Schedule, power_pct: float | None
+) -> list[str]:
     """Sentences on what the answer does not hold for."""
     import numpy as np  # noqa: PLC0415
 
@@ -131,8 +133,8 @@ def _warnings(fit: Fitted, run: Simulation, told: Schedule, power_pct: float | N
     if power_pct is not None and not low <= power_pct <= high:
         out.append(f"{power_pct:g} % power lies outside the tested {low:g} to {high:g} %, its "
                    "flapping frequency is extrapolated")  # fmt: skip
-    if told.time_s[-1] > run.time_s[-1] + DT_S:
-        out.append(f"the schedule goes on to {told.time_s[-1]:g} s, the simulation ends at "
+    if commands.time_s[-1] > run.time_s[-1] + DT_S:
+        out.append(f"the schedule goes on to {commands.time_s[-1]:g} s, the simulation ends at "
                    f"{run.time_s[-1]:g} s")  # fmt: skip
     lost = np.flatnonzero(~np.isfinite(run.state).all(axis=1))
     if len(lost):
@@ -177,13 +179,15 @@ def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad
     click.echo(settled if math.isfinite(speed) else "it does not settle within half a minute")
 
 
-def _run(fit: Fitted, setup: Setup, length: float, told: Schedule, seconds: float) -> Simulation:
+def _run(
+    fit: Fitted, setup: Setup, length: float, commands: Schedule, seconds: float
+) -> Simulation:
     import numpy as np  # noqa: PLC0415
 
     from ..model import constants, simulate_at  # noqa: PLC0415
 
     times = np.arange(round(seconds / DT_S) + 1, dtype=np.float64) * DT_S
-    hz, angle = told.at(times)
+    hz, angle = commands.at(times)
     start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
     inputs = np.column_stack([angle, hz])
     return simulate_at(fit.values[0], times, inputs, constants(setup, length), start)
@@ -200,12 +204,12 @@ def _print_path(run: Simulation) -> None:
     )
 
 
-def _write(out: Path, run: Simulation, told: Schedule) -> None:
+def _write(out: Path, run: Simulation, commands: Schedule) -> None:
     import numpy as np  # noqa: PLC0415
 
     from ..data import write_columns  # noqa: PLC0415
 
-    hz, angle = told.at(run.time_s)
+    hz, angle = commands.at(run.time_s)
     names = ("x_m", "y_m", "theta_rad", "vx_m_s", "vy_m_s", "yaw_rate_rad_s")
     columns = {name: run.state[:, i] for i, name in enumerate(names)}
     write_columns(

@@ -20,7 +20,7 @@ def main() -> None:
     Raises SystemExit as Snakemake does, with 130 where it was interrupted.
     """
     of_threads = threading.excepthook
-    threading.excepthook = lambda fault: None if _told() else of_threads(fault)
+    threading.excepthook = lambda fault: None if _already_reported() else of_threads(fault)
     logging.getLogger("snakemake.logging").addFilter(_is_no_announcement)
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
@@ -30,7 +30,7 @@ def main() -> None:
         finally:  # all is done: a late Ctrl-C finds nothing to stop
             signal.signal(signal.SIGINT, signal.SIG_IGN)
     except KeyboardInterrupt:
-        if not _told():
+        if not _already_reported():
             sys.stderr.write(f"\n{STOPPED}\n")
         raise SystemExit(INTERRUPTED) from None
 

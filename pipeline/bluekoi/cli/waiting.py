@@ -39,7 +39,7 @@ class Wait:
 
 @contextmanager
 def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> Iterator[Wait]:
-    """`Wait` to note progress on; told on standard error from the third second on.
+    """`Wait` to note progress on; shown on standard error from the third second on.
 
     On a terminal one line, rewritten each second and taken away at the end; in a file a line
     every half minute.

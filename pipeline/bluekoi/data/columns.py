@@ -43,10 +43,10 @@ def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float
 
 def _names(path: str | Path, number: int, line: str, required: tuple[str, ...]) -> list[str]:
     names = [cell.strip().strip('"') for cell in line.split(",")]
-    row, told = f"row {number}", f"columns {', '.join(names)[:200]}"
+    row, found = f"row {number}", f"columns {', '.join(names)[:200]}"
     if missing := [name for name in required if name not in names]:
         comma = ", separated by commas" if ";" in line or "\t" in line else ""
-        raise input_error(path, row, told, f"a column {', '.join(missing)}{comma}")
+        raise input_error(path, row, found, f"a column {', '.join(missing)}{comma}")
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise input_error(path, row, f"{', '.join(twice)[:200]} more than once", "each column once")
     return names

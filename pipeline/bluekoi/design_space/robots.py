@@ -115,10 +115,10 @@ def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
 def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
     if not changes:
         return setup
-    told = setup.model_dump()
-    told["robot"] |= dict(changes)
+    contents = setup.model_dump()
+    contents["robot"] |= dict(changes)
     try:
-        return type(setup).model_validate(told)
+        return type(setup).model_validate(contents)
     except ValidationError as error:
         raise InputError(explain("--robot", error, type(setup))) from error
 

@@ -59,7 +59,7 @@ class Linear:
     tau: Float
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of a model that runs away no likelihood is told
+@np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
 def linearised(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> Linear:

@@ -161,10 +161,10 @@ def evidence_terms(
     slots = np.array([slots_by_name(kernel)[f.name] for f in free], dtype=int)
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
     for name in sorted({name for s in series for name in s.evidence}):
-        told = np.array([s.evidence.get(name, NOTHING) for s in series])
-        std = told[:, 1]
+        stated = np.array([s.evidence.get(name, NOTHING) for s in series])
+        std = stated[:, 1]
         weights = evidence_weights(kernel.system, name)
-        error = (told[:, 0] - np.array(points) @ weights) / std
+        error = (stated[:, 0] - np.array(points) @ weights) / std
         rows = weights[slots] * own / std[:, None]
         hessian += rows[:, :, None] * rows[:, None, :]
         gradient += rows * error[:, None]

@@ -10,11 +10,11 @@ Bell and McCaffrey's bias-reduced linearisation puts that right,
     V_t = F_t - S_t F_t - F_t S_t + S_t (sum F_s) S_t,
 
 with F_t the covariance expected of a trial's true score, V_t of what the fit leaves of it. Were
-the errors white, F_t would be S_t and A_t = (1 - S_t)^-1/2. But an error that a trial has anew and
-keeps (a servo's) moves its score by s k_t, most in the trials that tell most:
+the errors white, F_t would be S_t and A_t = (1 - S_t)^-1/2. But an error drawn once for each
+trial (a servo's) moves its score by s k_t, most in the trials that tell most:
 F_t = S_t + s^2 k_t k_t', with s^2 from the scores. F_t need only be about right. Leaving out a
 trial altogether (the jackknife, A_t = (1 - S_t)^-1) errs to the wide side. How many trials really
-speak of a number is told by the degrees of freedom of that sum under F_t, for Student's t.
+determine a number is expressed by the degrees of freedom of that sum under F_t, for Student's t.
 Source: Bell and McCaffrey, Survey Methodology 28 (2002), 169; Pustejovsky and Tipton, Journal of
 Business and Economic Statistics 36 (2018), 672.
 """
@@ -65,7 +65,7 @@ class Spread:
     """Covariance (p, p) of fitted numbers between trials, and degrees of freedom (p,) of each.
 
     freedom is 0 where nothing can be said: of a number that was not fitted, and of one that hangs
-    on one trial alone. told: for the freedom of sums of them; None of one trial.
+    on one trial alone. influence: for the freedom of their sums; None for one trial.
     """
 
     cov: Float
@@ -80,11 +80,11 @@ class Spread:
         return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
     def freedom_of(self, direction: Float) -> float:
-        """Degrees of freedom of the sum of numbers with weights `direction` (p,); without `told`
-        the fewest of those that have a part in it.
+        """Degrees of freedom of the sum of numbers with weights `direction` (p,); without
+        `influence` the fewest of those that have a part in it.
         """
-        if self.told:
-            return self.told.freedom(direction)
+        if self.influence:
+            return self.influence.freedom(direction)
         part = np.abs(direction) * np.sqrt(np.diag(self.cov))
         return float(self.freedom[part >= 0.1 * part.max()].min())
 
@@ -185,7 +185,7 @@ def _inverse_root(matrix: Float) -> Float:
     return (vectors / np.sqrt(np.maximum(values, 1e-12))) / size[:, None]
 
 
-def _widened(leverage: Float, expected: Float) -> Float:
+def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
     """A_t (t, p, p) with A V A' = F, so that widened scores have the covariance expected."""
     every = expected.sum(axis=0)
     out = []

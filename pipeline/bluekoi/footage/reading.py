@@ -167,7 +167,7 @@ def _decoded_keys(
 ) -> Iterator[Frame]:
     """Key frames at these stamps, by the decoder that the whole chapter is decoded with later.
 
-    A second decoder would take its threads, and memory for its pictures, anew. The packets are
+    A second decoder would take its threads, and memory for its pictures, again. The packets are
     sought first: seeking empties the decoder, which works on several at a time.
     """
     path = recording.paths[i]

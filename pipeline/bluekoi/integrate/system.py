@@ -92,9 +92,9 @@ class Effect:
         """Parameter that acts on no stage -> the side measurements that determine it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
         acting = {name for f in functions for name in inspect.signature(f).parameters}
-        told = {p: {n for n, by in self.evidence.items() if p in by}
+        informative = {p: {n for n, by in self.evidence.items() if p in by}
                 for by in self.evidence.values() for p in by}  # fmt: skip
-        return {p: names for p, names in told.items() if p not in acting}
+        return {p: names for p, names in informative.items() if p not in acting}
 
 
 @dataclass(frozen=True, eq=False)

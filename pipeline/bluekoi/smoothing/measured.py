@@ -62,8 +62,8 @@ def _near_neighbours(z: Float) -> Mask:
     ahead = np.where(k < n / 2, 1, -1)
     near, far = np.clip(k + ahead * j, 0, n - 1), np.clip(k + 2 * ahead * j, 0, n - 1)
     between = 0.5 * (z[np.clip(k - j, 0, n - 1)] + z[np.clip(k + j, 0, n - 1)])
-    told = np.where(inside[:, None], between, 2 * z[near] - z[far])
-    away = np.abs(z - np.median(told, axis=0))
+    interpolated = np.where(inside[:, None], between, 2 * z[near] - z[far])
+    away = np.abs(z - np.median(interpolated, axis=0))
     scale = 1.4826 * np.median(away, axis=0)
     return np.asarray((away <= 8 * np.maximum(scale, 1e-12)).all(axis=1))
 

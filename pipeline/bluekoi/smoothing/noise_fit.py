@@ -92,10 +92,10 @@ def _prior(logs: Float, spread: Float) -> float:
 
 
 def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> float:
-    """Minus twice the log likelihood, those set aside as if they lay on the gate."""
-    aside = model.R[seen & ~used]
+    """Minus twice the log likelihood, rejected measurements as if they lay on the gate."""
+    rejected = model.R[seen & ~used]
     return kalman_numba.likelihood(model, used, np.inf) + float(
-        np.sum(gate + np.linalg.slogdet(2 * np.pi * aside)[1])
+        np.sum(gate + np.linalg.slogdet(2 * np.pi * rejected)[1])
     )
 
 

@@ -26,11 +26,11 @@ def write_manifest(study: Path, results: Path) -> None:
     """Write manifest.json: command, settings, versions, the study as read, and the sha256 of every
     input file. Hashes of files that have kept size and date are taken from the last run.
     """
-    loaded, told = load_study(study), json.loads(os.environ.get(RUN, "{}"))
+    loaded, run = load_study(study), json.loads(os.environ.get(RUN, "{}"))
     content = {
-        "command": told.get("command", ""),
-        "settings": told.get("settings", {}),
-        "code": told.get("code", ""),
+        "command": run.get("command", ""),
+        "settings": run.get("settings", {}),
+        "code": run.get("code", ""),
         "versions": versions(),
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: row(trial) for trial in loaded.trials},

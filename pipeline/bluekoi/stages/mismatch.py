@@ -90,15 +90,15 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     that of a frequency that was stated and not logged.
     """
     beats = {s.name: flapping[s.name] for s in series}
-    told = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
+    clocks = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
             for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
-    ratio, own = np.array(list(told.values())).reshape(-1, 2).T
+    ratio, own = np.array(list(clocks.values())).reshape(-1, 2).T
     own = np.nan_to_num(own)
     apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
-    stated = np.array([STATED_STD * (beats[name].source != "motor_log") for name in told])
+    stated = np.array([STATED_STD * (beats[name].source != "motor_log") for name in clocks])
     std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
     evidence = {name: {"clock_ratio": (float(r), float(s))}
-                for name, r, s in zip(told, ratio, std, strict=True)}  # fmt: skip
+                for name, r, s in zip(clocks, ratio, std, strict=True)}  # fmt: skip
     return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]
 
 
@@ -109,11 +109,11 @@ def with_delay(
     measurement shared by the `fitted` trials.
     """
     beats = [flapping[s.name] for s in series]
-    told = [
+    usable = [
         b for b in beats if b.agrees and np.isfinite([b.beat_lag_rad, b.beat_lag_std_rad]).all()
     ]
     columns = ("flap_hz", "beat_lag_rad", "beat_lag_std_rad")
-    found = clock_delay(*(np.array([getattr(b, name) for b in told]) for name in columns))
+    found = clock_delay(*(np.array([getattr(b, name) for b in usable]) for name in columns))
     if found is None:
         return list(series)
     shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
@@ -128,9 +128,9 @@ def with_rigid_distances(
 
     fitted: trials that are not held out, whose shares make up the measurement.
     """
-    told = rigid_evidence(geometry, setup)
+    evidence = rigid_evidence(geometry, setup)
     count = max(len(series) if fitted is None else fitted, 1)
-    shared = {name: (value, std * count**0.5) for name, (value, std) in told.items()}
+    shared = {name: (value, std * count**0.5) for name, (value, std) in evidence.items()}
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
@@ -162,14 +162,14 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
         return _wrong_lens(geometry, setup)
     if likely not in SPEAKS_OF_SCALE:
         return {}
-    told = {"scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD))))}
+    evidence = {"scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD))))}
     if alone and not whole:
-        told["lens"] = (0.0, LENS_STD)
+        evidence["lens"] = (0.0, LENS_STD)
         if likely in STRAIGHT:
-            told["bend"] = (0.0, BEND_STD)
+            evidence["bend"] = (0.0, BEND_STD)
         elif likely == "uncorrected_refraction":
-            told["bend"] = (1.0 - scale, BEND_STD)
-    return told
+            evidence["bend"] = (1.0 - scale, BEND_STD)
+    return evidence
 
 
 def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:

@@ -16,13 +16,13 @@ def report(study: Path, results: Path) -> None:
     # By name, so that editing one figure's code does not count as a change of the page's.
     figures = import_module("bluekoi.figures")
     campaign = load_campaign(results, load_study(study))
-    told = {
+    figures_text = {
         name: (figures.title(name, campaign), figures.caption(name, campaign))
         for name in figures.names()
     }
     write_report(
         campaign,
-        told,
+        figures_text,
         results / "figures",
         results / "overlays",
         Layout(results).report,

@@ -51,12 +51,12 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < LEAST_WAY_M:
         return _no_data(flapping, f"the robot moves less than {LEAST_WAY_M:g} m: did it start?")
     plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
-    told = (
+    judged = (
         _over(track, flapping, head_angle_rad, plateau, stretch)
         for stretch in _steady_stretches(track, plateau)
     )
-    strictest = next(told)
-    return next((one for one in chain([strictest], told) if one.quality in SUFFICES), strictest)
+    strictest = next(judged)
+    return next((one for one in chain([strictest], judged) if one.quality in SUFFICES), strictest)
 
 
 def _over(
@@ -113,16 +113,18 @@ def _steady_stretches(track: Track, plateau: Plateau) -> Iterator[_Stretch]:
 def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:
     """Whether the trend over the stretch is below the tolerance in speed and in turning rate.
 
-    A trend that cannot be told from none passes up to three times the tolerance.
+    A trend that cannot be distinguished from none passes up to three times the tolerance.
     """
     t = track.time_s[at]
     slope = _slope_weights(t) * float(np.ptp(t))
     speed, rate = track.speed_m_s[at], track.yaw_rate_rad_s[at]
-    told = 2 * float(np.sqrt(slope @ _speed_cov(track, at) @ slope))
-    told_bend = 2 * float(np.sqrt(slope @ _rate_cov(track, at) @ slope))
+    detectable = 2 * float(np.sqrt(slope @ _speed_cov(track, at) @ slope))
+    detectable_bend = 2 * float(np.sqrt(slope @ _rate_cov(track, at) @ slope))
     fast, turning = abs(float(np.mean(speed))), abs(float(np.mean(rate)))
-    limit = max(tolerance * fast, min(told, 3 * tolerance * fast))
-    bend = max(2 * tolerance * turning, min(told_bend, 6 * tolerance * turning), STRAIGHT_RATE)
+    limit = max(tolerance * fast, min(detectable, 3 * tolerance * fast))
+    bend = max(
+        2 * tolerance * turning, min(detectable_bend, 6 * tolerance * turning), STRAIGHT_RATE
+    )
     return abs(float(slope @ speed)) < limit and abs(float(slope @ rate)) < bend
 
 

@@ -46,4 +46,4 @@ def carried(later: Tuned, earlier: Tuned, along: Float) -> Tuned:
     unsure = (own <= 0) | ((other <= 0) & (after > ALONE * np.diag(cov)))
     parts = before**2 / np.maximum(own, 1.0) + after**2 / np.maximum(other, 1.0)
     freedom = np.diag(cov) ** 2 / np.where(parts > 0, parts, 1.0)
-    return replace(later, cov=cov, freedom=np.where(unsure, 0.0, freedom), told=None)
+    return replace(later, cov=cov, freedom=np.where(unsure, 0.0, freedom), influence=None)

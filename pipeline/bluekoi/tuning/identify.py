@@ -17,7 +17,7 @@ from ..integrate import compiled
 from ..integrate.batch import each
 from ..model import plates
 from .bounds import sides
-from .joint import BAND, OPEN, Tuned
+from .joint import BAND, UNDETERMINED_ABOVE, Tuned
 
 POINTS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
@@ -42,8 +42,8 @@ class Combination:
 
     @property
     def determined(self) -> bool:
-        """Whether it is known to `OPEN`."""
-        return self.std < OPEN and not self.side
+        """Whether it is known to `UNDETERMINED_ABOVE`."""
+        return self.std < UNDETERMINED_ABOVE and not self.side
 
 
 @dataclass(frozen=True)
@@ -101,11 +101,13 @@ def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
     seen = vectors[:, ~blind]
     _, turned = np.linalg.eigh(seen.T @ axes.T @ (tuned.cov / scale) @ axes @ seen)
     naive = np.sqrt(np.diag(turned.T @ np.diag(1.0 / values[~blind]) @ turned))
-    told = [_told(tuned, axes @ seen @ v, n) for v, n in zip(turned.T, naive, strict=True)]
-    return [Combination(axes @ v, np.inf) for v in vectors[:, blind].T] + told
+    determined = [
+        _combination(tuned, axes @ seen @ v, n) for v, n in zip(turned.T, naive, strict=True)
+    ]
+    return [Combination(axes @ v, np.inf) for v in vectors[:, blind].T] + determined
 
 
-def _told(tuned: Tuned, direction: Float, naive: float) -> Combination:
+def _combination(tuned: Tuned, direction: Float, naive: float) -> Combination:
     std = tuned.spread.half_width(direction / sizes(tuned)) / BAND
     return Combination(direction, max(std, float(naive)), float(naive))
 

@@ -34,7 +34,7 @@ from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
 HEAD_ANGLE = 3
 HEAD_ANGLE_ERROR = "head_angle_offset.d"
 """The parameter that a servo's error in one trial changes."""
-OPEN, BAND = 0.3, 1.96
+UNDETERMINED_ABOVE, BAND = 0.3, 1.96
 """A number is not determined where its deviation exceeds this share of its size; half width of a
 normal law's 95 % interval over its deviation.
 """
@@ -58,8 +58,8 @@ def thin(series: Sequence[Series]) -> list[Series]:
 class Tuned:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
-    freedom (p,): degrees of freedom of each variance, None where the normal law is to do. told: for
-    the freedom of combinations.
+    freedom (p,): degrees of freedom of each variance, None for the normal law. influence: for the
+    freedom of combinations.
     """
 
     fit: Fit
@@ -73,7 +73,7 @@ class Tuned:
     def spread(self) -> Spread:
         """Covariance and degrees of freedom together."""
         many = np.full(len(self.cov), 1e9) if self.freedom is None else self.freedom
-        return Spread(self.cov, many, self.told)
+        return Spread(self.cov, many, self.influence)
 
     @property
     def std(self) -> Float:
@@ -123,7 +123,7 @@ def tune(
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo(kernel, series, found, base, noise=noise)
     spread = spread_over_trials(found.normal, moving(kernel, found), own, least=least)
-    return Tuned(found, noise, spread.cov, base, spread.freedom, spread.told)
+    return Tuned(found, noise, spread.cov, base, spread.freedom, spread.influence)
 
 
 def _first_fit(
@@ -218,10 +218,10 @@ def _too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
         return "only one trial determines it: variation between trials cannot show its error"
     size = max(abs(value), usual)
     of = "its size" if abs(value) >= usual else f"its usual size of {usual:g}"
-    if half >= BAND * OPEN * size:
-        told = f"half of its 95 % interval is {100 * half / size:.0f} % of {of}"
-    elif naive >= OPEN * size:
-        told = f"its naive deviation is {100 * naive / size:.0f} % of {of}"
+    if half >= BAND * UNDETERMINED_ABOVE * size:
+        share = f"half of its 95 % interval is {100 * half / size:.0f} % of {of}"
+    elif naive >= UNDETERMINED_ABOVE * size:
+        share = f"its naive deviation is {100 * naive / size:.0f} % of {of}"
     else:
         return ""
-    return f"{told}: these trials hardly depend on it"
+    return f"{share}: these trials hardly depend on it"

@@ -16,7 +16,7 @@ from ..observation import view_of
 from ..study import Setup
 from .bounds import parameter_of, sides
 from .identify import Combination, sizes
-from .joint import OPEN, Tuned
+from .joint import UNDETERMINED_ABOVE, Tuned
 from .turns import TURNING, straight
 
 ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
@@ -33,7 +33,7 @@ class NewTrial:
     left: float
 
 
-def best_new_trial(
+def c_optimal_trial(
     series: Sequence[Series], tuned: Tuned, setup: Setup, combination: Combination
 ) -> NewTrial | None:
     """The trial within the robot's range that adds most information on a combination; None if
@@ -67,14 +67,14 @@ def best_new_trial(
 
 def imaginable(series: Sequence[Series], tuned: Tuned) -> Float:
     """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
-    start where a number stands at a bound or its naive deviation exceeds `OPEN` of its size: at a
-    bound of 40 simulations run away.
+    start where a number stands at a bound or its naive deviation exceeds `UNDETERMINED_ABOVE` of
+    its size: at a bound of 40 simulations run away.
     """
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     silent = [f.name in TURNING and straight(series) for f in tuned.fit.free]
     held = [bool(side) for side in sides(tuned.fit)]
     starts = np.array([parameter_of(f).start for f in tuned.fit.free])
-    return np.where(held | np.array(silent) | (naive > OPEN * sizes(tuned)), starts,
+    return np.where(held | np.array(silent) | (naive > UNDETERMINED_ABOVE * sizes(tuned)), starts,
                     tuned.fit.values)  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from .joint import Tuned, table, thin, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, undetermined_stability, verdict
 from .turns import hangs_on_one_trial, open_without_turns, outcome, straight, turns
-from .words import is_open, told, undetermined
+from .words import as_json, is_open, undetermined
 
 DRAWS, GROWTH_DRAWS = 200, 60
 LEAST_TURNS = 2
@@ -88,7 +88,7 @@ def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
     names = [f.label for f in joint.fit.free]
     return {
         "spectrum": [
-            told(names, one) | {"determined": not is_open(names, one, straight=straight(series))}
+            as_json(names, one) | {"determined": not is_open(names, one, straight=straight(series))}
             for one in spectrum(joint)
         ],
         "profiles": {

@@ -67,25 +67,25 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     """
     finite = [float(g) for g in draws if np.isfinite(g)]
     low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
-    told = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
+    growth_json = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
     lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
     if low <= LEAST_GROWTH_PER_S < high or lost > LOST_DRAWS:
         sentence = (
             "Whether the fitted model swims straight is not determined by these trials: within the "
             f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."
         )
-        return told | {"stable": None, "sentence": sentence}
+        return growth_json | {"stable": None, "sentence": sentence}
     if growth > LEAST_GROWTH_PER_S:
         sentence = (
             f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t)"
-            f"{_range(told)}. A robot that does is steadied by something the model lacks."
+            f"{_range(growth_json)}. A robot that does is steadied by something the model lacks."
         )
     else:
         sentence = (
             f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)"
-            f"{_range(told)}."
+            f"{_range(growth_json)}."
         )
-    return told | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
+    return growth_json | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
 
 
 def undetermined_stability(growth: float) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def undetermined_stability(growth: float) -> dict[str, Any]:
     return {"eigenvalue_per_s": growth, "interval_95": None, "stable": None, "sentence": sentence}
 
 
-def _range(told: Mapping[str, Any]) -> str:
-    if told["interval_95"] is None:
+def _range(growth_json: Mapping[str, Any]) -> str:
+    if growth_json["interval_95"] is None:
         return ""
-    return " (95 %: {:+.1f} to {:+.1f} per second)".format(*told["interval_95"])
+    return " (95 %: {:+.1f} to {:+.1f} per second)".format(*growth_json["interval_95"])

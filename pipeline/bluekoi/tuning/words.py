@@ -11,7 +11,7 @@ from ..fitting import Series
 from ..study import Setup
 from .identify import Combination, by_name, sizes, spectrum
 from .joint import Tuned
-from .new_trial import NewTrial, best_new_trial
+from .new_trial import NewTrial, c_optimal_trial
 from .turns import TURNING, straight
 
 HELPS = 0.8
@@ -27,7 +27,7 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
     names = [f.label for f in tuned.fit.free]
     return [
         {
-            **told(names, one),
+            **as_json(names, one),
             "sentence": _sentence(names, one, straight=still),
             "trial": _repeat_that_trial(series, tuned, one)
             or _trial(best_new_trial(series, tuned, setup, one)),
@@ -44,7 +44,7 @@ def is_open(names: Sequence[str], one: Combination, *, straight: bool) -> bool:
     return not one.determined or (straight and bool(_blind(by_name(names, one.direction))))
 
 
-def told(names: Sequence[str], one: Combination) -> dict[str, Any]:
+def as_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
     """A combination as it stands in coefficients.json."""
     parts = by_name(names, one.direction)
     return {

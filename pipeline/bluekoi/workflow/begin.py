@@ -54,9 +54,9 @@ def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
         return plan
-    told = {"command": os.environ.get(COMMAND) or shlex.join(sys.argv), "settings": dict(config),
+    run = {"command": os.environ.get(COMMAND) or shlex.join(sys.argv), "settings": dict(config),
             "code": fingerprint("stages")}  # fmt: skip
-    os.environ[RUN] = json.dumps(told)
+    os.environ[RUN] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     forget_stale(Path(".snakemake") / "locks", plan.results)

@@ -70,7 +70,7 @@ class Hush(logging.Filter):
         return not (self.begun and (quiet or self._of_the_stop(record)))
 
     def _of_the_stop(self, record: logging.LogRecord) -> bool:
-        """Whether a fault is told that is only Snakemake's way of being interrupted."""
+        """Whether a reported fault is only Snakemake's way of being interrupted."""
         text = record.getMessage()
         return TRACEBACK in text and (self.progress.stopped or _by_hand(text))
 
@@ -100,7 +100,7 @@ class Progress(logging.Handler):
     """Log handler that turns Snakemake's events into short lines on `stream`.
 
     On a terminal the line is rewritten in place each second; in a file a line comes every two
-    seconds while jobs end, else every half minute. A stage that runs long is told with the last
+    seconds while jobs end, else every half minute. A stage that runs long is shown with the last
     line of its log.
     """
 
@@ -220,7 +220,7 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def farewell(self) -> None:
-        """Warnings, the verdict and the report, where there are any; nothing more is told."""
+        """Warnings, the verdict and the report, where there are any; nothing more is shown."""
         self.over.set()
         if self.preloaded:
             self.preloaded.close()

@@ -99,10 +99,10 @@ def usual(results: Path) -> dict[str, float]:
 
     From what Snakemake's `benchmark:` wrote; of rules with many jobs, of one of them.
     """
-    return dict(_told(results / "benchmarks"))
+    return dict(_durations(results / "benchmarks"))
 
 
-def _told(folder: Path) -> Iterator[tuple[str, float]]:
+def _durations(folder: Path) -> Iterator[tuple[str, float]]:
     for one in sorted(folder.glob("*")):
         path = one if one.suffix == ".tsv" else next(one.glob("*.tsv"), one)
         try:

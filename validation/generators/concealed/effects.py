@@ -43,12 +43,14 @@ class Effect:
 
 
 def _form(
-    law: str, number: str, told: str | None = None, factor: float = 1.0, **more: Span
+    law: str, number: str, reported: str | None = None, factor: float = 1.0, **more: Span
 ) -> Form:
     """A form with one number; of `more`, ending in `_law` or `_power` fixed, others drawn."""
     fixed = {k: v[0] for k, v in more.items() if v[0] == v[1]}
     shape = {k: v for k, v in more.items() if v[0] != v[1]}
-    return Form(law, {number: 1.0}, fixed, shape, {told: (number, factor)} if told else None)
+    return Form(
+        law, {number: 1.0}, fixed, shape, {reported: (number, factor)} if reported else None
+    )
 
 
 def _at(value: float) -> Span:

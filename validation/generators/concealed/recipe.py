@@ -77,8 +77,8 @@ def choose_form(rng: np.random.Generator, name: str, ratio: float) -> Chosen:
     drawn = {k: float(rng.uniform(*span)) for k, span in form.shape.items()}
     if name == "tail_fin_lift":
         drawn["fin_arm_m"] = float(rng.uniform(0.1, 0.15))
-    told = Form(form.law, weights, form.fixed, form.shape, form.told_as)
-    return Chosen(name, told, drawn, ratio)
+    reported = Form(form.law, weights, form.fixed, form.shape, form.told_as)
+    return Chosen(name, reported, drawn, ratio)
 
 
 def with_effect(laws: Laws, chosen: Chosen, strength: float) -> Laws:
@@ -124,6 +124,6 @@ def draw_recipe(
 
 
 def _size(rng: np.random.Generator, fault: str, level: str) -> float:
-    told = FAULTS[fault]
-    size = float(rng.uniform(*(told.clear if level == "clear" else told.faint)))
-    return size * float(rng.choice((-1.0, 1.0))) if told.signed else size
+    reported = FAULTS[fault]
+    size = float(rng.uniform(*(reported.clear if level == "clear" else reported.faint)))
+    return size * float(rng.choice((-1.0, 1.0))) if reported.signed else size

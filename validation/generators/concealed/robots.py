@@ -14,7 +14,7 @@ def draw_robot(rng: np.random.Generator) -> Robot:
         return Robot()
     L = rng.uniform(0.26, 0.40)
     mass = 0.68 * (L / 0.331) ** 3 * rng.uniform(0.85, 1.15)
-    told = {
+    reported = {
         "mass_kg": mass,
         "yaw_inertia_kg_m2": mass * L**2 * rng.uniform(0.11, 0.14),
         "body_length_m": L,
@@ -24,7 +24,7 @@ def draw_robot(rng: np.random.Generator) -> Robot:
         "tail_length_m": L * rng.uniform(0.18, 0.22),
         "keypoint_depth_m": rng.uniform(0.03, 0.05),
     }
-    return Robot(**{name: round(float(value), 5) for name, value in told.items()})
+    return Robot(**{name: round(float(value), 5) for name, value in reported.items()})
 
 
 def draw_body(rng: np.random.Generator, robot: Robot) -> Body:

@@ -31,29 +31,29 @@ def generate(
     for attempt in range(ATTEMPTS):
         for old in (folder, draft):
             shutil.rmtree(old, ignore_errors=True)
-        told = conceal(recipe_of(entry, seed, attempt), draft)
-        if reached(told) >= LEAST_REACHED:
+        reported = conceal(recipe_of(entry, seed, attempt), draft)
+        if reached(reported) >= LEAST_REACHED:
             break
     draft.rename(folder)
-    truth = truth_of(entry, told) | {"study": study, "generator": name}
+    truth = truth_of(entry, reported) | {"study": study, "generator": name}
     write_json(truth_file, truth)
     return truth
 
 
-def reached(told: dict[str, Any]) -> float:
+def reached(reported: dict[str, Any]) -> float:
     """Error of the weakest effect over what was wanted, or its inverse where more was reached."""
-    shares = [c["ratio"] / c["wanted_ratio"] for c in told["causes"] if "ratio" in c]
+    shares = [c["ratio"] / c["wanted_ratio"] for c in reported["causes"] if "ratio" in c]
     return min((min(s, 1 / s) for s in shares), default=1.0)
 
 
-def truth_of(entry: Entry, told: dict[str, Any]) -> dict[str, Any]:
+def truth_of(entry: Entry, reported: dict[str, Any]) -> dict[str, Any]:
     """A truth with the keys that `validation.scoring` reads; forces outside the list apart."""
-    listed = [c for c in told["causes"] if c["name"] != OUTSIDE]
-    outside = [c for c in told["causes"] if c["name"] == OUTSIDE]
+    listed = [c for c in reported["causes"] if c["name"] != OUTSIDE]
+    outside = [c for c in reported["causes"] if c["name"] == OUTSIDE]
     group = "unlisted" if entry.kind == "outside" else entry.kind
-    return told | {
+    return reported | {
         "group": group,
-        "fin": told["has_fin"],
+        "fin": reported["has_fin"],
         "causes": listed,
         "unlisted": outside[0] if outside else None,
     }

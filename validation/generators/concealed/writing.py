@@ -30,9 +30,9 @@ POINT_NOISE_M = 0.00085
 
 def _put_in(recipe: Recipe, design: Design) -> tuple[Laws, list[dict[str, Any]]]:
     """Laws with every chosen effect at its strength, and what is true of each effect."""
-    laws, told = recipe.laws, []
+    laws, reported = recipe.laws, []
     if recipe.has_fin:
-        told.append(_fin_told(recipe))
+        reported.append(_fin_told(recipe))
     if recipe.chosen:
         plain = [swum(recipe, design, recipe.laws, plan) for plan in design.plans]
         trials = [(one.command, float(one.trial.time_s[-1])) for one in plain]
@@ -40,8 +40,8 @@ def _put_in(recipe: Recipe, design: Design) -> tuple[Laws, list[dict[str, Any]]]
     for chosen in recipe.chosen:
         strength, error = scaled(recipe, recipe.laws, chosen, trials, noise_m=noise)
         laws = with_effect(laws, chosen, strength)
-        told.append(_told(chosen, laws, strength, error / noise))
-    return laws, told
+        reported.append(_told(chosen, laws, strength, error / noise))
+    return laws, reported
 
 
 def _told(chosen: Chosen, laws: Laws, strength: float, ratio: float) -> dict[str, Any]:

@@ -197,10 +197,10 @@ def generate(seed: int, index: int, directory: Path) -> dict:
     stated = study_yaml(rng, world, layout)
     (folder / "study.yaml").write_text(yaml.safe_dump(stated, sort_keys=False))
     identity = {"study": name, "generator": NAME, "seed": seed, "index": index}
-    told = json.loads(json.dumps(truth(world, s, sigma, layout, identity), default=float))
+    reported = json.loads(json.dumps(truth(world, s, sigma, layout, identity), default=float))
     folder.rename(final)
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix(".part")
-    part.write_text(json.dumps(told, indent=1))
+    part.write_text(json.dumps(reported, indent=1))
     part.rename(path)
-    return told
+    return reported

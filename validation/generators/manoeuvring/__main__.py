@@ -17,11 +17,11 @@ def main() -> None:
     a = parser.parse_args()
     logging.basicConfig(level=logging.INFO, format="%(message)s")
     for index in range(a.first, a.first + a.count):
-        told = generate(a.seed, index, a.directory)
-        hidden = [f"{c['name']}:{c['form']} {c['sigma']:.1f}" for c in told["causes"]]
-        extra = told["unlisted"]
+        reported = generate(a.seed, index, a.directory)
+        hidden = [f"{c['name']}:{c['form']} {c['sigma']:.1f}" for c in reported["causes"]]
+        extra = reported["unlisted"]
         hidden += [f"{extra['form']} {extra['sigma']:.1f}"] if extra else []
-        logging.info("%s %s %s", told["study"], told["group"], ", ".join(hidden))
+        logging.info("%s %s %s", reported["study"], reported["group"], ", ".join(hidden))
 
 
 if __name__ == "__main__":

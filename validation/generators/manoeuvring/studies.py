@@ -387,13 +387,13 @@ def generate(seed: int, index: int, directory: Folder) -> dict[str, Any]:
     if answer.exists():
         return dict(json.loads(answer.read_text()))
     s, tank, path, effs, sigma = compose(seed, index)
-    told = truth(name, s, tank, effs, sigma) | {"seed": seed, "index": index}
+    reported = truth(name, s, tank, effs, sigma) | {"seed": seed, "index": index}
     part = directory / "studies" / f".{name}.part"
     shutil.rmtree(part, ignore_errors=True)
     writing.write(part, tank, path, effs, np.random.default_rng([seed, index, 99]))
     shutil.rmtree(folder, ignore_errors=True)
     part.rename(folder)
     answer.parent.mkdir(parents=True, exist_ok=True)
-    answer.with_suffix(".part").write_text(json.dumps(told, indent=1))
+    answer.with_suffix(".part").write_text(json.dumps(reported, indent=1))
     answer.with_suffix(".part").rename(answer)
-    return told
+    return reported

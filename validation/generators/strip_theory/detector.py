@@ -141,7 +141,11 @@ def whitened_trial(run: Run, scene: Scene, G: Floats, D: Floats, F8: Floats) -> 
 
 
 def observed_changes(
-    run: Run, frames: NDArray[np.int64], forms: list[Form], scene: Scene, told: list[list[Stated]]
+    run: Run,
+    frames: NDArray[np.int64],
+    forms: list[Form],
+    scene: Scene,
+    reported: list[list[Stated]],
 ) -> tuple[Floats, Floats]:
     """Change of apparent pose `(n, 3, 6 + effects)` and mean shape misfit `(effects, 8)`, m."""
     D = np.zeros((len(frames), 3, 6 + len(forms)))
@@ -150,7 +154,7 @@ def observed_changes(
         if form.strength not in OBSERVED_BY:
             continue
         both = []
-        for own, stated in zip((run.P, form.without(run.P)), told[j], strict=True):
+        for own, stated in zip((run.P, form.without(run.P)), reported[j], strict=True):
             both.append(apparent(replace(run, P=own), frames, scene.camera, scene.depth, stated))
         change = both[0][0] - both[1][0]
         change[:, 2] = np.angle(np.exp(1j * change[:, 2]))
@@ -175,7 +179,7 @@ def detectability(runs: list[Run], P: Floats, forms: list[Form], scene: Scene) -
     """Detectability (sigma) of each effect in `forms`, all of which `P` holds."""
     rows, shapes = [], []
     exact = np.zeros((4, 2))
-    told = [
+    reported = [
         [stated_optics(scene.camera, scene.depth, p, exact) for p in (P, form.without(P))]
         if form.strength in OBSERVED_BY
         else []
@@ -185,7 +189,7 @@ def detectability(runs: list[Run], P: Floats, forms: list[Form], scene: Scene) -
         blocks = (len(run.Y) - 1) // stride_of(run)
         frames = np.arange(blocks) * stride_of(run)
         Y = run.Y[frames]
-        D, misfit = observed_changes(run, frames, forms, scene, told)
+        D, misfit = observed_changes(run, frames, forms, scene, reported)
         rows.append(whitened_trial(run, scene, pushes(run, Y, forms), D, transitions(run, Y)))
         shapes.append(misfit)
     path = residual_norms(np.concatenate(rows), 6)

@@ -34,7 +34,7 @@ def stated_optics(camera: Camera, depth: float, P: Floats, corner_error_px: Floa
     pool = (P[K.POOL_L], P[K.POOL_W])
     corners_px = project(camera, corner_points(*pool)) + corner_error_px
     s = P[K.SCALE]
-    told = (pool[0] * (1 + s), pool[1] * (1 + (s if P[K.SCALE_FORM] == 1 else 0.0)))
+    reported = (pool[0] * (1 + s), pool[1] * (1 + (s if P[K.SCALE_FORM] == 1 else 0.0)))
     k, center, index = camera.distortion, camera.center, camera.index
     if P[K.LENS_FORM] == 1:
         k = (k[0] + P[K.LENS], *k[1:])
@@ -45,7 +45,9 @@ def stated_optics(camera: Camera, depth: float, P: Floats, corner_error_px: Floa
     elif P[K.REFR_FORM] == 2:
         depth = depth * (1 - P[K.REFR])
     lens = replace(camera, distortion=k, center=center, index=index)
-    return Stated(posed_by_corners(lens, corner_points(*told), corners_px), depth, told, corners_px)
+    return Stated(
+        posed_by_corners(lens, corner_points(*reported), corners_px), depth, reported, corners_px
+    )
 
 
 def body_points(heading: Floats, phi: Floats, P: Floats) -> NDArray[np.complex128]:

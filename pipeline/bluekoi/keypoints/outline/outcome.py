@@ -128,7 +128,7 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     """Covariances (n, 2, 2) of the tail tip: the base's, and what the tail's own signs show.
 
     A tail that is pale towards its end moved during the exposure; one wider than it usually is
-    has a shadow or a shine beside it; either may have drawn the trace aside.
+    has a shadow or a shine beside it; either may have displaced the trace.
     """
     heading = np.array([one.tail[1] for one in fits])
     scatter, pale, width = np.array([one.tail[3] for one in fits]).T

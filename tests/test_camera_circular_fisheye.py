@@ -87,13 +87,14 @@ def test_a_circular_fisheye_is_calibrated_and_its_image_circle_reported():
     assert f"(OpenCV: {found.opencv_px:.3f} px)" in section
 
 
+@pytest.mark.long
 def test_all_models_are_compared_on_a_circular_fisheye_and_the_fisheye_is_selected():
     best, _ = best_model(views(16, 0.2, 1), "auto", SIZE, CIRCLE)
     assert best.model == "fisheye"
     assert best.held_out_px < 0.33  # 0.2 px noise in each of two directions is 0.28
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_more_coefficients_never_fit_worse_than_fewer(seed):
     boards = views(14, 0.2, seed, widest_deg=75)
     fits = []

@@ -16,6 +16,7 @@ from bluekoi.study import Setup, Trial
 SIZE = (420, 300)
 WHOLE, HEAD, CORE = 0.25, 0.3, 0.45
 """Tail, head and centre of mass behind the nose, in body lengths."""
+LONG = pytest.mark.long
 
 
 def fish_setup(body_px: float, body_length_m: float, *, start_px=None, **detection):
@@ -229,7 +230,10 @@ def real_setup(shape: tuple[int, int], whole_m: float):
 
 
 @pytest.mark.recordings
-@pytest.mark.parametrize(("which", "whole_m"), [(5, 0.005), (9, 0.016), (10, 0.4), (11, 5.0)])
+@pytest.mark.parametrize(
+    ("which", "whole_m"),
+    [(5, 0.005), *(pytest.param(*one, marks=LONG) for one in ((9, 0.016), (10, 0.4), (11, 5.0)))],
+)
 def test_a_real_fish_alone_is_found_in_nearly_all_frames(recordings, which, whole_m):
     """Issue 31, points 1 and 2: 97 % found, 90 % of these likely, none wrong at 0.9.
 

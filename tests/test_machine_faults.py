@@ -125,6 +125,7 @@ def test_want_of_memory_is_a_word_on_the_trial_and_stops_nothing_else(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(resource, "RLIMIT_AS"), reason="no memory limits here")
+@pytest.mark.long
 def test_a_stage_in_too_little_memory_ends_and_can_be_done_again(study, tmp_path):
     def little() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (300 * 2**20, 300 * 2**20))

@@ -18,6 +18,7 @@ from motions import Seen, circle, observe, times, wandering
 PX_M, FPS = 1e-3, 50.0
 """Of fish_film any scale will do; its frame rate is assumed."""
 LARVA_M_PER_PX = 0.0222e-3
+LONG = pytest.mark.long
 
 
 def film_fish(recordings) -> list[Pose]:
@@ -75,7 +76,7 @@ def normalised_errors(pose: Pose, gap: int, offset: int) -> np.ndarray:
 
 
 @pytest.mark.recordings
-@pytest.mark.parametrize("gap", [5, 10, 20])
+@pytest.mark.parametrize("gap", [5, pytest.param(10, marks=LONG), pytest.param(20, marks=LONG)])
 @pytest.mark.parametrize("source", [film_fish, larvae])
 def test_deviations_over_gaps_hold_on_filmed_fish(recordings, source, gap):
     offsets = (0, 11) if source is film_fish else (0, 7, 14, 21)

@@ -34,6 +34,7 @@ def ours(pose):
     return np.column_stack([track.vx_m_s, track.vy_m_s]), track.yaw_rate_rad_s
 
 
+@pytest.mark.long
 def test_errors_are_at_least_30_percent_below_the_best_rival(cases):
     mine = error(cases, ours)
     for method, settings in rivals.settings(FRAMES).values():

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from bluekoi.cli.watch import state_of_study
 from studies import edit_rows, small_study
 
@@ -35,6 +37,7 @@ def watching_in(folder: Path) -> Iterator[subprocess.Popen[str]]:
             watching.terminate()
 
 
+@pytest.mark.long
 def test_a_new_trial_and_a_changed_row_are_analysed_and_the_end_is_clean(tmp_path):
     study = small_study(tmp_path / "study")
     shutil.copy(study / "trials.csv", tmp_path / "all.csv")

@@ -51,15 +51,15 @@ def at_lower_bound(pull: float, **more: float) -> Tuned:
 
 
 def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> None:
-    reported = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
-    low, high = reported["interval_95"]
-    assert reported["std"] is None
-    assert reported["at_bound"] == "lower"
-    assert low == reported["value"]
+    told = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
+    low, high = told["interval_95"]
+    assert told["std"] is None
+    assert told["at_bound"] == "lower"
+    assert low == told["value"]
     assert high > low
-    assert not reported["determined"]
-    assert "at its bound" in reported["why"]
-    assert f"{high:.3g}" in reported["why"]
+    assert not told["determined"]
+    assert "at its bound" in told["why"]
+    assert f"{high:.3g}" in told["why"]
     others = [c for n, c in table(at_lower_bound(-1.0)).items() if n != "C_Da"]
     assert all(c["std"] > 0 and "at_bound" not in c for c in others)
 
@@ -73,21 +73,21 @@ def test_the_one_sided_interval_ends_where_it_would_without_the_bound() -> None:
 
 
 def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() -> None:
-    reported = cell(at_lower_bound(-40.0), 2)
-    assert reported["interval_95"] == [None, None]
-    assert reported["std"] is None
-    assert "physics that is not in the model" in reported["why"]
+    told = cell(at_lower_bound(-40.0), 2)
+    assert told["interval_95"] == [None, None]
+    assert told["std"] is None
+    assert "physics that is not in the model" in told["why"]
 
 
 def test_the_percentage_that_is_told_is_that_of_the_interval() -> None:
     wide = tuned(TRUTH, widths=2.0)
-    for reported in table(wide).values():
-        low, high = reported["interval_95"]
-        assert not reported["determined"]
-        assert reported["why"].startswith("half of its 95 % interval is ")
-        percent = float(reported["why"].split(" is ")[1].split(" %")[0])
-        assert percent == pytest.approx(50 * (high - low) / abs(reported["value"]), abs=0.6) or (
-            "usual size" in reported["why"]
+    for told in table(wide).values():
+        low, high = told["interval_95"]
+        assert not told["determined"]
+        assert told["why"].startswith("half of its 95 % interval is ")
+        percent = float(told["why"].split(" is ")[1].split(" %")[0])
+        assert percent == pytest.approx(50 * (high - low) / abs(told["value"]), abs=0.6) or (
+            "usual size" in told["why"]
         )
 
 
@@ -135,10 +135,10 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(on
     steps, _, _ = three_steps(study, series, {})
     joint = table(tune(series))
     for cells in (joint, steps["75"]["coefficients"]):
-        for name, reported in cells.items():
-            assert not reported["determined"], name
-            assert reported["std"] is None or "at_bound" in reported
-            assert "one trial" in reported["why"] or "at its bound" in reported["why"]
+        for name, told in cells.items():
+            assert not told["determined"], name
+            assert told["std"] is None or "at_bound" in told
+            assert "one trial" in told["why"] or "at its bound" in told["why"]
     one = table_1(steps)
     assert np.isnan(one["C_T_std_m2"][0])
     assert "C_T_upper_95_m2" in one

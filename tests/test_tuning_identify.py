@@ -46,12 +46,12 @@ def test_spectrum_covers_all_directions_the_least_determined_first(campaign) -> 
 
 def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight) -> None:
     joint = tune(straight)
-    reported = undetermined(straight, joint, SETUP)
-    assert reported
-    named = " ".join(t["combination"] for t in reported)
+    told = undetermined(straight, joint, SETUP)
+    assert told
+    named = " ".join(t["combination"] for t in told)
     assert "C_Da" in named or "C_Md" in named
-    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in reported)
-    assert any(t["trial"].startswith("a turn at") for t in reported), reported
+    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in told)
+    assert any(t["trial"].startswith("a turn at") for t in told), told
 
 
 def test_the_trial_that_is_named_does_help(straight) -> None:
@@ -77,15 +77,15 @@ def at_bounds(straight) -> Tuned:
 
 def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds) -> None:
     """With C_Da 40 and C_Ma -1 imagined turns run away; nan is no recommendation."""
-    reported = undetermined(straight, at_bounds, SETUP)
-    assert len(reported) >= 4
-    for one in reported:
+    told = undetermined(straight, at_bounds, SETUP)
+    assert len(told) >= 4
+    for one in told:
         assert "nan" not in one["trial"]
     for one in spectrum(at_bounds):
         trial = c_optimal_trial(straight, at_bounds, SETUP, one)
         assert trial is not None
         assert 0.0 <= trial.left <= 1.0
-    assert any(t["trial"].startswith("a turn at") for t in reported)
+    assert any(t["trial"].startswith("a turn at") for t in told)
 
 
 def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) -> None:
@@ -98,10 +98,10 @@ def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) 
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:
-    reported = outcome(at_bounds, straight)
-    assert "turns are lacking" in reported
-    assert "C_Da, C_Ma, C_Md" in reported
-    assert "physics" not in reported
+    told = outcome(at_bounds, straight)
+    assert "turns are lacking" in told
+    assert "C_Da, C_Ma, C_Md" in told
+    assert "physics" not in told
     table_ = open_without_turns(table(at_bounds), straight)
     assert "no turns" in table_["C_Da"]["why"]
     assert outcome(at_bounds, campaign) == AT_BOUND

@@ -168,18 +168,18 @@ def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known(
     """
     rng = np.random.default_rng(8)
     size = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 10.0])
-    reported = {scatter_cov: [], jackknife_cov: []}
+    told = {scatter_cov: [], jackknife_cov: []}
     for _ in range(400):
         J = rng.normal(size=(7, 8, 3)) * size[:, None, None] ** 0.5
         e = rng.normal(size=(7, 8))
         H = np.einsum("tnp,tnq->tpq", J, J)
         fit = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", J, e))
         g = np.einsum("tnp,tn->tp", J, e - J @ fit)
-        for cov, found in reported.items():
+        for cov, found in told.items():
             C = cov(Normal(H, g, np.zeros(7)), np.ones(3, dtype=bool))
             found.append(np.trace(H.sum(axis=0) @ C) / 3)
-    assert np.mean(reported[scatter_cov]) == pytest.approx(1.25, abs=0.08)
-    assert np.mean(reported[jackknife_cov]) > 1.5 * 1.25
+    assert np.mean(told[scatter_cov]) == pytest.approx(1.25, abs=0.08)
+    assert np.mean(told[jackknife_cov]) > 1.5 * 1.25
 
 
 def test_a_number_at_its_bound_widens_no_other():

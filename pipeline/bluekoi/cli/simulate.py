@@ -83,8 +83,8 @@ def simulate(
         run = _run(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
         _print_path(run)
-    _save(run, told, setup, length, out=out, picture=picture)
-    for sentence in _warnings(fit, run, told, power_pct):
+    _save(run, commands, setup, length, out=out, picture=picture)
+    for sentence in _warnings(fit, run, commands, power_pct):
         click.echo(f"Beware: {sentence}.", err=True)
 
 

@@ -40,7 +40,7 @@ def _is_no_announcement(record: logging.LogRecord) -> bool:
     return not record.getMessage().startswith("Config file")
 
 
-def _told() -> bool:
+def _already_reported() -> bool:
     """Whether the line of progress has reported that the run was interrupted."""
     return any(getattr(handler, "stopped", False) for handler in _snakemakes_handlers())
 

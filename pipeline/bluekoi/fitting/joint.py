@@ -66,7 +66,7 @@ def fit(
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes
     the numbers by no more than `tolerance` of their standard deviations in the mean square: what it
-    brings follows from the parabola of the last normal equations. A step that is small as it is
+    brings is told by the parabola of the last normal equations. A step that is small because it is
     damped ends the fit at `NOTHING_MORE` of that, and is not taken: there the parabola has failed.
     predictor: as in `normal_equations`.
     """

@@ -70,7 +70,7 @@ class Spread:
 
     cov: Float
     freedom: Float
-    told: ClusterInfluence | None = None
+    influence: ClusterInfluence | None = None
 
     def half_widths(self, level: float = 0.95) -> Float:
         """Half widths (p,) of the intervals that hold the truth with this probability; infinite
@@ -153,12 +153,12 @@ def spread_over_trials(
     root = _inverse_root(total)
     leverage = root.T @ H @ root
     expected = leverage + (_servo_scores_cov(H, root, lasting, move) if lasting else 0.0)
-    widened = _widened(leverage, expected)
+    widened = _cr2_adjustment(leverage, expected)
     scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
     cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, least) @ root.T
-    told = ClusterInfluence(move, root, leverage, expected, widened)
-    freedom[move] = [told.freedom(unit) for unit in np.eye(p)[move]]
-    return Spread(cov, freedom, told)
+    influence = ClusterInfluence(move, root, leverage, expected, widened)
+    freedom[move] = [influence.freedom(unit) for unit in np.eye(p)[move]]
+    return Spread(cov, freedom, influence)
 
 
 def _servo_scores_cov(H: Float, root: Float, lasting: TrialRandomEffect, move: np.ndarray) -> Float:

@@ -58,8 +58,8 @@ def thin(series: Sequence[Series]) -> list[Series]:
 class Tuned:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
-    freedom (p,): degrees of freedom of each variance, None for the normal law. influence: for the
-    freedom of combinations.
+    freedom (p,): degrees of freedom of each variance, None for the normal law. influence: for
+    the freedom of combinations.
     """
 
     fit: Fit
@@ -67,7 +67,7 @@ class Tuned:
     cov: Float
     base: Float
     freedom: Float | None = None
-    told: ClusterInfluence | None = None
+    influence: ClusterInfluence | None = None
 
     @property
     def spread(self) -> Spread:

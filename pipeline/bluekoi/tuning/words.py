@@ -30,7 +30,7 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
             **as_json(names, one),
             "sentence": _sentence(names, one, straight=still),
             "trial": _repeat_that_trial(series, tuned, one)
-            or _trial(best_new_trial(series, tuned, setup, one)),
+            or _trial(c_optimal_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
         if is_open(names, one, straight=still)
@@ -86,8 +86,8 @@ def _together(parts: Mapping[str, float]) -> str:
     if up and down:
         return f"More {_listed(up)} with less {_listed(down)} leaves these trials almost unchanged."
     both = up or down
-    told = f"{_listed(both)} may grow together"
-    return told + (
+    sentence = f"{_listed(both)} may grow together"
+    return sentence + (
         ": only their ratio is fixed." if len(both) == 2 else " with little effect on these trials."
     )
 
@@ -97,8 +97,8 @@ def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination)
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""
     weights = tuned.fit.naive_cov @ (one.direction / sizes(tuned))
-    told = np.einsum("p,tpq,q->t", weights, tuned.fit.normal.hessian, weights)
-    name = series[int(np.argmax(told))].name
+    information = np.einsum("p,tpq,q->t", weights, tuned.fit.normal.hessian, weights)
+    name = series[int(np.argmax(information))].name
     return f"a repeat of {name}, the only trial that determines it: two show how far they disagree"
 
 

@@ -25,6 +25,7 @@ from bluekoi.explain import (
     explanation_json,
     load_model,
     predict,
+    predict_left_out,
     read_trials,
 )
 from bluekoi.explain.assembly import assembled
@@ -66,7 +67,7 @@ def runs(*, drag: float = 0.0, current: float = 0.0, seed: int = 3, period: int 
 
 @pytest.fixture(scope="module")
 def found(cart):
-    return explain(cart, runs(drag=0.8, current=0.1))
+    return explain(cart, runs(drag=0.8, current=0.1), compare=[["spring"]])
 
 
 def test_the_causes_that_act_are_named_with_their_size(found):
@@ -93,6 +94,42 @@ def test_causes_of_the_site_are_not_applied_elsewhere(cart, found):
     errors = {k: np.mean([r.errors["position_rmse"] for r in v]) for k, v in elsewhere.runs.items()}
     assert errors["extended", "start fitted"] < 0.3 * errors["baseline", "start fitted"]
     assert errors["extended", "start fitted"] < 0.01
+
+
+def test_each_condition_is_predicted_by_models_fitted_to_the_others(found):
+    left = predict_left_out(found, known_s=1.0)
+    errors = {k: np.mean([r.errors["position_rmse"] for r in v]) for k, v in left.runs.items()}
+    assert errors["extended", "start fitted"] < 0.2 * errors["baseline", "start fitted"]
+    first = "start from the first seconds"
+    assert errors["extended", first] < 0.2 * errors["baseline", first]
+    assert not left.not_applied
+
+
+def test_a_set_that_was_asked_for_is_compared(found):
+    (spring,) = found.compared
+    assert spring.causes == ("spring",)
+    assert spring.log_posterior < -10.0
+    assert spring.errors["position_rmse"] > found.held_out.extended["position_rmse"]
+
+
+def test_a_known_start_is_where_a_trial_begins(cart):
+    trial = replace(runs()[0], start={"v": 2.5})
+    one = series_of(cart, assembled(cart), trial, {})
+    assert one.mean[1] == 2.5
+    with pytest.raises(InputError, match="start: found 'w'"):
+        checked(cart, [replace(trial, start={"w": 1.0})])
+
+
+def test_the_ships_measures_are_those_of_its_circle():
+    ship = load_model(Path(__file__).parents[1] / "examples" / "ship_zigzag" / "model.py")
+    t = np.arange(0.0, 100.0, 0.1)
+    psi = np.maximum(t - 20.0, 0.0) * 0.05
+    x = np.where(t < 20, t, 20 + 20 * np.sin(psi))
+    y = np.where(t < 20, 0.0, 20 * (1 - np.cos(psi)))
+    rudder = np.where(t < 20, 0.0, 0.6)
+    found = ship.measures(t, np.column_stack([x, y, psi]), rudder[:, None])
+    assert found["advance_m"] == pytest.approx(20.0, abs=0.1)
+    assert found["tactical_diameter_m"] == pytest.approx(40.0, abs=0.1)
 
 
 def test_the_results_have_the_keys_of_the_robots_mismatch_json(found):

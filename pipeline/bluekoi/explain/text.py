@@ -139,7 +139,13 @@ def measure_table(found: Predicted) -> tuple[list[str], list[list[str]]]:
         trial = next(iter(runs.values()))[i].trial
         for name, value in measured_.items():
             cells = [r[i].measures.get(name, np.nan) for r in runs.values()]
-            shown = [f"{c:.4g} ({100 * (c / value - 1):+.1f} %)" if value else f"{c:.4g}"
-                     for c in cells]  # fmt: skip
-            rows.append([trial, name, f"{value:.4g}", *shown])
+            rows.append([trial, name, f"{value:.4g}", *(_beside(c, value) for c in cells)])
     return head, rows
+
+
+def _beside(simulated: float, value: float) -> str:
+    """A simulated measure with its relative error."""
+    if not np.isfinite(simulated):
+        return "not reached"
+    share = f" ({100 * (simulated / value - 1):+.1f} %)" if value else ""
+    return f"{simulated:.4g}{share}"

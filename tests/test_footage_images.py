@@ -8,8 +8,9 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
+from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.freshness import states_of
-from bluekoi.study import Study, missing_files
+from bluekoi.study import Setup, Study, missing_files
 from bluekoi.study.image_files import expanded
 
 HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps\n"
@@ -86,6 +87,22 @@ def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
     study = Study.model_construct(root=other, setup=None, trials=tuple(trials_of(other)))
     assert missing_files(study) == []
     assert [len(study.paths(trial)) for trial in study.trials] == [13, 12]
+
+
+def test_two_trials_of_the_same_pictures_are_told_once(folder):
+    rows = [f"{name},T1/frame_*.png,50,0,0.12,30\n" for name in "AB"]
+    (folder / "trials.csv").write_text(HEADER + "".join(rows))
+    study = Study.model_construct(root=folder, setup=small_setup(), trials=tuple(trials_of(folder)))
+    (found,) = file_findings(study)
+    assert "frame_1.png, whole, as trial A has it" in found.found
+
+
+def small_setup() -> Setup:
+    robot = {"mass_kg": 0.6, "yaw_inertia_kg_m2": 0.01, "body_length_m": 0.33,
+             "tail_length_m": 0.06, "head_length_m": 0.12, "head_span_m": 0.07,
+             "hinge_to_com_m": 0.04}  # fmt: skip
+    corners = [[10, 50], [70, 50], [70, 10], [10, 10]]
+    return Setup.model_validate({"robot": robot, "camera": {"pool_corners_px": corners}})
 
 
 def trials_of(folder):

@@ -55,20 +55,17 @@ def _in(folder: Path, finding: Finding) -> Finding:
 
 
 def _shared(study: Study) -> list[Finding]:
-    """A finding for each file that two trials take whole."""
-    found: list[Finding] = []
+    """A finding for each pair of trials that take the same file whole, naming the first such."""
+    found: dict[tuple[str, str], Finding] = {}
     owner: dict[Path, str] = {}
     whole = [t for t in study.trials if t.start_s is None and t.end_s is None]
     for trial, path in ((t, p) for t in whole for p in study.paths(t)):
         if (first := owner.setdefault(path, trial.trial_id)) != trial.trial_id:
             name = f"{path.name}, whole, as trial {first} has it"
-            found.append(
-                Finding(
-                    str(study.root / "trials.csv"), f"trial {trial.trial_id}", name,
-                    "a file of its own, or a part of one by start_s and end_s",
-                )
-            )  # fmt: skip
-    return found
+            expected = "a file of its own, or a part of one by start_s and end_s"
+            place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
+            found.setdefault((first, trial.trial_id), Finding(*place, name, expected))
+    return list(found.values())
 
 
 def _read(study: Study, trial: Trial) -> None:

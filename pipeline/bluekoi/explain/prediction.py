@@ -9,6 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..engine import Problem
+from ..engine.naming import UNEXPLAINED
 from ..fitting import Noise, Series, filter_series, shoot
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
@@ -62,6 +63,11 @@ def predict(found: Explanation, trials: Sequence[Trial], *, known_s: float = KNO
             for start, known in ((WHOLE, np.inf), (FIRST, known_s))}  # fmt: skip
     messages = [f"{c} belongs to the site of the fitted recordings and is not applied here."
                 for c in site]  # fmt: skip
+    if found.verdict == UNEXPLAINED:
+        messages.append(
+            "The verdict is unexplained: forces without a name were fitted to other "
+            "recordings, and predictions with them may be worse than the baseline's."
+        )
     messages += _groups(found, series)
     return Predicted(runs, [_measures(model, s, s.seen) for s in series], known_s, site,
                      tuple(messages))  # fmt: skip

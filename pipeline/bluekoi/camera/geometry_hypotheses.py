@@ -13,13 +13,18 @@ from .distances import Distances
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One possible error: name, parameters with their prior std and unit, and its statement."""
+    """One possible error: name, parameters with their prior std and unit, and its statement.
+
+    largest: magnitudes beyond which the error is implausible; `MAX_PRIOR_STDS` deviations unless
+    given.
+    """
 
     name: str
     parameters: tuple[str, ...]
     prior_std: tuple[float, ...]
     units: tuple[str, ...]
     sentence: str
+    largest: tuple[float, ...] = ()
 
 
 MAX_PRIOR_STDS = 4.0
@@ -28,7 +33,8 @@ SYSTEMATIC_SHARE = 0.0005
 that are 70 to 150 px long: length errors of 0.05 % show nothing, however many frames agree.
 """
 HYPOTHESES = (
-    Hypothesis("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by"),
+    Hypothesis("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by",
+               largest=(1.0,)),  # a side read from the wrong end of a tape has any size
     Hypothesis("lens_error", ("focal", "k1"), (0.02, 0.05), ("-", "-"),
                "the lens differs from its matrix"),
     Hypothesis("camera_shift", ("tilt_x_rad", "tilt_y_rad"), (0.02, 0.02), ("rad", "rad"),
@@ -65,9 +71,10 @@ class HypothesisFit:
 
     @property
     def plausible(self) -> bool:
-        """Whether all values lie within `MAX_PRIOR_STDS` prior standard deviations."""
-        prior_std = np.array(self.hypothesis.prior_std)
-        return bool(np.all(np.abs(self.values) <= MAX_PRIOR_STDS * prior_std))
+        """Whether no value is larger than its hypothesis allows."""
+        stds = self.hypothesis.prior_std
+        largest = self.hypothesis.largest or tuple(MAX_PRIOR_STDS * std for std in stds)
+        return bool(np.all(np.abs(self.values) <= np.array(largest)))
 
     @property
     def detectable(self) -> bool:

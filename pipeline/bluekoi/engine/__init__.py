@@ -15,7 +15,7 @@ from .expansion import Expansion, expanded
 from .naming import Named, best_set, named_causes
 from .posterior import Posterior, posterior
 from .problem import Problem
-from .refit import FittedSet, fitted, own_noise, unconstrained
+from .refit import FittedSet, fitted, own_noise, unconstrained, without_discrepancy
 from .search import Scored, Visited, search
 
 __all__ = [
@@ -37,4 +37,5 @@ __all__ = [
     "posterior",
     "search",
     "unconstrained",
+    "without_discrepancy",
 ]

@@ -2,8 +2,8 @@
 
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
-terms in the channel and variable of one of its causes, as strong as the share `KAPPA` of that
-cause (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425). With gradient g and information
+terms in the channels of one of its causes (`Problem.covers`), as strong as the share `KAPPA` of
+that cause (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425). With gradient g and information
 H of the likelihood, prior precision P and G the Schur complement of H + P that is left when b is
 profiled,
 
@@ -42,8 +42,9 @@ class Layout:
 
     count: of coefficients. blocks: cause -> positions of its strengths among the columns.
     precision (p,): 1 / magnitude^2 of strengths, 1 / variance of forms and discrepancy, 0 of
-    coefficients. gaussian (p,): whether the prior is normal (forms, discrepancy). signed: cause ->
-    whether its strength has one sign. at (p,): strengths at the expansion, 0 elsewhere. held (p,):
+    coefficients. gaussian (p,): whether the prior is normal (forms, discrepancy). included (p,):
+    whether the expansion's likelihood includes that prior. signed: cause -> whether its strength
+    has one sign. at (p,): strengths and discrepancy at the expansion, 0 elsewhere. held (p,):
     columns at a bound that the gradient pushes against. sizes: cause -> plausible magnitudes.
     """
 
@@ -52,6 +53,7 @@ class Layout:
     blocks: dict[str, np.ndarray]
     precision: Float
     gaussian: np.ndarray
+    included: np.ndarray
     signed: dict[str, bool]
     at: Float
     held: np.ndarray
@@ -66,6 +68,7 @@ class _Column:
     precision: float
     gaussian: bool
     at: float = 0.0
+    included: bool = False
 
 
 def layout(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
@@ -89,6 +92,7 @@ def layout(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Lay
         blocks=blocks,
         precision=np.array([c.precision for c in columns]),
         gaussian=np.array([c.gaussian for c in columns]),
+        included=np.array([c.included for c in columns]),
         signed={c: is_signed(system, problem.by_name[c]) for c in causes},
         at=np.array([c.at for c in columns]),
         held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
@@ -111,7 +115,8 @@ def _fitted_columns(
     strengths = [_Column(place[f.label], size**-2.0, False, float(model.fit.values[place[f.label]]))
                  for f, size in zip(own, sizes, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
-    forms = [_Column(place[f.label], float(precision), True)
+    forms = [_Column(place[f.label], float(precision), True,
+                     included=bool(np.isfinite(parameter(system, f).spread)))
              for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
     return strengths, forms
 
@@ -154,25 +159,26 @@ def plausible_sizes(problem: Problem, cause: str) -> Float:
 
 
 def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
-    """Residual terms in the channel and variable of one of the causes: their prior deviation makes
-    their force `KAPPA` times that of the cause.
+    """Residual terms that may stem from the formula of one of the causes: their prior deviation
+    makes their force `KAPPA` times that of the cause.
     """
     information = np.einsum("tpp->p", expansion.hessian)
     model = expansion.model
     place = {f.label: i for i, f in enumerate(model.fit.free)}
-    found: dict[int, float] = {}
+    found: dict[int, tuple[float, float]] = {}
     for cause in (c for c in causes if c in model.causes and not problem.by_name[c].is_residual):
         candidate = problem.by_name[cause]
         own = [place[f.label] for f in candidate.strengths if f.label in place]
         visible = float(np.sum(information[own] * model.fit.values[own] ** 2))
         for other in problem.candidates:
-            covered = other.is_residual and other.sources & candidate.sources
-            if not covered or other.name in causes or other.name not in expansion.strengths:
+            known = other.name not in causes and other.name in expansion.strengths
+            if not known or not problem.covers(candidate, other):
                 continue
             column = expansion.strengths[other.name][0]
             deviation = KAPPA * np.sqrt(visible / max(information[column], LEAST))
-            found[column] = max(found.get(column, LEAST), float(deviation))
-    return [_Column(i, deviation**-2.0, gaussian=True) for i, deviation in found.items()]
+            at = model.discrepancy.get(other.strengths[0].label, 0.0)
+            found[column] = max(found.get(column, (LEAST, at)), (float(deviation), at))
+    return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]
 
 
 def _tolerances(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
@@ -212,14 +218,17 @@ def laplace(H: Float, g: Float, lay: Layout) -> float:
     index = np.flatnonzero(~lay.held)
     if len(index) == 0:
         return 0.0
-    whole = H + np.diag(lay.precision)
+    precision = np.where(lay.included, 0.0, lay.precision)
+    off = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)  # from the mean of their prior, 0
+    g = g - precision * off
+    whole = H + np.diag(precision)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(whole)[index], 1e-30))
     A = whole[np.ix_(index, index)] * np.outer(scale, scale) + RIDGE * np.eye(len(index))
     step = np.zeros(len(g))
     step[index] = scale * np.linalg.solve(A, scale * g[index])
     # the width of the Cauchy prior regularises the step; it does not pull a strength to 0
     pull = np.where(lay.gaussian, 0.0, lay.precision)
-    gain = 0.5 * float(g @ step) + 0.5 * float(pull @ step**2)
+    gain = 0.5 * float(g @ step) + 0.5 * float(pull @ step**2) - 0.5 * float(precision @ off**2)
     own = index >= lay.count
     if not own.any():
         return gain
@@ -261,3 +270,21 @@ def log_prior(problem: Problem, causes: Sequence[str]) -> float:
     """Log prior probability of a set, relative to that of no cause."""
     odds = [problem.by_name[c].prior / (1.0 - problem.by_name[c].prior) for c in causes]
     return float(np.log(odds).sum())
+
+
+def discrepancy_at_best(problem: Problem, expansion: Expansion, lay: Layout) -> dict[str, float]:
+    """Residual term -> its most probable strength as a discrepancy of the set's causes."""
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    precision = np.where(lay.included, 0.0, lay.precision)
+    prior = np.where(lay.gaussian & ~lay.included, lay.at, 0.0)
+    free = ~lay.held
+    A = (H + np.diag(precision))[np.ix_(free, free)]
+    step = np.zeros(len(g))
+    step[free] = np.linalg.lstsq(A, (g - precision * prior)[free], rcond=1e-10)[0]
+    places = {c[0]: name for name, c in expansion.strengths.items() if len(c) == 1}
+    return {
+        problem.by_name[places[i]].strengths[0].label: float(lay.at[k] + step[k])
+        for k, i in enumerate(lay.columns)
+        if i in places and problem.by_name[places[i]].is_residual and lay.gaussian[k]
+    }

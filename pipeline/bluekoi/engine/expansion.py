@@ -59,7 +59,7 @@ def expanded(
 ) -> Expansion:
     """`Expansion` about a fitted set, in its own numbers and those of `candidates` (all others)."""
     kernel, system = problem.kernel, problem.kernel.system
-    base = start_of(problem, model.causes, model.fit.by_label())
+    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
     local = replace(problem, base=base)
     points = local.points(model.fit.free, model.fit.values)
     every = np.ones(len(points), dtype=bool)

@@ -26,6 +26,8 @@ class Problem:
     where estimates of the random part begin. tolerances: strength of a candidate -> standard
     deviation to which a careful laboratory makes it 0; integrated out where it is not a cause.
     most_causes: how many a set may have.
+    state_variables: variables of residual terms that follow from the system's state and inputs; a
+    law whose formula is not quite right leaves, in its own channels, a force that depends on these.
     """
 
     kernel: Kernel
@@ -36,6 +38,7 @@ class Problem:
     noise: Noise
     tolerances: Mapping[str, float] = field(default_factory=dict)
     residual_sizes: Mapping[str, float] = field(default_factory=dict)
+    state_variables: frozenset[str] = frozenset()
     progress: Progress = field(default=silent)
     most_causes: int = 4
 
@@ -43,6 +46,17 @@ class Problem:
     def by_name(self) -> dict[str, Candidate]:
         """Candidates by name."""
         return {c.name: c for c in self.candidates}
+
+    def covers(self, cause: Candidate, term: Candidate) -> bool:
+        """Whether a residual term may stem from the formula of a cause: the same channel and
+        variable, or the same channel and both depend on the state.
+        """
+        if cause.is_residual or not term.is_residual:
+            return False
+        if cause.sources & term.sources:
+            return True
+        own = {c for c, v in cause.sources if v in self.state_variables}
+        return any(c in own and v in self.state_variables for c, v in term.sources)
 
     def points(self, free: Sequence[Free], values: Float) -> list[Float]:
         """Full parameter vectors, one a trial."""

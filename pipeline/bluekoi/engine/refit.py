@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,8 +36,8 @@ likelihood below which another round is not worth its time."""
 
 @dataclass(frozen=True)
 class FittedSet:
-    """A set of causes, fitted: names, fit, noise, the filter's pass at the fit,
-    and which numbers stand at a bound (p,).
+    """A set of causes, fitted: names, fit, noise, the filter's pass at the fit, which numbers stand
+    at a bound (p,), and the residual terms (label -> strength) that its causes' formulas leave.
     """
 
     causes: tuple[str, ...]
@@ -45,6 +45,7 @@ class FittedSet:
     noise: Noise
     passes: Passes
     at_bound: np.ndarray
+    discrepancy: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
@@ -74,9 +75,16 @@ def free_of(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
     return tuple(out)
 
 
-def start_of(problem: Problem, causes: Sequence[str], known: Mapping[str, float]) -> Float:
+def start_of(
+    problem: Problem,
+    causes: Sequence[str],
+    known: Mapping[str, float],
+    discrepancy: Mapping[str, float] | None = None,
+) -> Float:
     """Base point with the forms of the causes at their leading form, or where they are known."""
     out, system = problem.base.copy(), problem.kernel.system
+    for label, value in (discrepancy or {}).items():
+        out[system.slot[label]] = value
     for cause in causes:
         for free in problem.by_name[cause].free:
             slot = system.slot[free.name]
@@ -96,10 +104,11 @@ def fitted(
     passes: int = 2,
     iterations: int = 12,
     free: Sequence[Free] | None = None,
+    discrepancy: Mapping[str, float] | None = None,
 ) -> FittedSet:
     """A set fitted under one noise; the filter's gains follow the fit `passes` times."""
     frees = free_of(problem, causes) if free is None else tuple(free)
-    point = start_of(problem, causes, known)
+    point = start_of(problem, causes, known, discrepancy)
     start = {f.label: known.get(f.label, float(point[problem.kernel.system.slot[f.name]]))
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
@@ -120,7 +129,7 @@ def fitted(
     rows = [parameter(problem.kernel.system, f) for f in frees]
     bound = [not p.lower < v < p.upper for p, v in zip(rows, found.values, strict=True)]
     return FittedSet(tuple(causes), replace(found, normal=normal), noise, predictor,
-                     np.array(bound, dtype=bool))  # fmt: skip
+                     np.array(bound, dtype=bool), discrepancy or {})  # fmt: skip
 
 
 def starts_of(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
@@ -158,6 +167,15 @@ def _moved(found: Fit, start: Mapping[str, float]) -> float:
     return float(change @ found.normal.hessian.sum(axis=0) @ change / max(len(change), 1))
 
 
+def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
+    """A set fitted with the formulas of its causes alone, under its own noise."""
+    if not model.discrepancy:
+        return model
+    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free)  # fmt: skip
+    return own_noise(problem, plain, most=2)
+
+
 def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
@@ -168,7 +186,7 @@ def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUN
     for _ in range(most):
         best = _likeliest(problem, model, starts)
         again = fitted(problem, model.causes, best, model.fit.by_label(), passes=1,
-                       free=model.fit.free)  # fmt: skip
+                       free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
         gain = again.log_likelihood - model.log_likelihood
         model = again if gain > 0 else model
         starts = (model.noise,)
@@ -179,7 +197,8 @@ def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUN
 
 def _likeliest(problem: Problem, model: FittedSet, starts: Sequence[Noise]) -> Noise:
     """The likeliest of the noises found from several starts, at the set's numbers."""
-    local = replace(problem, base=start_of(problem, model.causes, model.fit.by_label()))
+    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    local = replace(problem, base=base)
     points = local.points(model.fit.free, model.fit.values)
     found = [fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
                        line_searches=start is not model.noise, most=len(points))

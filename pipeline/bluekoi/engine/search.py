@@ -16,7 +16,14 @@ import numpy as np
 
 from ..fitting import scatter_cov
 from .candidates import Candidate
-from .evidence import Layout, layout, log_evidence, log_prior, plausible_sizes
+from .evidence import (
+    Layout,
+    discrepancy_at_best,
+    layout,
+    log_evidence,
+    log_prior,
+    plausible_sizes,
+)
 from .expansion import Expansion, expanded
 from .problem import Problem
 from .refit import FittedSet, fitted, likeliest_start, own_noise, starts_of
@@ -100,8 +107,12 @@ class Visited:
             key = max(todo, key=lambda k: self.sets[k].log_posterior)
             self.converged.add(key)
             model = own_noise(self.problem, self.sets[key].model)
-            if model is not self.sets[key].model:
-                self.sets[key] = score(self.problem, model)
+            found = self.sets[key]
+            if model is not found.model:
+                found = score(self.problem, model)
+            found = with_discrepancy(self.problem, found)
+            if found is not self.sets[key]:
+                self.sets[key] = found
                 self.full.pop(key, None)
 
     def expansion(self, scored: Scored) -> Expansion:
@@ -112,10 +123,26 @@ class Visited:
         return self.full[key]
 
 
+def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
+    """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
+    that makes it more probable: such a remainder is not random.
+    """
+    left = discrepancy_at_best(problem, scored.expansion, scored.layout)
+    if not left:
+        return scored
+    model = scored.model
+    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy=left)  # fmt: skip
+    if not again.usable:
+        return scored
+    other = score(problem, own_noise(problem, again))
+    return max(scored, other, key=lambda s: s.log_posterior)
+
+
 def score(problem: Problem, model: FittedSet) -> Scored:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
-    sources = {s for c in model.causes for s in problem.by_name[c].sources}
-    covered = [c for c in problem.candidates if (c.is_residual and c.sources & sources)
+    causes = [problem.by_name[c] for c in model.causes]
+    covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
                or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
     expansion = at_optimum(problem, expanded(problem, model, covered))
     lay = layout(problem, expansion, model.causes)
@@ -203,7 +230,8 @@ def _share_noise(visited: Visited) -> None:
             continue
         model = replace(scored.model, noise=best.model.noise)
         again = fitted(visited.problem, model.causes, model.noise, model.fit.by_label(),
-                       passes=1, free=model.fit.free)  # fmt: skip
+                       passes=1, free=model.fit.free,
+                       discrepancy=model.discrepancy)  # fmt: skip
         if again.log_likelihood > scored.model.log_likelihood:
             visited.sets[key] = score(visited.problem, own_noise(visited.problem, again))
             visited.full.pop(key, None)

@@ -19,6 +19,7 @@ from ..engine import (
     posterior,
     search,
     unconstrained,
+    without_discrepancy,
 )
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..fitting import Free, Series, fit_paths, inverse_fisher, spread_over_trials
@@ -89,13 +90,14 @@ def find_mismatch(
     train = [s for s in few if s.name not in held_out]
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = tune(train) if displaced else baseline
-    problem = robot_problem(kernel, train, baseline, displaced=bool(displaced), progress=progress)
+    problem = robot_problem(kernel, train, baseline, displaced=displaced, progress=progress)
     visited = search(problem, baseline.fit.by_label())
     problem = visited.problem
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
-    extended = tuned_set(baseline, best.model) if best.causes else baseline
+    final = without_discrepancy(problem, best.model)
+    extended = tuned_set(baseline, final) if best.causes else baseline
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}
     by_paths = on_trajectories(kernel, train, baseline)
@@ -121,7 +123,7 @@ def find_mismatch(
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return Found(
         verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
-        unexplained=unexplained, model=best.model, gains=gains, baseline=baseline,
+        unexplained=unexplained, model=final, gains=gains, baseline=baseline,
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,

@@ -25,13 +25,10 @@ from ..integrate.batch import propagate
 EFFECT, MOMENT, BESIDE = "camera_shift", "t_shift", ("x_shift", "y_shift")
 SIDES = ("dx", "dy")
 STEP_M = 1e-3
-LEAST = 60.0
-"""Least lambda, over what it usually is. In some 290 recordings without a jump the
-largest was 31: bends of the path that the model does not follow.
-"""
 USUAL = 1.386
 """Median of chi-squared with two degrees of freedom."""
-LEAST_M = 0.002
+PRIOR = 0.03
+"""Probability that the camera was displaced in a study, as of any other cause."""
 LAUNCH_S = 0.8
 """From a trial's start on so long all paths bend at once, and a form that the model lacks looks
 like a jump: a motor that spins up, beside three causes and in no other form, did with 105.
@@ -40,19 +37,25 @@ like a jump: a motor that spins up, beside three causes and in no other form, di
 
 @dataclass(frozen=True)
 class Jump:
-    """A jump in one trial: time_s, displacement (2,) m, and how sure, lambda over the usual."""
+    """A jump in one trial: time_s, displacement (2,) m, and how sure, lambda over the usual.
+
+    moments: from how many the time was chosen.
+    """
 
     trial: str
     time_s: float
     displacement: Float
     ratio: float
+    moments: int
 
 
 def jumps(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[Jump]:
-    """The surest jump of each trial that has one, around a fitted model; trials of fewer than
-    eight frames have none.
+    """The surest jump of each trial in which one is more probable than not, around a fitted model;
+    trials of fewer than eight frames have none.
+
+    With M moments and n trials, a jump at one of them has odds of PRIOR / (n M) exp(lambda / 2).
 
     values: full parameter vectors, one a trial.
     """
@@ -66,8 +69,10 @@ def jumps(
     out = []
     for one, (ratio, size) in zip(series, told, strict=True):
         k = int(np.argmax(ratio))
-        if ratio[k] / usual > LEAST and np.hypot(*size[k]) > LEAST_M:
-            out.append(Jump(one.name, float(_moments(one)[k]), size[k], float(ratio[k] / usual)))
+        likely = 2.0 * np.log(len(series) * len(ratio) / PRIOR)
+        if ratio[k] / usual > likely:
+            out.append(Jump(one.name, float(_moments(one)[k]), size[k], float(ratio[k] / usual),
+                            len(ratio)))  # fmt: skip
     return out
 
 

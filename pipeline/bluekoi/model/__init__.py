@@ -3,6 +3,7 @@
 from ..observation import OBSERVATIONS
 from .plates import COEFFICIENTS, effect_names, is_nameless, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
+from .residual import STATE_VARIABLES
 from .residual import channels as residual_channels
 from .residual import sources as residual_sources
 from .simulation import Simulation, Tank, constants, simulate, simulate_at, steady_turn
@@ -11,6 +12,7 @@ __all__ = [
     "COEFFICIENTS",
     "FLAP_HZ",
     "OBSERVATIONS",
+    "STATE_VARIABLES",
     "TABLE_1",
     "TABLE_2_PCT",
     "UNIT_READING",

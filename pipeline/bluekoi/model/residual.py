@@ -79,6 +79,8 @@ TERMS = {
     "yaw_y": ("N", "place"),
 }
 """Term -> unit of its strength, and the variable that its force depends on."""
+STATE_VARIABLES = frozenset({"speed", "beat", "drift", "turn", "angle of attack", "head angle"})
+"""Variables that follow from the robot's motion and drive; the others are of time and place."""
 PARAMETERS = tuple(
     Parameter(name, unit, 0.01, -50.0, 50.0, f"residual force that depends on the {variable}")
     for name, (unit, variable) in TERMS.items()

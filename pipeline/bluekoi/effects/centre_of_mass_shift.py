@@ -1,7 +1,10 @@
 """A centre of mass that is not where it was said to be.
 
-All forces of the head act at an arm shorter by d, the thrust along the core's axis makes no moment,
-and the keypoint core_center lies at distance d from the centre of mass along the core.
+    N = -d (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
+
+All side forces of the head act at an arm shorter by d, the shift towards the head; what pushes
+along the core passes the centre of mass at a distance s, the shift to the left, and turns the
+robot. The keypoint core_center runs at (-d, -s) from the centre of mass.
 Source: rigid-body statics.
 """
 
@@ -11,18 +14,27 @@ from ..integrate.system import Parameter
 
 KIND = "physics"
 CHANNELS = ("yaw",)
-VARIABLES = ("head angle",)
-STATEMENT = "The centre of mass lies further forward or back along the core than the study says."
-REGIME = "all turns"
-CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift")
-PARAMETERS = (Parameter("d", "m", 0.005, -0.08, 0.08, "shift towards the head"),)
+VARIABLES = ("head angle", "side")
+STATEMENT = (
+    "The centre of mass does not lie where the study says: further along or beside the core."
+)
+REGIME = "all turns; beside the core also straight runs"
+CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
+STRENGTHS = 2
+PARAMETERS = (
+    Parameter("d", "m", 0.005, -0.08, 0.08, "shift towards the head"),
+    Parameter("s", "m", 0.003, -0.04, 0.04, "shift to the left of the core"),
+)
 
 
-def force(Xh: float, Yh: float, cphi: float, sphi: float, d: float) -> tuple[float, float, float]:
-    """Yaw moment alone (N m): the side force of the head along the core, with its arm shortened."""
-    return 0.0, 0.0, -d * (Yh * cphi - Xh * sphi)
+def force(
+    T: float, Xh: float, Yh: float, cphi: float, sphi: float, d: float, s: float
+) -> tuple[float, float, float]:
+    """Yaw moment alone (N m)."""
+    along, across = T + Xh * cphi + Yh * sphi, Yh * cphi - Xh * sphi
+    return 0.0, 0.0, s * along - d * across
 
 
-def observe(cpsi: float, spsi: float, d: float) -> tuple[float, float, float, float]:
-    """The keypoint lies behind the centre of mass by d (m)."""
-    return -d * cpsi, -d * spsi, 0.0, 0.0
+def observe(cpsi: float, spsi: float, d: float, s: float) -> tuple[float, float, float, float]:
+    """The keypoint lies behind the centre of mass by d and to its right by s (m)."""
+    return s * spsi - d * cpsi, -s * cpsi - d * spsi, 0.0, 0.0

@@ -8,7 +8,7 @@ form, with a prior about the leading form.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,27 +65,49 @@ def candidates_of(
     names: Sequence[str],
     priors: Priors,
     terms: Mapping[str, Sources] | None = None,
+    groups: Mapping[str, tuple[str, ...]] | None = None,
 ) -> tuple[Candidate, ...]:
-    """Candidates by effect name; an effect of kind `residual` gives one candidate a strength.
+    """Candidates by effect name; an effect of kind `residual` without forms of its own gives one
+    candidate a strength, or a group of strengths.
 
     terms: residual term -> channels and variables; those of other candidates are their effects'.
+    groups: name -> residual terms that are one candidate.
     """
-    residual = [e for e in system.effects if e.kind == RESIDUAL and e.name in names]
-    count = sum(e.strengths for e in residual)
-    out: list[Candidate] = []
-    for name in names:
-        effect = system.effect(name)
-        labels = [Free(f"{name}.{p.name}") for p in effect.parameters]
-        strengths, forms = tuple(labels[: effect.strengths]), tuple(labels[effect.strengths :])
-        if effect.kind == RESIDUAL:
-            share = priors.unlisted / max(count, 1)
-            out += [Candidate(f.name if len(strengths) > 1 else name, RESIDUAL, (f,), forms, share,
-                              (terms or {}).get(f.name, sources_of(effect)))
-                    for f in strengths]  # fmt: skip
-            continue
-        prior = (priors.likely or {}).get(name, priors.cause)
-        out.append(Candidate(name, effect.kind, strengths, forms, prior, sources_of(effect)))
+    effects = [system.effect(name) for name in names]
+    unlisted = [c for e in effects if e.kind == RESIDUAL
+                for c in _residual_candidates(e, terms or {}, groups or {})]  # fmt: skip
+    share = priors.unlisted / max(len(unlisted), 1)
+    out = [replace(c, prior=share) for c in unlisted]
+    for effect in effects:
+        if effect.kind != RESIDUAL:
+            prior = (priors.likely or {}).get(effect.name, priors.cause)
+            strengths, forms = _numbers(effect)
+            out.append(Candidate(effect.name, effect.kind, strengths, forms, prior,
+                                 sources_of(effect)))  # fmt: skip
     return tuple(out)
+
+
+def _numbers(effect: Effect) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
+    labels = [Free(f"{effect.name}.{p.name}") for p in effect.parameters]
+    return tuple(labels[: effect.strengths]), tuple(labels[effect.strengths :])
+
+
+def _residual_candidates(
+    effect: Effect, terms: Mapping[str, Sources], groups: Mapping[str, tuple[str, ...]]
+) -> list[Candidate]:
+    """Candidates of a residual effect; their prior is set by how many there are."""
+    strengths, forms = _numbers(effect)
+    if forms or len(strengths) == 1:
+        return [Candidate(effect.name, RESIDUAL, strengths, forms, 0.0, sources_of(effect))]
+    grouped = {label for labels in groups.values() for label in labels}
+    sets = {s.name: (s.name,) for s in strengths if s.name not in grouped}
+    own = {name: labels for name, labels in groups.items()
+           if labels[0].split(".", 1)[0] == effect.name}  # fmt: skip
+    return [
+        Candidate(name, RESIDUAL, tuple(map(Free, labels)), (), 0.0,
+                  frozenset().union(*(terms.get(n, sources_of(effect)) for n in labels)))
+        for name, labels in (sets | own).items()
+    ]  # fmt: skip
 
 
 def sources_of(effect: Effect) -> Sources:

@@ -3,9 +3,9 @@
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
 terms in the channels of one of its causes (`Problem.covers`), as strong as the share `KAPPA` of
-that cause (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425). With gradient g and information
-H of the likelihood, prior precision P and G the Schur complement of H + P that is left when b is
-profiled,
+that cause (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425). With gradient g and
+information H of the likelihood, prior precision P and G the Schur complement of H + P that is left
+when b is profiled,
 
     log m(S) = log L + 1/2 g' (H + P)^-1 g + 1/2 log|P_fd| - 1/2 log|G| + k/2 log 2 pi
                + sum_k log p(s_k)
@@ -154,7 +154,7 @@ def plausible_sizes(problem: Problem, cause: str) -> Float:
     """Plausible magnitudes (strengths,) of a cause; of residual terms as `Problem` states them."""
     system, candidate = problem.kernel.system, problem.by_name[cause]
     if cause in problem.residual_sizes:
-        return np.array([problem.residual_sizes[cause]])
+        return np.array(problem.residual_sizes[cause])
     return np.array([parameter(system, f).typical for f in candidate.strengths])
 
 
@@ -174,10 +174,10 @@ def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) 
             known = other.name not in causes and other.name in expansion.strengths
             if not known or not problem.covers(candidate, other):
                 continue
-            column = expansion.strengths[other.name][0]
-            deviation = KAPPA * np.sqrt(visible / max(information[column], LEAST))
-            at = model.discrepancy.get(other.strengths[0].label, 0.0)
-            found[column] = max(found.get(column, (LEAST, at)), (float(deviation), at))
+            for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True):
+                deviation = KAPPA * np.sqrt(visible / max(information[column], LEAST))
+                at = model.discrepancy.get(free.label, 0.0)
+                found[column] = max(found.get(column, (LEAST, at)), (float(deviation), at))
     return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]
 
 
@@ -282,9 +282,10 @@ def discrepancy_at_best(problem: Problem, expansion: Expansion, lay: Layout) -> 
     A = (H + np.diag(precision))[np.ix_(free, free)]
     step = np.zeros(len(g))
     step[free] = np.linalg.lstsq(A, (g - precision * prior)[free], rcond=1e-10)[0]
-    places = {c[0]: name for name, c in expansion.strengths.items() if len(c) == 1}
-    return {
-        problem.by_name[places[i]].strengths[0].label: float(lay.at[k] + step[k])
-        for k, i in enumerate(lay.columns)
-        if i in places and problem.by_name[places[i]].is_residual and lay.gaussian[k]
-    }
+    places = {
+        column: free.label
+        for name, columns in expansion.strengths.items() if problem.by_name[name].is_residual
+        for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
+    }  # fmt: skip
+    return {places[i]: float(lay.at[k] + step[k])
+            for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip

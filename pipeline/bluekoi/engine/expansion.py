@@ -8,13 +8,14 @@ zero), in their functional forms, and in the residual terms.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..data import Float
 from ..fitting import Free
 from ..fitting.normal import (
+    Normal,
     evidence_terms,
     fit_step,
     marginal_products,
@@ -37,7 +38,8 @@ class Expansion:
     """hessian (t, p, p), gradient (t, p), log_likelihood (t,) about a fitted set.
 
     own: columns of the set's free numbers, in order. strengths: other candidate -> columns. forms:
-    other candidate -> columns of strength times (another form less the leading one).
+    other candidate -> columns of strength times (another form less the leading one). starts: other
+    candidate with forms to try -> the form (label -> value) that its columns have, the likeliest.
     """
 
     model: FittedSet
@@ -47,6 +49,7 @@ class Expansion:
     own: tuple[int, ...]
     strengths: dict[str, tuple[int, ...]]
     forms: dict[str, tuple[int, ...]]
+    starts: dict[str, dict[str, float]] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
@@ -71,17 +74,23 @@ def expanded(
     own_columns = tuple(range(len(changes)))
     strengths: dict[str, tuple[int, ...]] = {}
     forms: dict[str, tuple[int, ...]] = {}
+    tried: dict[str, list[tuple[dict[str, float], tuple[int, ...]]]] = {}
     frees: list[Free] = list(model.fit.free)
     for candidate in problem.candidates if candidates is None else candidates:
         if candidate.name in model.causes:
             continue
-        first = len(changes)
-        for free in candidate.strengths:
-            changes.append(_strength_change(system, free, every, {}))
-            frees.append(free)
-        strengths[candidate.name] = tuple(range(first, len(changes)))
+        for form in _forms_to_try(system, candidate):
+            offsets = {system.slot[n]: v - parameter(system, Free(n)).start
+                       for n, v in form.items()}  # fmt: skip
+            first = len(changes)
+            for free in candidate.strengths:
+                changes.append(_strength_change(system, free, every, offsets))
+                frees.append(free)
+            columns = tuple(range(first, len(changes)))
+            tried.setdefault(candidate.name, []).append((form, columns))
+        strengths[candidate.name] = tried[candidate.name][0][1]
         forms[candidate.name] = ()
-        if len(candidate.strengths) == 1:
+        if len(candidate.strengths) == 1 and not candidate.is_residual:
             first = len(changes)
             for form in candidate.forms:
                 offset = _form_offset(system, form)
@@ -90,9 +99,24 @@ def expanded(
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
     count = len(changes)
-    changes += trial_effect_changes(kernel, points, model.noise)
+    normal = _products(problem, model, points, changes, frees)
+    turn = _form_differences(strengths, forms, count)
+    whole = Expansion(model, turn.T @ normal.hessian @ turn, normal.gradient @ turn,
+                      normal.log_likelihood, own_columns, strengths, forms)  # fmt: skip
+    return _likeliest_forms(whole, tried)
+
+
+def _products(
+    problem: Problem, model: FittedSet, points: Sequence[Float], changes: Sequence[Change],
+    frees: Sequence[Free],
+) -> Normal:  # fmt: skip
+    """Information, gradient and log likelihood of each trial in the changes, what each trial keeps
+    for itself integrated out; side measurements and priors of the set's own numbers included.
+    """
+    kernel = problem.kernel
+    more = [*changes, *trial_effect_changes(kernel, points, model.noise)]
     products, constant = marginal_products(
-        whitened_products(kernel, model.passes, points, changes, model.noise),
+        whitened_products(kernel, model.passes, points, more, model.noise),
         trial_effect_stds(kernel, points, model.noise),
     )
     side = evidence_terms(kernel, problem.series, frees, points)
@@ -103,9 +127,58 @@ def expanded(
     gradient[:, :p] += known.gradient
     likelihood = (model.passes.log_lik_const - 0.5 * products[:, 0, 0] + constant
                   + side.log_likelihood + known.log_likelihood)  # fmt: skip
-    turn = _form_differences(strengths, forms, count)
-    return Expansion(model, turn.T @ hessian @ turn, gradient @ turn, likelihood, own_columns,
-                     strengths, forms)  # fmt: skip
+    return Normal(hessian, gradient, likelihood)
+
+
+def _forms_to_try(system: System, candidate: Candidate) -> list[dict[str, float]]:
+    """Forms (label -> value) from which a candidate may begin: the leading one, and, of a residual
+    term with a form of its own, its tries.
+    """
+    rows = [(f.label, parameter(system, f)) for f in candidate.forms]
+    tries = [(label, p.tries) for label, p in rows if p.tries]
+    if not candidate.is_residual or not tries:
+        return [{}]
+    leading = {label: p.start for label, p in rows if p.tries}
+    further = [dict(zip(leading, values, strict=True))
+               for values in zip(*(t for _, t in tries), strict=True)]  # fmt: skip
+    return [leading, *(form for form in further if form != leading)]
+
+
+def _likeliest_forms(
+    whole: Expansion, tried: Mapping[str, list[tuple[dict[str, float], tuple[int, ...]]]]
+) -> Expansion:
+    """The expansion with the columns of the likeliest form alone of what has several."""
+    if not whole.usable:
+        return whole
+    H, g, own = whole.hessian.sum(axis=0), whole.gradient.sum(axis=0), list(whole.own)
+    strengths, starts = dict(whole.strengths), {}
+    unused: set[int] = set()
+    for name, forms in tried.items():
+        if len(forms) > 1:
+            form, best = max(forms, key=lambda f: _gain(H, g, own, list(f[1])))
+            strengths[name], starts[name] = best, form
+            unused |= {i for _, columns in forms for i in columns} - set(best)
+    keep = [i for i in range(len(g)) if i not in unused]
+    place = {column: k for k, column in enumerate(keep)}
+
+    def moved(columns: Mapping[str, tuple[int, ...]]) -> dict[str, tuple[int, ...]]:
+        return {name: tuple(place[i] for i in own) for name, own in columns.items()}
+
+    return replace(whole, hessian=sub(whole.hessian, keep), gradient=whole.gradient[:, keep],
+                   strengths=moved(strengths), forms=moved(whole.forms), starts=starts)  # fmt: skip
+
+
+def _gain(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
+    """Fall of the misfit by the columns when the set's own numbers are fitted with them."""
+    both = [*own, *columns]
+    return float(_fall(H, g, both) - _fall(H, g, own))
+
+
+def _fall(H: Float, g: Float, columns: list[int]) -> float:
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(H)[columns], 1e-30))
+    A = H[np.ix_(columns, columns)] * np.outer(scale, scale)
+    step = np.linalg.lstsq(A, scale * g[columns], rcond=1e-10)[0]
+    return 0.5 * float((scale * g[columns]) @ step)
 
 
 def _strength_change(

@@ -37,7 +37,7 @@ class Problem:
     candidates: tuple[Candidate, ...]
     noise: Noise
     tolerances: Mapping[str, float] = field(default_factory=dict)
-    residual_sizes: Mapping[str, float] = field(default_factory=dict)
+    residual_sizes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     state_variables: frozenset[str] = frozenset()
     progress: Progress = field(default=silent)
     most_causes: int = 4

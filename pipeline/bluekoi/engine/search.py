@@ -26,7 +26,7 @@ from .evidence import (
 )
 from .expansion import Expansion, expanded
 from .problem import Problem
-from .refit import FittedSet, fitted, likeliest_start, own_noise, starts_of
+from .refit import FittedSet, fitted, likeliest_start, own_noise, quiet, starts_of
 
 REFITS = 5
 """How many further causes are refitted around a set."""
@@ -34,6 +34,8 @@ REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
 CLOSE = 12.0
 """Sets e^12 times less probable than the best have no share worth a further fit."""
+QUIET_REFITS = 2
+"""How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
 """So many are refitted whatever the expansion says; further ones where it says posterior odds of
 more than e^-6."""
@@ -237,26 +239,27 @@ def _share_noise(visited: Visited) -> None:
             visited.full.pop(key, None)
 
 
-def residual_sizes(problem: Problem, expansion: Expansion) -> dict[str, float]:
-    """Plausible magnitude of each residual term: as visible as the median named cause at its own.
+def residual_sizes(problem: Problem, expansion: Expansion) -> dict[str, tuple[float, ...]]:
+    """Plausible magnitudes of each residual term: as visible as the median named cause at its own.
 
     expansion: about the model without causes. With G the information on a strength when the
     coefficients are profiled, m_residual = median(m_k G_k^1/2) / G_residual^1/2.
     """
     H, own = expansion.hessian.sum(axis=0), list(expansion.own)
 
-    def root(name: str) -> float:
-        column = expansion.strengths[name][0]
+    def root(column: int) -> float:
         cross = H[own, column]
         left = (
             H[column, column] - cross @ np.linalg.lstsq(H[np.ix_(own, own)], cross, rcond=1e-10)[0]
         )
         return float(np.sqrt(max(left, 1e-6 * H[column, column], 1e-30)))
 
-    named = [plausible_sizes(problem, c.name)[0] * root(c.name) for c in problem.candidates
+    named = [plausible_sizes(problem, c.name)[0] * root(expansion.strengths[c.name][0])
+             for c in problem.candidates
              if not c.is_residual and len(c.strengths) == 1]  # fmt: skip
     usual = float(np.median(named)) if named else 1.0
-    return {c.name: usual / root(c.name) for c in problem.candidates if c.is_residual}
+    return {c.name: tuple(usual / root(i) for i in expansion.strengths[c.name])
+            for c in problem.candidates if c.is_residual}  # fmt: skip
 
 
 def _further(visited: Visited, scored: Scored, count: int) -> None:
@@ -269,4 +272,20 @@ def _further(visited: Visited, scored: Scored, count: int) -> None:
         visited.add((*scored.causes, name), scored.model)
     for i, (gain, name) in enumerate(found[:count]):
         if gain > found[0][0] - HOPELESS and (i < LEAST_REFITS or gain > UNLIKELY):
-            visited.add((*scored.causes, name), scored.model)
+            visited.add((*scored.causes, name), scored.model, expansion.starts.get(name))
+    _beneath_the_noise(visited, scored)
+
+
+def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
+    """Fit the most promising further causes by the expansion under small random forces: what the
+    random forces of a set explain by themselves shows no gain under its own noise.
+    """
+    problem = visited.problem
+    model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
+                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free)  # fmt: skip
+    if not model.usable:
+        return
+    expansion = expanded(problem, model)
+    found = proposals(problem, expansion, allowed(problem, scored.causes))
+    for _, name in found[:QUIET_REFITS]:
+        visited.add((*scored.causes, name), scored.model, expansion.starts.get(name))

@@ -10,9 +10,9 @@ import numpy as np
 from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
 from ..integrate import Kernel
-from ..model import STATE_VARIABLES, residual_sources
+from ..model import STATE_VARIABLES, residual_groups, residual_sources
 from ..tuning import Tuned
-from .jumps import Jump
+from .jumps import TAIL, Jump
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -33,8 +33,6 @@ TOLERANCES = {
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
 KINDS = ("physics", "measurement", "residual")
-PERIODIC = ("sloshing", "surging")
-"""Residual terms that depend on time alone and have several frequencies are not searched."""
 CAMERA_SHIFT = "camera_shift"
 
 
@@ -52,16 +50,16 @@ def robot_problem(
     of the jumps were chosen from many, which its prior probability has to pay for.
     """
     system = kernel.system
-    names = [e.name for e in system.effects if e.kind in KINDS and e.name not in PERIODIC
-             and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
-    odds = PRIORS.cause * np.exp(-sum(np.log(len(series) * j.moments) for j in displaced))
+    names = [e.name for e in system.effects
+             if e.kind in KINDS and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
+    odds = PRIORS.cause * np.exp(-TAIL * sum(np.log(len(series) * j.moments) for j in displaced))
     priors = replace(PRIORS, likely={**(PRIORS.likely or {}), CAMERA_SHIFT: float(odds)})
     return Problem(
         kernel=kernel,
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=candidates_of(system, names, priors, residual_sources()),
+        candidates=candidates_of(system, names, priors, residual_sources(), residual_groups()),
         noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
         tolerances=TOLERANCES,
         state_variables=STATE_VARIABLES,

@@ -5,6 +5,7 @@ from .plates import COEFFICIENTS, effect_names, is_nameless, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
 from .residual import STATE_VARIABLES
 from .residual import channels as residual_channels
+from .residual import groups as residual_groups
 from .residual import sources as residual_sources
 from .simulation import Simulation, Tank, constants, simulate, simulate_at, steady_turn
 
@@ -23,6 +24,7 @@ __all__ = [
     "is_nameless",
     "plates",
     "residual_channels",
+    "residual_groups",
     "residual_sources",
     "simulate",
     "simulate_at",

@@ -9,7 +9,7 @@ from importlib import import_module
 from .. import effects, measurement, observation
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
-from . import disturbance, equations, hump, residual, sloshing, surging
+from . import disturbance, equations, hump, periodic, residual
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -54,12 +54,13 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
     """Random water and tracking errors, nameless residual, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, residual, hump, sloshing, surging] + [
+    modules = [disturbance, tracking_error, residual, hump] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)
     ]
-    return tuple(effect_from_module(module, STAGES) for module in modules)
+    found = tuple(effect_from_module(module, STAGES) for module in modules)
+    return (*found, *periodic.EFFECTS)
 
 
 def is_nameless(label: str) -> bool:

@@ -1,11 +1,11 @@
 """A force without a physical statement: a sum of simple terms in the motion and the place.
 
     surge: t + u + u^3 + f u + r^2 + v^2 + t u^2 + f^2 sin^2 phi + f + f^3 + (x + y) u^2
-           + (R(2.5) + R(3.5) + R(4.5)) f^2
+           + (R(2.5) + R(3.5) + R(4.5)) f^2 + sin k psi + cos k psi, k = 1, 2, 3
     sway:  v + v |v| + u v + u r + r + r |r| + f^2 sin phi + u^2 sin phi + 1 + f^2 + e + t
-           + x + y + sin psi + cos psi
+           + x + y + sin k psi + cos k psi
     yaw:   r + v + u v + u r + v |v| + u^2 sin phi + f^2 sin phi + V^2 sin 4 alpha + 1 + f
-           + sin 2 psi + cos 2 psi + e + sin psi + cos psi + t + x + y
+           + e + sin k psi + cos k psi + t + x + y
     pool:  spring (-x, -y) + x (1, 0) + y (0, 1) + strain (x, -y) + swirl (-y, x)
 
 each term with a strength of its own, x and y from the middle of the pool, alpha the angle of attack
@@ -77,6 +77,18 @@ TERMS = {
     "yaw_t": ("N m/s", "time"),
     "yaw_x": ("N", "place"),
     "yaw_y": ("N", "place"),
+    "surge_sinpsi": ("N", "heading"),
+    "surge_cospsi": ("N", "heading"),
+    "surge_sin2psi": ("N", "heading"),
+    "surge_cos2psi": ("N", "heading"),
+    "surge_sin3psi": ("N", "heading"),
+    "surge_cos3psi": ("N", "heading"),
+    "sway_sin2psi": ("N", "heading"),
+    "sway_cos2psi": ("N", "heading"),
+    "sway_sin3psi": ("N", "heading"),
+    "sway_cos3psi": ("N", "heading"),
+    "yaw_sin3psi": ("N m", "heading"),
+    "yaw_cos3psi": ("N m", "heading"),
 }
 """Term -> unit of its strength, and the variable that its force depends on."""
 STATE_VARIABLES = frozenset({"speed", "beat", "drift", "turn", "angle of attack", "head angle"})
@@ -92,6 +104,16 @@ def sources() -> dict[str, frozenset[tuple[str, str]]]:
     """Term, as `residual.term` -> pairs of channel and variable of its force."""
     return {f"residual.{name}": frozenset((c, variable) for c in channels(name))
             for name, (_, variable) in TERMS.items()}  # fmt: skip
+
+
+def groups() -> dict[str, tuple[str, ...]]:
+    """Name of a group -> its terms, as `residual.term`, that are one candidate: sine and cosine of
+    the heading, or of a multiple of it.
+    """
+    sines = [name for name in TERMS if "_sin" in name and name.endswith("psi")]
+    return {f"residual.{name.replace('_sin', '_heading_')}":
+            (f"residual.{name}", f"residual.{name.replace('_sin', '_cos')}")
+            for name in sines}  # fmt: skip
 
 
 def channels(term: str) -> tuple[str, ...]:
@@ -170,6 +192,18 @@ def force(
     yaw_t: float,
     yaw_x: float,
     yaw_y: float,
+    surge_sinpsi: float,
+    surge_cospsi: float,
+    surge_sin2psi: float,
+    surge_cos2psi: float,
+    surge_sin3psi: float,
+    surge_cos3psi: float,
+    sway_sin2psi: float,
+    sway_cos2psi: float,
+    sway_sin3psi: float,
+    sway_cos3psi: float,
+    yaw_sin3psi: float,
+    yaw_cos3psi: float,
 ) -> tuple[float, float, float]:
     """Surge and sway (N) and yaw (N m)."""
     jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
@@ -198,6 +232,8 @@ def force(
         + resonance * f * f
         + surge_t * t
     )
+    sin2, cos2 = 2.0 * spsi * cpsi, cpsi * cpsi - spsi * spsi
+    sin3, cos3 = sin2 * cpsi + cos2 * spsi, cos2 * cpsi - sin2 * spsi
     Y = (
         sway_v * vc
         + sway_v_absv * vc * abs(vc)
@@ -215,6 +251,10 @@ def force(
         + sway_y * my
         + sway_sinpsi * spsi
         + sway_cospsi * cpsi
+        + sway_sin2psi * sin2
+        + sway_cos2psi * cos2
+        + sway_sin3psi * sin3
+        + sway_cos3psi * cos3
     )
     N = (
         yaw_r * r
@@ -227,8 +267,10 @@ def force(
         + yaw_sin4alpha * wave
         + yaw_constant
         + yaw_f * f
-        + 2.0 * yaw_sin2psi * spsi * cpsi
-        + yaw_cos2psi * (cpsi * cpsi - spsi * spsi)
+        + yaw_sin2psi * sin2
+        + yaw_cos2psi * cos2
+        + yaw_sin3psi * sin3
+        + yaw_cos3psi * cos3
         + yaw_early * fading
         + yaw_sinpsi * spsi
         + yaw_cospsi * cpsi
@@ -236,4 +278,12 @@ def force(
         + yaw_x * mx
         + yaw_y * my
     )
-    return X + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N
+    X_heading = (
+        surge_sinpsi * spsi
+        + surge_cospsi * cpsi
+        + surge_sin2psi * sin2
+        + surge_cos2psi * cos2
+        + surge_sin3psi * sin3
+        + surge_cos3psi * cos3
+    )
+    return X + X_heading + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N

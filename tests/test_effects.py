@@ -28,6 +28,7 @@ MEASUREMENT = {
 ONE_SIDED = {
     "head_angle_offset", "trim_moment", "uniform_current", "pool_gyre", "wall_effect",
     "port_starboard_asymmetry", "keypoint_bias", "camera_shift", "scale_error", "lens_error",
+    "centre_of_mass_shift",
     "uncorrected_refraction",
 }  # fmt: skip
 DISSIPATIVE = {

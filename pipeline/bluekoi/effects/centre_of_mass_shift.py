@@ -18,7 +18,7 @@ VARIABLES = ("head angle", "side")
 STATEMENT = (
     "The centre of mass does not lie where the study says: further along or beside the core."
 )
-REGIME = "all turns; beside the core also straight runs"
+REGIME = "all turns; beside the core also straight runs, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
 STRENGTHS = 2
 PARAMETERS = (

@@ -220,23 +220,34 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
 
 
 def _share_noise(visited: Visited) -> None:
-    """Refit the probable sets from the noise of the most probable one.
+    """Refit the probable sets from the noise of the most probable and of the likeliest one.
 
     The noise likelihood has several optima: two sets are compared fairly only if both had the
     chance of the better one.
     """
-    best = visited.best
-    for key, scored in list(visited.sets.items()):
-        close = scored.log_posterior > best.log_posterior - CLOSE
-        if key == best.model.key or not close or len(key) > len(best.causes):
-            continue
-        model = replace(scored.model, noise=best.model.noise)
-        again = fitted(visited.problem, model.causes, model.noise, model.fit.by_label(),
-                       passes=1, free=model.fit.free,
-                       discrepancy=model.discrepancy)  # fmt: skip
-        if again.log_likelihood > scored.model.log_likelihood:
-            visited.sets[key] = score(visited.problem, own_noise(visited.problem, again))
-            visited.full.pop(key, None)
+    likeliest = max(visited.sets.values(), key=lambda s: s.model.log_likelihood)
+    for source in {s.model.key: s for s in (visited.best, likeliest)}.values():
+        for key, scored in list(visited.sets.items()):
+            close = scored.log_posterior > visited.best.log_posterior - CLOSE
+            if key != source.model.key and close and len(key) <= len(visited.best.causes):
+                _with_noise_of(visited, scored, source.model)
+
+
+def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
+    """Keep the refit of a set from another's noise where that makes it more probable."""
+    problem, model = visited.problem, scored.model
+    causes = [problem.by_name[c] for c in model.causes]
+    covered = {f.label for c in problem.candidates if any(problem.covers(own, c) for own in causes)
+               for f in c.strengths}  # fmt: skip
+    left = {label: v for label, v in source.discrepancy.items() if label in covered}
+    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
+    if again.log_likelihood <= model.log_likelihood:
+        return
+    other = with_discrepancy(problem, score(problem, own_noise(problem, again)))
+    if other.log_posterior > scored.log_posterior:
+        visited.sets[scored.model.key] = other
+        visited.full.pop(scored.model.key, None)
 
 
 def residual_sizes(problem: Problem, expansion: Expansion) -> dict[str, tuple[float, ...]]:

@@ -4,6 +4,11 @@ Where no set of candidates is exactly right, the ratio of two sets' evidences ha
 happened to be filmed. Bagging over trials (Huggins and Miller, Bayesian Anal. 18 (2023), 79)
 averages the posterior over bootstrap samples of the trials, so that a probability near 1 stands
 only where any sample of trials gives it.
+
+Where the numbers of the most probable set vary between trials c times more (in variance) than their
+standard errors allow, trials carry 1/c of the information that the likelihood says, and the
+likelihood counts to the power 1/c (Rao and Scott, J. Am. Statist. Assoc. 76 (1981), 221; Bissiri,
+Holmes and Walker, J. R. Statist. Soc. B 78 (2016), 1103).
 """
 
 from __future__ import annotations
@@ -43,7 +48,8 @@ def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> P
     useful = [s for s in useful if s.log_posterior > best - 200.0]
     n = len(problem.series)
     rng = np.random.default_rng(SEED)
-    weights = rng.multinomial(n, np.full(n, 1.0 / n), size=draws).astype(float)
+    excess = max(1.0, max(useful, key=lambda s: s.log_posterior).overdispersion)
+    weights = rng.multinomial(n, np.full(n, 1.0 / n), size=draws) / excess
     prior = np.array([log_prior(problem, s.causes) for s in useful])
     logs = np.array([[log_evidence(s.expansion, s.layout, w) for s in useful] for w in weights])
     logs = np.nan_to_num(logs, nan=-np.inf) + prior

@@ -129,8 +129,10 @@ def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
     """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
     that makes it more probable: such a remainder is not random.
     """
+    if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
+        return scored
     left = discrepancy_at_best(problem, scored.expansion, scored.layout)
-    if not left:
+    if not left or not all(map(np.isfinite, left.values())):
         return scored
     model = scored.model
     again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,

@@ -20,7 +20,8 @@ def one_strength(size: float, *, signed: bool = False) -> Layout:
     """A set of one cause with one strength and nothing else."""
     return Layout(
         columns=np.array([0]), count=0, blocks={"cause": np.array([0])},
-        precision=np.array([size**-2.0]), gaussian=np.array([False]), signed={"cause": signed},
+        precision=np.array([size**-2.0]), gaussian=np.array([False]),
+        included=np.array([False]), signed={"cause": signed},
         at=np.zeros(1), held=np.zeros(1, dtype=bool), sizes={"cause": np.array([size])},
     )  # fmt: skip
 

@@ -79,15 +79,15 @@ def expanded(
     for candidate in problem.candidates if candidates is None else candidates:
         if candidate.name in model.causes:
             continue
-        for form in _forms_to_try(system, candidate):
+        for values in _forms_to_try(system, candidate):
             offsets = {system.slot[n]: v - parameter(system, Free(n)).start
-                       for n, v in form.items()}  # fmt: skip
+                       for n, v in values.items()}  # fmt: skip
             first = len(changes)
             for free in candidate.strengths:
                 changes.append(_strength_change(system, free, every, offsets))
                 frees.append(free)
             columns = tuple(range(first, len(changes)))
-            tried.setdefault(candidate.name, []).append((form, columns))
+            tried.setdefault(candidate.name, []).append((values, columns))
         strengths[candidate.name] = tried[candidate.name][0][1]
         forms[candidate.name] = ()
         if len(candidate.strengths) == 1 and not candidate.is_residual:

@@ -220,10 +220,14 @@ class Progress(logging.Handler):
         self.stream.flush()
 
     def farewell(self) -> None:
-        """Warnings, the verdict and the report, where there are any; nothing more is shown."""
+        """Warnings, the verdict and the report, where there are any; nothing more is shown, and
+        nothing of this after an interruption.
+        """
         self.over.set()
         if self.preloaded:
             self.preloaded.close()
+        if self.stopped:
+            return  # what stands in the results is of an earlier run
         for text in _warnings(self.report.with_name("outcome.json")):
             self._print(f"Warning: {text}")
         if text := _verdict(self.report.with_name("mismatch.json")):

@@ -29,7 +29,10 @@ def main() -> None:
             snakemake()
         finally:  # all is done: a late Ctrl-C finds nothing to stop
             signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, RuntimeError) as error:
+        # asyncio raises the latter where an interrupted event loop is closed while it runs
+        if isinstance(error, RuntimeError) and not _already_reported():
+            raise
         if not _already_reported():
             sys.stderr.write(f"\n{STOPPED}\n")
         raise SystemExit(INTERRUPTED) from None

@@ -246,24 +246,32 @@ def laplace(H: Float, g: Float, lay: Layout) -> float:
 def _strength_prior(cause: str, cov: Float, rest: np.ndarray, step: Float, lay: Layout) -> float:
     """Log p(s) + k/2 log 2 pi of a cause's strengths at their best values; see `laplace`.
 
-    A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it.
+    A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it. One that
+    is held at another bound counts by its prior density over its plausible magnitude.
     """
-    free = np.isin(lay.blocks[cause], rest)
+    block = lay.blocks[cause]
+    free = np.isin(block, rest)
     if not free.any():
-        return ABSENT
-    own, sizes = lay.blocks[cause][free], lay.sizes[cause][free]
+        held, widths = lay.at[block], lay.sizes[cause]
+        return ABSENT if not held.any() else _cauchy(held, widths) + float(np.log(widths).sum())
+    own, sizes = block[free], lay.sizes[cause][free]
     k, values = len(own), lay.at[own] + step[own]
-    density = float(
+    side = 0.0
+    if lay.signed[cause]:
+        at = int(np.flatnonzero(rest == own[0])[0])
+        side = np.log(2.0) + float(log_ndtr(values[0] / np.sqrt(cov[at, at])))
+    return _cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side
+
+
+def _cauchy(values: Float, sizes: Float) -> float:
+    """Log density of the Cauchy distribution (k,) with these widths."""
+    k = len(values)
+    return float(
         gammaln(0.5 * (k + 1))
         - 0.5 * (k + 1) * np.log(np.pi)
         - np.log(sizes).sum()
         - 0.5 * (k + 1) * np.log1p(np.sum((values / sizes) ** 2))
     )
-    side = 0.0
-    if lay.signed[cause]:
-        at = int(np.flatnonzero(rest == own[0])[0])
-        side = np.log(2.0) + float(log_ndtr(values[0] / np.sqrt(cov[at, at])))
-    return density + 0.5 * k * float(np.log(2.0 * np.pi)) + side
 
 
 def log_prior(problem: Problem, causes: Sequence[str]) -> float:

@@ -7,8 +7,8 @@ only where any sample of trials gives it.
 
 Where the numbers of the most probable set vary between trials c times more (in variance) than their
 standard errors allow, trials carry 1/c of the information that the likelihood says, and the
-likelihood counts to the power 1/c (Rao and Scott, J. Am. Statist. Assoc. 76 (1981), 221; Bissiri,
-Holmes and Walker, J. R. Statist. Soc. B 78 (2016), 1103).
+likelihood may count to the power 1/c (Rao and Scott, J. Am. Statist. Assoc. 76 (1981), 221;
+Bissiri, Holmes and Walker, J. R. Statist. Soc. B 78 (2016), 1103).
 """
 
 from __future__ import annotations
@@ -41,14 +41,21 @@ class Posterior:
         return self.sets[int(np.argmax(self.probability))]
 
 
-def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> Posterior:
-    """`Posterior` over the fitted sets."""
+def posterior(
+    problem: Problem, sets: Sequence[Scored], draws: int = DRAWS, *, discounted: bool = False
+) -> Posterior:
+    """`Posterior` over the fitted sets.
+
+    discounted: whether the likelihood counts to the power 1/c where trials disagree; with a handful
+    of trials, c is not known well enough.
+    """
     useful = [s for s in sets if np.isfinite(s.log_posterior)]
     best = max(s.log_posterior for s in useful)
     useful = [s for s in useful if s.log_posterior > best - 200.0]
     n = len(problem.series)
     rng = np.random.default_rng(SEED)
     excess = max(1.0, max(useful, key=lambda s: s.log_posterior).overdispersion)
+    excess = excess if discounted else 1.0
     weights = rng.multinomial(n, np.full(n, 1.0 / n), size=draws) / excess
     prior = np.array([log_prior(problem, s.causes) for s in useful])
     logs = np.array([[log_evidence(s.expansion, s.layout, w) for s in useful] for w in weights])

@@ -93,7 +93,7 @@ def find_mismatch(
     problem = robot_problem(kernel, train, baseline, displaced=displaced, progress=progress)
     visited = search(problem, baseline.fit.by_label())
     problem = visited.problem
-    found = posterior(problem, list(visited.sets.values()))
+    found = posterior(problem, list(visited.sets.values()), discounted=True)
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
     final = without_discrepancy(problem, best.model)

@@ -62,7 +62,7 @@ def faults(sdist: Path, wheel: Path) -> list[str]:
     with zipfile.ZipFile(wheel) as archive:
         names = set(archive.namelist())
         info = next(name for name in names if name.endswith(".dist-info/METADATA"))
-        told = message_from_string(archive.read(info).decode())
+        metadata = message_from_string(archive.read(info).decode())
         points = archive.read(info.replace("METADATA", "entry_points.txt")).decode()
     with tarfile.open(sdist) as archive:
         inside = {name.partition("/")[2] for name in archive.getnames()}
@@ -77,10 +77,10 @@ def faults(sdist: Path, wheel: Path) -> list[str]:
     found += [f"sdist: {name} is missing" for name in SOURCES if name not in inside]
     found += [f"sdist: {name}/ does not belong there" for name in FOREIGN if name in inside]
     for key in ("Name", "Version", "Summary", "License-Expression", "Requires-Python"):
-        found += [] if told[key] else [f"metadata: no {key}"]
-    if told["Description-Content-Type"] != "text/markdown" or not told.get_payload():
+        found += [] if metadata[key] else [f"metadata: no {key}"]
+    if metadata["Description-Content-Type"] != "text/markdown" or not metadata.get_payload():
         found.append("metadata: no description in markdown")
-    if not told.get_all("Requires-Dist"):
+    if not metadata.get_all("Requires-Dist"):
         found.append("metadata: no dependencies")
     if "bluekoi = bluekoi.cli:main" not in points:
         found.append("metadata: no command bluekoi")

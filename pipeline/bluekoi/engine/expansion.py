@@ -29,9 +29,6 @@ from .candidates import Candidate, parameter
 from .problem import Problem
 from .refit import FittedSet, start_of
 
-FORM_STEP = 1.0
-"""A form is differenced by this many prior standard deviations (towards the farther bound)."""
-
 
 @dataclass(frozen=True)
 class Expansion:
@@ -193,7 +190,7 @@ def _strength_change(
 def _form_offset(system: System, form: Free) -> float:
     """One prior standard deviation of a form, towards the farther bound and within it."""
     p = parameter(system, form)
-    size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0)) * FORM_STEP
+    size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0))
     up = p.upper - p.start >= p.start - p.lower
     return float(min(size, p.upper - p.start) if up else -min(size, p.start - p.lower))
 

@@ -12,6 +12,7 @@ from .search import Scored
 NAMED = 0.5
 """A cause is named where it is more probable than not."""
 CREDIBLE = 0.9
+"""Probability that a credible set holds the cause."""
 UNEXPLAINED = "unexplained"
 
 

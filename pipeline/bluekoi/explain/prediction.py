@@ -37,8 +37,8 @@ class Run:
 @dataclass(frozen=True)
 class Predicted:
     """Runs of every trial by the baseline and by the extended model, each with the start that suits
-    the whole trial and with the start told by its first `known_s` seconds; measures of the
-    recordings; causes that were not applied.
+    the whole trial and with the initial state estimated from its first `known_s` seconds; measures
+    of the recordings; causes that were not applied.
     """
 
     runs: dict[tuple[str, str], list[Run]]
@@ -143,8 +143,8 @@ def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: 
     filter, lasting errors and all.
     """
     known = is_known(one, known_s)
-    told = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
-    states = filter_series(kernel, told, values, noise).predicted
+    beginning = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
+    states = filter_series(kernel, beginning, values, noise).predicted
     count, full = len(one.times), with_noise(kernel, values, noise)
     lanes = [
         np.repeat(rows[:, :, None], LANES, axis=2)

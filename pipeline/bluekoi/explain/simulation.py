@@ -19,7 +19,7 @@ def simulated(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise,
     rng: np.random.Generator,
 ) -> list[Series]:  # fmt: skip
-    """Trials begun where the smoother has them, their observations drawn anew.
+    """Trials begun where the smoother has them, their observations drawn again at random.
 
     Between frames everything moves as modelled; at each frame the random states of correlation
     time tau get a kick of variance sigma^2 (1 - exp(-2 dt / tau)).

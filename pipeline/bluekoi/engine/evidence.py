@@ -33,10 +33,8 @@ KAPPA = 0.2
 """Prior standard deviation of a cause's discrepancy relative to its force (assumed)."""
 LEAST = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
-RIDGE = 1e-10
-"""Beside ones on the diagonal: some 10^5 roundings, for columns that are nearly the same."""
-ABSENT = -50.0
-"""Log probability of what cannot be; finite, so that differences are defined."""
+RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
+ABSENT = -50.0  # log probability of what cannot be; finite, so that differences are defined
 
 
 @dataclass(frozen=True)

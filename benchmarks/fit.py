@@ -31,7 +31,7 @@ from test_model import plain_law
 from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
 from bluekoi.integrate import compiled
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
-from bluekoi.tuning import thin
+from bluekoi.tuning import downsampled
 from bluekoi.tuning.joint import FIRST_NOISE
 from robots import SETUP
 
@@ -118,7 +118,7 @@ def nine(seconds: float, *, slow: bool) -> None:
         "ours, prediction errors, starts free": lambda: fit(
             kernel, series, base, free, FIRST_NOISE, start=START).values,
         "ours, the same at ten observations a second": lambda: fit(
-            kernel, thin(series), base, free, FIRST_NOISE, start=START).values,
+            kernel, downsampled(series), base, free, FIRST_NOISE, start=START).values,
     }  # fmt: skip
     print("six coefficients to 9 trials of 241 frames, one core, processor time")
     times = {}
@@ -151,7 +151,7 @@ def many(seconds: float) -> None:
     print("\njoint fits with starting states, 150 frames a trial, two cores")
     for count in (66, 132, 264, 528, 1000):
         series = [trial(i, rng, 151) for i in range(count)]
-        few = thin(series)
+        few = downsampled(series)
         ways: dict[str, Callable[[], Fit]] = {
             "prediction errors": lambda f=few: fit(kernel, f, base, free, FIRST_NOISE, start=START),
             "trajectories": lambda s=series: fit_paths(kernel, s, base, free, start=START).fit,

@@ -25,10 +25,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from bluekoi.fitting import Normal, TrialRandomEffect, jackknife_cov, spread_over_trials
+from bluekoi.fitting import Normal, TrialRandomEffect, cluster_covariance, cov_jackknife
 from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
-from bluekoi.tuning import thin, tune
+from bluekoi.tuning import downsampled, tune
 from bluekoi.tuning.joint import servo
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
 
@@ -45,7 +45,7 @@ def batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
     rng = np.random.default_rng([seed, number])
     out = []
     for series in sixteen(plans(), Errors(), rng, count=count):
-        few = thin(series)
+        few = downsampled(series)
         tuned = tune(few)
         fit = tuned.fit
         own = servo(compiled(plates()), few, fit, tuned.base, noise=tuned.noise)
@@ -73,9 +73,9 @@ def half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]
     """Half widths of the 95 % intervals by each way to get them."""
     naive = np.linalg.inv(normal.hessian.sum(axis=0))
     return {
-        "trials disagree": spread_over_trials(normal, None, own).half_widths(),
-        "the same, white": spread_over_trials(normal).half_widths(),
-        "jackknife, normal": 1.96 * np.sqrt(np.diag(jackknife_cov(normal))),
+        "trials disagree": cluster_covariance(normal, None, own).half_widths(),
+        "the same, white": cluster_covariance(normal).half_widths(),
+        "jackknife, normal": 1.96 * np.sqrt(np.diag(cov_jackknife(normal))),
         "naive": 1.96 * np.sqrt(np.diag(naive)),
     }
 

@@ -205,7 +205,7 @@ def missed(by_step: dict[str, Score], sources: dict[str, str]) -> list[str]:
                 faults.append(f"{step}: pulls of {part} {by_step[step].pulls[k]:.2f}")
     for step, found in by_step.items():
         if step == "nudged" and sources.get(step) != "markers" and not found.moved:
-            faults.append("nudged: the camera's move was not told")
+            faults.append("nudged: the camera's move was not reported")
         if step in STILL and found.moved:
             faults.append(f"{step}: {found.moved} trials with a camera move that never was")
     return faults

@@ -106,7 +106,7 @@ def used_so_far(pid: int, before: Used) -> Used:
 
 
 def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
-    """The study run to `goal`; what that used is told each minute too, for runs of hours."""
+    """The study run to `goal`; resources used are printed each minute, for runs of hours."""
     goals = [str(results / goal)] if goal else []
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), *goals]
     command += ["--workflow-profile", str(ROOT / "config/profiles/default"), "--cores", str(cores)]

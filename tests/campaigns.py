@@ -33,7 +33,7 @@ class Errors:
 
     push: forces (N, N, N m) of the water. white, slow: tracking errors of x, y (m), heading and
     head angle (rad). servo: head angle from trial to trial (rad). sway, swing: the tail beat's
-    recoil (m, rad). told: what the tracker says of its errors, over the truth.
+    recoil (m, rad). stated_ratio: stated over true standard deviation of the tracking errors.
     """
 
     push: tuple[float, float, float] = (2e-3, 2e-3, 2e-4)
@@ -44,7 +44,7 @@ class Errors:
     servo: float = 5e-3
     sway: float = 3e-3
     swing: float = np.radians(1.5)
-    told: float = 1.0
+    stated_ratio: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -128,8 +128,8 @@ def _measured(plan: Plan, path: Float, errors: Errors, rng: np.random.Generator)
     ])  # fmt: skip
     seen = truth + np.array(errors.white) * rng.standard_normal((n, 4))
     seen += np.array(errors.slow) * lasting(rng, n, errors.slow_s * FPS)
-    told = errors.told**2 * (np.square(errors.white) + np.square(errors.slow))
-    pose = Pose(times, seen, np.tile(np.diag(told), (n, 1, 1)))
+    stated = errors.stated_ratio**2 * (np.square(errors.white) + np.square(errors.slow))
+    pose = Pose(times, seen, np.tile(np.diag(stated), (n, 1, 1)))
     trial = Trial(
         trial_id=plan.name,
         source=f"keypoints/{plan.name}.csv",

@@ -170,6 +170,7 @@ def searched(base: Campaign) -> Campaign:
         "mismatch": {
             "verdict": "physics", "sentence": "Physics left out: linear_yaw_damping.",
             "causes": [cause], "rivals": [],
+            "probabilities": {"linear_yaw_damping": 0.98, "servo_lag": 0.04},
             "where": [{"channel": "yaw", "variable": "yaw_rate_rad_s", "share": 0.7,
                        "trials": ["T02"]}],
             "held_out": {"trials": ["T02"], "baseline": errors, "noise_floor_path_rmse_m": 0.002,
@@ -178,10 +179,6 @@ def searched(base: Campaign) -> Campaign:
         },
         "mismatch_detail": {
             "forces": forces,
-            "candidates": [{"round": 1, "name": "linear_yaw_damping", "held_out_gain": 80.5,
-                            "trials_better": 9, "trials": 10, "outcome": "converged",
-                            "parameters": {"N_r": 0.02}}],
-            "foretold": [{"servo_lag": 1.5}],
             "coefficients": {"before": reported, "after": {**reported, **damping}},
         },
     })  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping, Steady
-from bluekoi.fitting import Series, shoot
+from bluekoi.fitting import Series, free_runs
 from bluekoi.integrate import compiled
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.model import plates
@@ -64,9 +64,9 @@ def swung(
     kernel = compiled(plates())
     still = model.trial_values(kernel, series)
     moved = [with_numbers(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still]
-    begun = [replace(s, mean=shot.start)
-             for s, shot in zip(series, shoot(kernel, series, still), strict=True)]  # fmt: skip
-    both = [shoot(kernel, begun, values, iterations=0) for values in (still, moved)]
+    begun = [replace(s, mean=run.start)
+             for s, run in zip(series, free_runs(kernel, series, still), strict=True)]  # fmt: skip
+    both = [free_runs(kernel, begun, values, iterations=0) for values in (still, moved)]
     return [replace(s, seen=s.seen + b.observed - a.observed)
             for s, a, b in zip(series, *both, strict=True)]  # fmt: skip
 

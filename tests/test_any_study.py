@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from bluekoi.fitting import Series
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.jumps import jumps
+from bluekoi.mismatch.camera_displacement import detect_displacements
 from bluekoi.model import plates
-from bluekoi.tuning.draws import drawn
+from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import profiles, spectrum
-from bluekoi.tuning.joint import Tuned, table, thin, tune
+from bluekoi.tuning.joint import Tuned, downsampled, table, tune
 from campaigns import Errors, sixteen
 from campaigns import plans as plans_of
 
@@ -47,14 +47,14 @@ def changed(
 
 def examined(series: list[Series]) -> Tuned:
     """Everything that the stage `tuning` makes of a joint fit."""
-    few = thin(series)
+    few = downsampled(series)
     found = tune(few)
-    told = table(found)
-    assert all(np.isfinite(cell["value"]) for cell in told.values())
-    assert all(cell["why"] for cell in told.values() if not cell["determined"])
+    cells = table(found)
+    assert all(np.isfinite(cell["value"]) for cell in cells.values())
+    assert all(cell["why"] for cell in cells.values() if not cell["determined"])
     assert found.fit.outcome
-    assert np.isfinite(drawn(found, 20, np.random.default_rng(0))).all()
-    assert len(spectrum(found)) == len(profiles(few, found)) == len(told)
+    assert np.isfinite(sample_parameters(found, 20, np.random.default_rng(0))).all()
+    assert len(spectrum(found)) == len(profiles(few, found)) == len(cells)
     return found
 
 
@@ -81,15 +81,18 @@ def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(tr
 
 def test_trials_that_no_coefficients_describe_are_refused(trials):
     with pytest.raises(FloatingPointError, match="runs away from these trials"):
-        tune(thin([changed(one, scale=1000.0) for one in trials]))
+        tune(downsampled([changed(one, scale=1000.0) for one in trials]))
 
 
 def test_trials_too_short_for_a_displaced_camera_have_none(trials):
-    kernel, few = compiled(plates()), thin([changed(one, frames=16) for one in trials])
+    kernel, few = (
+        compiled(plates()),
+        downsampled([changed(one, frames=16) for one in trials]),
+    )
     found = tune(few)
     values = found.trial_values(kernel, few)
     assert max(len(one.times) for one in few) < 8
-    assert jumps(kernel, few, values, found.noise) == []
+    assert detect_displacements(kernel, few, values, found.noise) == []
 
 
 def test_a_mirrored_study_has_the_same_coefficients(trials):

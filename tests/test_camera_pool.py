@@ -1,4 +1,4 @@
-"""Pose from corners, refraction both ways, covariance, and what a wrong study is told."""
+"""Pose from corners, refraction both ways, covariance, and the message for a wrong study."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Whoever waits longer than two seconds is told for what and how long still."""
+"""After two seconds of waiting a message states what for and how long."""
 
 from __future__ import annotations
 

@@ -47,12 +47,12 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
         assert flapping[name].video_hz == pytest.approx(5.8)
     series = campaign_series(corrected, flapping)
     assert len(series) == len(base.tracks)
-    told = with_clock_cause(CONTENT, factors, len(series))
-    assert told["verdict"] == "measurement"
-    assert told["causes"][0]["name"] == "clock_error"
-    assert told["causes"][0]["parameters"]["k"]["value"] == pytest.approx(factor - 1)
-    assert f"fps is {factor:g} times the true frame rate" in told["sentence"]
-    assert told["probabilities"]["clock_error"] == 1.0
+    result = with_clock_cause(CONTENT, factors, len(series))
+    assert result["verdict"] == "measurement"
+    assert result["causes"][0]["name"] == "clock_error"
+    assert result["causes"][0]["parameters"]["k"]["value"] == pytest.approx(factor - 1)
+    assert f"fps is {factor:g} times the true frame rate" in result["sentence"]
+    assert result["probabilities"]["clock_error"] == 1.0
 
 
 def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
@@ -61,9 +61,9 @@ def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
     fine = {"name": "clock_error", "parameters": {"k": {"value": 0.01}}}
     damping = {"name": "linear_yaw_damping", "parameters": {}}
     content = {**CONTENT, "causes": [damping, fine]}
-    told = with_clock_cause(content, factors, len(base.tracks))
-    assert [c["name"] for c in told["causes"]] == ["clock_error", "linear_yaw_damping"]
-    assert told["causes"][0]["parameters"]["k"]["value"] == pytest.approx(4.04 - 1)
+    result = with_clock_cause(content, factors, len(base.tracks))
+    assert [c["name"] for c in result["causes"]] == ["clock_error", "linear_yaw_damping"]
+    assert result["causes"][0]["parameters"]["k"]["value"] == pytest.approx(4.04 - 1)
 
 
 def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():
@@ -74,9 +74,9 @@ def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():
     beats = {name: logged(4.0 if name in wrong else 1.0) for name in names}
     factors = clock_factors(base.study, beats)
     assert sorted(factors) == wrong
-    told = with_clock_cause(CONTENT, factors, len(names))
-    assert f"in {len(wrong)} of {len(names)} trials" in told["sentence"]
-    assert told["causes"][0]["regime"] == f"trials {', '.join(wrong)}"
+    result = with_clock_cause(CONTENT, factors, len(names))
+    assert f"in {len(wrong)} of {len(names)} trials" in result["sentence"]
+    assert result["causes"][0]["regime"] == f"trials {', '.join(wrong)}"
 
 
 @pytest.mark.parametrize("ratios", [(1.0, 1.0), (1.1, 1.1), (4.0, 0.25), (np.nan, np.nan)])

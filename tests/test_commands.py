@@ -65,16 +65,16 @@ def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab):
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [(["nowhere.mp4"], "nothing there"), (["empty"], "no video and no keypoint file"),
      (["lab/videos/p100_phi30.mp4", "--study", "empty"], "outside of the study's folder")],
 )  # fmt: skip
-def test_init_says_what_it_cannot_use(lab, monkeypatch, words, told):
+def test_init_says_what_it_cannot_use(lab, monkeypatch, words, message):
     monkeypatch.chdir(lab.parent)
     (lab.parent / "empty").mkdir()
     done = bluekoi("init", *words)
     assert done.exit_code == 1
-    assert told in done.output
+    assert message in done.output
     assert not (lab / "study.yaml").exists()
 
 

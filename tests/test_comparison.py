@@ -102,11 +102,11 @@ def test_runs_without_a_manifest_are_compared_in_their_results_alone(two):
 
 def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
-    told = {"command": "bluekoi run study", "settings": {"overlays": "none"}, "code": "abc"}
-    monkeypatch.setenv(RUN, json.dumps(told))
+    expected = {"command": "bluekoi run study", "settings": {"overlays": "none"}, "code": "abc"}
+    monkeypatch.setenv(RUN, json.dumps(expected))
     write_manifest(study, results)
     found = json.loads((results / "manifest.json").read_text())
-    assert {key: found[key] for key in told} == told
+    assert {key: found[key] for key in expected} == expected
     assert found["study"]["robot"]["mass_kg"] > 0
     assert set(found["trials"]) == {"T09", "T10", "T11"}
     assert found["versions"]["numpy"]

@@ -159,7 +159,7 @@ def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
 
 
 def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
-    """g = -1: lift alone, at a fin that moves by 0.4 m/s ahead and 0.25 m/s aside."""
+    """g = -1: lift alone, at a fin that moves by 0.4 m/s forwards and 0.25 m/s sideways."""
     motion = np.array([0.4, 0.1, -1.0])
     X, Y, _ = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
     lift = 0.5 * 1000 * 0.03 * np.hypot(0.4, 0.25) * 0.25
@@ -257,12 +257,12 @@ def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
     assert share(3.5, w=0.3, q=1.4) == pytest.approx(share(3.5, w=0.3, q=0.0))
 
 
-def test_trials_are_displaced_beside_the_one_that_was_knocked_most_surely() -> None:
+def test_displacements_are_relative_to_the_most_certain_one() -> None:
     """Turned by a right angle and twice as far: (dx, dy) times 2 i."""
-    knocked = plates().effect("camera_shift")
-    seen = knocked.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
+    camera_shift = plates().effect("camera_shift")
+    seen = camera_shift.hooks["observe"](3.0, 2.0, 0.0, 2.0, 0.004, 0.001)
     assert seen == pytest.approx((-0.002, 0.008, 0.0, 0.0))
-    assert knocked.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
+    assert camera_shift.hooks["observe"](1.9, 2.0, 0.0, 2.0, 0.004, 0.001) == (0.0, 0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("name", ["stall", "lift_lag", "port_starboard_asymmetry"])

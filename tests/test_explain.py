@@ -331,10 +331,10 @@ FAULTY = {
 @pytest.mark.parametrize("name", FAULTY)
 def test_a_faulty_data_set_is_told_in_one_message(name, cart, tmp_path):
     table, settings, message = FAULTY[name]
-    with pytest.raises(InputError, match=message) as told:
+    with pytest.raises(InputError, match=message) as raised:
         checked(cart, read_trials(cart, folder(tmp_path, table, settings)))
-    assert len(told.value.findings) == 1
-    assert len(str(told.value).splitlines()) == 1
+    assert len(raised.value.findings) == 1
+    assert len(str(raised.value).splitlines()) == 1
 
 
 def test_arrays_of_the_wrong_shape_never_reach_compiled_code(cart):

@@ -86,7 +86,7 @@ def test_an_empty_panel_states_the_reason():
 
 
 def test_figures_of_the_search_survive_a_detail_file_of_another_format(whole):
-    for detail in ({"version": 2}, {"forces": {"T02": {}}, "candidates": [{"name": "stall"}]}):
+    for detail in ({"version": 2}, {"forces": {"T02": {}}, "sets": [{"causes": "stall"}]}):
         other = Campaign(**{**whole.__dict__, "mismatch_detail": detail})
         for name in figures.names():
             figure = figures.draw(name, other)
@@ -371,7 +371,7 @@ def test_an_incomplete_law_is_left_out_or_drawn_without_band(whole, law):
     assert drawn or "no law" in figure.texts[1].get_text()
 
 
-def test_probabilities_replace_the_gains_where_the_search_reports_them(whole):
+def test_candidates_are_shown_with_their_probabilities(whole):
     given = {"linear_yaw_damping": 0.97, "stall": 0.02}
     other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "probabilities": given},
                         "mismatch_detail": None})  # fmt: skip

@@ -25,12 +25,12 @@ from bluekoi.mismatch import (
     find_mismatch,
     folds,
 )
-from bluekoi.mismatch.horizon import begun, path_errors, well_seen
-from bluekoi.mismatch.jumps import jumps, with_jumps
+from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
+from bluekoi.mismatch.data_split import held_out_trials
+from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.locate import added_force
 from bluekoi.mismatch.results_json import details, mismatch_json
 from bluekoi.mismatch.sentences import sentence
-from bluekoi.mismatch.setting import held_out_trials
 from bluekoi.model import plates
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
@@ -43,17 +43,17 @@ from bluekoi.stages.mismatch import (
 )
 from bluekoi.study import Study
 from bluekoi.synthetic.design import bare_design
-from bluekoi.tuning import thin, tune
+from bluekoi.tuning import downsampled, tune
 from bluekoi.tuning.identify import profiles
 from measured import Measured, measured
 
 
 def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    told = plain(mismatch_json(found, m.study, m.series))
-    assert told["verdict"] == "physics"
-    assert {c["name"] for c in told["causes"]} == {"tail_fin_lift", "linear_yaw_damping"}
-    damping = next(c for c in told["causes"] if c["name"] == "linear_yaw_damping")
+    result = plain(mismatch_json(found, m.study, m.series))
+    assert result["verdict"] == "physics"
+    assert {c["name"] for c in result["causes"]} == {"tail_fin_lift", "linear_yaw_damping"}
+    damping = next(c for c in result["causes"] if c["name"] == "linear_yaw_damping")
     value, std = (damping["parameters"]["N_r"][k] for k in ("value", "std"))
     assert abs(value - 0.03) < 3 * std
     assert damping["parameters"]["N_r"]["unit"] == "N m s"
@@ -81,7 +81,7 @@ def test_demo_tells_where_the_fin_and_the_damping_push(demo: tuple[Measured, Fou
 def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]) -> None:
     """N = -N_r r of a damping switched on, in yaw alone."""
     m, found = demo
-    kernel, few = compiled(plates()), thin(m.series)[:4]
+    kernel, few = compiled(plates()), downsampled(m.series)[:4]
     off = found.baseline.trial_values(kernel, few)
     on = [v.copy() for v in off]
     for v in on:
@@ -95,10 +95,10 @@ def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]
 
 def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    told = plain(details(found))
-    assert set(told["forces"]) == {s.name for s in m.series}
-    assert {"causes", "probability", "log_posterior"} <= set(told["sets"][0])
-    assert told["coefficients"]["before"]["C_T"]["value"] > 0
+    result = plain(details(found))
+    assert set(result["forces"]) == {s.name for s in m.series}
+    assert {"causes", "probability", "log_posterior"} <= set(result["sets"][0])
+    assert result["coefficients"]["before"]["C_T"]["value"] > 0
     assert plain(mismatch_json(found, m.study, m.series))["where"][0]["share"] > 0.05
 
 
@@ -110,54 +110,54 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Measured:
 def test_nothing_hidden_is_none(bare: Measured) -> None:
     m = bare
     found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
-    told = plain(mismatch_json(found, m.study, m.series))
-    assert told["verdict"] == "none"
-    assert told["causes"] == []
+    result = plain(mismatch_json(found, m.study, m.series))
+    assert result["verdict"] == "none"
+    assert result["causes"] == []
 
 
-def test_a_knocked_camera_is_told_from_one_trial(bare: Measured) -> None:
+def test_a_camera_displaced_in_one_trial_is_found(bare: Measured) -> None:
     """From the middle of one trial on all is seen 9 mm away, as by a camera that was pushed."""
-    knocked = [one if k != 3 else _displaced(one, np.array([0.008, -0.004]))
+    displaced_series = [one if k != 3 else _displaced(one, np.array([0.008, -0.004]))
                for k, one in enumerate(bare.series)]  # fmt: skip
-    found = find_mismatch(bare.study, knocked, bare.steady, progress=lambda _: None)
-    told = plain(mismatch_json(found, bare.study, knocked))
-    assert told["verdict"] == "measurement"
-    assert [c["name"] for c in told["causes"]] == ["camera_shift"]
-    size = told["causes"][0]["parameters"]
+    found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
+    result = plain(mismatch_json(found, bare.study, displaced_series))
+    assert result["verdict"] == "measurement"
+    assert [c["name"] for c in result["causes"]] == ["camera_shift"]
+    size = result["causes"][0]["parameters"]
     assert size["dx"]["value"] == pytest.approx(0.008, abs=0.0015)
     assert size["dy"]["value"] == pytest.approx(-0.004, abs=0.0015)
     for name, true in (("dx", 0.008), ("dy", -0.004)):
         assert 1e-5 < size[name]["std"] < 0.001
         assert abs(size[name]["value"] - true) < 3 * size[name]["std"]
-    assert knocked[3].name not in told["held_out"]["trials"]
+    assert displaced_series[3].name not in result["held_out"]["trials"]
 
 
 def test_displacements_in_several_trials_are_one_camera_s(bare: Measured) -> None:
-    """Each its own way: the size told is that of the surest, the others go with it."""
+    """Each in its own direction: the stated size is that of the most certain one."""
     sizes = {1: (0.006, -0.003), 4: (-0.004, 0.006), 6: (0.001, 0.007)}
-    knocked = [_displaced(one, np.array(sizes[k])) if k in sizes else one
+    displaced_series = [_displaced(one, np.array(sizes[k])) if k in sizes else one
                for k, one in enumerate(bare.series)]  # fmt: skip
-    found = find_mismatch(bare.study, knocked, bare.steady, progress=lambda _: None)
-    told = plain(mismatch_json(found, bare.study, knocked))
-    assert [c["name"] for c in told["causes"]] == ["camera_shift"]
-    size = told["causes"][0]["parameters"]
+    found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
+    result = plain(mismatch_json(found, bare.study, displaced_series))
+    assert [c["name"] for c in result["causes"]] == ["camera_shift"]
+    size = result["causes"][0]["parameters"]
     off = [np.hypot(size["dx"]["value"] - x, size["dy"]["value"] - y) for x, y in sizes.values()]
     assert min(off) < 0.0015
-    assert all(knocked[k].name in told["causes"][0]["regime"] for k in sizes)
-    assert not {knocked[k].name for k in sizes} & set(told["held_out"]["trials"])
+    assert all(displaced_series[k].name in result["causes"][0]["regime"] for k in sizes)
+    assert not {displaced_series[k].name for k in sizes} & set(result["held_out"]["trials"])
 
 
 def test_jumps_are_found_where_and_when_they_are(bare: Measured) -> None:
-    kernel, few = compiled(plates()), thin(bare.series)
+    kernel, few = compiled(plates()), downsampled(bare.series)
     few[2] = _displaced(few[2], np.array([-0.005, 0.006]))
     tuned = tune(few)
-    found = jumps(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
     assert [j.trial for j in found] == [few[2].name]
     assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
     assert found[0].displacement == pytest.approx([-0.005, 0.006], abs=0.002)
     slot = kernel.system.constants.index("t_shift")
-    told = [s.constants[slot] < 1e3 for s in with_jumps(kernel, few, found)]
-    assert told == [k == 2 for k in range(len(few))]
+    displaced = [s.constants[slot] < 1e3 for s in with_displacements(kernel, few, found)]
+    assert displaced == [k == 2 for k in range(len(few))]
 
 
 def _displaced(one: Series, by: np.ndarray) -> Series:
@@ -172,7 +172,7 @@ def test_a_lag_begins_each_stretch_where_the_filter_had_it(demo: tuple[Measured,
     base[kernel.system.slot["lift_lag.k"]] = 0.8
     lagging = replace(found.baseline, base=base)
     turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
-    first, second, *_ = begun(kernel, lagging, [turning], 2.0)
+    first, second, *_ = segments_of(kernel, lagging, [turning], 2.0)
     states = [kernel.system.all_states.index(n) for n in kernel.system.effect("lift_lag").states]
     assert np.all(first.mean[states] == turning.mean[states])
     assert np.any(np.abs(second.mean[states]) > 1e-4)
@@ -208,13 +208,13 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
 
 def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) -> None:
     m, _ = demo
-    told = with_rigid_distances(
+    series = with_rigid_distances(
         m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"}, m.study.setup
     )
-    values = np.array([s.evidence["scale"] for s in told])
+    values = np.array([s.evidence["scale"] for s in series])
     assert values[:, 0] == pytest.approx(0.02)
     assert np.sum(1 / values[:, 1] ** 2) == pytest.approx(1 / (0.004**2 + 0.003**2))
-    assert all("clock_ratio" in s.evidence for s in told if "clock_ratio" in m.series[0].evidence)
+    assert all("clock_ratio" in s.evidence for s in series if "clock_ratio" in m.series[0].evidence)
 
 
 def test_only_placed_keypoints_are_seen_from_the_nose(
@@ -231,8 +231,8 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
         for one in m.series:
             layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
             layout.detection(one.name).write_text(json.dumps({"source": source}))
-        told = from_the_nose(m.series, study, layout)
-        return np.array([s.constants[slots.index("ahead")] for s in told])
+        series = from_the_nose(m.series, study, layout)
+        return np.array([s.constants[slots.index("ahead")] for s in series])
 
     assert not ahead(m.study, "deeplabcut").any()
     assert not ahead(filmed, "markers").any()
@@ -250,36 +250,36 @@ def test_scale_is_not_evidence_where_another_error_bends_it(
     demo: tuple[Measured, Found], geometry: dict[str, object]
 ) -> None:
     m, _ = demo
-    told = with_rigid_distances(m.series, geometry, m.study.setup)
-    assert all("scale" not in s.evidence for s in told)
+    series = with_rigid_distances(m.series, geometry, m.study.setup)
+    assert all("scale" not in s.evidence for s in series)
 
 
 @pytest.mark.parametrize(
-    ("likely", "rivals", "told"),
+    ("likely", "rivals", "expected"),
     [("nothing", [], {"scale": 0.014, "lens": 0.0, "bend": 0.0}),
      ("uncorrected_refraction", [], {"scale": 0.014, "lens": 0.0, "bend": -0.014}),
      ("uncorrected_refraction", ["scale_error"], {"scale": 0.014}),
      ("lens_error", ["scale_error"], {})],
 )  # fmt: skip
 def test_the_pattern_of_rigid_distances_is_evidence(
-    demo: tuple[Measured, Found], likely: str, rivals: list[str], told: dict[str, float]
+    demo: tuple[Measured, Found], likely: str, rivals: list[str], expected: dict[str, float]
 ) -> None:
     m, _ = demo
     geometry = {"scale": 1.014, "scale_std": 0.0004, "likely": likely, "rivals": rivals}
     for one in with_rigid_distances(m.series, geometry, m.study.setup):
         found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
-        assert found == pytest.approx(told)
+        assert found == pytest.approx(expected)
 
 
 def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
     demo: tuple[Measured, Found],
 ) -> None:
     m, found = demo
-    few = [s for s in thin(m.series) if s.name not in found.held_out]
+    few = [s for s in downsampled(m.series) if s.name not in found.held_out]
     drawn = profiles(few, found.baseline)
-    for told, best in zip(drawn, found.baseline.fit.values, strict=True):
-        assert np.all(told.lost > -0.05)
-        assert np.all(np.diff(told.lost[told.values < best]) < 0)
+    for profile, best in zip(drawn, found.baseline.fit.values, strict=True):
+        assert np.all(profile.lost > -0.05)
+        assert np.all(np.diff(profile.lost[profile.values < best]) < 0)
 
 
 @pytest.mark.parametrize(("p_value", "sureness"), [(1e-13, 7.44), (0.0, 14.9)])
@@ -291,9 +291,9 @@ def test_a_lens_that_the_rigid_distances_find_wrong_is_evidence_as_sure_as_its_c
                 "p_value": p_value}  # fmt: skip
     geometry = {"scale": 1.03, "scale_std": 0.002, "likely": "lens_error", "rivals": [],
                 "estimates": [estimate]}  # fmt: skip
-    told = rigid_evidence(geometry, m.study.setup)
-    assert list(told) == ["lens"]
-    strength, std = told["lens"]
+    patterns = rigid_evidence(geometry, m.study.setup)
+    assert list(patterns) == ["lens"]
+    strength, std = patterns["lens"]
     assert strength == pytest.approx(lens_strength(m.study.setup, {"k1": -0.05}))
     assert std == pytest.approx(np.hypot(strength / sureness, 0.0005), rel=0.01)
     estimate["values"] = [-0.9, 0.0]  # no camera has such a lens
@@ -328,16 +328,16 @@ def test_a_late_start_is_told_with_its_delay(bare: Measured) -> None:
     rng = np.random.default_rng(5)
     late = [_late(one, 24, rng) for one in bare.series]
     found = find_mismatch(bare.study, late, bare.steady, progress=lambda _: None)
-    told = plain(mismatch_json(found, bare.study, late))
-    assert "time_offset" in {c["name"] for c in told["causes"]}
-    assert "motor_spin_up" not in {c["name"] for c in told["causes"]}
-    delay = next(c for c in told["causes"] if c["name"] == "time_offset")["parameters"]["d"]
+    result = plain(mismatch_json(found, bare.study, late))
+    assert "time_offset" in {c["name"] for c in result["causes"]}
+    assert "motor_spin_up" not in {c["name"] for c in result["causes"]}
+    delay = next(c for c in result["causes"] if c["name"] == "time_offset")["parameters"]["d"]
     assert delay["value"] == pytest.approx(0.8, abs=0.03)
 
 
 def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    kernel, few, baseline = compiled(plates()), thin(m.series)[:3], found.baseline
+    kernel, few, baseline = compiled(plates()), downsampled(m.series)[:3], found.baseline
     wild = [v.copy() for v in baseline.trial_values(kernel, few)]
     for v in wild:
         v[kernel.system.slot["tail_fin_lift.S"]] = 5.0
@@ -351,36 +351,36 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     none = np.zeros(1)
     series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(9)]
 
-    def told(ratios: list[float], source: str = "motor_log") -> list[tuple[float, float]]:
+    def clock_ratios(ratios: list[float], source: str = "motor_log") -> list[tuple[float, float]]:
         beats = {
             s.name: Flapping(4.0, 0.0, source, video_hz=4.0 * (1 + k), video_hz_std=0.002)
             for s, k in zip(series, ratios, strict=True)
         }
         return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
 
-    for ratio, std in told([-0.025] * 9):
+    for ratio, std in clock_ratios([-0.025] * 9):
         assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD), rel=0.02)
-    apart = told([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
+    apart = clock_ratios([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
-    stated = np.mean([std for _, std in told([-0.025] * 9, "flap_hz")]) / 3
+    stated = np.mean([std for _, std in clock_ratios([-0.025] * 9, "flap_hz")]) / 3
     assert stated == pytest.approx(0.05, rel=0.01)  # a motor that no log has seen may be slow
 
 
-def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_tells(bare: Measured) -> None:
-    """Lags as of a log 0.25 s ahead: one measurement, told once, of a number of its own."""
+def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Measured) -> None:
+    """Lags of a log 0.25 s ahead: one auxiliary measurement of one parameter."""
     hz = {s.name: float(s.inputs[-1, 1]) for s in bare.series}
     beats = {
         name: replace(bare.flapping[name], flap_hz=f, agrees=True, beat_lag_std_rad=0.03,
                       beat_lag_rad=float(np.angle(np.exp(1j * (0.7 - 2 * np.pi * f * 0.25)))))
         for name, f in hz.items()
     }  # fmt: skip
-    told = with_delay(bare.series, beats, fitted=len(bare.series))
-    values = np.array([s.evidence["delay"] for s in told])
+    series = with_delay(bare.series, beats, fitted=len(bare.series))
+    values = np.array([s.evidence["delay"] for s in series])
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)
-    found = find_mismatch(bare.study, told, bare.steady, progress=lambda _: None)
-    wrote = plain(mismatch_json(found, bare.study, told))
+    found = find_mismatch(bare.study, series, bare.steady, progress=lambda _: None)
+    wrote = plain(mismatch_json(found, bare.study, series))
     assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
     size = wrote["causes"][0]["parameters"]["e"]
     assert size["value"] == pytest.approx(0.25, abs=0.02)
@@ -398,14 +398,14 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
     noise[40, :2, :2] *= 50.0**2
     unsure = replace(test[0], seen=spoilt, noise=noise)
     seen = np.isfinite(unsure.seen[:, 0])
-    assert np.flatnonzero(seen & ~well_seen([unsure])[0]).tolist() == [40]
+    assert np.flatnonzero(seen & ~precisely_seen([unsure])[0]).tolist() == [40]
     models = {"extended": found.extended}
-    clean, off, told = (
+    clean, off, stated = (
         path_errors(m.study, compiled(plates()), models, [one, *test[1:]]).rmse_m["extended"]
         for one in (test[0], replace(unsure, noise=test[0].noise), unsure)
     )
     assert off > 1.05 * clean
-    assert told == pytest.approx(clean, rel=0.01)
+    assert stated == pytest.approx(clean, rel=0.01)
 
 
 def first_seen(series: Series) -> np.ndarray:

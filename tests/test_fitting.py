@@ -12,12 +12,11 @@ from bluekoi.fitting import (
     Free,
     Noise,
     Series,
+    block_averaged,
     filter_all,
     filter_series,
     fit,
     fit_noise,
-    thinned,
-    with_forces_of,
 )
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import likelihood_slopes, linearised, log_likelihood
@@ -181,16 +180,6 @@ def test_a_fit_takes_its_last_step_and_tells_what_it_brought() -> None:
     assert abs(rough.normal.gradient.sum()) < 0.02 / std
 
 
-def test_forces_of_another_noise_leave_the_measuring_part() -> None:
-    kernel = compiled(SYSTEM)
-    ours = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.full(1, 1.5))
-    other = Noise(np.array([0.2, 0.03]), np.array([0.8, 0.4]), np.full(1, 2.0))
-    found = with_forces_of(kernel, ours, other)
-    assert found.disturbance.tolist() == [0.2, 0.012]
-    assert found.tau.tolist() == [0.8, 0.15]
-    assert found.scale.tolist() == [1.5]
-
-
 def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
     fine = 10
     dt = STEP_S / fine
@@ -207,10 +196,10 @@ def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
     return seen
 
 
-def test_thinning_does_not_bias_a_curve() -> None:
+def test_block_averaging_does_not_bias_a_curve() -> None:
     times = np.arange(0, 6, 1 / 30)
     one = replace(a_series(0.2 * times**2, 1 / 30))
-    few = thinned(one)
+    few = block_averaged(one)
     assert 55 < len(few.times) < 65
     assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=1e-12)
     assert few.times[0] == 0
@@ -218,10 +207,10 @@ def test_thinning_does_not_bias_a_curve() -> None:
 
 
 def test_no_block_reaches_over_frames_that_are_absent() -> None:
-    """Six rows missing: a block over them lay 2 mm off its curve, and was taken for a knock."""
+    """Six rows missing: a block over them lay 2 mm off its curve, as if displaced."""
     times = np.delete(np.arange(0, 6, 1 / 30), range(60, 66))
     one = replace(a_series(0.2 * times**2, 1 / 30), times=times)
-    few = thinned(one)
+    few = block_averaged(one)
     assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=3e-4)
     assert not np.any((few.times > times[59] + 1e-9) & (few.times < times[60] - 1e-9))
 
@@ -230,7 +219,7 @@ def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
     seen = np.ones(180)
     seen[60:75] = np.nan
     one = a_series(seen, 1 / 30)
-    few = thinned(one, constant=(0,))
+    few = block_averaged(one, constant=(0,))
     assert np.isnan(few.seen[:, 0]).sum() in (4, 5)
     assert np.sum(1 / few.noise[:, 0, 0]) == pytest.approx(np.sum(1 / one.noise[:, 0, 0]))
 
@@ -240,13 +229,13 @@ def test_what_is_constant_is_told_as_surely_with_the_first_frame_unseen() -> Non
     seen[0] = np.nan
     one = a_series(seen, 1 / 30)
     one.noise[0] = np.eye(1)
-    few = thinned(one, constant=(0,))
+    few = block_averaged(one, constant=(0,))
     assert few.noise[-1, 0, 0] == pytest.approx(one.noise[-1, 0, 0] * len(few.times) / 180)
 
 
 def test_thinning_leaves_slow_series_alone() -> None:
     one = a_series(np.ones(100), 0.1)
-    assert thinned(one) is one
+    assert block_averaged(one) is one
 
 
 def test_noise_must_be_positive() -> None:

@@ -204,7 +204,7 @@ def test_motor_log(data, study, folder):
 @settings(checked, max_examples=max(CASES // 6, 6))
 @given(data=st.data())
 def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, compiled, folder):
-    """Through pose, smoothing and steady state: whatever is wrong is told as the file's fault."""
+    """Through pose, smoothing and steady state: every error is reported as one of the file."""
     other, results = folder / "stages", folder / "results"
     if not other.exists():
         shutil.copytree(compiled, other)
@@ -330,7 +330,7 @@ def test_names_in_a_study_cannot_reach_shell_page_or_other_folders(study, folder
 
 @pytest.mark.long
 def test_ten_thousand_cases():
-    """Each target in a process of its own, so that a crash of a library is told too."""
+    """Each target in a process of its own, so that a crash of a library is reported too."""
     each = -(-10_000 // TARGETS)
     run = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__],

@@ -1,4 +1,4 @@
-"""A camera that moved is told from one that stood, whatever the light and the noise."""
+"""A moved camera is distinguished from a fixed one, whatever the light and the noise."""
 
 from __future__ import annotations
 

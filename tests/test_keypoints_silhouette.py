@@ -162,7 +162,7 @@ def test_stated_covariances_have_the_right_width():
 
 
 def test_a_straight_robot_is_learned_in_moving_light():
-    """Parts of it alone stand out; head and tail are told apart, nothing wrong is believed."""
+    """Parts of it alone stand out; head and tail are distinguished, nothing wrong is believed."""
     film, setup, trial, truth = rendered("hard", STRAIGHT, every=3)
     found = silhouette.detect(lambda: film, setup, trial)
     off = errors(found, truth)

@@ -1,4 +1,4 @@
-"""How wrong a fit is, told from the offsets it leaves: the variances and covariance put in."""
+"""Errors of a fit, estimated from its residuals: the variances and covariance put in."""
 
 from __future__ import annotations
 

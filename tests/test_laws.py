@@ -13,7 +13,7 @@ from bluekoi.mismatch.laws import OWN, bins, cause_laws
 from bluekoi.mismatch.locate import missing_force
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
-from bluekoi.tuning.joint import thin, tune
+from bluekoi.tuning.joint import downsampled, tune
 from campaigns import Errors, sixteen
 from campaigns import plans as plans_of
 
@@ -24,12 +24,12 @@ N_R = 0.02
 def laws():
     """Laws of a model with a damping N_r = 0.02 +- 0.001 N m s put into it."""
     wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
-    series = thin(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+    series = downsampled(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
     free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
     found = tune(series, free)
     values, cov = found.fit.values.copy(), np.zeros((7, 7))
     values[-1], cov[-1, -1] = N_R, 0.001**2
-    found = replace(found, fit=replace(found.fit, values=values), cov=cov, freedom=None)
+    found = replace(found, fit=replace(found.fit, values=values), cov=cov, df=None)
     kernel = compiled(plates())
     forces = missing_force(kernel, series, found.trial_values(kernel, series), found.noise)
     trials = {p.name: Trial(trial_id=p.name, source="a.csv", power_pct=100, fps=30.0,

@@ -33,41 +33,41 @@ def seen(tmp_path_factory):
     return study, trial, map_keypoints(pool_camera(study.setup), found, depth)
 
 
-def told(study, trial, positions):
+def messages(study, trial, positions):
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     return [str(one) for one in implausible(study, trial, positions, pose)]
 
 
 def test_a_good_trial_passes(seen):
-    assert told(*seen) == []
+    assert messages(*seen) == []
 
 
 def test_scale_errors_are_left_to_the_search(seen):
     study, trial, positions = seen
-    assert told(study, trial, replace(positions, xy_m=1.2 * positions.xy_m)) == []
+    assert messages(study, trial, replace(positions, xy_m=1.2 * positions.xy_m)) == []
 
 
 def test_another_head_s_length_is_named(seen):
     study, trial, positions = seen
-    (text,) = told(study, trial.model_copy(update={"head_length_m": 0.175}), positions)
+    (text,) = messages(study, trial.model_copy(update={"head_length_m": 0.175}), positions)
     assert "head_tip to hinge of 120 mm; expected 175 mm" in text.replace(" in the pool", "")
 
 
 def test_the_wrong_side_is_named(seen):
     study, trial, positions = seen
-    (text,) = told(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
+    (text,) = messages(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
     assert "a head angle of 30 degrees" in text
     assert "expected head_angle_deg -30" in text
     assert "The sign is the other one: write head_angle_deg 30" in text
     assert "are x and y exchanged" in text
-    (text,) = told(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
+    (text,) = messages(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
     assert "Is it another trial's row?" in text
 
 
 def test_exchanged_keypoints_are_named(seen):
     study, trial, positions = seen
     names = ("tail_base", "core_center", "hinge", "head_tip", "tail_tip")
-    texts = told(study, trial, replace(positions, names=names))
+    texts = messages(study, trial, replace(positions, names=names))
     assert "core_center to tail_base of 120 mm" in " ".join(texts)
     assert "each keypoint bear its own name" in texts[0]
 
@@ -76,7 +76,7 @@ def test_a_cut_in_the_recording_is_named(seen):
     study, trial, positions = seen
     xy = positions.xy_m.copy()
     xy[60:] += (0.3, 0.1)
-    (text,) = told(study, trial, replace(positions, xy_m=xy))
+    (text,) = messages(study, trial, replace(positions, xy_m=xy))
     assert "jumps 0.3" in text
     assert "keypoints/T10.csv" in text
 
@@ -84,7 +84,7 @@ def test_a_cut_in_the_recording_is_named(seen):
 def test_a_robot_that_swims_backwards_is_named(seen):
     study, trial, positions = seen
     back = replace(positions, xy_m=positions.xy_m[::-1].copy())
-    assert "a robot that swims backwards for 1." in told(study, trial, back)[0]
+    assert "a robot that swims backwards for 1." in messages(study, trial, back)[0]
 
 
 def test_an_outlier_that_comes_back_or_a_gap_is_no_jump():
@@ -170,10 +170,11 @@ def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doub
 
 def test_a_robot_outside_of_the_pool_is_named(seen):
     study, trial, positions = seen
-    (text,) = told(study, trial, replace(positions, xy_m=positions.xy_m + np.array([2.0, 0.0])))
+    (text,) = messages(study, trial, replace(positions, xy_m=positions.xy_m + np.array([2.0, 0.0])))
     assert "a robot outside of the pool, near x = 3" in text
     assert "pool_corners_px those of this recording?" in text
-    assert told(study, trial, replace(positions, xy_m=positions.xy_m + np.array([0.2, 0.0]))) == []
+    inside = replace(positions, xy_m=positions.xy_m + np.array([0.2, 0.0]))
+    assert messages(study, trial, inside) == []
 
 
 def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):

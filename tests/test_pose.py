@@ -254,7 +254,7 @@ def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(offset_m,
     bend = np.unwrap(pose.values[:, 2]) - psi
     bend -= 2 * np.pi * np.round(np.median(bend) / (2 * np.pi))
     # least squares turn the axis of hinge, core centre and tail base (40, 0 and -171 mm) by
-    # aside * 43.7 mm / 25 130 mm2
+    # sideways * 43.7 mm / 25 130 mm2
     assert np.median(bend) == pytest.approx(offset_m * 0.0437 / 0.02513, abs=0.002)
     assert np.std(bend) < 0.012
     assert any("core_center" in r and "marked in the wrong place" in r for r in pose.remarks)

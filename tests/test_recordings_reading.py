@@ -100,9 +100,9 @@ def test_a_fish_trial_brings_its_tail_beat_and_its_condition(tmp_path):
     assert one.times[0] == 0.0
     by_beats = fish.by_beats(one)
     assert np.diff(by_beats.times) == pytest.approx(1 / 2.1, abs=0.04)
-    told = dict(zip(("bias", "amplitude"), np.radians([-20.0, 25.0]), strict=True))
-    told |= {"beat_hz": one.beat_hz, "recoil": one.recoil_rad}
-    assert {name: values[0] for name, values in by_beats.inputs.items()} == pytest.approx(told)
+    commanded = dict(zip(("bias", "amplitude"), np.radians([-20.0, 25.0]), strict=True))
+    commanded |= {"beat_hz": one.beat_hz, "recoil": one.recoil_rad}
+    assert {name: values[0] for name, values in by_beats.inputs.items()} == pytest.approx(commanded)
     assert one.recoil_rad == pytest.approx(0.05, rel=0.1)  # as `fish_folder` makes it
 
 

@@ -181,7 +181,7 @@ def test_the_page_contains_every_result(tmp_path, found):
         "-10.0 %",
         "predicted",
         "0.104",
-        "80.5",
+        "98 %",
         "Held out: T02",
         "It does not swim straight",
     ):

@@ -84,12 +84,12 @@ def test_a_larger_picture_shows_the_same_field() -> None:
     assert np.allclose((large + 0.5) / 2 - 0.5, project(camera, points), atol=1e-9)
 
 
-def test_a_knock_moves_the_picture_by_its_angle() -> None:
+def test_a_displacement_moves_the_picture_by_its_angle() -> None:
     camera = replace(gopro_like(), rotation=looking_down(0, 0, 0), distortion=(0.0,) * 5)
-    knocked = nudged(camera, (0.0, 0.0, 0.0), (0.0, 0.25, 0.0))
+    displaced = nudged(camera, (0.0, 0.0, 0.0), (0.0, 0.25, 0.0))
     middle = to_pool(camera, np.array([camera.middle_px]), 0.0)
     place = np.array([[middle[0, 0], middle[0, 1], 0.0]])
-    moved = project(knocked, place)[0] - np.array(camera.middle_px)
+    moved = project(displaced, place)[0] - np.array(camera.middle_px)
     assert np.hypot(*moved) == pytest.approx(camera.focal_px[0] * np.tan(np.radians(0.25)))
 
 

@@ -1,4 +1,4 @@
-"""What is said of numbers at a bound, of wide ones, and of those that one trial alone tells of."""
+"""Statements on parameters at a bound, undetermined, or known from one trial only."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import exact_campaign as exact
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Fit, Free, Normal, moving, spread_over_trials
+from bluekoi.fitting import Fit, Free, Normal, cluster_covariance, off_bounds
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
 from bluekoi.report import identifiability, tables
 from bluekoi.study import Study, Trial
-from bluekoi.tuning import cell, table, table_1, thin, three_steps, tune
+from bluekoi.tuning import cell, downsampled, table, table_1, three_steps, tune
 from bluekoi.tuning.joint import FIRST_NOISE, Tuned
 from bluekoi.tuning.results import straight_swimming
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
@@ -40,8 +40,8 @@ def tuned(
     push[2] = pull * widths * TRUTH[2]
     normal = Normal(H, g + H @ push, np.zeros(trials))
     found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
-    spread = spread_over_trials(normal, moving(kernel, found))
-    return Tuned(found, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom)
+    spread = cluster_covariance(normal, off_bounds(kernel, found))
+    return Tuned(found, FIRST_NOISE, spread.cov, plates().values({}), spread.df)
 
 
 def at_lower_bound(pull: float, **more: float) -> Tuned:
@@ -51,15 +51,15 @@ def at_lower_bound(pull: float, **more: float) -> Tuned:
 
 
 def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> None:
-    told = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
-    low, high = told["interval_95"]
-    assert told["std"] is None
-    assert told["at_bound"] == "lower"
-    assert low == told["value"]
+    row = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
+    low, high = row["interval_95"]
+    assert row["std"] is None
+    assert row["at_bound"] == "lower"
+    assert low == row["value"]
     assert high > low
-    assert not told["determined"]
-    assert "at its bound" in told["why"]
-    assert f"{high:.3g}" in told["why"]
+    assert not row["determined"]
+    assert "at its bound" in row["why"]
+    assert f"{high:.3g}" in row["why"]
     others = [c for n, c in table(at_lower_bound(-1.0)).items() if n != "C_Da"]
     assert all(c["std"] > 0 and "at_bound" not in c for c in others)
 
@@ -67,27 +67,27 @@ def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> No
 def test_the_one_sided_interval_ends_where_it_would_without_the_bound() -> None:
     fit = at_lower_bound(0.5, widths=0.1)
     free = replace(fit.fit.normal, gradient=tuned(TRUTH, widths=0.1).fit.normal.gradient)
-    half = spread_over_trials(free).half_widths()[2]
+    half = cluster_covariance(free).half_widths()[2]
     low, high = cell(fit, 2)["interval_95"]
     assert high - low == pytest.approx(0.5 * 0.1 * TRUTH[2] + half, rel=1e-6)
 
 
 def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() -> None:
-    told = cell(at_lower_bound(-40.0), 2)
-    assert told["interval_95"] == [None, None]
-    assert told["std"] is None
-    assert "physics that is not in the model" in told["why"]
+    row = cell(at_lower_bound(-40.0), 2)
+    assert row["interval_95"] == [None, None]
+    assert row["std"] is None
+    assert "physics that is not in the model" in row["why"]
 
 
 def test_the_percentage_that_is_told_is_that_of_the_interval() -> None:
     wide = tuned(TRUTH, widths=2.0)
-    for told in table(wide).values():
-        low, high = told["interval_95"]
-        assert not told["determined"]
-        assert told["why"].startswith("half of its 95 % interval is ")
-        percent = float(told["why"].split(" is ")[1].split(" %")[0])
-        assert percent == pytest.approx(50 * (high - low) / abs(told["value"]), abs=0.6) or (
-            "usual size" in told["why"]
+    for row in table(wide).values():
+        low, high = row["interval_95"]
+        assert not row["determined"]
+        assert row["why"].startswith("half of its 95 % interval is ")
+        percent = float(row["why"].split(" is ")[1].split(" %")[0])
+        assert percent == pytest.approx(50 * (high - low) / abs(row["value"]), abs=0.6) or (
+            "usual size" in row["why"]
         )
 
 
@@ -103,19 +103,19 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     fit = tuned(TRUTH)
     H, g = fit.fit.normal.hessian.copy(), fit.fit.normal.gradient.copy()
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
-    spread = spread_over_trials(Normal(H, g, np.zeros(12)))
-    told = table(Tuned(replace(fit.fit, normal=Normal(H, g, np.zeros(12))), fit.noise, spread.cov,
-                       fit.base, spread.freedom))  # fmt: skip
-    assert told["C_Da"]["std"] is None
-    assert told["C_Da"]["interval_95"] == [None, None]
-    assert "only one trial determines it" in told["C_Da"]["why"]
-    assert told["C_T"]["determined"]
+    spread = cluster_covariance(Normal(H, g, np.zeros(12)))
+    row = table(Tuned(replace(fit.fit, normal=Normal(H, g, np.zeros(12))), fit.noise, spread.cov,
+                       fit.base, spread.df))  # fmt: skip
+    assert row["C_Da"]["std"] is None
+    assert row["C_Da"]["interval_95"] == [None, None]
+    assert "only one trial determines it" in row["C_Da"]["why"]
+    assert row["C_T"]["determined"]
 
 
 @pytest.fixture(scope="module")
 def one_turn() -> tuple[Study, list]:
     wanted = plans((75,), ((30.0, 0.12),))
-    series = thin(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+    series = downsampled(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
     trials = [
         Trial(
             trial_id=p.name,
@@ -135,10 +135,10 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(on
     steps, _, _ = three_steps(study, series, {})
     joint = table(tune(series))
     for cells in (joint, steps["75"]["coefficients"]):
-        for name, told in cells.items():
-            assert not told["determined"], name
-            assert told["std"] is None or "at_bound" in told
-            assert "one trial" in told["why"] or "at its bound" in told["why"]
+        for name, row in cells.items():
+            assert not row["determined"], name
+            assert row["std"] is None or "at_bound" in row
+            assert "one trial" in row["why"] or "at its bound" in row["why"]
     one = table_1(steps)
     assert np.isnan(one["C_T_std_m2"][0])
     assert "C_T_upper_95_m2" in one
@@ -148,10 +148,10 @@ def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
     study, series = one_turn
     joint = tune(series)
     steps = {"75": {"flap_hz": 3.4}}
-    told = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
-    assert told["stable"] is None
-    assert told["interval_95"] is None
-    assert "fewer than two turning trials" in told["sentence"]
+    row = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
+    assert row["stable"] is None
+    assert row["interval_95"] is None
+    assert "fewer than two turning trials" in row["sentence"]
 
 
 @pytest.fixture

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Series, moving, spread_over_trials
+from bluekoi.fitting import Series, cluster_covariance, off_bounds
 from bluekoi.fitting.joint import AT_BOUND
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import Tuned, table, thin, tune
+from bluekoi.tuning import Tuned, downsampled, table, tune
 from bluekoi.tuning.identify import profiles, sizes, spectrum
 from bluekoi.tuning.new_trial import c_optimal_trial, imaginable
-from bluekoi.tuning.turns import open_without_turns, outcome
-from bluekoi.tuning.words import undetermined
+from bluekoi.tuning.turning_trials import outcome, undetermined_without_turns
+from bluekoi.tuning.undetermined import undetermined_combinations
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
 from robots import SETUP
 
@@ -24,14 +24,14 @@ NAMES = tuple(COEFFICIENTS)
 
 @pytest.fixture(scope="module")
 def campaign() -> list[Series]:
-    return thin(sixteen(plans((50, 100)), Errors(), np.random.default_rng(7), count=1)[0])
+    return downsampled(sixteen(plans((50, 100)), Errors(), np.random.default_rng(7), count=1)[0])
 
 
 @pytest.fixture(scope="module")
 def straight() -> list[Series]:
     made = sixteen(plans((50, 100), ((0.0, 0.12), (0.0, 0.12))), Errors(push=(1e-4, 1e-4, 1e-6)),
                    np.random.default_rng(8), count=1)  # fmt: skip
-    return thin(made[0])
+    return downsampled(made[0])
 
 
 def test_spectrum_covers_all_directions_the_least_determined_first(campaign) -> None:
@@ -46,12 +46,12 @@ def test_spectrum_covers_all_directions_the_least_determined_first(campaign) -> 
 
 def test_straight_runs_leave_the_turning_coefficients_open_and_say_so(straight) -> None:
     joint = tune(straight)
-    told = undetermined(straight, joint, SETUP)
-    assert told
-    named = " ".join(t["combination"] for t in told)
+    combinations = undetermined_combinations(straight, joint, SETUP)
+    assert combinations
+    named = " ".join(t["combination"] for t in combinations)
     assert "C_Da" in named or "C_Md" in named
-    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in told)
-    assert any(t["trial"].startswith("a turn at") for t in told), told
+    assert any("Straight runs hold alpha at 0" in t["sentence"] for t in combinations)
+    assert any(t["trial"].startswith("a turn at") for t in combinations), combinations
 
 
 def test_the_trial_that_is_named_does_help(straight) -> None:
@@ -71,21 +71,21 @@ def at_bounds(straight) -> Tuned:
     kernel, found = compiled(plates()), tune(straight)
     values = np.array([BOUNDS.get(n, v) for n, v in found.fit.by_label().items()])
     fit = replace(found.fit, values=values, outcome=AT_BOUND)
-    spread = spread_over_trials(fit.normal, moving(kernel, fit))
-    return Tuned(fit, found.noise, spread.cov, found.base, spread.freedom, spread.influence)
+    spread = cluster_covariance(fit.normal, off_bounds(kernel, fit))
+    return Tuned(fit, found.noise, spread.cov, found.base, spread.df, spread.influence)
 
 
 def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds) -> None:
     """With C_Da 40 and C_Ma -1 imagined turns run away; nan is no recommendation."""
-    told = undetermined(straight, at_bounds, SETUP)
-    assert len(told) >= 4
-    for one in told:
+    combinations = undetermined_combinations(straight, at_bounds, SETUP)
+    assert len(combinations) >= 4
+    for one in combinations:
         assert "nan" not in one["trial"]
     for one in spectrum(at_bounds):
         trial = c_optimal_trial(straight, at_bounds, SETUP, one)
         assert trial is not None
         assert 0.0 <= trial.left <= 1.0
-    assert any(t["trial"].startswith("a turn at") for t in told)
+    assert any(t["trial"].startswith("a turn at") for t in combinations)
 
 
 def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) -> None:
@@ -98,11 +98,11 @@ def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) 
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:
-    told = outcome(at_bounds, straight)
-    assert "turns are lacking" in told
-    assert "C_Da, C_Ma, C_Md" in told
-    assert "physics" not in told
-    table_ = open_without_turns(table(at_bounds), straight)
+    text = outcome(at_bounds, straight)
+    assert "turns are lacking" in text
+    assert "C_Da, C_Ma, C_Md" in text
+    assert "physics" not in text
+    table_ = undetermined_without_turns(table(at_bounds), straight)
     assert "no turns" in table_["C_Da"]["why"]
     assert outcome(at_bounds, campaign) == AT_BOUND
 
@@ -117,27 +117,28 @@ def test_spectrum_has_the_widths_of_the_table(campaign) -> None:
     joint = tune(campaign)
     size = sizes(joint)
     for one in spectrum(joint):
-        half = joint.spread.half_width(one.direction / size)
+        half = joint.covariance.half_width(one.direction / size)
         assert one.std == pytest.approx(max(half / 1.96, one.naive))
-    widths = [joint.spread.half_width(unit) for unit in np.eye(6)]
-    assert widths == pytest.approx(joint.spread.half_widths())
+    widths = [joint.covariance.half_width(unit) for unit in np.eye(6)]
+    assert widths == pytest.approx(joint.covariance.half_widths())
 
 
 def test_one_trial_determines_no_combination(campaign) -> None:
     turn = [next(s for s in campaign if abs(s.inputs[0, 0]) > 0.5)]
     joint = tune(turn)
     assert not any(one.determined for one in spectrum(joint))
-    told = undetermined(turn, joint, SETUP)
-    assert len(told) == 6
-    assert any("Only one trial determines it" in one["sentence"] for one in told)
+    combinations = undetermined_combinations(turn, joint, SETUP)
+    assert len(combinations) == 6
+    assert any("Only one trial determines it" in one["sentence"] for one in combinations)
 
 
 def test_what_one_trial_of_several_tells_is_to_be_swum_once_more(campaign) -> None:
     """Two straight runs and one turn: the turn again."""
     few = [*[s for s in campaign if s.inputs[0, 0] == 0.0][:2],
            next(s for s in campaign if abs(s.inputs[0, 0]) > 0.5)]  # fmt: skip
-    told = undetermined(few, tune(few), SETUP)
-    assert any(one["trial"].startswith(f"a repeat of {few[2].name}") for one in told), told
+    combinations = undetermined_combinations(few, tune(few), SETUP)
+    advice = [one["trial"] for one in combinations]
+    assert any(a.startswith(f"a repeat of {few[2].name}") for a in advice), advice
 
 
 def test_profile_has_its_top_at_the_fit_and_agrees_with_the_fisher_matrix(campaign) -> None:
@@ -159,5 +160,5 @@ def test_a_well_planned_campaign_determines_what_it_should(campaign) -> None:
     truth = np.array([COEFFICIENTS[n] for n in NAMES])
     inside = (joint.interval_95[:, 0] <= truth) & (truth <= joint.interval_95[:, 1])
     assert inside.sum() >= 5
-    assert joint.freedom is not None
-    assert np.all((joint.freedom > 1) & (joint.freedom < 12))
+    assert joint.df is not None
+    assert np.all((joint.df > 1) & (joint.df < 12))

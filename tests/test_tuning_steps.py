@@ -9,22 +9,22 @@ import pytest
 from test_tuning_bounds import at_lower_bound
 
 from bluekoi.fitting import (
+    ClusterCovariance,
     Fit,
     Free,
     Normal,
     Series,
-    Spread,
+    cluster_covariance,
     ensemble,
-    moving,
-    spread_over_trials,
+    off_bounds,
 )
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import Tuned, thin, tune
-from bluekoi.tuning.carried import carried, gain
-from bluekoi.tuning.draws import along, drawn
+from bluekoi.tuning import Tuned, downsampled, tune
+from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint import FIRST_NOISE
 from bluekoi.tuning.paper_steps import _second, draws
+from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
 from campaigns import Errors, plans, sixteen
 
 FRAMES = 20
@@ -32,11 +32,9 @@ PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 
 
 def given(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
-    spread = spread_over_trials(normal, **more)  # type: ignore[arg-type]
+    spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return Tuned(
-        fit, FIRST_NOISE, spread.cov, plates().values({}), spread.freedom, spread.influence
-    )
+    return Tuned(fit, FIRST_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
 
 
 def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
@@ -48,11 +46,11 @@ def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
     own = X2[:, :, 1:]
     second, left2 = least_squares(own, y2 - X2[:, :, 0] * first)
     H = np.einsum("tnp,tnq->pq", X2, X2)
-    along = -np.linalg.solve(H[1:, 1:], H[1:, :1])
+    sensitivity = -np.linalg.solve(H[1:, 1:], H[1:, :1])
     return (
         given(second, ["C_La", "C_Ma"], equations(own, left2)),
         given(first, ["C_D0"], equations(X1, left1)),
-        along,
+        sensitivity,
     )
 
 
@@ -71,34 +69,34 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
     rng = np.random.default_rng(6)
     plain, whole = [], []
     for _ in range(500):
-        later, earlier, along = two_steps(rng)
-        whole_one = carried(later, earlier, along)
+        later, earlier, sensitivity = two_steps(rng)
+        whole_one = with_step_covariance(later, earlier, sensitivity)
         off = np.abs(later.fit.values)
-        plain.append(off <= later.spread.half_widths())
-        whole.append(off <= whole_one.spread.half_widths())
+        plain.append(off <= later.covariance.half_widths())
+        whole.append(off <= whole_one.covariance.half_widths())
     assert np.mean(plain, axis=0)[0] < 0.75, "C_La leans on the number that was taken as exact"
     assert np.mean(whole, axis=0) == pytest.approx([0.95, 0.95], abs=0.03)
 
 
 def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() -> None:
-    later, earlier, along = two_steps(np.random.default_rng(7))
-    unknown = replace(earlier, freedom=np.zeros(1), influence=None)
-    assert carried(later, unknown, along).freedom[0] == 0.0
-    nothing = carried(later, earlier, 0.0 * along)
+    later, earlier, sensitivity = two_steps(np.random.default_rng(7))
+    unknown = replace(earlier, df=np.zeros(1), influence=None)
+    assert with_step_covariance(later, unknown, sensitivity).df[0] == 0.0
+    nothing = with_step_covariance(later, earlier, 0.0 * sensitivity)
     assert nothing.cov == pytest.approx(later.cov)
-    assert nothing.freedom == pytest.approx(later.freedom)
+    assert nothing.df == pytest.approx(later.df)
 
 
 @pytest.fixture(scope="module")
 def steps() -> tuple[list[Series], Tuned, Tuned]:
-    few = thin(sixteen(plans((75,), PLAN), Errors(), np.random.default_rng(5), count=1)[0])
-    first = tune(few[:2], [Free("C_T"), Free("C_D0")], least=1.0)
+    few = downsampled(sixteen(plans((75,), PLAN), Errors(), np.random.default_rng(5), count=1)[0])
+    first = tune(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
     return few[2:], first, _second(few[2:], first)
 
 
 def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> None:
     turns, first, second = steps
-    along = gain(turns, second, first)
+    sensitivity = step_sensitivity(turns, second, first)
     change = 0.02 * first.fit.values[1]
 
     def refitted(by: float) -> np.ndarray:
@@ -109,12 +107,12 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> 
 
     # half the difference of two refits: how far one fit stops from its optimum cancels
     moved = 0.5 * (refitted(change) - refitted(-change))
-    size = np.abs(along[:, 1] * change)
+    size = np.abs(sensitivity[:, 1] * change)
     reported = size > 0.1 * second.std
     assert reported.any()
-    assert moved[reported] == pytest.approx(along[reported, 1] * change, rel=0.25)
-    whole = carried(second, first, along)
-    assert whole.cov == pytest.approx(second.cov + along @ first.cov @ along.T)
+    assert moved[reported] == pytest.approx(sensitivity[reported, 1] * change, rel=0.25)
+    whole = with_step_covariance(second, first, sensitivity)
+    assert whole.cov == pytest.approx(second.cov + sensitivity @ first.cov @ sensitivity.T)
     assert np.all(whole.std >= second.std)
 
 
@@ -126,11 +124,11 @@ def test_no_variance_of_a_step_is_less_than_the_naive_one(steps) -> None:
 
 def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(steps) -> None:
     turns, first, second = steps
-    along = gain(turns, second, first)
+    sensitivity = step_sensitivity(turns, second, first)
     tight = replace(second, cov=1e-12 * second.cov)
-    found = draws((first, tight), along, np.random.default_rng(1))
+    found = draws((first, tight), sensitivity, np.random.default_rng(1))
     moved = np.column_stack([found[n] for n in ("C_T", "C_D0")]) - first.fit.values
-    expected = second.fit.values[0] + moved @ along[0]
+    expected = second.fit.values[0] + moved @ sensitivity[0]
     near = np.abs(expected - second.fit.values[0]) < 1.0
     assert near.sum() > 30
     assert np.array(found["C_La"])[near] == pytest.approx(expected[near], abs=1e-3)
@@ -139,7 +137,7 @@ def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(steps) -> None:
 def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
     std = np.array([0.1, 0.02, 0.3])
     near = np.array([[1.0, 0.9994, 0.2], [0.9994, 1.0, 0.2], [0.2, 0.2, 1.0]])
-    spread = Spread(near * np.outer(std, std), np.array([2.0, 2.02, 12.0]))
+    spread = ClusterCovariance(near * np.outer(std, std), np.array([2.0, 2.02, 12.0]))
     values = np.array([1.0, 2.0, 3.0])
     fit = Fit(tuple(Free(n) for n in ("C_La", "C_Ma", "C_Da")), values,
               Normal(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)), "", 1)  # fmt: skip
@@ -155,19 +153,19 @@ def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
 def test_a_number_at_its_bound_varies_over_its_interval_and_the_others_go_along() -> None:
     fit = at_lower_bound(-0.5, widths=0.1)
     low, high = fit.interval_95[2]
-    rows = drawn(fit, 4000, np.random.default_rng(3))
+    rows = sample_parameters(fit, 4000, np.random.default_rng(3))
     assert rows[:, 2].min() >= low
     assert rows[:, 2].max() <= high
     assert rows[:, 2].max() - rows[:, 2].min() > 0.8 * (high - low)
     assert np.mean(rows[:, 2] < 0.5 * (low + high)) > 0.5
     slope = np.cov(rows[:, 2], rows[:, 3])[0, 1] / np.var(rows[:, 2])
     wide = np.std(rows[:, 3]) / np.std(rows[:, 2]) / np.sqrt(4000)
-    assert slope == pytest.approx(along(fit.fit, [2])[3, 0], abs=5 * wide)
-    assert not moving(compiled(plates()), fit.fit)[2]
+    assert slope == pytest.approx(response_to_bounded(fit.fit, [2])[3, 0], abs=5 * wide)
+    assert not off_bounds(compiled(plates()), fit.fit)[2]
 
 
 def test_a_number_beyond_its_bound_alone_stays_there() -> None:
     fit = at_lower_bound(-50.0, widths=0.1)
     assert np.isnan(fit.interval_95[2]).all()
-    rows = drawn(fit, 50, np.random.default_rng(3))
+    rows = sample_parameters(fit, 50, np.random.default_rng(3))
     assert np.all(rows[:, 2] == fit.fit.values[2])

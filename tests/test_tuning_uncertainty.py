@@ -8,11 +8,11 @@ import pytest
 from bluekoi.fitting import (
     Normal,
     TrialRandomEffect,
-    jackknife_cov,
-    scatter_cov,
-    spread_over_trials,
+    cluster_covariance,
+    cov_hc2,
+    cov_jackknife,
 )
-from bluekoi.fitting.resampling import LEAST_LEFT, RIDGE
+from bluekoi.fitting.resampling import MIN_REMAINING, RIDGE
 from bluekoi.fitting.sandwich import _cr2_adjustment
 
 TRUTH = np.array([1.0, -0.5, 0.3])
@@ -40,8 +40,8 @@ def shares(trials: int, count: int = 800) -> dict[str, np.ndarray]:
     for _ in range(count):
         values, normal = fitted(trials, rng)
         off = np.abs(values - TRUTH)
-        inside["disagreement"].append(off <= spread_over_trials(normal).half_widths())
-        inside["jackknife"].append(off <= 1.96 * np.sqrt(np.diag(jackknife_cov(normal))))
+        inside["disagreement"].append(off <= cluster_covariance(normal).half_widths())
+        inside["jackknife"].append(off <= 1.96 * np.sqrt(np.diag(cov_jackknife(normal))))
         naive = np.linalg.inv(normal.hessian.sum(axis=0))
         inside["naive"].append(off <= 1.96 * np.sqrt(np.diag(naive)))
     return {name: np.mean(rows, axis=0) for name, rows in inside.items()}
@@ -54,7 +54,7 @@ def test_95_percent_intervals_hold_the_truth_95_times_in_100(trials: int) -> Non
     assert np.all(found["naive"] < 0.85), "errors that last make the naive intervals too short"
 
 
-def test_degrees_of_freedom_tell_how_many_trials_speak() -> None:
+def test_degrees_of_freedom_count_the_informative_trials() -> None:
     """One number that two trials of ten inform, one that all do."""
     rng = np.random.default_rng(4)
     X = rng.standard_normal((10, FRAMES, 2))
@@ -63,20 +63,20 @@ def test_degrees_of_freedom_tell_how_many_trials_speak() -> None:
     e = rng.standard_normal((10, FRAMES))
     shift = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", X, e))
     g = np.einsum("tnp,tn->tp", X, e - X @ shift)
-    freedom = spread_over_trials(Normal(H, g, np.zeros(10))).freedom
-    assert freedom[0] == pytest.approx(1.0, abs=0.3)
-    assert 6 < freedom[1] < 9.5
+    df = cluster_covariance(Normal(H, g, np.zeros(10))).df
+    assert df[0] == pytest.approx(1.0, abs=0.3)
+    assert 6 < df[1] < 9.5
 
 
 def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> None:
     values, normal = fitted(12, np.random.default_rng(1))
     moving = np.array([True, False, True])
-    spread = spread_over_trials(normal, moving)
-    alone = spread_over_trials(
+    spread = cluster_covariance(normal, moving)
+    alone = cluster_covariance(
         Normal(normal.hessian[:, moving][:, :, moving], normal.gradient[:, moving], np.zeros(12))
     )
     assert np.all(spread.cov[1] == 0)
-    assert spread.freedom[1] == 0
+    assert spread.df[1] == 0
     assert spread.cov[np.ix_(moving, moving)] == pytest.approx(alone.cov)
     assert len(values) == 3
 
@@ -84,7 +84,7 @@ def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> 
 def test_one_trial_falls_back_on_what_it_says_of_itself() -> None:
     _, normal = fitted(12, np.random.default_rng(2))
     one = Normal(normal.hessian[:1], normal.gradient[:1], np.zeros(1))
-    assert spread_over_trials(one).cov == pytest.approx(np.linalg.inv(one.hessian[0]), rel=1e-6)
+    assert cluster_covariance(one).cov == pytest.approx(np.linalg.inv(one.hessian[0]), rel=1e-6)
 
 
 SERVO = 0.5
@@ -95,7 +95,7 @@ def with_an_error_of_each_trial(
 ) -> list[tuple[np.ndarray, Normal, TrialRandomEffect]]:
     """Fits to 18 trials of which three tell most; each has an error of its own that the fit lacks.
 
-    z is what that error does to the observations; it weighs most where most is told.
+    z is what that error does to the observations; it weighs most where the information is largest.
     """
     rng = np.random.default_rng(11)
     weight = np.where(np.arange(18) < 3, 6.0, 1.0)[:, None]
@@ -127,12 +127,12 @@ def test_variances_are_right_where_the_trials_that_tell_most_err_most() -> None:
     """Of the second number: three degrees of freedom as if all erred alike, really two."""
     fits = with_an_error_of_each_trial(400, SERVO)
     true = np.var([shift[1] for shift, _, _ in fits])
-    alike = [spread_over_trials(normal) for _, normal, _ in fits]
-    known = [spread_over_trials(normal, None, own) for _, normal, own in fits]
+    alike = [cluster_covariance(normal) for _, normal, _ in fits]
+    known = [cluster_covariance(normal, None, own) for _, normal, own in fits]
     short, right = (np.mean([s.cov[1, 1] for s in rows]) / true for rows in (alike, known))
     assert short < 0.75
     assert abs(right - 1.0) < 0.6 * abs(short - 1.0)
-    assert known[0].freedom[1] < alike[0].freedom[1]
+    assert known[0].df[1] < alike[0].df[1]
     half = np.array([s.half_widths() for s in known])
     inside = np.mean(np.abs([shift for shift, _, _ in fits]) <= half, axis=0)
     assert np.all(inside > 0.93), inside
@@ -156,9 +156,9 @@ def test_widened_scores_have_the_covariance_expected() -> None:
 def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
     for _, normal, own in with_an_error_of_each_trial(20, 0.0):
         nothing = TrialRandomEffect(own.cross, own.fisher, 0.0 * own.score)
-        same, white = spread_over_trials(normal, None, nothing), spread_over_trials(normal)
+        same, white = cluster_covariance(normal, None, nothing), cluster_covariance(normal)
         assert same.cov == pytest.approx(white.cov)
-        assert same.freedom == pytest.approx(white.freedom)
+        assert same.df == pytest.approx(white.df)
 
 
 def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known():
@@ -168,18 +168,18 @@ def test_scatter_of_scores_is_right_where_few_trials_hold_most_of_what_is_known(
     """
     rng = np.random.default_rng(8)
     size = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 10.0])
-    told = {scatter_cov: [], jackknife_cov: []}
+    std_ratios = {cov_hc2: [], cov_jackknife: []}
     for _ in range(400):
         J = rng.normal(size=(7, 8, 3)) * size[:, None, None] ** 0.5
         e = rng.normal(size=(7, 8))
         H = np.einsum("tnp,tnq->tpq", J, J)
         fit = np.linalg.solve(H.sum(axis=0), np.einsum("tnp,tn->p", J, e))
         g = np.einsum("tnp,tn->tp", J, e - J @ fit)
-        for cov, found in told.items():
+        for cov, found in std_ratios.items():
             C = cov(Normal(H, g, np.zeros(7)), np.ones(3, dtype=bool))
             found.append(np.trace(H.sum(axis=0) @ C) / 3)
-    assert np.mean(told[scatter_cov]) == pytest.approx(1.25, abs=0.08)
-    assert np.mean(told[jackknife_cov]) > 1.5 * 1.25
+    assert np.mean(std_ratios[cov_hc2]) == pytest.approx(1.25, abs=0.08)
+    assert np.mean(std_ratios[cov_jackknife]) > 1.5 * 1.25
 
 
 def test_a_number_at_its_bound_widens_no_other():
@@ -187,21 +187,21 @@ def test_a_number_at_its_bound_widens_no_other():
     rng = np.random.default_rng(5)
     one = np.array([[100.0, 99.9], [99.9, 100.0]])
     normal = Normal(np.repeat(one[None], 12, axis=0), rng.normal(0, 10, (12, 2)), np.zeros(12))
-    held = jackknife_cov(normal, np.array([True, False]))
+    held = cov_jackknife(normal, np.array([True, False]))
     alone = Normal(normal.hessian[:, :1, :1], normal.gradient[:, :1], normal.log_likelihood)
-    assert held[0, 0] == pytest.approx(jackknife_cov(alone)[0, 0])
+    assert held[0, 0] == pytest.approx(cov_jackknife(alone)[0, 0])
     assert held[1].tolist() == [0.0, 0.0]
 
 
 def test_a_direction_that_one_trial_alone_tells_of_does_not_blow_up():
-    """Ten trials tell of the first number, one of the second: its score is almost nothing."""
+    """Ten trials inform on the first parameter, one on the second: its score is almost nothing."""
     hessian = np.repeat(np.diag([10.0, 0.01])[None], 11, axis=0)
     hessian[4] = np.diag([10.0, 100.0])
     gradient = np.random.default_rng(3).normal(0, 10**0.5, (11, 2)) * [1.0, 0.1]
     gradient[:, 1] -= gradient[:, 1].mean()
-    cov = jackknife_cov(Normal(hessian, gradient, np.zeros(11)))
+    cov = cov_jackknife(Normal(hessian, gradient, np.zeros(11)))
     scores = np.abs(gradient[:, 1])
-    left = np.array([max(1 - h / 100.1, LEAST_LEFT) for h in hessian[:, 1, 1]])
+    left = np.array([max(1 - h / 100.1, MIN_REMAINING) for h in hessian[:, 1, 1]])
     bound = np.sum((scores / left / 100.1) ** 2) + 0.25 / 100.1
     assert cov[1, 1] <= 1.01 * bound
     assert cov[0, 0] > 0.25 / 110
@@ -217,4 +217,4 @@ def test_where_all_trials_tell_alike_the_jackknife_is_the_usual_one():
     rest = np.linalg.inv(hessian.sum(axis=0) + ridge - hessian)
     steps = np.einsum("tpq,tq->tp", rest, gradient)
     usual = 19 / 20 * steps.T @ steps + 0.25 * np.linalg.inv(hessian.sum(axis=0))
-    assert jackknife_cov(Normal(hessian, gradient, np.zeros(20))) == pytest.approx(usual)
+    assert cov_jackknife(Normal(hessian, gradient, np.zeros(20))) == pytest.approx(usual)

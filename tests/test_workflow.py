@@ -68,7 +68,7 @@ class Home:
         )
 
     def planned(self) -> dict[str, int]:
-        """How many trials, or jobs, of each rule a run would process now; `outcome` aside."""
+        """How many trials, or jobs, of each rule a run would process now, except `outcome`."""
         run = self.snakemake("--dry-run")
         rows = dict(re.findall(r"^(\w+) +(\d+)$", run.stdout + run.stderr, re.M))
         rows |= dict(re.findall(r"^(\w+) is due for (\d+)", run.stderr, re.M))
@@ -408,7 +408,7 @@ def forget_all(home: Home) -> None:
 
 @pytest.mark.long
 def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(done, home):
-    """Each kill hits a run at work; where one ends before, it is compared and begun anew."""
+    """Each kill hits a run at work; one that ends before is compared and started again."""
     undisturbed, rng, kills = results_of(done[0]), random.Random(7), 0
     forget_all(home)
     while kills < 20:

@@ -1,4 +1,4 @@
-"""Runs of the fish robot as the engine takes them, tracking faults set aside and counted."""
+"""Runs of the fish robot as the engine takes them, tracking errors removed and counted."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SWIMMING_M_S = 0.08
 class Run:
     """One run: frequency Hz, amplitude deg, lag; times (n,), places (n, 2) m, each seen once.
 
-    faults: places set aside since nothing swims there so fast; gap_s: longest time without light.
+    faults: positions removed, since nothing swims so fast; gap_s: longest time without light.
     """
 
     name: str
@@ -46,7 +46,7 @@ def read_folder(folder: Path) -> list[Trial]:
 
 
 def read_runs(folder: Path) -> list[Run]:
-    """The runs of a folder, their tracking faults set aside.
+    """The runs of a folder, their tracking errors removed.
 
     Raises: InputError where there is none.
     """

@@ -44,7 +44,7 @@ GEOMETRY = {
 2.66e-3 kg m2, tail joint 0.105 m behind the centre of mass; aerodynamic centre a quarter of the
 body behind its nose. No file of the recordings states them; coefficients scale with them.
 beat_hz0: the frequency at which the tail is seen to beat in straight swimming; recoil_share: mean
-of the body's yaw recoil over the tail amplitude told."""
+of the body's yaw recoil over the commanded tail amplitude."""
 
 
 def clock() -> tuple[float]:
@@ -53,7 +53,7 @@ def clock() -> tuple[float]:
 
 
 def drive(bias: float, amplitude: float, beat_hz0: float) -> tuple[float, float, float]:
-    """Tail bias phi (rad), amplitude a (rad), and one frequency f (Hz) for all, as it was told."""
+    """Tail bias phi (rad), amplitude a (rad), and one frequency f (Hz) for all, as commanded."""
     return bias, amplitude, beat_hz0
 
 

@@ -224,8 +224,8 @@ CAUSES = (
         "The water in the tank moves.",
         {"water": set_by},
         (
-            Parameter("c_x", "m/s", 0.003, -0.3, 0.3, "ahead"),
-            Parameter("c_y", "m/s", 0.003, -0.3, 0.3, "aside"),
+            Parameter("c_x", "m/s", 0.003, -0.3, 0.3, "along x"),
+            Parameter("c_y", "m/s", 0.003, -0.3, 0.3, "along y"),
         ),
         strengths=2,
         site=True,

@@ -1,4 +1,4 @@
-"""The tail: where its mean force acts, what it depends on, and whether it beats as it was told.
+"""The tail: where its mean force acts, what it depends on, and whether it beats as commanded.
 
 Sources: Wang and Tan, J. Dyn. Sys. Meas. Control 137 (2015) (averaged forces of a tail-actuated
 fish); Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (thrust falling with advance);
@@ -66,7 +66,7 @@ def beat_drive(beat_hz: float, beat_hz0: float, k: float) -> Three:
 
 
 def amplitude_drive(amplitude: float, recoil: float, recoil_share: float, k: float) -> Three:
-    """A = told + k (recoil / share - told): k = 1 where the tail swings as the recoil shows."""
+    """A = commanded + k (recoil / share - commanded): k = 1: as the recoil shows."""
     return 0.0, k * (recoil / recoil_share - amplitude), 0.0
 
 
@@ -83,17 +83,17 @@ def beating_drive(
 
 
 def offset_drive(d: float) -> Three:
-    """Phi = told + d."""
+    """Phi = commanded + d."""
     return d, 0.0, 0.0
 
 
 def reach_drive(bias: float, k: float) -> Three:
-    """Phi = (1 - k) told, to starboard (told < 0) alone."""
+    """Phi = (1 - k) commanded, to starboard (commanded < 0) only."""
     return -k * min(bias, 0.0), 0.0, 0.0
 
 
 def spin_up_drive(t: float, amplitude: float, k: float, tau: float) -> Three:
-    """A = told (1 - k exp(-t / tau)), t since the first frame."""
+    """A = commanded (1 - k exp(-t / tau)), t since the first frame."""
     return 0.0, -amplitude * k * math.exp(-t / tau), 0.0
 
 
@@ -136,28 +136,28 @@ CAUSES = (
     ),
     Cause(
         "tail_beat_frequency",
-        "The tail does not beat at one frequency in all trials, as it was "
-        "told, but as the recoil of the body shows.",
+        "The tail does not beat at one frequency in all trials, as "
+        "commanded, but as the recoil of the body shows.",
         {"drive": beat_drive},
         (Parameter("k", "1", 0.5, -1.0, 3.0, "1: thrust follows the seen beat in full"),),
     ),
     Cause(
         "tail_amplitude",
-        "The tail does not swing as far as it was told in all trials, but as the "
+        "The tail does not swing as far as commanded in all trials, but as the "
         "recoil of the body shows.",
         {"drive": amplitude_drive},
         (Parameter("k", "1", 0.5, -1.0, 3.0, "1: thrust follows the seen recoil in full"),),
     ),
     Cause(
         "tail_drive",
-        "The tail beats neither as fast nor as far as it was told, but as the recoil "
+        "The tail beats neither as fast nor as far as commanded, but as the recoil "
         "of the body shows.",
         {"drive": beating_drive},
         (Parameter("k", "1", 0.5, -1.0, 3.0, "1: thrust follows seen beat and recoil in full"),),
     ),
     Cause(
         "head_angle_offset",
-        "The tail does not stand at the bias it was told: a constant offset.",
+        "The tail does not stand at the commanded bias: a constant offset.",
         {"drive": offset_drive},
         (Parameter("d", "rad", 0.03, -0.4, 0.4, "offset, to port positive"),),
     ),

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import (
+    FilterResults,
     Fit,
     Free,
     Noise,
-    Passes,
     filter_all,
     fit,
     fit_noise,
@@ -43,7 +43,7 @@ class FittedSet:
     causes: tuple[str, ...]
     fit: Fit
     noise: Noise
-    passes: Passes
+    passes: FilterResults
     at_bound: np.ndarray
     discrepancy: Mapping[str, float] = field(default_factory=dict)
 
@@ -70,7 +70,7 @@ def free_of(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
     for cause in causes:
         candidate = problem.by_name[cause]
         effect = problem.kernel.system.effect(cause.partition(".")[0])
-        blind = {f"{effect.name}.{p}" for p, by in effect.aside.items() if not by & have}
+        blind = {f"{effect.name}.{p}" for p, by in effect.nuisance.items() if not by & have}
         out += [f for f in candidate.free if f.name not in blind and f not in out]
     return tuple(out)
 
@@ -100,7 +100,7 @@ def fitted(
     noise: Noise,
     known: Mapping[str, float],
     *,
-    predictor: Passes | None = None,
+    predictor: FilterResults | None = None,
     passes: int = 2,
     iterations: int = 12,
     free: Sequence[Free] | None = None,

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..fitting import scatter_cov
+from ..fitting import cov_hc2
 from .candidates import Candidate
 from .evidence import (
     Layout,
@@ -67,7 +67,7 @@ class Scored:
         if not move.any():
             return 1.0
         H = self.model.fit.normal.hessian.sum(axis=0)[np.ix_(move, move)]
-        C = scatter_cov(self.model.fit.normal, move)[np.ix_(move, move)]
+        C = cov_hc2(self.model.fit.normal, move)[np.ix_(move, move)]
         return float(np.trace(H @ C) / move.sum())
 
 

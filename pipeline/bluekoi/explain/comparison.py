@@ -11,13 +11,21 @@ import numpy as np
 from ..data import Float
 from ..engine import FittedSet, Problem, fitted
 from ..engine.refit import start_of
-from ..fitting import Fit, Series, filter_all, fit_paths, shoot, smooth, trial_values
+from ..fitting import (
+    Fit,
+    Series,
+    filter_all,
+    fit_paths,
+    free_runs,
+    parametric_bootstrap,
+    smooth,
+    trial_values,
+)
 from .model import Model
-from .simulation import simulated
 
 GROWTH = 6.0
-"""Small differences may grow by e^6 over a compared stretch."""
-MOST_FOLDS, LEAST_FRAMES, MOST_NUMBERS = 6, 8, 15
+"""Small differences may grow by e^6 over a compared segment."""
+MAX_FOLDS, MIN_FRAMES, MAX_PARAMETERS = 6, 8, 15
 FLOOR_DRAWS, FLOOR_SEED = 2, 20240517
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
@@ -60,7 +68,7 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     kernel, base = problem.kernel, start_of(problem, model.causes, model.fit.by_label())
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
-    if own or len(model.fit.free) + states > MOST_NUMBERS:  # states of causes have no free start
+    if own or len(model.fit.free) + states > MAX_PARAMETERS:  # states of causes have no free start
         return out
     with np.errstate(all="ignore"):
         found = fit_paths(kernel, problem.series, base, model.fit.free, open_states=states,
@@ -73,7 +81,7 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
 def folds_of(series: Sequence[Series]) -> list[list[str]]:
     """Conditions in up to six folds."""
     conditions = sorted({s.condition for s in series})
-    count = min(MOST_FOLDS, len(conditions))
+    count = min(MAX_FOLDS, len(conditions))
     return [conditions[k::count] for k in range(count)]
 
 
@@ -82,7 +90,7 @@ def held_out(
     test: Sequence[Series],
 ) -> HeldOut:  # fmt: skip
     """`HeldOut`: on `test` where there are such trials, else by leaving conditions out in turn."""
-    horizon = bearable_s(problem, extended, test or problem.series)
+    horizon = predictability_horizon_s(problem, extended, test or problem.series)
     found = errors_of_sets(model, problem, (baseline, extended), test, horizon)
     floor = noise_floor(model, problem, extended, test or problem.series, horizon)
     trials = tuple(s.name for s in (test or problem.series))
@@ -108,7 +116,7 @@ def errors_of_sets(
             again = one if len(train) == len(problem.series) else refitted(local, one)
             for found in by_both_criteria(local, again):
                 rows = errors.setdefault(found.criterion, [])
-                rows += stretch_errors(model, local, found, own, horizon_s)
+                rows += segment_errors(model, local, found, own, horizon_s)
         best = min(errors, key=lambda k: _total(errors[k]))
         out.append((best, _rms(model, errors[best])))
     return out
@@ -129,8 +137,8 @@ def refitted(problem: Problem, model: FittedSet) -> FittedSet:
     return replace(model, fit=replace(model.fit, values=values))
 
 
-def bearable_s(problem: Problem, model: FittedSet, series: Sequence[Series]) -> float:
-    """Longest stretch over which small differences grow by e^6 at most, s."""
+def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequence[Series]) -> float:
+    """Time in which small differences grow by e^6, s: the median over trials."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
     values = Fitted(model, model.fit, "").values(problem, series)
     longest = [float(np.ptp(s.times)) for s in series]
@@ -147,10 +155,10 @@ def bearable_s(problem: Problem, model: FittedSet, series: Sequence[Series]) -> 
     return float(np.median(longest))
 
 
-def stretches(
+def segments_of(
     problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
-    """Trials cut into stretches not longer than the horizon, begun where the smoother has them."""
+    """Trials cut into segments not longer than the horizon, started at the smoothed states."""
     kernel, own = problem.kernel, len(problem.kernel.system.states)
     passes = filter_all(kernel, series, found.values(problem, series), found.model.noise)
     out = []
@@ -159,7 +167,7 @@ def stretches(
         edges = np.linspace(0, len(one.times), count + 1).astype(int)
         states = smooth(result)[0] if count > 1 else result.filtered
         for a, b in pairwise(edges):
-            if b - a < LEAST_FRAMES and count > 1:
+            if b - a < MIN_FRAMES and count > 1:
                 continue
             part = one.frames(a, b)
             if a:
@@ -170,16 +178,16 @@ def stretches(
     return out
 
 
-def stretch_errors(
+def segment_errors(
     model: Model, problem: Problem, found: Fitted, series: Sequence[Series], horizon_s: float
 ) -> list[Float]:
-    """Simulated minus seen (frames, observations) of every stretch, starts fitted."""
-    parts = stretches(problem, found, series, horizon_s)
+    """Simulated minus seen (frames, observations) of every segment, starts fitted."""
+    parts = segments_of(problem, found, series, horizon_s)
     if not parts:
         return []
-    shots = shoot(problem.kernel, parts, found.values(problem, parts),
+    runs = free_runs(problem.kernel, parts, found.values(problem, parts),
                   open_states=len(model.states))  # fmt: skip
-    return [shot.observed - part.seen for shot, part in zip(shots, parts, strict=True)]
+    return [run.observed - part.seen for run, part in zip(runs, parts, strict=True)]
 
 
 def _rms(model: Model, errors: Sequence[Float]) -> dict[str, float]:
@@ -204,10 +212,13 @@ def noise_floor(
     model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
 ) -> dict[str, float]:
     """Errors of a model on data made by itself, with its random forces and errors."""
-    one, rng = Fitted(found, found.fit, ""), np.random.default_rng(FLOOR_SEED)
-    values = one.values(problem, series)
+    whole, rng = Fitted(found, found.fit, ""), np.random.default_rng(FLOOR_SEED)
+    values = whole.values(problem, series)
+    filtered = filter_all(problem.kernel, series, values, found.noise)
+    starts = np.array([smooth(one)[0][0] for one in filtered])
     rows: list[Float] = []
     for _ in range(FLOOR_DRAWS):
-        made = simulated(problem.kernel, series, values, found.noise, rng)
-        rows += stretch_errors(model, problem, one, made, horizon_s)
+        made = parametric_bootstrap(problem.kernel, series, values, [found.noise] * len(series),
+                                    starts, rng)  # fmt: skip
+        rows += segment_errors(model, problem, whole, made, horizon_s)
     return _rms(model, rows)

@@ -22,7 +22,7 @@ def load_model(path: Path) -> Model:
     Raises: InputError where the file cannot be run or holds no usable model.
     """
     if not path.is_file() or path.suffix != ".py":
-        what = "no such file" if not path.is_file() else f"a {path.suffix or 'nameless'} file"
+        what = "no such file" if not path.is_file() else f"a {path.suffix or 'suffix-less'} file"
         raise input_error(path, "", what, "a python file that defines MODEL")
     module = _run(path.resolve())
     found = getattr(module, NAME, None)

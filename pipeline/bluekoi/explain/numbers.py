@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine import FittedSet
-from ..fitting import inverse_fisher, spread_over_trials
+from ..fitting import cluster_covariance, inverse_fisher
 from ..integrate import Kernel
 
 SINGLE_TRIAL_FACTOR = 2.0
@@ -44,9 +44,9 @@ def numbers(kernel: Kernel, model: FittedSet) -> list[Number]:
 
 @np.errstate(all="ignore")
 def _deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
-    spread = spread_over_trials(model.fit.normal, move)
-    variance, freedom = np.diag(spread.cov).copy(), spread.freedom.copy()
-    alone = np.flatnonzero(move & (freedom == 0))
+    spread = cluster_covariance(model.fit.normal, move)
+    variance, df = np.diag(spread.cov).copy(), spread.df.copy()
+    alone = np.flatnonzero(move & (df == 0))
     naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
     variance[alone] = np.maximum(variance[alone], naive[alone])
     std = np.sqrt(variance)

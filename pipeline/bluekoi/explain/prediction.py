@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..engine import Problem
 from ..engine.naming import UNEXPLAINED
-from ..fitting import Noise, Series, filter_series, shoot
+from ..fitting import Noise, Series, filter_series, free_runs
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
@@ -120,8 +120,8 @@ def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: fl
         observed = [forecast(problem.kernel, s, v, one.model.noise, known_s)
                     for s, v in zip(series, values, strict=True)]  # fmt: skip
     else:
-        shots = shoot(problem.kernel, series, values, open_states=len(model.states))
-        observed = [shot.observed for shot in shots]
+        runs = free_runs(problem.kernel, series, values, open_states=len(model.states))
+        observed = [run.observed for run in runs]
     out = []
     for s, y in zip(series, observed, strict=True):
         later = ~is_known(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..data import Float
-from ..fitting import Noise, Passes, Series, filter_all
+from ..fitting import FilterResults, Noise, Series, filter_all
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 
@@ -21,7 +21,7 @@ CONVERGED = 0.5
 """Log likelihood that a step of half the length may change."""
 
 
-def rates_per_s(kernel: Kernel, passes: Passes, values: Sequence[Float]) -> Float:
+def rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
     each = max(1, MOST_STATES // max(len(passes), 1))

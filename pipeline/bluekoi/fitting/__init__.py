@@ -1,43 +1,47 @@
 """Fits of any state-space model to its trials: prediction errors, all trials jointly."""
 
-from .filtering import Filtered, Passes, disturbance_slots, filter_all, filter_series, smooth
+from .block_average import block_averaged
+from .bootstrap import parametric_bootstrap
+from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
+from .free_run import FreeRun, free_runs
 from .joint import Fit, fit, pseudo_inverse, response
-from .noise import fit_noise, with_forces_of
+from .noise import fit_noise
 from .normal import (
     Normal,
     log_likelihoods,
     normal_equations,
-    side_log_likelihoods,
     slots_by_name,
     trial_values,
 )
 from .paths import PathFit, fit_paths
-from .resampling import ensemble, inverse_fisher, jackknife_cov, moving, scatter_cov
+from .resampling import cov_hc2, cov_jackknife, ensemble, inverse_fisher, off_bounds
 from .sandwich import (
+    ClusterCovariance,
     ClusterInfluence,
-    Spread,
     TrialRandomEffect,
-    spread_over_trials,
-    without_bounds,
+    cluster_covariance,
+    newton_step_off_bounds,
 )
 from .series import Free, Noise, Series, TrialEffect
-from .shooting import Shot, shoot
-from .thinning import thinned
 
 __all__ = [
+    "ClusterCovariance",
     "ClusterInfluence",
+    "FilterResults",
     "Filtered",
     "Fit",
     "Free",
+    "FreeRun",
     "Noise",
     "Normal",
-    "Passes",
     "PathFit",
     "Series",
-    "Shot",
-    "Spread",
     "TrialEffect",
     "TrialRandomEffect",
+    "block_averaged",
+    "cluster_covariance",
+    "cov_hc2",
+    "cov_jackknife",
     "disturbance_slots",
     "ensemble",
     "filter_all",
@@ -45,21 +49,16 @@ __all__ = [
     "fit",
     "fit_noise",
     "fit_paths",
+    "free_runs",
     "inverse_fisher",
-    "jackknife_cov",
     "log_likelihoods",
-    "moving",
+    "newton_step_off_bounds",
     "normal_equations",
+    "off_bounds",
+    "parametric_bootstrap",
     "pseudo_inverse",
     "response",
-    "scatter_cov",
-    "shoot",
-    "side_log_likelihoods",
     "slots_by_name",
     "smooth",
-    "spread_over_trials",
-    "thinned",
     "trial_values",
-    "with_forces_of",
-    "without_bounds",
 ]

@@ -43,10 +43,10 @@ class Filtered:
 
 
 @dataclass(frozen=True)
-class Passes(Sequence[Filtered]):
-    """One pass of each trial t, and what stays of them while their gains are held.
+class FilterResults(Sequence[Filtered]):
+    """Filter results of all trials t, with padded arrays for fixed-gain prediction.
 
-    Side by side, the last frame of a trial repeated: gains (t, n, s, o), roots (t, n, o, o), times
+    Shorter trials are padded with their last frame: gains (t, n, s, o), roots (t, n, o, o), times
     (t, n), inputs (t, n, inputs), seen (t, n, o); frames (t,) and log_lik_const (t,).
     """
 
@@ -109,11 +109,11 @@ def filter_series(kernel: Kernel, series: Series, values: Float, noise: Noise) -
 
 def filter_all(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> Passes:
+) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
     found = each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
-    return Passes(tuple(series), tuple(found))
+    return FilterResults(tuple(series), tuple(found))
 
 
 @dataclass(frozen=True)

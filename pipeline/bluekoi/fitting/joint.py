@@ -12,14 +12,14 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import Kernel
-from .filtering import Passes
+from .filtering import FilterResults
 from .normal import Normal, normal_equations, slots_by_name
 from .series import Free, Noise, Series
 
 CONVERGED = "converged"
 AT_BOUND = "at a bound: the data ask for more than is plausible, look for missing physics"
 STALLED = "stalled: no step improves the fit; try other starts, or fewer free coefficients"
-DAMPING, NOTHING_MORE = 1e-4, 0.3
+DAMPING, DAMPED_TOLERANCE = 1e-4, 0.3
 """Marquardt's parameter at the start, and the part of the tolerance at which a step that is damped
 more than that ends a fit.
 """
@@ -60,14 +60,15 @@ def fit(
     start: Mapping[str, float] | None = None,
     iterations: int = 25,
     tolerance: float = 1e-3,
-    predictor: Passes | None = None,
+    predictor: FilterResults | None = None,
 ) -> Fit:
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes
-    the numbers by no more than `tolerance` of their standard deviations in the mean square: what it
-    brings is told by the parabola of the last normal equations. A step that is small because it is
-    damped ends the fit at `NOTHING_MORE` of that, and is not taken: there the parabola has failed.
+    the numbers by no more than `tolerance` of their standard deviations in the mean square: its
+    gain follows from the quadratic model of the last normal equations. A step that is small because
+    it is damped ends the fit at `DAMPED_TOLERANCE` of that, and is not taken: there the quadratic
+    model has failed.
     predictor: as in `normal_equations`.
     """
     slots = slots_by_name(kernel)
@@ -83,7 +84,7 @@ def fit(
         step = damped_step(normal, damping, x, lower, upper)
         trial = np.clip(x + step, lower, upper)
         undamped = damping <= DAMPING
-        if _is_small(normal, trial - x, tolerance if undamped else NOTHING_MORE * tolerance):
+        if _is_small(normal, trial - x, tolerance if undamped else DAMPED_TOLERANCE * tolerance):
             if undamped:
                 x, normal = trial, _after(normal, trial - x)
             outcome = CONVERGED

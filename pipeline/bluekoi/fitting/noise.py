@@ -14,10 +14,10 @@ from .filtering import disturbance_slots, filter_all, random_effects
 from .linear import Linear, Slopes, likelihood_slopes, linearised, log_likelihood
 from .series import Noise, Series
 
-LEAST = 1e-9
-UNLIKELY = -1e12
-REACH = 4.0
-"""Strengths and memories are sought within a factor of e^4 of where they are begun."""
+MIN_STRENGTH = 1e-9
+DIVERGED = -1e12
+LOG_RANGE = 4.0
+"""Strengths and correlation times are estimated within a factor of e^4 of their start."""
 
 
 def fit_noise(
@@ -31,91 +31,80 @@ def fit_noise(
     forces_only: bool = False,
     line_searches: bool = True,
 ) -> Noise:
-    """Random forces, lasting tracking errors and white noise that make the errors most likely.
+    """Random forces, correlated tracking errors and white noise of maximum likelihood.
 
     One strength after the other, each by a parabola through three likelihoods over its logarithm,
     then up to `rounds` quasi-Newton steps in all of them; `values` are full parameter vectors, one
-    a trial. While a memory tau is varied, sigma sqrt(tau) stays: slow data tell that product alone.
-    Trials are thinned to at most `most`, spread evenly, since few numbers are sought. forces_only:
-    only the random parts that push are sought, the measuring noise stays. line_searches: without,
+    a trial. While a correlation time tau is varied, sigma sqrt(tau) stays: slow data determine that
+    product alone.
+    At most `most` trials are used, evenly spread, since few numbers are estimated. forces_only:
+    only the random forces are estimated, the measurement noise stays. line_searches: without,
     the quasi-Newton steps begin at once, for a start that is near.
     """
     chosen = np.unique(np.linspace(0, len(series) - 1, min(most, len(series))).round().astype(int))
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
-    sought = _sought(kernel, noise, forces_only)
-    if not sought:
+    estimated = _estimated_places(kernel, noise, forces_only)
+    if not estimated:
         return noise
 
     def noise_of(logs: Float) -> Noise:
-        return _with(kernel, noise, sought, np.exp(logs))
+        return _with_estimates(kernel, noise, estimated, np.exp(logs))
 
-    logs, width = np.log([max(_flat(noise)[k], LEAST) for k in sought]), 0.7
+    logs, width = np.log([max(_as_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
     linear = linearised(kernel, some, points, noise_of(logs))
-    before = best = _finite(log_likelihood(linear, noise_of(logs)))
+    before = best = _or_diverged(log_likelihood(linear, noise_of(logs)))
     if line_searches:
         for i in range(len(logs)):
             logs, best = _parabolic_step(
-                lambda x: _finite(log_likelihood(linear, noise_of(x))), logs, best, i, width
+                lambda x: _or_diverged(log_likelihood(linear, noise_of(x))), logs, best, i, width
             )
         linear = linearised(kernel, some, points, noise_of(logs))
 
-    def unlikely(logs: Float) -> tuple[float, Float]:
-        return _unlikely(kernel, linear, noise_of(logs), sought)
+    def objective(logs: Float) -> tuple[float, Float]:
+        return _negative_log_likelihood(kernel, linear, noise_of(logs), estimated)
 
-    found = noise_of(_quasi_newton_steps(unlikely, logs, rounds))
+    found = noise_of(_quasi_newton_steps(objective, logs, rounds))
     passed = sum(f.log_likelihood for f in filter_all(kernel, some, points, found))
-    return found if _finite(passed) > before else noise
+    return found if _or_diverged(passed) > before else noise
 
 
-def with_forces_of(kernel: Kernel, noise: Noise, other: Noise) -> Noise:
-    """The measuring part of one noise with the random forces of another of the same states."""
-    if len(noise.disturbance) != len(other.disturbance):
-        raise ValueError("the noises have other random states")
-    acting = set(disturbance_slots(kernel, acting=True))
-    count = len(noise.disturbance)
-    theirs = [k for k, slot in enumerate(disturbance_slots(kernel)[:count]) if slot in acting]
-    disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
-    disturbance[theirs], tau[theirs] = other.disturbance[theirs], other.tau[theirs]
-    return replace(noise, disturbance=disturbance, tau=tau)
-
-
-def _unlikely(
-    kernel: Kernel, linear: Linear, noise: Noise, sought: Sequence[int]
+def _negative_log_likelihood(
+    kernel: Kernel, linear: Linear, noise: Noise, estimated: Sequence[int]
 ) -> tuple[float, Float]:
-    """Log likelihood and its slopes by the logarithms of what is sought, both times -1."""
-    told = likelihood_slopes(linear, noise)
-    by_logs = _by_logs(kernel, noise, told)[list(sought)]
-    if not np.isfinite([told.log_likelihood, *by_logs]).all():
-        return -UNLIKELY, np.zeros(len(by_logs))
-    return -told.log_likelihood, -by_logs
+    """Negative log likelihood and its gradient in the logarithms of the estimated strengths."""
+    slopes = likelihood_slopes(linear, noise)
+    gradient = _log_gradient(kernel, noise, slopes)[list(estimated)]
+    if not np.isfinite([slopes.log_likelihood, *gradient]).all():
+        return -DIVERGED, np.zeros(len(gradient))
+    return -slopes.log_likelihood, -gradient
 
 
 def _quasi_newton_steps(
-    unlikely: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int
+    objective: Callable[[Float], tuple[float, Float]], logs: Float, rounds: int
 ) -> Float:
     """Quasi-Newton steps from `logs`: ridges of the likelihood are not parallel to the axes."""
-    bounds = [(x - REACH, x + REACH) for x in logs]
-    found = minimize(unlikely, logs, jac=True, method="L-BFGS-B", bounds=bounds,
+    bounds = [(x - LOG_RANGE, x + LOG_RANGE) for x in logs]
+    found = minimize(objective, logs, jac=True, method="L-BFGS-B", bounds=bounds,
                      options={"maxiter": rounds, "ftol": 1e-7})  # fmt: skip
     return np.asarray(found.x)
 
 
-def _finite(likelihood: float) -> float:
-    """The likelihood, or the least one if the filter diverged."""
-    return likelihood if np.isfinite(likelihood) else UNLIKELY
+def _or_diverged(likelihood: float) -> float:
+    """The likelihood, or `DIVERGED`."""
+    return likelihood if np.isfinite(likelihood) else DIVERGED
 
 
-def _by_logs(kernel: Kernel, noise: Noise, told: Slopes) -> Float:
-    """Slopes by the logarithms of `_flat`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
-    count, own = len(noise.disturbance), told.disturbance * noise.disturbance
+def _log_gradient(kernel: Kernel, noise: Noise, slopes: Slopes) -> Float:
+    """Slopes by the logarithms of `_as_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
+    count, own = len(noise.disturbance), slopes.disturbance * noise.disturbance
     tau = np.zeros(count)
-    for k, (shared, parameter) in _memories(kernel, count).items():
+    for k, (shared, parameter) in _correlation_times(kernel, count).items():
         states = slice(k, k + shared)
-        slope = float(np.sum(told.tau[states] * noise.tau[states] - 0.5 * own[states]))
+        slope = float(np.sum(slopes.tau[states] * noise.tau[states] - 0.5 * own[states]))
         below, above = noise.tau[k] < parameter.upper, noise.tau[k] > parameter.lower
         tau[k] = slope if (below or slope < 0) and (above or slope > 0) else 0.0
-    scale = np.where(noise.scale > noise.least_scale, told.scale * noise.scale, 0.0)
+    scale = np.where(noise.scale > noise.least_scale, slopes.scale * noise.scale, 0.0)
     return np.concatenate([own, tau, scale])
 
 
@@ -136,25 +125,25 @@ def _parabolic_step(
     return chosen, value
 
 
-def _flat(noise: Noise) -> Float:
+def _as_vector(noise: Noise) -> Float:
     """Random states' sigma sqrt(tau), then their tau, then the scales of the observations."""
     return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
-def _sought(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
-    """Places in `_flat`: strengths; and, unless `forces_only`, memories and scales."""
+def _estimated_places(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
+    """Places in `_as_vector`: strengths; unless `forces_only`, correlation times and scales."""
     count = len(noise.disturbance)
     slots = disturbance_slots(kernel)[:count]
     acting = set(disturbance_slots(kernel, acting=True))
     used = [k for k in range(count) if noise.disturbance[k] > 0]
     if forces_only:
         return [k for k in used if slots[k] in acting]
-    memories = [count + k for k in _memories(kernel, count) if k in used]
-    return [*used, *memories, *(2 * count + k for k in range(min(3, len(noise.scale))))]
+    times = [count + k for k in _correlation_times(kernel, count) if k in used]
+    return [*used, *times, *(2 * count + k for k in range(min(3, len(noise.scale))))]
 
 
-def _memories(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
-    """Random states with a memory of their own -> how many states share it, and its parameter."""
+def _correlation_times(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
+    """Random state with a correlation time -> how many states share it, and its parameter."""
     out: dict[int, tuple[int, Parameter]] = {}
     at = 0
     for effect in random_effects(kernel):
@@ -165,11 +154,11 @@ def _memories(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
     return {k: v for k, v in out.items() if k < count}
 
 
-def _with(kernel: Kernel, noise: Noise, sought: Sequence[int], found: Float) -> Noise:
-    flat, count = _flat(noise), len(noise.disturbance)
-    flat[list(sought)] = found
+def _with_estimates(kernel: Kernel, noise: Noise, estimated: Sequence[int], found: Float) -> Noise:
+    flat, count = _as_vector(noise), len(noise.disturbance)
+    flat[list(estimated)] = found
     tau = flat[count : 2 * count].copy()
-    for k, (shared, parameter) in _memories(kernel, count).items():
+    for k, (shared, parameter) in _correlation_times(kernel, count).items():
         tau[k : k + shared] = np.clip(tau[k], parameter.lower, parameter.upper)
     scale = np.maximum(flat[2 * count :], noise.least_scale)
     return replace(noise, disturbance=flat[:count] / np.sqrt(tau), tau=tau, scale=scale)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import Kernel, System
-from .filtering import Passes, filter_all
+from .filtering import FilterResults, filter_all
 from .predictions import Change, whitened_products
 from .series import Free, Noise, Series
 
@@ -58,7 +58,7 @@ def slots_by_name(kernel: Kernel) -> dict[str, int]:
     return kernel.system.slot
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of a model that runs away `Normal.usable` tells
+@np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
 def normal_equations(
     kernel: Kernel,
     series: Sequence[Series],
@@ -67,7 +67,7 @@ def normal_equations(
     values: Float,
     *,
     noise: Noise,
-    predictor: Passes | None = None,
+    predictor: FilterResults | None = None,
 ) -> Normal:
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
@@ -145,13 +145,6 @@ def prior_terms(kernel: Kernel, free: Sequence[Free], values: Float, trials: int
     )
 
 
-def side_log_likelihoods(
-    kernel: Kernel, series: Sequence[Series], points: Sequence[Float]
-) -> Float:
-    """Log likelihood (trials,) of the side measurements at a full parameter vector for each."""
-    return evidence_terms(kernel, series, (), points).log_likelihood
-
-
 def evidence_terms(
     kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
 ) -> Normal:
@@ -189,7 +182,7 @@ def log_likelihoods(
     points: Sequence[Float],
     *,
     noise: Noise,
-    predictor: Passes,
+    predictor: FilterResults,
 ) -> Float:
     """Log likelihood (trials,) of each trial at a full parameter vector of its own.
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import in_parts, propagate
-from .filtering import STEP_S, Passes, with_noise
+from .filtering import STEP_S, FilterResults, with_noise
 from .gram import set_whitened_products
 from .series import Noise
 
@@ -36,7 +36,7 @@ class Change:
 
 def whitened_products(
     kernel: Kernel,
-    passes: Passes,
+    passes: FilterResults,
     points: Sequence[Float],
     changes: Sequence[Change],
     noise: Noise,
@@ -69,7 +69,7 @@ def whitened_products(
 
 
 def _predicted(
-    kernel: Kernel, passes: Passes, values: Float, trials: np.ndarray, noise: Noise
+    kernel: Kernel, passes: FilterResults, values: Float, trials: np.ndarray, noise: Noise
 ) -> Float:
     """Predicted observations (blocks, frames, observations, 16) of the trials of the blocks."""
 

@@ -3,7 +3,7 @@
 Errors within a trial are correlated, so that the inverse Fisher matrix is many times too small.
 Trials are independent: leaving each out in turn, by one Newton step from the joint fit, gives the
 jackknife covariance (Efron and Stein, Ann. Statist. 9 (1981), 586), which errs to the wide side,
-far where a trial holds most of what is known; `scatter_cov` and `sandwich` are free of that.
+far where a trial holds most of what is known; `cov_hc2` and `sandwich` are free of that.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from ..data import Float
 from ..integrate import Kernel
 from .joint import Fit, pseudo_inverse
 from .normal import Normal
-from .sandwich import Spread
+from .sandwich import ClusterCovariance
 
 MANY = 1e6
 """Degrees of freedom that make Student's t the normal law."""
-LEAST_LEFT = 0.05
-"""Share of what is known of a direction that is left without one trial, at least. A trial that
-tells h of it has a score of variance h (1 - h) and so adds h / (1 - h) to the jackknife's: without
-end where no other trial tells of it, however well the model fits.
+MIN_REMAINING = 0.05
+"""Smallest share of the information on a direction that remains without one trial. A trial with
+leverage h has a score of variance h (1 - h) and so adds h / (1 - h) to the jackknife's: infinite
+where no other trial informs on it, however well the model fits.
 """
 RIDGE = 1e-3
 """Share of each number's own information that is added to the whole: where numbers hardly differ in
@@ -30,28 +30,28 @@ what they do, leaving out a trial would throw them far along a line of which not
 """
 
 
-def jackknife_cov(normal: Normal, moving: np.ndarray | None = None) -> Float:
+def cov_jackknife(normal: Normal, estimated: np.ndarray | None = None) -> Float:
     """Covariance (p, p) of the fitted numbers from leaving out one trial at a time.
 
-    moving (p,): which numbers the fit could move; those held at a bound get zero variance.
+    estimated (p,): which numbers are off their bounds; the others get zero variance.
     """
-    move = np.ones(normal.gradient.shape[1], dtype=bool) if moving is None else moving
-    spread = _spread(normal, move, 1.0)
-    n = max(len(spread), 2)
-    return _cov(normal, move, (n - 1) / n * spread.T @ spread)
+    move = np.ones(normal.gradient.shape[1], dtype=bool) if estimated is None else estimated
+    influence = _influence(normal, move, 1.0)
+    n = max(len(influence), 2)
+    return _cov(normal, move, (n - 1) / n * influence.T @ influence)
 
 
-def scatter_cov(normal: Normal, moving: np.ndarray) -> Float:
+def cov_hc2(normal: Normal, estimated: np.ndarray) -> Float:
     """Covariance (p, p) of the fitted numbers from how the trials' scores g_t scatter.
 
     With S_t the share that trial t has of the Fisher matrix H, its score is left with the variance
     S_t (1 - S_t) by a right model, so that sum u_t u_t', u_t = H^-1/2 (1 - S_t)^-1/2 g_t, is the
     inverse of H without bias (MacKinnon and White, J. Econometrics 29 (1985), 305: HC2). The
-    jackknife has (1 - S_t)^-1: in a null of seven trials, one of which tells most, it finds the
-    six numbers to spread 4.5 times as widely as they should, this 1.8 times.
+    jackknife has (1 - S_t)^-1: in a null of seven trials, one of which holds most information, its
+    standard errors of the six numbers are 4.5 times too large, these 1.8 times.
     """
-    spread = _spread(normal, moving, 0.5)
-    return _cov(normal, moving, spread.T @ spread)
+    influence = _influence(normal, estimated, 0.5)
+    return _cov(normal, estimated, influence.T @ influence)
 
 
 def _cov(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
@@ -64,9 +64,9 @@ def _cov(normal: Normal, move: np.ndarray, scattered: Float) -> Float:
     return cov
 
 
-def _spread(normal: Normal, move: np.ndarray, power: float) -> Float:
-    """How far the numbers that move go by each informed trial, (trials, moving): R (1 - S_t)^-power
-    R' g_t; with power 1 that is by leaving it out.
+def _influence(normal: Normal, move: np.ndarray, power: float) -> Float:
+    """Influence of each informative trial on the estimated numbers, (trials, estimated):
+    R (1 - S_t)^-power R' g_t; with power 1 that of leaving it out.
     """
     H, g = normal.hessian, normal.gradient
     if len(g) < 2 or not move.any():
@@ -87,7 +87,7 @@ def inverse_fisher(normal: Normal, move: np.ndarray) -> Float:
 
 def _inverse_of_rest(total: Float, own: Float, power: float) -> Float:
     """R (1 - S_t)^-power R' (t, p, p): inverses (power 1) of what is left of a Fisher matrix (p, p)
-    without each trial's own, but `LEAST_LEFT` of every direction.
+    without each trial's own, but `MIN_REMAINING` of every direction.
     """
     known = np.diag(total)
     size = np.sqrt(np.where(known > 0, known, 1.0))
@@ -96,18 +96,18 @@ def _inverse_of_rest(total: Float, own: Float, power: float) -> Float:
     left = np.eye(len(total)) - root @ own @ root.T
     values, vectors = np.linalg.eigh(0.5 * (left + np.swapaxes(left, 1, 2)))
     back = root.T @ vectors
-    share = np.maximum(values, LEAST_LEFT)[:, None, :] ** power
+    share = np.maximum(values, MIN_REMAINING)[:, None, :] ** power
     return (back / share) @ np.swapaxes(back, 1, 2)
 
 
-def moving(kernel: Kernel, found: Fit) -> np.ndarray:
+def off_bounds(kernel: Kernel, found: Fit) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     parameters = [kernel.system.parameters[kernel.system.slot[f.name]] for f in found.free]
     inside = [p.lower < v < p.upper for p, v in zip(parameters, found.values, strict=True)]
     return np.array(inside, dtype=bool)
 
 
-def ensemble(fit: Fit, spread: Spread, count: int, rng: np.random.Generator) -> Float:
+def ensemble(fit: Fit, spread: ClusterCovariance, count: int, rng: np.random.Generator) -> Float:
     """Draws (count, p) of the fitted numbers, each as wide as its own Student's t.
 
         x_j = value_j + z_j sqrt(nu_j / q_j(u)),
@@ -116,11 +116,11 @@ def ensemble(fit: Fit, spread: Spread, count: int, rng: np.random.Generator) -> 
     chi squared with number j's nu_j degrees of freedom. So each has its t law at every level, not
     at 95 % alone. One u for all: where all have the same nu this is the multivariate t, and a
     combination that is known far better than its parts stays so (numbers that hang together have
-    nearly the same nu). A multivariate t with the least nu would widen those that many trials tell
-    of. A number of which nothing can be said is drawn with one degree of freedom, the widest.
+    nearly the same nu). A multivariate t with the smallest nu would widen those that many trials
+    determine. A number that is undetermined is drawn with one degree of freedom, the widest.
     """
     values, vectors = np.linalg.eigh(0.5 * (spread.cov + spread.cov.T))
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     z = rng.standard_normal((count, len(fit.values))) @ root.T
-    freedom = np.clip(spread.freedom, 1.0, MANY)
-    return fit.values + z * np.sqrt(freedom / chdtri(freedom, 1.0 - rng.random((count, 1))))
+    df = np.clip(spread.df, 1.0, MANY)
+    return fit.values + z * np.sqrt(df / chdtri(df, 1.0 - rng.random((count, 1))))

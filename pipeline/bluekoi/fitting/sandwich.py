@@ -30,70 +30,70 @@ from ..data import Float
 from .joint import pseudo_inverse
 from .normal import Normal
 
-LEAST_LEFT = 0.02
+MIN_REMAINING = 0.02
 """A direction of which one trial holds more than 98 % cannot be judged from the others."""
-ALONE = 0.1
-"""A number is not judged where this share of its naive variance lies in such directions."""
-LEAST_SHARE = 0.25
+MAX_UNSHARED = 0.1
+"""Largest share of a number's naive variance that may lie in such directions."""
+MIN_SHARE = 0.25
 """Trials may agree by chance: in no direction less than this share of the naive variance."""
 
 
 @dataclass(frozen=True)
 class ClusterInfluence:
     """Information of each trial, in units in which that of all trials is 1: root R (m, m) of the m
-    coefficients off their bounds (p,), and leverage S_t, expected F_t, widened A_t, each (t, m, m).
+    coefficients off their bounds (p,); leverage S_t, expected F_t, adjustment A_t, each (t, m, m).
     """
 
     move: np.ndarray
     root: Float
     leverage: Float
     expected: Float
-    widened: Float
+    adjustment: Float
 
-    def freedom(self, direction: Float) -> float:
+    def df(self, direction: Float) -> float:
         """Degrees of freedom of the variance of the sum of numbers with weights `direction` (p,);
-        0 where one trial alone holds more than `ALONE` of it.
+        0 where single trials alone hold more than `MAX_UNSHARED` of it.
         """
         c = direction[self.move] @ self.root
-        if not np.any(c) or _alone(self.leverage, c) > ALONE:
+        if not np.any(c) or _unshared(self.leverage, c) > MAX_UNSHARED:
             return 0.0
-        return _freedom(self.leverage, self.expected, self.widened, c)
+        return _satterthwaite_df(self.leverage, self.expected, self.adjustment, c)
 
 
 @dataclass(frozen=True)
-class Spread:
+class ClusterCovariance:
     """Covariance (p, p) of fitted numbers between trials, and degrees of freedom (p,) of each.
 
-    freedom is 0 where nothing can be said: of a number that was not fitted, and of one that hangs
-    on one trial alone. influence: for the freedom of their sums; None for one trial.
+    df is 0 of a number that was not fitted, and of one that depends on one trial alone.
+    influence: for the df of their sums; None for one trial.
     """
 
     cov: Float
-    freedom: Float
+    df: Float
     influence: ClusterInfluence | None = None
 
     def half_widths(self, level: float = 0.95) -> Float:
         """Half widths (p,) of the intervals that hold the truth with this probability; infinite
         where nothing can be said.
         """
-        quantile = stdtrit(np.maximum(self.freedom, 1.0), 0.5 + 0.5 * level)
-        return np.where(self.freedom > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
+        quantile = stdtrit(np.maximum(self.df, 1.0), 0.5 + 0.5 * level)
+        return np.where(self.df > 0, quantile * np.sqrt(np.diag(self.cov)), np.inf)
 
-    def freedom_of(self, direction: Float) -> float:
+    def df_of(self, direction: Float) -> float:
         """Degrees of freedom of the sum of numbers with weights `direction` (p,); without
         `influence` the fewest of those that have a part in it.
         """
         if self.influence:
-            return self.influence.freedom(direction)
+            return self.influence.df(direction)
         part = np.abs(direction) * np.sqrt(np.diag(self.cov))
-        return float(self.freedom[part >= 0.1 * part.max()].min())
+        return float(self.df[part >= 0.1 * part.max()].min())
 
     def half_width(self, direction: Float, level: float = 0.95) -> float:
         """Half width of the interval of the sum of numbers with weights `direction` (p,)."""
-        freedom = self.freedom_of(direction)
-        if freedom <= 0:
+        df = self.df_of(direction)
+        if df <= 0:
             return np.inf
-        quantile = stdtrit(max(freedom, 1.0), 0.5 + 0.5 * level)
+        quantile = stdtrit(max(df, 1.0), 0.5 + 0.5 * level)
         return float(quantile * np.sqrt(direction @ self.cov @ direction))
 
 
@@ -126,56 +126,60 @@ class TrialRandomEffect:
         return max(0.0, float(np.mean((self.score[seen] ** 2 - a[seen]) / b[seen])))
 
 
-def spread_over_trials(
+def cluster_covariance(
     normal: Normal,
-    moving: np.ndarray | None = None,
-    lasting: TrialRandomEffect | None = None,
+    estimated: np.ndarray | None = None,
+    trial_effect: TrialRandomEffect | None = None,
     *,
-    least: float = LEAST_SHARE,
-) -> Spread:
-    """`Spread` of a joint fit from the normal equations of its trials.
+    min_share: float = MIN_SHARE,
+) -> ClusterCovariance:
+    """`ClusterCovariance` of a joint fit from the normal equations of its trials.
 
-    moving (p,): which numbers the fit could move; those held at a bound get no variance. lasting:
-    what is expected of the trials' scores beside white errors. least: share of the naive variance
-    that no direction falls below, since few trials may agree by chance. One trial alone says
-    nothing of how trials disagree: the naive covariance, with no degree of freedom.
+    estimated (p,): which numbers are off their bounds; the others get no variance. trial_effect:
+    expected contribution to the trials' scores beside white errors. min_share: smallest share of
+    the naive variance in any direction, since few trials may agree by chance. For one trial: the
+    naive covariance, with no degree of freedom.
     """
     count, p = normal.gradient.shape
-    move = np.ones(p, dtype=bool) if moving is None else moving
-    cov, freedom = np.zeros((p, p)), np.zeros(p)
+    move = np.ones(p, dtype=bool) if estimated is None else estimated
+    cov, df = np.zeros((p, p)), np.zeros(p)
     if not move.any():
-        return Spread(cov, freedom)
+        return ClusterCovariance(cov, df)
     H = normal.hessian[:, move][:, :, move]
     total = H.sum(axis=0)
     if count < 2:
         cov[np.ix_(move, move)] = pseudo_inverse(total)
-        return Spread(cov, freedom)
+        return ClusterCovariance(cov, df)
     root = _inverse_root(total)
     leverage = root.T @ H @ root
-    expected = leverage + (_servo_scores_cov(H, root, lasting, move) if lasting else 0.0)
-    widened = _cr2_adjustment(leverage, expected)
-    scores = np.einsum("tpq,tq->tp", widened, normal.gradient[:, move] @ root)
-    cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, least) @ root.T
-    influence = ClusterInfluence(move, root, leverage, expected, widened)
-    freedom[move] = [influence.freedom(unit) for unit in np.eye(p)[move]]
-    return Spread(cov, freedom, influence)
+    expected = leverage + (
+        _trial_effect_scores_cov(H, root, trial_effect, move) if trial_effect else 0.0
+    )
+    adjustment = _cr2_adjustment(leverage, expected)
+    scores = np.einsum("tpq,tq->tp", adjustment, normal.gradient[:, move] @ root)
+    cov[np.ix_(move, move)] = root @ _floored(scores.T @ scores, min_share) @ root.T
+    influence = ClusterInfluence(move, root, leverage, expected, adjustment)
+    df[move] = [influence.df(unit) for unit in np.eye(p)[move]]
+    return ClusterCovariance(cov, df, influence)
 
 
-def _servo_scores_cov(H: Float, root: Float, lasting: TrialRandomEffect, move: np.ndarray) -> Float:
+def _trial_effect_scores_cov(
+    H: Float, root: Float, trial_effect: TrialRandomEffect, move: np.ndarray
+) -> Float:
     """s^2 k_t k_t' (t, p, p) of the numbers that move."""
-    cross = lasting.cross[:, move]
+    cross = trial_effect.cross[:, move]
     k = cross @ root
-    variance = TrialRandomEffect(cross, lasting.fisher, lasting.score).variance(H)
+    variance = TrialRandomEffect(cross, trial_effect.fisher, trial_effect.score).variance(H)
     return variance * np.einsum("tp,tq->tpq", k, k)
 
 
-def without_bounds(normal: Normal) -> tuple[Float, Spread]:
+def newton_step_off_bounds(normal: Normal) -> tuple[Float, ClusterCovariance]:
     """Change (p,) to where all numbers would go if none were held at a bound, by one Newton step,
-    and their `Spread` there.
+    and their `ClusterCovariance` there.
     """
     change = pseudo_inverse(normal.hessian.sum(axis=0)) @ normal.gradient.sum(axis=0)
     gradient = normal.gradient - normal.hessian @ change
-    return change, spread_over_trials(Normal(normal.hessian, gradient, normal.log_likelihood))
+    return change, cluster_covariance(Normal(normal.hessian, gradient, normal.log_likelihood))
 
 
 def _inverse_root(matrix: Float) -> Float:
@@ -186,7 +190,7 @@ def _inverse_root(matrix: Float) -> Float:
 
 
 def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
-    """A_t (t, p, p) with A V A' = F, so that widened scores have the covariance expected."""
+    """A_t (t, p, p) with A V A' = F, so that adjusted scores have the covariance expected."""
     every = expected.sum(axis=0)
     out = []
     for S, F in zip(leverage, expected, strict=True):
@@ -195,32 +199,34 @@ def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
         size, axes = np.sqrt(values[seen]), vectors[:, seen]
         V = axes.T @ (F - S @ F - F @ S + S @ every @ S) @ axes
         left, turned = np.linalg.eigh(V / np.outer(size, size))
-        inverse = (turned / np.sqrt(np.maximum(left, LEAST_LEFT))) @ turned.T
+        inverse = (turned / np.sqrt(np.maximum(left, MIN_REMAINING))) @ turned.T
         out.append((axes * size) @ inverse @ (axes / size).T)
     return np.array(out)
 
 
-def _alone(leverage: Float, direction: Float) -> float:
+def _unshared(leverage: Float, direction: Float) -> float:
     """Share of the naive variance of a direction (m,) in directions that one trial alone holds."""
     share = 0.0
     for S in leverage:
         values, vectors = np.linalg.eigh(S)
-        share += float(np.sum((direction @ vectors[:, values > 1.0 - LEAST_LEFT]) ** 2))
+        share += float(np.sum((direction @ vectors[:, values > 1.0 - MIN_REMAINING]) ** 2))
     return share / float(direction @ direction)
 
 
-def _floored(matrix: Float, least: float) -> Float:
+def _floored(matrix: Float, min_value: float) -> Float:
     values, vectors = np.linalg.eigh(matrix)
-    return (vectors * np.maximum(values, least)) @ vectors.T
+    return (vectors * np.maximum(values, min_value)) @ vectors.T
 
 
-def _freedom(leverage: Float, expected: Float, widened: Float, direction: Float) -> float:
+def _satterthwaite_df(
+    leverage: Float, expected: Float, adjustment: Float, direction: Float
+) -> float:
     """(tr G)^2 / tr G^2, with G_ts the covariance of b_t' r_t and b_s' r_s over trials,
 
     b_t = A_t' c, r_t what the fit leaves of the score of trial t:
     G_ts = delta_ts b_t' F_t b_t - b_t' F_t S_s b_s - b_t' S_t F_s b_s + b_t' S_t (sum F) S_s b_s.
     """
-    b = np.einsum("tqp,q->tp", widened, direction)
+    b = np.einsum("tqp,q->tp", adjustment, direction)
     fb, sb = (np.einsum("tpq,tq->tp", M, b) for M in (expected, leverage))
     G = np.diag(np.einsum("tp,tp->t", b, fb)) - fb @ sb.T - sb @ fb.T
     G += sb @ expected.sum(axis=0) @ sb.T

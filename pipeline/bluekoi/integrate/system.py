@@ -88,8 +88,8 @@ class Effect:
     starts: tuple[float, ...] = ()
 
     @cached_property
-    def aside(self) -> dict[str, set[str]]:
-        """Parameter that acts on no stage -> the side measurements that determine it."""
+    def nuisance(self) -> dict[str, set[str]]:
+        """Parameter that acts on no stage -> the auxiliary measurements that determine it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
         acting = {name for f in functions for name in inspect.signature(f).parameters}
         informative = {p: {n for n, by in self.evidence.items() if p in by}
@@ -173,6 +173,21 @@ class System:
         if unknown:
             raise KeyError(f"{self.name} has no parameter {', '.join(sorted(unknown))}")
         return np.array([given.get(p.name, self._absent(p)) for p in self.parameters])
+
+    def named_values(
+        self, values: np.ndarray
+    ) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
+        """Coefficients, and the effects that are present with their parameters: what `values`
+        takes.
+        """
+        given = dict(zip((p.name for p in self.parameters), values.tolist(), strict=True))
+        coefficients = {p.name: given[p.name] for p in self.coefficients}
+        effects = {
+            e.name: {p.name: given[f"{e.name}.{p.name}"] for p in e.parameters}
+            for e in self.effects
+            if any(given[f"{e.name}.{p.name}"] != 0 for p in e.parameters[: e.strengths])
+        }
+        return coefficients, effects
 
     def _absent(self, parameter: Parameter) -> float:
         if "." not in parameter.name:

@@ -1,7 +1,7 @@
 """When simulation and recordings differ: is it real, where, what was left out, does it help."""
 
 from .find import Found, find_mismatch
-from .horizon import PathErrors, path_errors, stretches
+from .free_run_errors import PathErrors, path_errors
 from .locate import Dependence, MissingForce, dependences, folds, missing_force
 
 __all__ = [
@@ -14,5 +14,4 @@ __all__ = [
     "folds",
     "missing_force",
     "path_errors",
-    "stretches",
 ]

@@ -22,19 +22,26 @@ from ..engine import (
     without_discrepancy,
 )
 from ..engine.naming import NAMED, UNEXPLAINED, gain
-from ..fitting import Free, Series, fit_paths, inverse_fisher, spread_over_trials
+from ..fitting import Free, Series, cluster_covariance, fit_paths, inverse_fisher
 from ..integrate import Kernel, compiled
 from ..integrate.batch import each
-from ..model import is_nameless, plates
+from ..model import is_residual, plates
 from ..study import Study
-from ..tuning import Tuned, thin, tune
-from .horizon import path_errors
-from .jumps import Jump, jumps, with_jumps
-from .locate import Dependence, MissingForce, added_force, dependences, missing_force
+from ..tuning import Tuned, downsampled, tune
+from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
+from .data_split import has_roles, held_out_trials
+from .free_run_errors import path_errors, steady_errors
+from .locate import (
+    Dependence,
+    MissingForce,
+    added_force,
+    covariates,
+    dependences,
+    missing_force,
+)
 from .robot_problem import robot_problem
-from .setting import has_roles, held_out_trials, steady_errors, variables
 
-LEAST_UNIT = 0.1
+MIN_UNIT = 0.1
 
 
 @dataclass(frozen=True)
@@ -46,7 +53,8 @@ class Found:
     probable set of the named causes. baseline and extended: tuned models on the trials to fit;
     fitted_to: criterion by which the baseline of `errors` was fitted. forces, dependences: what the
     baseline lacks, on all trials. errors: of both models on the held-out trials; floor_m: path
-    error that a true model would have there; stretch_s: length of the compared stretches.
+    error that a true model would have there; stretch_s: length of the compared
+    segments.
     displacements: where the camera was, or seemed to be, moved during a trial.
     """
 
@@ -65,7 +73,7 @@ class Found:
     errors: Mapping[str, Mapping[str, float]]
     floor_m: float
     stretch_s: float
-    displacements: Sequence[Jump] = ()
+    displacements: Sequence[CameraDisplacement] = ()
     warnings: Sequence[str] = ()
 
 
@@ -80,14 +88,17 @@ def find_mismatch(
     kernel = compiled(plates())
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
-    few = thin(series)
-    baseline = tune([s for s in few if s.name not in held_out])
-    displaced = jumps(kernel, few, baseline.trial_values(kernel, few), baseline.noise)
-    series, few = with_jumps(kernel, series, displaced), with_jumps(kernel, few, displaced)
+    averaged = downsampled(series)
+    baseline = tune([s for s in averaged if s.name not in held_out])
+    displaced = detect_displacements(
+        kernel, averaged, baseline.trial_values(kernel, averaged), baseline.noise
+    )
+    series = with_displacements(kernel, series, displaced)
+    averaged = with_displacements(kernel, averaged, displaced)
     if not has_roles(study):
-        # the moment of a displacement is known, its size is not: that trial alone can tell it
+        # only the trial itself determines the size of its displacement
         held_out = [name for name in held_out if name not in {d.trial for d in displaced}]
-    train = [s for s in few if s.name not in held_out]
+    train = [s for s in averaged if s.name not in held_out]
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = tune(train) if displaced else baseline
     problem = robot_problem(kernel, train, baseline, displaced=displaced, progress=progress)
@@ -97,14 +108,14 @@ def find_mismatch(
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
     final = without_discrepancy(problem, best.model)
-    extended = tuned_set(baseline, final) if best.causes else baseline
+    extended = tuned_model(baseline, final) if best.causes else baseline
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}
-    by_paths = on_trajectories(kernel, train, baseline)
+    by_paths = trajectory_fit(kernel, train, baseline)
     if by_paths is not None:
         models = {"by_paths": by_paths, **models}
     (forces, depends), paths = each(lambda task: task(), (
-        partial(_located, study, kernel, few, baseline, extended),
+        partial(_missing_force_and_dependences, study, kernel, averaged, baseline, extended),
         partial(path_errors, study, kernel, models, test),
     ))  # fmt: skip
     fitted_to = "prediction errors"
@@ -136,28 +147,28 @@ SINGLE_TRIAL_FACTOR = 2.0
 twice, the overdispersion above which the report warns."""
 
 
-def tuned_set(baseline: Tuned, model: FittedSet) -> Tuned:
+def tuned_model(baseline: Tuned, model: FittedSet) -> Tuned:
     """A fitted set with covariances from how its trials disagree."""
-    move = unconstrained(model)
-    spread = spread_over_trials(model.fit.normal, move)
-    cov, freedom = spread.cov.copy(), spread.freedom.copy()
-    alone = np.flatnonzero(move & (freedom == 0))  # one trial informs on it: its naive variance
-    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, move))
+    free = unconstrained(model)
+    spread = cluster_covariance(model.fit.normal, free)
+    cov, df = spread.cov.copy(), spread.df.copy()
+    alone = np.flatnonzero(free & (df == 0))  # one trial informs on it: its naive variance
+    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
     cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
-    freedom[alone] = max(len(model.fit.normal.hessian) - 1, 1)
-    return Tuned(model.fit, model.noise, cov, baseline.base, freedom, None)
+    df[alone] = max(len(model.fit.normal.hessian) - 1, 1)
+    return Tuned(model.fit, model.noise, cov, baseline.base, df, None)
 
 
-def on_trajectories(kernel: Kernel, train: Sequence[Series], baseline: Tuned) -> Tuned | None:
+def trajectory_fit(kernel: Kernel, train: Sequence[Series], baseline: Tuned) -> Tuned | None:
     """The baseline fitted to whole trajectories, the criterion of the comparison; None where that
-    fit runs away.
+    fit diverges.
     """
     free: Sequence[Free] = baseline.fit.free
     found = fit_paths(kernel, train, baseline.base, free, start=baseline.fit.by_label()).fit
     return replace(baseline, fit=found) if np.isfinite(found.values).all() else None
 
 
-def _located(
+def _missing_force_and_dependences(
     study: Study, kernel: Kernel, series: Sequence[Series], baseline: Tuned, extended: Tuned
 ) -> tuple[list[MissingForce], list[Dependence]]:
     """What the model lacks without its additions, and what that depends on.
@@ -167,20 +178,20 @@ def _located(
     that of the additions' force; of a measurement error, that of the random forces in its stead.
     """
     free = extended.fit.free
-    residual = any(is_nameless(f.name) for f in free)
+    residual = any(is_residual(f.name) for f in free)
     full = extended.trial_values(kernel, series)
     values = [v.copy() for v in full]
     for f in free:
-        if is_nameless(f.name) or ("." in f.name and not residual):
+        if is_residual(f.name) or ("." in f.name and not residual):
             for v in values:
                 v[kernel.system.slot[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
     trials = {t.trial_id: t for t in study.trials}
     count = forces[0].force.shape[1]
-    units = np.maximum(extended.noise.disturbance, LEAST_UNIT * baseline.noise.disturbance)[:count]
+    units = np.maximum(extended.noise.disturbance, MIN_UNIT * baseline.noise.disturbance)[:count]
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
-    return forces, dependences(series, shown, variables(series, forces, trials), units)
+    return forces, dependences(series, shown, covariates(series, forces, trials), units)
 
 
 def verdict_of(kernel: Kernel, named: Sequence[Named], unexplained: float) -> str:

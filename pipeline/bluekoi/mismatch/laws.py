@@ -14,11 +14,10 @@ from ..fitting import Series, slots_by_name
 from ..integrate import Kernel
 from ..study import Trial
 from ..tuning import Tuned
-from ..tuning.joint import BAND
-from .locate import MissingForce, added_force
-from .setting import CHANNELS, variables
+from ..tuning.joint import Z_95
+from .locate import CHANNELS, MissingForce, added_force, covariates
 
-BINS, LEAST_IN_BIN = 15, 3
+BINS, MIN_IN_BIN = 15, 3
 UNITS = ("N", "N", "N m")
 OWN: Mapping[str, tuple[str, ...]] = {
     "angle of attack": ("angle_of_attack_rad",),
@@ -66,7 +65,7 @@ def cause_laws(
     Each: variable, x (bins,), y, low, high (95 % band by the covariance of the cause's numbers;
     empty where one of them is not known), channel, y_unit, explained (share of its variance).
     """
-    known = variables(series, forces, trials)
+    known = covariates(series, forces, trials)
     over = {name: np.concatenate([v[name] for v in known]) for name in known[0]}
     names = dict.fromkeys(f.name.split(".")[0] for f in tuned.fit.free if "." in f.name)
     found = {name: _law(kernel, series, tuned, name, over) for name in names}
@@ -133,7 +132,7 @@ def bins(x: Float) -> Binned | None:
     else:
         edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)[1:-1]))
         index = np.searchsorted(edges, x, side="right")
-    kept = [k for k in np.unique(index) if np.sum(index == k) >= LEAST_IN_BIN]
+    kept = [k for k in np.unique(index) if np.sum(index == k) >= MIN_IN_BIN]
     if len(kept) < 2:
         return None
     place = np.full(int(index.max()) + 1, -1)
@@ -153,7 +152,7 @@ def _half_width(tuned: Tuned, own: Sequence[int], law: Any, mean: Float) -> Floa
     """Half width of the 95 % band (bins,), linear in the cause's numbers; None where one of their
     deviations is unknown. A number at its bound does not vary.
     """
-    half = 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND
+    half = 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95
     moved = [i for i in own if tuned.cov[i, i] > 0]
     if not moved or not np.isfinite(half[moved]).all():
         return None
@@ -166,4 +165,4 @@ def _half_width(tuned: Tuned, own: Sequence[int], law: Any, mean: Float) -> Floa
     own_std = np.sqrt(np.diag(tuned.cov)[moved])
     correlation = tuned.cov[np.ix_(moved, moved)] / np.outer(own_std, own_std)
     cov = correlation * np.outer(half[moved], half[moved])
-    return BAND * np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", J, cov, J), 0.0))
+    return Z_95 * np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", J, cov, J), 0.0))

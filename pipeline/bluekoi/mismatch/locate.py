@@ -1,9 +1,9 @@
-"""Where a model's missing force sits: along the paths, and in what it depends on.
+"""The missing force: along the paths, and in what it depends on.
 
-The disturbing states of the filter around the fitted model, smoothed, are the force that the model
-lacks, with its uncertainty. What it depends on is told by how well a smooth curve over a variable,
-fitted to the other conditions, foretells it in a condition left out: correlated errors within a
-trial cannot feign that.
+The disturbance states of the filter around the fitted model, smoothed, are the force that the model
+lacks, with its uncertainty. What it depends on follows from cross-validation: a smooth curve over a
+variable, fitted to the other conditions, predicts it in a condition left out. Correlated errors
+within a trial cannot imitate that.
 """
 
 from __future__ import annotations
@@ -18,18 +18,20 @@ from ..fitting import Noise, Series, disturbance_slots, filter_all, smooth
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
+from ..study import Trial
 
 FOLDS, DEGREE = 6, 3
 MOMENT_S = 1e-3
-LEAST_SHARE = 0.02
-MOST_VARIABLES = 2
-"""A channel's force is told to depend on at most so many variables, each of which foretells this
-share of all missing force beyond what those before it do.
+MIN_SHARE = 0.02
+MAX_VARIABLES = 2
+"""A channel's force is stated to depend on at most so many variables; each must explain this share
+of all missing force beyond the variables before it.
 """
-OWN_SHARE, LEAST_CHANNEL = 0.3, 0.002
-"""A weak channel's best variable is told where it foretells this share of the channel's own force,
-which is at least that share of all.
+WEAK_MIN_SHARE, WEAK_MIN_CHANNEL = 0.3, 0.002
+"""The best variable of a weak channel is stated where it explains this share of the channel's own
+force, which is at least that share of all.
 """
+CHANNELS = ("surge", "sway", "yaw")
 
 
 @dataclass(frozen=True)
@@ -45,9 +47,9 @@ class MissingForce:
 
 @dataclass(frozen=True)
 class Dependence:
-    """Share of all the missing force that a variable foretells in a channel, in conditions left
-    out; channels are made comparable by what remains random in each. adds: the share that it
-    foretells beyond better variables of the channel; 0 where it is none of the first.
+    """Share of all the missing force that a variable explains in a channel, in conditions left
+    out; channels are scaled by the random force that remains in each. adds: the share that it
+    explains beyond better variables of the channel; 0 where it is not among the first.
     """
 
     channel: int
@@ -88,12 +90,12 @@ def added_force(
         series, filter_all(kernel, series, on, noise), on, off, strict=True
     ):
         state, _ = smooth(result)
-        out.append(_difference(kernel, one, state, with_noise(kernel, with_, noise),
+        out.append(_force_difference(kernel, one, state, with_noise(kernel, with_, noise),
                                without=with_noise(kernel, without, noise)))  # fmt: skip
     return out
 
 
-def _difference(
+def _force_difference(
     kernel: Kernel, one: Series, state: Float, with_: Float, *, without: Float
 ) -> Float:
     slots, n = disturbance_slots(kernel, acting=True), len(one.times)
@@ -115,7 +117,7 @@ def _difference(
 
 
 def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:
-    """Trials by fold; trials of one condition are never parted, folds are about equally long."""
+    """Trials by fold; a condition is in one fold only, folds are about equally long."""
     conditions = sorted({s.condition for s in series})
     order = {c: i % min(count, max(len(conditions), 1)) for i, c in enumerate(conditions)}
     chosen = np.array([order[s.condition] for s in series])
@@ -142,10 +144,10 @@ def dependences(
         force = [y[:, channel] for y in scaled]
         adds = _added(variables, force, parts, total)
         for name in variables[0]:
-            gained = foretold([v[name] for v in variables], force, parts)
-            order = [int(t) for t in np.argsort(-gained) if gained[t] > 0]
+            explained = cv_explained([v[name] for v in variables], force, parts)
+            order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
-            share = max(0.0, float(gained.sum())) / total
+            share = max(0.0, float(explained.sum())) / total
             found.append(Dependence(channel, name, share, trials, adds.get(name, 0.0)))
     return sorted(found, key=lambda d: -d.share)
 
@@ -154,23 +156,25 @@ def _added(
     variables: Sequence[Mapping[str, Float]], force: Sequence[Float],
     parts: Sequence[np.ndarray], total: float,
 ) -> dict[str, float]:  # fmt: skip
-    """Variable -> share that it foretells beyond those before it, the best first."""
+    """Variable -> share that it explains beyond those before it, the best first."""
     adds: dict[str, float] = {}
     own = sum(float(np.sum(y**2)) for y in force) / total
-    while len(adds) < MOST_VARIABLES:
-        shares = {name: float(foretold([v[name] for v in variables], force, parts).sum()) / total
-                  for name in variables[0] if name not in adds}  # fmt: skip
+    while len(adds) < MAX_VARIABLES:
+        shares = {
+            name: float(cv_explained([v[name] for v in variables], force, parts).sum()) / total
+            for name in variables[0] if name not in adds
+        }  # fmt: skip
         best = max(shares, key=lambda name: shares[name])
-        weak = not adds and own >= LEAST_CHANNEL and shares[best] >= OWN_SHARE * own
-        if shares[best] < LEAST_SHARE and not weak:
+        weak = not adds and own >= WEAK_MIN_CHANNEL and shares[best] >= WEAK_MIN_SHARE * own
+        if shares[best] < MIN_SHARE and not weak:
             break
         adds[best] = shares[best]
-        force = unforetold([v[best] for v in variables], force)
+        force = residualise([v[best] for v in variables], force)
     return adds
 
 
-def unforetold(x: Sequence[Float], y: Sequence[Float]) -> list[Float]:
-    """What a smooth curve over x, fitted to all trials, leaves of y."""
+def residualise(x: Sequence[Float], y: Sequence[Float]) -> list[Float]:
+    """Residuals of y after a smooth curve over x, fitted to all trials."""
     design = _curves(x)
     A = sum(d.T @ d for d in design) + 1e-6 * np.eye(DEGREE + 1)
     coefficients = np.linalg.solve(A, sum(d.T @ v for d, v in zip(design, y, strict=True)))
@@ -184,19 +188,49 @@ def _curves(x: Sequence[Float]) -> list[Float]:
     return [np.asarray(np.polynomial.chebyshev.chebvander(v, DEGREE), float) for v in scaled]
 
 
-def foretold(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:
-    """Sum of squares of y that a smooth curve over x foretells across folds, (trials,)."""
+def cv_explained(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:
+    """Sum of squares of y explained by a smooth curve over x fitted to other folds, (trials,)."""
     design = _curves(x)
     grams = [d.T @ d for d in design]
     moments = [d.T @ v for d, v in zip(design, y, strict=True)]
-    gained = np.zeros(len(y))
+    explained = np.zeros(len(y))
     for part in parts:
         rest = [t for t in range(len(y)) if t not in set(part.tolist())]
-        if not rest:  # one condition: nothing else to foretell it from
+        if not rest:  # one condition: nothing to fit to
             continue
         A = sum(grams[t] for t in rest) + 1e-6 * np.eye(DEGREE + 1)
         coefficients = np.linalg.solve(A, sum(moments[t] for t in rest))
         for t in part:
             error = y[t] - design[t] @ coefficients
-            gained[t] = float(y[t] @ y[t] - error @ error)
-    return gained
+            explained[t] = float(y[t] @ y[t] - error @ error)
+    return explained
+
+
+def covariates(
+    series: Sequence[Series], forces: Sequence[MissingForce], trials: Mapping[str, Trial]
+) -> list[dict[str, Float]]:
+    """What a missing force may depend on, frame by frame, for every trial."""
+    return [_covariates(s, f, trials[s.name]) for s, f in zip(series, forces, strict=True)]
+
+
+def _covariates(series: Series, force: MissingForce, trial: Trial) -> dict[str, Float]:
+    x, y, psi, u, v, r = force.states[:, :6].T
+    n = len(x)
+    phi = trial.head_angle_rad
+    u_h, v_h = u * np.cos(phi) - v * np.sin(phi), u * np.sin(phi) + v * np.cos(phi)
+    beat = 2 * np.pi * series.inputs[:, 1] * series.times
+    return {
+        "speed_m_s": np.hypot(u, v),
+        "sway_speed_m_s": v,
+        "yaw_rate_rad_s": r,
+        "angle_of_attack_rad": -np.arctan2(v_h, np.maximum(np.abs(u_h), 1e-3)),
+        "head_angle_rad": np.full(n, phi),
+        "flap_hz": series.inputs[:, 1],
+        "head_length_m": np.full(n, trial.head_length_m),
+        "x_m": x,
+        "y_m": y,
+        "time_s": series.times,
+        "heading_turned_rad": np.abs(psi - psi[0]),
+        "tail_beat_phase_rad": np.arctan2(np.sin(beat), np.cos(beat)),
+        "side": np.full(n, np.sign(trial.head_angle_deg)),
+    }

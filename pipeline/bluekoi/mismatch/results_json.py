@@ -9,18 +9,19 @@ import numpy as np
 
 from ..engine import Named
 from ..engine.naming import UNEXPLAINED
-from ..fitting import Series, trial_values
-from ..integrate import Effect, compiled
-from ..model import is_nameless, plates, residual_channels
+from ..fitting import Series
+from ..integrate import Effect
+from ..model import is_residual, plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned
-from ..tuning.joint import BAND
+from ..tuning.joint import Z_95
 from .find import Found
+from .locate import CHANNELS
+from .next_trial import next_trial
 from .robot_problem import CAMERA_SHIFT
 from .sentences import sentence, unexplained_sentence
-from .setting import CHANNELS, best_next_trial
 
-LEAST_RIVAL = 0.02
+MIN_RIVAL = 0.02
 
 
 def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
@@ -78,7 +79,7 @@ def _cause(found: Found, cause: Named) -> dict[str, Any]:
 
 def credible_set(cause: Named) -> list[str]:
     """The fewest causes of a place, the most probable first, that hold 90 % of it."""
-    return [UNEXPLAINED if is_nameless(n) else n for n in cause.credible_set]
+    return [UNEXPLAINED if is_residual(n) else n for n in cause.credible_set]
 
 
 def _regime(found: Found, effect: Effect) -> str:
@@ -102,12 +103,12 @@ def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
 
 def as_normal(tuned: Tuned) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
-    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / BAND]
+    return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 
 
 def residual_terms(found: Found) -> list[str]:
     """Names of the residual terms in the extended model."""
-    return [f.name for f in found.extended.fit.free if is_nameless(f.name)]
+    return [f.name for f in found.extended.fit.free if is_residual(f.name)]
 
 
 def _unexplained(found: Found) -> dict[str, Any]:
@@ -142,15 +143,15 @@ def rivals(found: Found) -> list[dict[str, Any]]:
     taken = {c.name for c in found.named}
     for cause in found.named:
         for other, probability in cause.alternatives.items():
-            name = UNEXPLAINED if is_nameless(other) else other
-            if probability >= LEAST_RIVAL and name not in taken:
+            name = UNEXPLAINED if is_residual(other) else other
+            if probability >= MIN_RIVAL and name not in taken:
                 taken.add(name)
                 out.append({"name": name, "in_place_of": cause.name, "weight": probability,
                             "how_to_tell_apart": _apart(cause.name, name)})  # fmt: skip
     out += [
         {"name": name, "in_place_of": "", "weight": p, "how_to_tell_apart": _beside(name)}
         for name, p in found.posterior.inclusion.items()
-        if p >= LEAST_RIVAL and name not in taken and not is_nameless(name)
+        if p >= MIN_RIVAL and name not in taken and not is_residual(name)
     ]
     return sorted(out, key=lambda r: -r["weight"])
 
@@ -178,30 +179,6 @@ def where(found: Found) -> list[dict[str, Any]]:
     strong = sorted((d for d in found.dependences if d.adds > 0), key=lambda d: -d.adds)
     return [{"channel": CHANNELS[d.channel], "variable": d.variable, "share": d.adds,
              "trials": list(d.trials)} for d in strong]  # fmt: skip
-
-
-def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
-    """The trial in which the two most probable sets of causes differ most."""
-    kernel, sets = compiled(plates()), found.posterior.sets
-    order = np.argsort(-found.posterior.probability)
-    first = found.model
-    other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
-    flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
-            for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
-    base = found.baseline.base
-    values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
-    best = best_next_trial(study, kernel, values[0], values[1], flap)
-    names = [" and ".join(m.causes) or "the baseline" for m in (first, other)]
-    floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
-    apart = float(str(best["apart_mm"]))
-    if not apart > floor:
-        why = (f"no trial of 4 s separates {names[0]} from {names[1]}: they differ by at most "
-               f"{apart:.1f} mm, the noise is {floor:.1f} mm; repeat trials instead")  # fmt: skip
-    else:
-        why = (
-            f"separates {names[0]} from {names[1]} best: paths differ by {apart:.0f} mm rms in 4 s"
-        )
-    return best | {"why": why, "above_noise": bool(apart > floor)}
 
 
 def details(found: Found) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from ..fitting import Series, TrialEffect
 from ..integrate import Kernel
 from ..model import STATE_VARIABLES, residual_groups, residual_sources
 from ..tuning import Tuned
-from .jumps import TAIL, Jump
+from .camera_displacement import CAMERA_SHIFT, TAIL_FACTOR, CameraDisplacement
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
@@ -33,7 +33,6 @@ TOLERANCES = {
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
 KINDS = ("physics", "measurement", "residual")
-CAMERA_SHIFT = "camera_shift"
 
 
 def robot_problem(
@@ -41,18 +40,20 @@ def robot_problem(
     series: Sequence[Series],
     baseline: Tuned,
     *,
-    displaced: Sequence[Jump],
+    displaced: Sequence[CameraDisplacement],
     progress: Callable[[str], None],
 ) -> Problem:
     """`Problem` of a campaign.
 
-    displaced: jumps of what is seen; only with them is a displaced camera a candidate. The moments
-    of the jumps were chosen from many, which its prior probability has to pay for.
+    displaced: camera displacements found; only with them is `camera_shift` a candidate. Their
+    moments were chosen from many, which lowers its prior probability.
     """
     system = kernel.system
     names = [e.name for e in system.effects
              if e.kind in KINDS and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
-    odds = PRIORS.cause * np.exp(-TAIL * sum(np.log(len(series) * j.moments) for j in displaced))
+    odds = PRIORS.cause * np.exp(
+        -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
+    )
     priors = replace(PRIORS, likely={**(PRIORS.likely or {}), CAMERA_SHIFT: float(odds)})
     return Problem(
         kernel=kernel,

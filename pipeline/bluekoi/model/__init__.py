@@ -1,7 +1,7 @@
 """The two-plate model: Eqs. 1 to 8, the effects that may be added, and simulations of both."""
 
 from ..observation import OBSERVATIONS
-from .plates import COEFFICIENTS, effect_names, is_nameless, plates
+from .plates import COEFFICIENTS, effect_names, is_residual, plates
 from .published import FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING
 from .residual import STATE_VARIABLES
 from .residual import channels as residual_channels
@@ -21,7 +21,7 @@ __all__ = [
     "Tank",
     "constants",
     "effect_names",
-    "is_nameless",
+    "is_residual",
     "plates",
     "residual_channels",
     "residual_groups",

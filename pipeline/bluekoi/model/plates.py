@@ -53,7 +53,7 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
-    """Random water and tracking errors, nameless residual, physical effects, measurement causes."""
+    """Random water and tracking errors, residual terms, physical effects, measurement causes."""
     modules = [disturbance, tracking_error, residual, hump] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
@@ -63,13 +63,13 @@ def all_effects() -> tuple[Effect, ...]:
     return (*found, *periodic.EFFECTS)
 
 
-def is_nameless(label: str) -> bool:
-    """Whether an effect, one term of it or one of its numbers is of those without a name."""
-    return label.split(".", maxsplit=1)[0] in _nameless()
+def is_residual(label: str) -> bool:
+    """Whether an effect, a term or a parameter belongs to the residual force."""
+    return label.split(".", maxsplit=1)[0] in _residual_effects()
 
 
 @lru_cache(maxsize=1)
-def _nameless() -> frozenset[str]:
+def _residual_effects() -> frozenset[str]:
     return frozenset(effect.name for effect in all_effects() if effect.kind == residual.KIND)
 
 

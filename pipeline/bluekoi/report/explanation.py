@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..explain import Explanation, Predicted
-from ..explain.comparison import stretches
+from ..explain.comparison import segments_of
 from ..explain.results_json import sentence
 from ..explain.text import (
     cause_rows,
@@ -28,7 +28,7 @@ from ..explain.text import (
 )
 from ..figures.drawing.style import AFTER, BEFORE, MEASURED, RC_PARAMS
 from ..files import write_text
-from ..fitting import shoot
+from ..fitting import free_runs
 from .findings import HEADINGS
 
 MOST_TRIALS = 4
@@ -86,14 +86,14 @@ def trials_figure(found: Explanation) -> Figure:
         axes = figure.subplots(len(model.observations), len(chosen), squeeze=False)
         for fitted, colour in ((found.baseline, BEFORE), (found.extended, AFTER)):
             for column, one in enumerate(chosen):
-                parts = stretches(problem, fitted, [one], found.held_out.stretch_s)
+                parts = segments_of(problem, fitted, [one], found.held_out.stretch_s)
                 if not parts:
                     continue
-                shots = shoot(problem.kernel, parts, fitted.values(problem, parts),
+                runs = free_runs(problem.kernel, parts, fitted.values(problem, parts),
                               open_states=len(model.states))  # fmt: skip
-                for part, shot in zip(parts, shots, strict=True):
+                for part, run in zip(parts, runs, strict=True):
                     for row in range(len(model.observations)):
-                        axes[row, column].plot(part.times, shot.observed[:, row], color=colour)
+                        axes[row, column].plot(part.times, run.observed[:, row], color=colour)
         for column, one in enumerate(chosen):
             for row, o in enumerate(model.observations):
                 axes[row, column].plot(one.times, one.seen[:, row], color=MEASURED, lw=3, alpha=0.3)

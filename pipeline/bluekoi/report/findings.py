@@ -168,25 +168,6 @@ def next_trial(campaign: Campaign) -> str:
     return ", ".join(parts) + f": {_sentence(found.get('why'))}"
 
 
-def candidates(campaign: Campaign) -> list[Row]:
-    """Refitted candidates: step, gain, number of trials improved, parameters, outcome."""
-    selected = {str(c["name"]) for c in (campaign.mismatch or {}).get("causes") or []}
-    return [
-        Row(
-            readable(str(r["name"])),
-            (
-                str(r.get("round", 1)),
-                number(r.get("held_out_gain")),
-                f"{r.get('trials_better', '–')} of {r.get('trials', '–')}",
-                ", ".join(f"{k} = {number(v)}" for k, v in (r.get("parameters") or {}).items()),
-                str(r.get("outcome") or ""),
-            ),
-            str(r["name"]) in selected,
-        )
-        for r in (campaign.mismatch_detail or {}).get("candidates") or []
-    ]
-
-
 def _cause(entry: dict[str, Any]) -> Cause:
     parameters = [
         f"{name} = {measured(cell.get('value'), cell.get('std'), unit(str(cell.get('unit', ''))))}"

@@ -57,7 +57,6 @@ def page(
         probabilities=findings.probabilities(campaign),
         rivals=findings.rivals(campaign),
         next_trial=findings.next_trial(campaign),
-        candidates=findings.candidates(campaign),
         held_out=held_out_errors.held_out(campaign),
         held_out_text=held_out_errors.text(campaign),
         held_out_columns=held_out_errors.columns(campaign),

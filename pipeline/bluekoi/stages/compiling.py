@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Pose
-from ..fitting import Noise, Series, filter_series, shoot
+from ..fitting import Noise, Series, filter_series, free_runs
 from ..integrate import compiled
 from ..model import plates
 from ..smoothing import smooth
@@ -39,4 +39,4 @@ def load_model() -> None:
     noise = Noise(np.zeros(0), np.ones(0), np.ones(seen))
     for values in (bare, extended):
         filter_series(kernel, one, values, noise)
-        shoot(kernel, [one], [values], iterations=1)
+        free_runs(kernel, [one], [values], iterations=1)

@@ -18,17 +18,17 @@ from ..campaign import load_campaign
 from ..data import Flapping, write_columns
 from ..errors import InputError
 from ..files import write_json
-from ..fitting import Series, shoot
+from ..fitting import Series, free_runs
 from ..integrate import compiled
 from ..mismatch import find_mismatch
-from ..mismatch.jumps import with_jumps
+from ..mismatch.camera_displacement import with_displacements
+from ..mismatch.data_split import held_out_trials
 from ..mismatch.laws import cause_laws
 from ..mismatch.results_json import details, mismatch_json
-from ..mismatch.setting import held_out_trials
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
-from ..tuning import thin
+from ..tuning import downsampled
 from .clock import CLOCK_STD, in_true_time, with_clock_cause
 from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
@@ -39,7 +39,7 @@ SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
 BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
-LEAST_CHANCE = 1e-50
+MIN_CHANCE = 1e-50
 LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (geometry_hypotheses) is seen
 
 log = logging.getLogger(__name__)
@@ -61,11 +61,11 @@ def mismatch(study: Path, results: Path) -> None:
     series = from_the_nose(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
-    series = with_jumps(kernel, series, found.displacements)
-    shots = shoot(kernel, series, found.extended.trial_values(kernel, series))
+    series = with_displacements(kernel, series, found.displacements)
+    runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
     remove((results / "extended").glob("*.csv"))
-    for one, shot in zip(series, shots, strict=True):
-        path = {f"extended_{k}": shot.observed[:, i]
+    for one, run in zip(series, runs, strict=True):
+        path = {f"extended_{k}": run.observed[:, i]
                 for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
         times = one.times / (factors[one.name].value if one.name in factors else 1.0)
         write_columns(results / "extended" / f"{one.name}.csv", {"time_s": times} | path)
@@ -75,7 +75,7 @@ def mismatch(study: Path, results: Path) -> None:
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)
     trials = {trial.trial_id: trial for trial in loaded.trials}
-    laws = cause_laws(kernel, thin(series), found.forces, found.extended, trials)
+    laws = cause_laws(kernel, downsampled(series), found.forces, found.extended, trials)
     for cause in content["causes"]:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]
@@ -173,7 +173,7 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
 
 
 def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
-    """Strength of `measurement/lens_error.py` that the pattern tells of, as sure as its chance;
+    """Strength of `measurement/lens_error.py` by the pattern, as certain as its p-value;
     nothing where no camera can have such a lens.
     """
     one = next(e for e in geometry["estimates"] if e["name"] == "lens_error")
@@ -181,5 +181,5 @@ def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[fl
         strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
     except InputError:
         return {}
-    sureness = -float(ndtri(0.5 * max(one["p_value"], LEAST_CHANCE)))
+    sureness = -float(ndtri(0.5 * max(one["p_value"], MIN_CHANCE)))
     return {"lens": (strength, float(np.hypot(strength / sureness, LENS_STD)))}

@@ -34,7 +34,7 @@ def _scene(camera: Camera, caustics: float, pool: tuple[float, float, float], se
 
 
 def stage_at(design: Design, time_s: float) -> Stage:
-    """Pool, camera, light, lamps and noise of a design at a time (they change with a knock)."""
+    """Pool, camera, light, lamps and noise of a design at a time (changed by a camera shift)."""
     camera, state = camera_at(design, time_s), design.conditions
     pool = (*design.tank.pool_m, design.pool_depth_m)
     rng = np.random.default_rng([design.seed, 7])
@@ -90,13 +90,13 @@ def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: in
 
 def frames_of(design: Design, trial: Trial) -> Iterator[Planes]:
     """The frames of a trial, in order, with sensor noise."""
-    knock = design.conditions.nudge_at_s
+    moved_at_s = design.conditions.nudge_at_s
     before = stage_at(design, -math.inf)
-    after = before if knock is None else stage_at(design, math.inf)
+    after = before if moved_at_s is None else stage_at(design, math.inf)
     rng = generator(design, trial.plan.trial_id, "noise")
     offset = int(rng.integers(0, 100))
     for number, now in enumerate(trial.time_s):
-        stage = before if knock is None or now < knock else after
+        stage = before if moved_at_s is None or now < moved_at_s else after
         clean = frame(design, trial, stage, number=number, offset=offset)
         yield add_noise(clean, stage, rng)
 

@@ -89,9 +89,9 @@ def resized(camera: Camera, size_px: tuple[int, int]) -> Camera:
 def nudged(
     camera: Camera, shift_m: tuple[float, float, float], angles_deg: tuple[float, float, float]
 ) -> Camera:
-    """The camera after a knock: moved by `shift_m` in the pool, turned about its own x, y, z."""
-    knock = np.array(looking_down(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
-    rows = knock @ np.array(camera.rotation)
+    """The camera after a displacement: moved by `shift_m` in the pool, turned about its axes."""
+    displaced = np.array(looking_down(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
+    rows = displaced @ np.array(camera.rotation)
     rotation = _as_rows(rows)
     x, y, z = (a + b for a, b in zip(camera.centre_m, shift_m, strict=True))
     return replace(camera, rotation=rotation, centre_m=(x, y, z))

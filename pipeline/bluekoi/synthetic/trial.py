@@ -124,7 +124,7 @@ def prepare(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Tr
 
 
 def camera_at(design: Design, time_s: float) -> Camera:
-    """The design's camera at its picture size, before or after the knock."""
+    """The design's camera at its picture size, before or after it was moved."""
     state = design.conditions
     camera = resized(design.camera, state.size_px)
     if state.view_shift_m:

@@ -1,6 +1,6 @@
 """Coefficients from trials: the paper's three steps at each power, and one set for all."""
 
-from .joint import Tuned, cell, table, thin, tune
+from .joint import Tuned, cell, downsampled, table, tune
 from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
 from .series import condition, study_series, trial_series
@@ -11,13 +11,13 @@ __all__ = [
     "cell",
     "coefficients",
     "condition",
+    "downsampled",
     "growth_per_s",
     "simulations",
     "study_series",
     "table",
     "table_1",
     "table_2",
-    "thin",
     "three_steps",
     "trial_series",
     "tune",

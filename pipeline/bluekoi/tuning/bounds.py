@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..fitting import Fit, Free, without_bounds
+from ..fitting import Fit, Free, newton_step_off_bounds
 from ..integrate.system import Parameter
 from ..model import plates
 
@@ -41,7 +41,7 @@ def one_sided(found: Fit) -> dict[int, Float]:
     held = {i: side for i, side in enumerate(sides(found)) if side}
     if not held:
         return {}
-    change, spread = without_bounds(found.normal)
+    change, spread = newton_step_off_bounds(found.normal)
     middle, half = found.values + change, spread.half_widths()
     return {
         i: _within(parameter_of(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i])

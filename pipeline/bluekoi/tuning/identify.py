@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Passes, Series, filter_all, fit
+from ..fitting import FilterResults, Series, filter_all, fit
 from ..integrate import compiled
 from ..integrate.batch import each
 from ..model import plates
 from .bounds import sides
-from .joint import BAND, UNDETERMINED_ABOVE, Tuned
+from .joint import UNDETERMINED_ABOVE, Z_95, Tuned
 
 POINTS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
@@ -83,7 +83,7 @@ def _at_bound(tuned: Tuned, index: int) -> Combination:
     """A number at its bound; its interval is one-sided."""
     alone, size = np.eye(len(tuned.std))[index], sizes(tuned)[index]
     width = float(np.diff(tuned.interval_95[index])[0])
-    std = width / BAND / size if np.isfinite(width) else np.inf
+    std = width / Z_95 / size if np.isfinite(width) else np.inf
     return Combination(alone, std, side=sides(tuned.fit)[index])
 
 
@@ -108,7 +108,7 @@ def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
 
 
 def _combination(tuned: Tuned, direction: Float, naive: float) -> Combination:
-    std = tuned.spread.half_width(direction / sizes(tuned)) / BAND
+    std = tuned.covariance.half_width(direction / sizes(tuned)) / Z_95
     return Combination(direction, max(std, float(naive)), float(naive))
 
 
@@ -122,7 +122,9 @@ def profiles(series: Sequence[Series], tuned: Tuned) -> list[Profile]:
     return each(lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free)))
 
 
-def _profile(series: Sequence[Series], tuned: Tuned, index: int, predictor: Passes) -> Profile:
+def _profile(
+    series: Sequence[Series], tuned: Tuned, index: int, predictor: FilterResults
+) -> Profile:
     """Profile of one free number, under held gains."""
     kernel, found = compiled(plates()), tuned.fit
     held = found.free[index]

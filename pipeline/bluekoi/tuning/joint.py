@@ -10,22 +10,22 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import (
+    ClusterCovariance,
     ClusterInfluence,
     Fit,
     Free,
     Noise,
     Series,
-    Spread,
     TrialRandomEffect,
+    block_averaged,
+    cluster_covariance,
     fit,
     fit_noise,
-    moving,
     normal_equations,
-    spread_over_trials,
-    thinned,
+    off_bounds,
     trial_values,
 )
-from ..fitting.sandwich import LEAST_SHARE
+from ..fitting.sandwich import MIN_SHARE
 from ..integrate import Kernel, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
@@ -34,11 +34,11 @@ from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
 HEAD_ANGLE = 3
 HEAD_ANGLE_ERROR = "head_angle_offset.d"
 """The parameter that a servo's error in one trial changes."""
-UNDETERMINED_ABOVE, BAND = 0.3, 1.96
+UNDETERMINED_ABOVE, Z_95 = 0.3, 1.96
 """A number is not determined where its deviation exceeds this share of its size; half width of a
 normal law's 95 % interval over its deviation.
 """
-SMALLER = (0.3, 0.1, 0.03, 0.0)
+START_SCALES = (0.3, 0.1, 0.03, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those."""
 FIRST_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
@@ -49,16 +49,16 @@ FIRST_NOISE = Noise(
 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated."""
 
 
-def thin(series: Sequence[Series]) -> list[Series]:
+def downsampled(series: Sequence[Series]) -> list[Series]:
     """The trials as fits take them: about ten observations a second, head angle once a trial."""
-    return [thinned(s, constant=(HEAD_ANGLE,)) for s in series]
+    return [block_averaged(s, constant=(HEAD_ANGLE,)) for s in series]
 
 
 @dataclass(frozen=True)
 class Tuned:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
-    freedom (p,): degrees of freedom of each variance, None for the normal law. influence: for
+    df (p,): degrees of freedom of each variance, None for the normal law. influence: for
     the freedom of combinations.
     """
 
@@ -66,14 +66,14 @@ class Tuned:
     noise: Noise
     cov: Float
     base: Float
-    freedom: Float | None = None
+    df: Float | None = None
     influence: ClusterInfluence | None = None
 
     @property
-    def spread(self) -> Spread:
+    def covariance(self) -> ClusterCovariance:
         """Covariance and degrees of freedom together."""
-        many = np.full(len(self.cov), 1e9) if self.freedom is None else self.freedom
-        return Spread(self.cov, many, self.influence)
+        many = np.full(len(self.cov), 1e9) if self.df is None else self.df
+        return ClusterCovariance(self.cov, many, self.influence)
 
     @property
     def std(self) -> Float:
@@ -85,7 +85,7 @@ class Tuned:
         """Bounds (p, 2) that hold the truth in 95 of 100 studies; infinite where the trials do not
         tell; of numbers at a bound as in `one_sided`.
         """
-        half = self.spread.half_widths(0.95)
+        half = self.covariance.half_widths(0.95)
         out = self.fit.values[:, None] + half[:, None] * np.array([-1.0, 1.0])
         for i, ends in one_sided(self.fit).items():
             out[i] = ends
@@ -105,11 +105,11 @@ def tune(
     base: Float | None = None,
     noise: Noise | None = None,
     start: dict[str, float] | None = None,
-    least: float = LEAST_SHARE,
+    min_share: float = MIN_SHARE,
 ) -> Tuned:
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 
-    least: share of the naive variance below which none is stated, however well trials agree.
+    min_share: share of the naive variance below which none is stated, however well trials agree.
 
     Raises: FloatingPointError where the model runs away from these trials at every start.
     """
@@ -122,8 +122,8 @@ def tune(
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo(kernel, series, found, base, noise=noise)
-    spread = spread_over_trials(found.normal, moving(kernel, found), own, least=least)
-    return Tuned(found, noise, spread.cov, base, spread.freedom, spread.influence)
+    spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
+    return Tuned(found, noise, spread.cov, base, spread.df, spread.influence)
 
 
 def _first_fit(
@@ -139,7 +139,7 @@ def _first_fit(
     slots = kernel.system.slot
     given = start or {}
     values = {f.label: given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free}
-    for share in (1.0, *SMALLER):
+    for share in (1.0, *START_SCALES):
         begin = {label: float(share * value) for label, value in values.items()}
         found = fit(kernel, series, base, free, noise, start=start if share == 1.0 else begin)
         if found.normal.usable:
@@ -174,7 +174,7 @@ def cell(tuned: Tuned, index: int) -> dict[str, Any]:
     """value, std, interval_95, naive_std, unit, whether determined, and why not, of one number.
 
     At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.
-    Where trials cannot disagree, since one alone tells of the number, std and interval are None.
+    Where trials cannot disagree, since one alone informs on the number, std and interval are None.
     """
     parameter, side = parameter_of(tuned.fit.free[index]), sides(tuned.fit)[index]
     value, interval = float(tuned.fit.values[index]), tuned.interval_95[index]
@@ -218,7 +218,7 @@ def _too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
         return "only one trial determines it: variation between trials cannot show its error"
     size = max(abs(value), usual)
     of = "its size" if abs(value) >= usual else f"its usual size of {usual:g}"
-    if half >= BAND * UNDETERMINED_ABOVE * size:
+    if half >= Z_95 * UNDETERMINED_ABOVE * size:
         share = f"half of its 95 % interval is {100 * half / size:.0f} % of {of}"
     elif naive >= UNDETERMINED_ABOVE * size:
         share = f"its naive deviation is {100 * naive / size:.0f} % of {of}"

@@ -17,7 +17,7 @@ from ..study import Setup
 from .bounds import parameter_of, sides
 from .identify import Combination, sizes
 from .joint import UNDETERMINED_ABOVE, Tuned
-from .turns import TURNING, straight
+from .turning_trials import TURN_COEFFICIENTS, all_straight
 
 ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
 NEW_TRIAL_S, NEW_RATE_HZ = 5.0, 10.0
@@ -71,7 +71,7 @@ def imaginable(series: Sequence[Series], tuned: Tuned) -> Float:
     its size: at a bound of 40 simulations run away.
     """
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
-    silent = [f.name in TURNING and straight(series) for f in tuned.fit.free]
+    silent = [f.name in TURN_COEFFICIENTS and all_straight(series) for f in tuned.fit.free]
     held = [bool(side) for side in sides(tuned.fit)]
     starts = np.array([parameter_of(f).start for f in tuned.fit.free])
     return np.where(held | np.array(silent) | (naive > UNDETERMINED_ABOVE * sizes(tuned)), starts,

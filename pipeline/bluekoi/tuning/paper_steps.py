@@ -5,9 +5,9 @@ speeds and, since the mass is known, from the start. The paper assigns C_Da to t
 straight run holds alpha at 0 and says nothing about it, so it is fitted in step 2.
 Step 2: turns of the 1x head give C_La and C_Ma for all powers, C_Da and C_Md at each power.
 Step 3: turns of the longer head are predicted, not fitted.
-The values are as published: step 2 takes those of step 1 as they are. What is said of their errors
-is not: step 1's covariance is carried into step 2's (`carried`), and since a step stands on few
-trials, which may agree by chance, no variance is stated that is less than the naive one.
+The values are as published: step 2 takes those of step 1 as they are. Their errors are not: step
+1's covariance enters that of step 2 (`with_step_covariance`), and since a step has few trials,
+which may agree by chance, no variance is stated that is less than the naive one.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from ..data import Float, Steady
 from ..fitting import Free, Series
 from ..model import plates, steady_turn
 from ..study import Study, Trial
-from .carried import carried, gain
-from .draws import drawn, within
+from .draws import sample_parameters, within
 from .joint import Tuned, cell, tune
+from .two_step_covariance import step_sensitivity, with_step_covariance
 
 STRAIGHT_BELOW_DEG = 3.0
 DRAWS, DRAW_SEED = 60, 0
-LEAST = 1.0
+MIN_SHARE = 1.0
 """No variance of a step is less than this share of the naive one."""
 COMMON = ("C_T", "C_D0", "C_La", "C_Ma")
 PER_POWER = ("C_Da", "C_Md")
@@ -44,12 +44,16 @@ def three_steps(
     one_x = [s for s in series if _is_one_x(study, trials[s.name])]
     straight = [s for s in one_x if is_straight(trials[s.name])]
     turns = [s for s in one_x if not is_straight(trials[s.name])]
-    first = tune(straight, [Free("C_T"), Free("C_D0")], least=LEAST) if straight else None
+    first = tune(straight, [Free("C_T"), Free("C_D0")], min_share=MIN_SHARE) if straight else None
     own = _second(turns, first) if turns else None
-    along = gain(turns, own, first) if own and first else None
-    second = own if own is None or first is None or along is None else carried(own, first, along)
+    sensitivity = step_sensitivity(turns, own, first) if own and first else None
+    second = (
+        own
+        if own is None or first is None or sensitivity is None
+        else with_step_covariance(own, first, sensitivity)
+    )
     powers = sorted({s.group for s in series}, key=float)
-    sampled = draws((first, own), along, np.random.default_rng(DRAW_SEED))
+    sampled = draws((first, own), sensitivity, np.random.default_rng(DRAW_SEED))
     result = {
         p: _power(study, p, series, steady, (first, second)) | {"ensemble": _ensemble(sampled, p)}
         for p in powers
@@ -58,16 +62,22 @@ def three_steps(
 
 
 def draws(
-    fits: tuple[Tuned | None, Tuned | None], along: Float | None, rng: np.random.Generator
+    fits: tuple[Tuned | None, Tuned | None], sensitivity: Float | None, rng: np.random.Generator
 ) -> dict[str, list[float]]:
     """`DRAWS` values of every number that was fitted, by label, step by step.
 
-    fits: as fitted. along: how step 2's numbers go with those of step 1, draw by draw.
+    fits: as fitted. sensitivity: how step 2's numbers go with those of step 1, draw by draw.
     """
     out: dict[str, list[float]] = {}
-    rows = [drawn(one, DRAWS, rng) if one else None for one in fits]
-    if fits[0] and fits[1] and rows[0] is not None and rows[1] is not None and along is not None:
-        rows[1] = within(fits[1].fit, rows[1] + (rows[0] - fits[0].fit.values) @ along.T)
+    rows = [sample_parameters(one, DRAWS, rng) if one else None for one in fits]
+    if (
+        fits[0]
+        and fits[1]
+        and rows[0] is not None
+        and rows[1] is not None
+        and sensitivity is not None
+    ):
+        rows[1] = within(fits[1].fit, rows[1] + (rows[0] - fits[0].fit.values) @ sensitivity.T)
     for one, values in zip(fits, rows, strict=True):
         if one and values is not None:
             out |= dict(zip([f.label for f in one.fit.free], values.T.tolist(), strict=True))
@@ -97,7 +107,7 @@ def _second(turns: Sequence[Series], first: Tuned | None) -> Tuned:
     base = plates().values(first.fit.by_label() if first else {})
     if first is None:
         free = [Free("C_T"), Free("C_D0"), *free]
-    return tune(turns, free, base=base, least=LEAST)
+    return tune(turns, free, base=base, min_share=MIN_SHARE)
 
 
 def _power(

@@ -8,17 +8,23 @@ from typing import Any
 import numpy as np
 
 from ..data import Float, Steady
-from ..fitting import Series, shoot
+from ..fitting import Series, free_runs
 from ..integrate import compiled
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, plates
 from ..study import Study
-from .draws import drawn
+from .draws import sample_parameters
 from .identify import profiles, spectrum
-from .joint import Tuned, table, thin, tune
+from .joint import Tuned, downsampled, table, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, undetermined_stability, verdict
-from .turns import hangs_on_one_trial, open_without_turns, outcome, straight, turns
-from .words import as_json, is_open, undetermined
+from .turning_trials import (
+    all_straight,
+    count_turning_trials,
+    depends_on_one_trial,
+    outcome,
+    undetermined_without_turns,
+)
+from .undetermined import as_json, is_undetermined, undetermined_combinations
 
 DRAWS, GROWTH_DRAWS = 200, 60
 LEAST_TURNS = 2
@@ -31,16 +37,16 @@ def coefficients(
     study: Study, series: Sequence[Series], steady: Mapping[str, Steady], *, seed: int = 0
 ) -> tuple[dict[str, Any], Tuned]:
     """Content of coefficients.json, and the joint fit."""
-    few = thin(series)
+    few = downsampled(series)
     steps, _, _ = three_steps(study, few, steady)
     joint = tune(few)
     values = joint.fit.by_label()
-    draws = drawn(joint, DRAWS, np.random.default_rng(seed))
+    draws = sample_parameters(joint, DRAWS, np.random.default_rng(seed))
     return {
         "unit_reading": UNIT_READING,
         "paper_steps": steps,
         "joint": {
-            "coefficients": open_without_turns(table(joint), few),
+            "coefficients": undetermined_without_turns(table(joint), few),
             "outcome": outcome(joint, few),
             "trials": [s.name for s in series],
             "noise": {
@@ -49,7 +55,7 @@ def coefficients(
                 "correlation_time_s": joint.noise.tau,
             },
             "ensemble": {"names": list(values), "values": draws},
-            "undetermined": undetermined(few, joint, study.setup),
+            "undetermined": undetermined_combinations(few, joint, study.setup),
             "identifiability": identifiability(few, joint),
             "straight_swimming": straight_swimming(
                 study, steps, joint, draws[:GROWTH_DRAWS], series=few
@@ -77,7 +83,7 @@ def straight_swimming(
     names = list(joint.fit.by_label())
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
-    if turns(series) < LEAST_TURNS or hangs_on_one_trial(joint):
+    if count_turning_trials(series) < LEAST_TURNS or depends_on_one_trial(joint):
         return undetermined_stability(by_power[worst]) | {"by_power": by_power}
     over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
     return verdict(by_power[worst], over) | {"by_power": by_power}
@@ -88,7 +94,8 @@ def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
     names = [f.label for f in joint.fit.free]
     return {
         "spectrum": [
-            as_json(names, one) | {"determined": not is_open(names, one, straight=straight(series))}
+            as_json(names, one)
+            | {"determined": not is_undetermined(names, one, straight=all_straight(series))}
             for one in spectrum(joint)
         ],
         "profiles": {
@@ -158,14 +165,14 @@ def simulations(
         plates().values({n: c["value"] for n, c in steps[s.group]["coefficients"].items()})
         for s in series
     ]
-    runs = {
-        "joint": shoot(kernel, series, joint.trial_values(kernel, series)),
-        "paper": shoot(kernel, series, per_power),
+    by_model = {
+        "joint": free_runs(kernel, series, joint.trial_values(kernel, series)),
+        "paper": free_runs(kernel, series, per_power),
     }
     out: dict[str, dict[str, Float]] = {}
     for i, s in enumerate(series):
         out[s.name] = {"time_s": s.times}
-        for label, shots in runs.items():
+        for label, runs in by_model.items():
             for k, name in enumerate(("x_m", "y_m", "heading_rad")):
-                out[s.name][f"{label}_{name}"] = shots[i].observed[:, k]
+                out[s.name][f"{label}_{name}"] = runs[i].observed[:, k]
     return out

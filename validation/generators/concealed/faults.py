@@ -24,7 +24,7 @@ class Fault:
 FAULTS: Mapping[str, Fault] = {
     "scale_error": Fault("the pool is stated too long or short", (0.012, 0.02), (0.03, 0.08)),
     "clock_error": Fault("the frame rate is stated wrongly", (0.012, 0.02), (0.03, 0.10)),
-    "camera_shift": Fault("the camera is knocked during a trial", (0.004, 0.006), (0.012, 0.03)),
+    "camera_shift": Fault("the camera is displaced during a trial", (0.004, 0.006), (0.012, 0.03)),
     "uncorrected_refraction": Fault(
         "refraction at the surface is ignored", (0.07, 0.09), (0.12, 0.2), signed=False
     ),

@@ -109,14 +109,14 @@ def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
 
 
 def film_design(recipe: Recipe, design: Design, trial: Trial) -> Design:
-    """The design as it stands while a trial is filmed: the camera may have been knocked."""
+    """The design as it stands while a trial is filmed: the camera may have been displaced."""
     if recipe.fault is None or recipe.fault[0] != "camera_shift":
         return replace(design, conditions=FILM)
     numbers = [plan.trial_id for plan in design.plans]
-    knocked, now = len(numbers) // 2, numbers.index(trial.plan.trial_id)
-    at = 0.55 * float(trial.time_s[-1]) if now == knocked else -100.0
+    displaced_trial, now = len(numbers) // 2, numbers.index(trial.plan.trial_id)
+    at = 0.55 * float(trial.time_s[-1]) if now == displaced_trial else -100.0
     degrees = recipe.fault[1] / NUDGE_M_PER_DEG
-    state = replace(FILM, nudge_at_s=None if now < knocked else at, nudge_deg=degrees)
+    state = replace(FILM, nudge_at_s=None if now < displaced_trial else at, nudge_deg=degrees)
     return replace(design, conditions=state)
 
 

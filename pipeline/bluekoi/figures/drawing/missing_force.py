@@ -12,7 +12,7 @@ from ...campaign import Campaign
 from ...data import Float, Track
 from ...integrate import LANES, compiled
 from ...integrate.batch import propagate
-from ...model import constants, is_nameless, plates
+from ...model import constants, is_residual, plates
 
 CHANNELS = ("surge", "sway", "yaw")
 KEYS = {"surge": "surge_N", "sway": "sway_N", "yaw": "yaw_Nm"}
@@ -105,10 +105,10 @@ def force_of_effects(campaign: Campaign, one: MissingForce) -> Float:
 
 def _without_effects(fitted: Mapping[str, Any]) -> dict[str, Any]:
     """Coefficients of a fit without its effects; only the residual terms are removed if any."""
-    residual = any(is_nameless(label) for label in fitted)
+    residual = any(is_residual(label) for label in fitted)
     return {
         label: cell for label, cell in fitted.items()
-        if "." not in label or (residual and not is_nameless(label))
+        if "." not in label or (residual and not is_residual(label))
     }  # fmt: skip
 
 

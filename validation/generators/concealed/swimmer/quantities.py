@@ -1,4 +1,4 @@
-"""What the compiled laws are told: the body, the hidden laws' numbers, the command of one trial.
+"""Inputs of the compiled laws: the body, the hidden laws' numbers, the command of one trial.
 
 All SI and radians. A law is absent where its strength is 0. `*_law` chooses between forms that
 the literature gives for the same physical statement; the functions say which.

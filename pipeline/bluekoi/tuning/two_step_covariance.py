@@ -1,4 +1,4 @@
-"""A step that takes the numbers of an earlier one: their doubt is part of its own.
+"""Covariance of a two-step fit: the errors of the first step enter the second (Murphy and Topel).
 
 With the later step's Fisher matrix in blocks of its own numbers s and the earlier ones b, other
 values of b move its numbers by G db, G = -H_ss^-1 H_sb; G cov_b G' is added to their covariance.
@@ -12,38 +12,38 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, moving, normal_equations, response
-from ..fitting.sandwich import ALONE
+from ..fitting import Series, normal_equations, off_bounds, response
+from ..fitting.sandwich import MAX_UNSHARED
 from ..integrate import compiled
 from ..model import plates
 from .joint import Tuned
 
 
-def gain(series: Sequence[Series], later: Tuned, earlier: Tuned) -> Float:
-    """G (p, q): how the later fit, of these trials, goes along with the earlier one's q numbers."""
+def step_sensitivity(series: Sequence[Series], later: Tuned, earlier: Tuned) -> Float:
+    """G (p, q): response of the later fit, of these trials, to the earlier one's q numbers."""
     kernel, p = compiled(plates()), len(later.fit.values)
     out = np.zeros((p, len(earlier.fit.values)))
     free = (*later.fit.free, *earlier.fit.free)
     at = np.concatenate([later.fit.values, earlier.fit.values])
     normal = normal_equations(kernel, series, later.base, free, at, noise=later.noise)
-    own = np.flatnonzero(moving(kernel, later.fit)).tolist()
+    own = np.flatnonzero(off_bounds(kernel, later.fit)).tolist()
     if normal.usable and own:
         out[own] = response(normal.hessian.sum(axis=0), own, range(p, len(free)))
     return out
 
 
-def carried(later: Tuned, earlier: Tuned, along: Float) -> Tuned:
-    """The later fit with the earlier one's covariance in its own, along = G.
+def with_step_covariance(later: Tuned, earlier: Tuned, sensitivity: Float) -> Tuned:
+    """The later fit with the earlier one's covariance in its own, sensitivity = G.
 
     Degrees of freedom of a sum of two variances by Satterthwaite, v^2 / f = v1^2 / f1 + v2^2 / f2;
-    none where one of the two, and more than `ALONE` of the sum, cannot be judged.
+    none where one of the two, and more than `MAX_UNSHARED` of the sum, cannot be judged.
     """
-    added = along @ earlier.cov @ along.T
+    added = sensitivity @ earlier.cov @ sensitivity.T
     cov = later.cov + added
     before, after = np.diag(later.cov), np.diag(added)
-    own = later.spread.freedom
-    other = np.array([earlier.spread.freedom_of(row) if row.any() else 0.0 for row in along])
-    unsure = (own <= 0) | ((other <= 0) & (after > ALONE * np.diag(cov)))
+    own = later.covariance.df
+    other = np.array([earlier.covariance.df_of(row) if row.any() else 0.0 for row in sensitivity])
+    unsure = (own <= 0) | ((other <= 0) & (after > MAX_UNSHARED * np.diag(cov)))
     parts = before**2 / np.maximum(own, 1.0) + after**2 / np.maximum(other, 1.0)
-    freedom = np.diag(cov) ** 2 / np.where(parts > 0, parts, 1.0)
-    return replace(later, cov=cov, freedom=np.where(unsure, 0.0, freedom), influence=None)
+    df = np.diag(cov) ** 2 / np.where(parts > 0, parts, 1.0)
+    return replace(later, cov=cov, df=np.where(unsure, 0.0, df), influence=None)

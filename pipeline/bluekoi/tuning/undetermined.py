@@ -12,18 +12,20 @@ from ..study import Setup
 from .identify import Combination, by_name, sizes, spectrum
 from .joint import Tuned
 from .new_trial import NewTrial, c_optimal_trial
-from .turns import TURNING, straight
+from .turning_trials import TURN_COEFFICIENTS, all_straight
 
-HELPS = 0.8
+MAX_REMAINING_STD = 0.8
 """A trial is recommended if it leaves less than this of a combination's deviation."""
 
 
-def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[dict[str, Any]]:
+def undetermined_combinations(
+    series: Sequence[Series], tuned: Tuned, setup: Setup
+) -> list[dict[str, Any]]:
     """Combinations that the data do not determine: in words, and which trial would.
 
     Each: combination, relative_std (None where nothing is known), sentence, trial.
     """
-    still = straight(series)
+    still = all_straight(series)
     names = [f.label for f in tuned.fit.free]
     return [
         {
@@ -33,11 +35,11 @@ def undetermined(series: Sequence[Series], tuned: Tuned, setup: Setup) -> list[d
             or _trial(c_optimal_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
-        if is_open(names, one, straight=still)
+        if is_undetermined(names, one, straight=still)
     ]
 
 
-def is_open(names: Sequence[str], one: Combination, *, straight: bool) -> bool:
+def is_undetermined(names: Sequence[str], one: Combination, *, straight: bool) -> bool:
     """Whether a combination is not determined: wide, at a bound, or of straight runs alone with a
     part in it that acts at an angle of attack.
     """
@@ -54,7 +56,7 @@ def as_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
 
 
 def _blind(parts: Mapping[str, float]) -> list[str]:
-    return [n for n in parts if n.split("@")[0] in TURNING]
+    return [n for n in parts if n.split("@")[0] in TURN_COEFFICIENTS]
 
 
 def _sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
@@ -105,7 +107,7 @@ def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination)
 def _trial(trial: NewTrial | None) -> str:
     if trial is None:
         return "none: with these coefficients every simulation diverges"
-    if trial.left > HELPS:
+    if trial.left > MAX_REMAINING_STD:
         return (
             "no single trial of this robot helps much: "
             f"the best leaves {100 * trial.left:.0f} % of the deviation"

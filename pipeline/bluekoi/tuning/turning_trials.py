@@ -12,35 +12,35 @@ from ..fitting.joint import AT_BOUND
 from .bounds import one_sided, parameter_of, sides
 from .joint import Tuned
 
-TURNING = ("C_Da", "C_La", "C_Ma", "C_Md")
+TURN_COEFFICIENTS = ("C_Da", "C_La", "C_Ma", "C_Md")
 STRAIGHT_BELOW_RAD = np.radians(3.0)
 
 
-def open_without_turns(
+def undetermined_without_turns(
     table: Mapping[str, dict[str, Any]], series: Sequence[Series]
 ) -> dict[str, dict[str, Any]]:
     """A table in which straight runs alone determine nothing that acts at an angle of attack: what
-    the random water tells of it rests on the model of that water.
+    the random water reveals depends on the model of that water.
     """
-    if not straight(series):
+    if not all_straight(series):
         return dict(table)
     why = "no turns: straight runs hold alpha at 0 and say nothing of it"
     return {
-        name: cell | {"determined": False, "why": why} if name in TURNING else cell
+        name: cell | {"determined": False, "why": why} if name in TURN_COEFFICIENTS else cell
         for name, cell in table.items()
     }
 
 
-def turns(series: Sequence[Series]) -> int:
+def count_turning_trials(series: Sequence[Series]) -> int:
     """How many trials have the head turned."""
-    return sum(not straight([s]) for s in series)
+    return sum(not all_straight([s]) for s in series)
 
 
-def hangs_on_one_trial(tuned: Tuned) -> bool:
+def depends_on_one_trial(tuned: Tuned) -> bool:
     """Whether some number that acts at an angle of attack is determined by one trial alone."""
     held = sides(tuned.fit)
     return any(
-        f.name in TURNING and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
+        f.name in TURN_COEFFICIENTS and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
         for i, f in enumerate(tuned.fit.free)
     )
 
@@ -52,20 +52,20 @@ def outcome(tuned: Tuned, series: Sequence[Series]) -> str:
     if tuned.fit.outcome != AT_BOUND:
         return tuned.fit.outcome
     held = [tuned.fit.free[i].label for i, side in enumerate(sides(tuned.fit)) if side]
-    blind = [name for name in held if name.split("@")[0] in TURNING]
-    if straight(series) and blind == held:
+    blind = [name for name in held if name.split("@")[0] in TURN_COEFFICIENTS]
+    if all_straight(series) and blind == held:
         return (
             "at a bound: straight runs hold alpha at 0 and say nothing of "
             f"{', '.join(held)}: turns are lacking"
         )
-    unsaid = [tuned.fit.free[i].label for i in _unsaid(tuned)]
+    unsaid = [tuned.fit.free[i].label for i in _consistent_with_start(tuned)]
     if unsaid == held:
         lacking = "more turns are" if blind == held else "more trials are"
         return f"at a bound: these trials say too little of {', '.join(held)}: {lacking} lacking"
     return tuned.fit.outcome
 
 
-def _unsaid(tuned: Tuned) -> list[int]:
+def _consistent_with_start(tuned: Tuned) -> list[int]:
     """Numbers at a bound that may as well have their usual value: the start of fits, which lies
     in their one-sided interval.
     """
@@ -76,6 +76,6 @@ def _unsaid(tuned: Tuned) -> list[int]:
     ]
 
 
-def straight(series: Sequence[Series]) -> bool:
+def all_straight(series: Sequence[Series]) -> bool:
     """Whether no trial turns its head."""
     return all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)

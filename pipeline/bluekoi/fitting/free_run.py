@@ -19,7 +19,7 @@ STEP = 1e-4
 
 
 @dataclass(frozen=True)
-class Shot:
+class FreeRun:
     """Free run of one trial: start (states,), states (n, states), observed (n, observations).
 
     rmse: root mean square of the distance between seen and simulated over the first two
@@ -32,15 +32,15 @@ class Shot:
     rmse: float
 
 
-def shoot(
+def free_runs(
     kernel: Kernel,
     series: Sequence[Series],
     values: Sequence[Float],
     *,
     open_states: int = 6,
     iterations: int = 8,
-) -> list[Shot]:
-    """A `Shot` a trial; the first `open_states` of the start are fitted (damped Gauss-Newton).
+) -> list[FreeRun]:
+    """A `FreeRun` a trial; the first `open_states` of the start are fitted (damped Gauss-Newton).
 
     The start's prior is that of the series; all trials advance together. First a quarter of each
     trial is fitted, then half, then all of it: an unstable model that would run away from a rough
@@ -53,7 +53,7 @@ def shoot(
                                 iterations=iterations)  # fmt: skip
     observed, states = _runs(kernel, series, values, 0).of(starts, keep_states=True)
     return [
-        Shot(x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _rmse(s, o[:, :, 0]))
+        FreeRun(x, run[: len(s.times), :, 0], o[: len(s.times), :, 0], _rmse(s, o[:, :, 0]))
         for s, x, run, o in zip(series, starts, states, observed, strict=True)
     ]
 

@@ -21,7 +21,9 @@ HALF_WINDOW_S = 0.15
 LEAST_FOR_BEND = 5
 
 
-def thinned(series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int] = ()) -> Series:
+def block_averaged(
+    series: Series, rate_hz: float = RATE_HZ, *, constant: Sequence[int] = ()
+) -> Series:
     """`series` at about `rate_hz`, its first frame kept as it is.
 
     constant: observations whose stated variance is one of the whole trial, spread over its frames

@@ -1,0 +1,242 @@
+"""Errors of free-running simulations against the recordings, and of a true model (noise floor).
+
+A model that is unstable in straight swimming cannot run freely for long: a millimetre at the start
+grows to metres, whatever the model is worth. Paths are therefore compared over segments as long as
+the predictability horizon of the best model, each with its best initial state. A worse model with a
+shorter horizon is charged with that: the robot did swim so.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..data import Float, Steady
+from ..fitting import (
+    Noise,
+    Series,
+    disturbance_slots,
+    filter_all,
+    filter_series,
+    free_runs,
+    parametric_bootstrap,
+)
+from ..integrate import Kernel
+from ..integrate.batch import each
+from ..model import simulate
+from ..study import Study
+from ..tuning import Tuned
+from ..tuning.stability import growth_per_s
+
+GROWTH = 6.0
+"""Small differences may grow by e^6 = 400 over a stretch: from 0.1 mm to 40 mm."""
+MIN_HORIZON_S = 1.0
+FLOOR_SEED = 20240517
+FLOOR_DRAWS = 3
+FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
+"""Factors on a random force that are tried for each segment."""
+MAX_STD_RATIO = 5.0
+"""Where a keypoint was off for a frame, the track states 20 to 40 mm instead of 0.4: one such frame
+must not make up half of the error of six paths.
+"""
+STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
+"""Standard deviations of a state estimated from nearby frames: m, m, rad, m/s, m/s, rad/s; of the
+position as much as the centre of mass may be off the keypoint."""
+
+
+@dataclass(frozen=True)
+class PathErrors:
+    """Model -> root mean square path error, m; noise floor, m; length of the segments, s."""
+
+    rmse_m: Mapping[str, float]
+    floor_m: float
+    horizon_s: float
+
+
+def path_errors(
+    study: Study, kernel: Kernel, models: Mapping[str, Tuned], series: Sequence[Series]
+) -> PathErrors:
+    """`PathErrors` of models on trials, over the predictability horizon of the last, the best one.
+
+    The noise floor is the error of the last model on data made by itself with its random forces
+    and its measuring noise; NaN where that model diverges.
+    """
+    longest = max(float(s.times[-1] - s.times[0]) for s in series)
+    last = list(models.values())[-1]
+    horizon = min(longest, predictability_horizon_s(study, kernel, last, series))
+    segments = {n: segments_of(kernel, tuned, series, horizon) for n, tuned in models.items()}
+    rmse = {name: _rmse(kernel, tuned, segments[name]) for name, tuned in models.items()}
+    floors = _bootstrap_errors(kernel, last, list(segments.values())[-1])
+    floor = float(np.sqrt(np.mean(np.square(floors))))
+    return PathErrors(rmse, floor if floor < study.setup.pool.width_m else np.nan, horizon)
+
+
+def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> list[float]:
+    """Path errors of a model on data made by itself, segment by segment, m."""
+    rng, values = np.random.default_rng(FLOOR_SEED), tuned.trial_values(kernel, segments)
+    runs = free_runs(kernel, segments, values)
+    starts = np.array([np.where(np.isfinite(run.start), run.start, one.mean)
+                       for one, run in zip(segments, runs, strict=True)])  # fmt: skip
+    noises = each(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
+                  list(zip(segments, values, strict=True)))  # fmt: skip
+    draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
+             for _ in range(FLOOR_DRAWS)]  # fmt: skip
+    return [_rmse(kernel, tuned, draw) for draw in draws]
+
+
+def predictability_horizon_s(
+    study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Series]
+) -> float:
+    """Time in which small differences grow by e^`GROWTH` in straight swimming, s."""
+    times = [np.inf]
+    flap = {s.group: float(s.inputs[-1, 1]) for s in series}
+    values = tuned.trial_values(kernel, series)
+    for group, hz in flap.items():
+        point = next(v for s, v in zip(series, values, strict=True) if s.group == group)
+        coefficients, effects = kernel.system.named_values(point)
+        growth = growth_per_s(coefficients, setup=study.setup, flap_hz=hz, effects=effects)
+        if growth > 0:
+            times.append(GROWTH / growth)
+    return max(MIN_HORIZON_S, min(times))
+
+
+def segments_of(
+    kernel: Kernel, tuned: Tuned, series: Sequence[Series], horizon_s: float
+) -> list[Series]:
+    """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
+    model's filter has at that time.
+    """
+    slots = _effect_states(kernel)
+    filtered = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
+    out = []
+    for one, result in zip(series, filtered, strict=True):
+        for segment in cut(one, horizon_s):
+            frame = int(np.searchsorted(one.times, segment.times[0]))
+            mean = segment.mean.copy()
+            mean[slots] = result.filtered[frame, slots] if frame else mean[slots]
+            out.append(replace(segment, mean=mean))
+    return out
+
+
+def _effect_states(kernel: Kernel) -> list[int]:
+    """Places of the states of effects, without the random ones."""
+    random = set(disturbance_slots(kernel))
+    first, count = len(kernel.system.states), len(kernel.system.all_states)
+    return [k for k in range(first, count) if k not in random]
+
+
+def cut(series: Series, horizon_s: float) -> list[Series]:
+    """A trial cut into equal segments not longer than `horizon_s`; the first keeps its start."""
+    length = float(series.times[-1] - series.times[0])
+    count = max(1, int(np.ceil(length / horizon_s - 1e-6)))
+    edges = np.linspace(0, len(series.times), count + 1).astype(int)
+    return [_segment(series, a, b) for a, b in itertools.pairwise(edges)]
+
+
+def _segment(series: Series, first: int, last: int) -> Series:
+    if first == 0:
+        return series.frames(first, last)
+    mean, cov = series.mean.copy(), series.cov.copy()
+    mean[:6] = _state_at(series, first)
+    cov[np.arange(6), np.arange(6)] = STATE_STD**2
+    return replace(series.frames(first, last), mean=mean, cov=cov)
+
+
+def _state_at(series: Series, frame: int) -> Float:
+    """x, y, heading, surge, sway and yaw rate at a frame, by a parabola over nearby frames."""
+    time = series.times[frame]
+    known = np.all(np.isfinite(series.seen), axis=1)
+    near = known & (np.abs(series.times - time) < 0.25)
+    if near.sum() < 4:
+        near = known
+    c = np.polynomial.polynomial.polyfit(series.times[near] - time, series.seen[near][:, :3], 2)
+    (x, y, psi), (vx, vy, r) = c[0], c[1]
+    return np.array([x, y, psi, vx * np.cos(psi) + vy * np.sin(psi),
+                     vy * np.cos(psi) - vx * np.sin(psi), r])  # fmt: skip
+
+
+def _rmse(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> float:
+    """Root mean square distance between seen and simulated over all segments, m."""
+    runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
+    precise = precisely_seen(segments)
+    squares = [np.sum((p.seen[:, :2] - run.observed[:, :2]) ** 2, axis=1)[frames]
+               for p, run, frames in zip(segments, runs, precise, strict=True)]  # fmt: skip
+    known = np.concatenate(squares)
+    known = known[np.isfinite(known)]
+    return float(np.sqrt(known.mean())) if len(known) else float("nan")
+
+
+def precisely_seen(segments: Sequence[Series]) -> list[np.ndarray]:
+    """Frames (n,) of each segment that are seen, with a position std of at most `MAX_STD_RATIO`
+    times the median of the trial.
+    """
+    variances = [np.where(np.isfinite(p.seen[:, 0]), p.noise[:, 0, 0] + p.noise[:, 1, 1], np.nan)
+                 for p in segments]  # fmt: skip
+    of: dict[str, list[Float]] = {}
+    for segment, variance in zip(segments, variances, strict=True):
+        of.setdefault(segment.name, []).append(variance[np.isfinite(variance)])
+    median = {name: np.median(known) if len(known := np.concatenate(parts)) else 0.0
+             for name, parts in of.items()}  # fmt: skip
+    return [
+        v <= MAX_STD_RATIO**2 * median[p.name] for p, v in zip(segments, variances, strict=True)
+    ]
+
+
+def segment_noise(kernel: Kernel, one: Series, values: Float, noise: Noise) -> Noise:
+    """The noise with its random forces, one by one, as strong as makes this segment most likely:
+    water is calmer in one trial than in the next.
+    """
+    acting = set(disturbance_slots(kernel, acting=True))
+    slots = disturbance_slots(kernel)[: len(noise.disturbance)]
+    best, likelihood = noise, filter_series(kernel, one, values, noise).log_likelihood
+    for k in (k for k, slot in enumerate(slots) if slot in acting):
+        for scale in FORCE_SCALES:
+            disturbance = best.disturbance.copy()
+            disturbance[k] = scale * noise.disturbance[k]
+            candidate = Noise(disturbance, noise.tau, noise.scale)
+            found = filter_series(kernel, one, values, candidate).log_likelihood
+            if found > likelihood:
+                best, likelihood = candidate, found
+    return best
+
+
+def steady_errors(
+    study: Study,
+    kernel: Kernel,
+    tuned: Tuned,
+    series: Sequence[Series],
+    steady: Mapping[str, Steady],
+) -> dict[str, float]:
+    """Mean size of the errors in steady radius and speed of trials, %; NaN where there are none."""
+    speeds: list[float] = []
+    radii: list[float] = []
+    for one, values in zip(series, tuned.trial_values(kernel, series), strict=True):
+        seen = steady.get(one.name)
+        if seen is None or seen.quality not in ("good", "short_arc", "straight"):
+            continue
+        speed, radius = _steady_turn(study, kernel, one, seen, values)
+        speeds.append(abs(speed / seen.speed_m_s - 1))
+        if np.isfinite(seen.radius_m) and seen.quality != "straight" and np.isfinite(radius):
+            radii.append(abs(radius / seen.radius_m - 1))
+    mean = [100 * float(np.mean(v)) if v else np.nan for v in (radii, speeds)]
+    return {"radius_error_pct": mean[0], "speed_error_pct": mean[1]}
+
+
+def _steady_turn(
+    study: Study, kernel: Kernel, one: Series, seen: Steady, values: Float
+) -> tuple[float, float]:
+    """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""
+    coefficients, effects = kernel.system.named_values(values)
+    trial = study.trial(one.name)
+    run = simulate(
+        coefficients, setup=study.setup, head_length_m=trial.head_length_m,
+        head_angle_rad=trial.head_angle_rad, flap_hz=seen.flap_hz, effects=effects,
+        duration_s=max(seen.steady_to_s, 1.0), start=tuple(one.mean[:6].tolist()),
+    )  # fmt: skip
+    inside = run.time_s >= min(seen.steady_from_s, run.time_s[-2])
+    speed = float(run.speed_m_s[inside].mean())
+    yaw_rate = abs(float(run.state[inside, 5].mean()))
+    return speed, speed / yaw_rate if yaw_rate > 1e-6 else np.inf

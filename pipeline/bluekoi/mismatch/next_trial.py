@@ -1,0 +1,72 @@
+"""The trial that would separate the most probable explanations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Series, trial_values
+from ..integrate import Kernel, compiled
+from ..model import plates, simulate
+from ..study import Study
+from .find import Found
+
+
+def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+    """The trial in which the two most probable sets of causes differ most."""
+    kernel, sets = compiled(plates()), found.posterior.sets
+    order = np.argsort(-found.posterior.probability)
+    first = found.model
+    other = next((sets[i].model for i in order if sets[i].model.key != first.key), first)
+    flap = {g: float(np.mean([s.inputs[0, 1] for s in series if s.group == g]))
+            for g in sorted({s.group for s in series}, key=float)}  # fmt: skip
+    base = found.baseline.base
+    values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
+    best = best_next_trial(study, kernel, values[0], values[1], flap)
+    names = [" and ".join(m.causes) or "the baseline" for m in (first, other)]
+    floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
+    apart = float(str(best["apart_mm"]))
+    if not apart > floor:
+        why = (f"no trial of 4 s separates {names[0]} from {names[1]}: they differ by at most "
+               f"{apart:.1f} mm, the noise is {floor:.1f} mm; repeat trials instead")  # fmt: skip
+    else:
+        why = (
+            f"separates {names[0]} from {names[1]} best: paths differ by {apart:.0f} mm rms in 4 s"
+        )
+    return best | {"why": why, "above_noise": bool(apart > floor)}
+
+
+def best_next_trial(
+    study: Study, kernel: Kernel, first: Float, second: Float, flap_hz: Mapping[str, float]
+) -> dict[str, object]:
+    """Condition in which two fitted models differ most in 4 s from rest, in units of path error."""
+    found: list[tuple[float, str, float, float]] = []
+    lengths = sorted({t.head_length_m for t in study.trials})
+    for power, hz in flap_hz.items():
+        for angle in (0.0, 15.0, 30.0, 45.0):
+            for length in lengths:
+                paths = [
+                    _path(study, kernel, v, angle=np.radians(angle), length=length, hz=hz)
+                    for v in (first, second)
+                ]
+                apart = float(np.sqrt(np.mean(np.sum((paths[0] - paths[1]) ** 2, axis=1))))
+                found.append((apart, power, angle, length))
+    apart, power, angle, length = max(found)
+    return {
+        "power_pct": float(power),
+        "head_angle_deg": angle,
+        "head_length_m": length,
+        "apart_mm": 1000 * apart,
+    }
+
+
+def _path(
+    study: Study, kernel: Kernel, values: Float, *, angle: float, length: float, hz: float
+) -> Float:
+    coefficients, effects = kernel.system.named_values(values)
+    run = simulate(coefficients, setup=study.setup, head_length_m=length, head_angle_rad=angle,
+                   flap_hz=hz, duration_s=4.0, effects=effects)  # fmt: skip
+    return run.state[::6, :2]

@@ -147,14 +147,14 @@ def test_displacements_in_several_trials_are_one_camera_s(bare: Measured) -> Non
     assert not {displaced_series[k].name for k in sizes} & set(result["held_out"]["trials"])
 
 
-def test_jumps_are_found_where_and_when_they_are(bare: Measured) -> None:
+def test_displacements_are_found_where_and_when_they_are(bare: Measured) -> None:
     kernel, few = compiled(plates()), downsampled(bare.series)
     few[2] = _displaced(few[2], np.array([-0.005, 0.006]))
     tuned = tune(few)
     found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
-    assert [j.trial for j in found] == [few[2].name]
+    assert [d.trial for d in found] == [few[2].name]
     assert found[0].time_s == pytest.approx(few[2].times[len(few[2].times) // 2], abs=0.11)
-    assert found[0].displacement == pytest.approx([-0.005, 0.006], abs=0.002)
+    assert found[0].size_m == pytest.approx([-0.005, 0.006], abs=0.002)
     slot = kernel.system.constants.index("t_shift")
     displaced = [s.constants[slot] < 1e3 for s in with_displacements(kernel, few, found)]
     assert displaced == [k == 2 for k in range(len(few))]

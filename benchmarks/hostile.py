@@ -45,7 +45,7 @@ from bluekoi.stages.tuning import tuning
 from bluekoi.study import load_study
 from studies import edit_rows, small_study
 
-MOST_S = 30
+MAX_S = 30
 Change = Callable[[Path], object]
 IDS = ("T09", "T10", "T11")
 
@@ -419,7 +419,7 @@ def outcome(change: Change, base: Path, right: Path, *, search: bool) -> tuple[s
         shutil.copytree(base, study)
         change(study)
         try:
-            with limited(MOST_S * (10 if search else 1)):
+            with limited(MAX_S * (10 if search else 1)):
                 found, said = checked(study)
                 if found:
                     return found, said

@@ -82,8 +82,8 @@ def test_what_does_not_settle_is_not_given_a_radius() -> None:
     assert np.isnan(found.radius_m[0, 0])
 
 
-def made(speed: float, radius: float, beyond: tuple[str, ...] = ()) -> Design:
-    return Design(100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), beyond)
+def made(speed: float, radius: float, extrapolated: tuple[str, ...] = ()) -> Design:
+    return Design(100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), extrapolated)
 
 
 def test_the_front_holds_those_that_no_other_beats() -> None:
@@ -95,9 +95,9 @@ def test_the_front_holds_those_that_no_other_beats() -> None:
 def test_the_smallest_radius_at_a_speed_and_within_what_was_tested() -> None:
     some = [made(0.5, 0.8), made(0.4, 0.5, ("power",)), made(0.2, 0.3)]
     assert smallest_radius(some) is some[2]
-    assert smallest_radius(some, least_speed_m_s=0.3) is some[1]
-    assert smallest_radius(some, least_speed_m_s=0.3, tested_only=True) is some[0]
-    assert smallest_radius(some, least_speed_m_s=0.9) is None
+    assert smallest_radius(some, min_speed_m_s=0.3) is some[1]
+    assert smallest_radius(some, min_speed_m_s=0.3, tested_only=True) is some[0]
+    assert smallest_radius(some, min_speed_m_s=0.9) is None
 
 
 def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
@@ -115,8 +115,8 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
         other={"mass_kg": (0.68, 0.8)},
     )
     assert len(found) == 8
-    assert found[0].beyond == ()
-    assert found[-1].beyond == ("power", "head angle", "mass_kg")
+    assert found[0].extrapolated == ()
+    assert found[-1].extrapolated == ("power", "head angle", "mass_kg")
     assert found[0].flap_hz == pytest.approx(5.82)
     assert found[-1].flap_hz > 7
     best, low, high = found[0].radius_m
@@ -298,7 +298,7 @@ def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
 def test_of_turns_as_tight_the_tested_and_the_faster_one_is_the_answer() -> None:
     some = [made(0.2, 0.5), made(0.4, 0.5002), made(0.6, 0.4999, ("power",)), made(0.9, 0.502)]
     assert smallest_radius(some) is some[1]
-    assert smallest_radius(some, least_speed_m_s=0.5) is some[2]
+    assert smallest_radius(some, min_speed_m_s=0.5) is some[2]
 
 
 @pytest.mark.parametrize(

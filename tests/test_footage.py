@@ -13,7 +13,7 @@ import pytest
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
 from bluekoi.footage.chapters import in_order
-from bluekoi.footage.reading import spread
+from bluekoi.footage.reading import evenly_spaced
 
 SIZE = (160, 96)
 
@@ -183,7 +183,7 @@ def test_colour_only_when_asked(tmp_path):
 
 def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
     recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
-    few = list(spread(recording, 3))
+    few = list(evenly_spaced(recording, 3))
     assert [frame.time_s for frame in few] == pytest.approx(
         [0.0, 10 * 1001 / 30000, 20 * 1001 / 30000]
     )
@@ -209,9 +209,9 @@ def test_the_first_of_a_few_frames_is_the_first_picture(tmp_path):
     recording = open_recording([path])
     decoded = next(iter(frames(recording))).luma
     assert recording.first_luma is not None
-    np.testing.assert_array_equal(next(spread(recording, 3)).luma, decoded)
+    np.testing.assert_array_equal(next(evenly_spaced(recording, 3)).luma, decoded)
     late = open_recording([path], start_s=0.3)
-    assert next(spread(late, 2)).time_s > 0.3
+    assert next(evenly_spaced(late, 2)).time_s > 0.3
 
 
 @pytest.mark.recordings
@@ -235,7 +235,7 @@ def test_true_variable_rate_and_its_constant_twin(recordings):
 
 def test_a_film_gives_all_frames_after_a_few_and_again(tmp_path):
     film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
-    few = [frame.time_s for frame in film.spread(3)]
+    few = [frame.time_s for frame in film.evenly_spaced(3)]
     first = [(frame.time_s, int(frame.luma.sum())) for frame in film]
     second = [(frame.time_s, int(frame.luma.sum())) for frame in film]
     assert len(few) == 3

@@ -119,7 +119,7 @@ def test_few_frames_of_a_trimmed_film_leave_the_rest_as_it_was(tmp_path):
     recording = open_recording([path])
     plain = [frame.time_s for frame in frames(recording)]
     film = frames(recording)
-    assert len(list(film.spread(2))) == 2
+    assert len(list(film.evenly_spaced(2))) == 2
     assert [frame.time_s for frame in film] == plain
 
 

@@ -50,7 +50,7 @@ def test_frames_have_the_times_of_the_stated_rate(folder):
     found = list(frames(film))
     np.testing.assert_allclose([one.time_s for one in found], np.arange(2, 9) / 20)
     assert [int(one.luma[0, 0]) for one in found] == [30, 40, 50, 60, 70, 80, 90]
-    assert [int(one.luma[0, 0]) for one in frames(film).spread(3)] == [30, 60, 90]
+    assert [int(one.luma[0, 0]) for one in frames(film).evenly_spaced(3)] == [30, 60, 90]
     assert next(iter(frames(film, colour=True))).bgr.shape == (60, 80, 3)
 
 

@@ -15,7 +15,7 @@ from bluekoi.explain import Trial
 
 COLUMNS = 12
 HEADER_LINES = 4
-LEAST_ROWS = 100
+MIN_ROWS = 100
 
 
 def read_folder(folder: Path) -> list[Trial]:
@@ -33,8 +33,8 @@ def read(path: Path) -> Trial:
     """One manoeuvre; angles in degrees in the file, radians here."""
     lines = path.read_text(encoding="cp1252").splitlines()[HEADER_LINES:]
     table = np.array([row for row in map(_numbers, lines) if len(row) == COLUMNS])
-    if len(table) < LEAST_ROWS:
-        raise input_error(path, "", f"{len(table)} rows of {COLUMNS}", f"{LEAST_ROWS} or more")
+    if len(table) < MIN_ROWS:
+        raise input_error(path, "", f"{len(table)} rows of {COLUMNS}", f"{MIN_ROWS} or more")
     name = path.stem.split("KVLCC2_")[-1]
     seen = {"x_seen": table[:, 1], "y_seen": table[:, 2], "heading": np.radians(table[:, 3])}
     return Trial(name, table[:, 0], seen, {"rudder": np.radians(table[:, 8])},

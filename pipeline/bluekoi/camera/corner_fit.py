@@ -25,7 +25,7 @@ CLICK_SHARE = 0.002
 """Usual error of a corner given by eye, over the pool's diagonal in the picture."""
 MAX_STD_SHARE = 0.001
 """Corners less certain than this share of the diagonal are not confirmed."""
-LEAST_CROSSING = 0.2
+MIN_CROSSING = 0.2
 SAME_SPACING = 0.3
 LENS_SKEW, MAX_SKEW_LOSS = 0.005, 30.0
 """Skew of a rectangle that the errors of a calibrated lens leave, and the most that it counts."""
@@ -211,7 +211,7 @@ def _meeting(curves: tuple[Curve, ...], lines: Sequence[EdgeLine | None]) -> Flo
     for k in range(4):
         before, after = lines[k - 1], lines[k]
         normals = _normals(curves, k)
-        if before and after and abs(np.linalg.det(normals)) > LEAST_CROSSING:
+        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING:
             offsets = np.array([before.ends_px[1], after.ends_px[0]])
             corners[k] = curves[k].points_px[0] + np.linalg.solve(normals, offsets)
     return corners
@@ -228,7 +228,7 @@ def _std(curves: tuple[Curve, ...], lines: Sequence[EdgeLine | None]) -> Float:
     for k in range(4):
         before, after = lines[k - 1], lines[k]
         normals = _normals(curves, k)
-        if before and after and abs(np.linalg.det(normals)) > LEAST_CROSSING:
+        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING:
             spread = np.array([before.ends_std_px[1], after.ends_std_px[0]])
             std[k] = np.linalg.norm(np.linalg.inv(normals) * spread) / np.sqrt(2)
     return std

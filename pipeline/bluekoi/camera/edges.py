@@ -20,7 +20,7 @@ MIN_SHARE = 0.4
 MIN_CONTRAST = 4.0
 CORNER_MARGIN = 0.05
 MAX_LINES = 5
-LEAST_APART_PX = 3.0
+MIN_APART_PX = 3.0
 FLOOR_PX = 0.1
 """Steps are found to about a tenth of a pixel (docs/measuring.md), however many agree."""
 
@@ -78,7 +78,7 @@ def find_lines(picture: Picture, curve: Curve, reach_px: float) -> tuple[EdgeLin
             break
         lines.append(line)
         off = np.abs(across - np.interp(along, [0, 1], line.ends_px)[:, None])
-        is_step = is_step & (off > LEAST_APART_PX)
+        is_step = is_step & (off > MIN_APART_PX)
     return tuple(lines)
 
 
@@ -91,7 +91,7 @@ def _steps(picture: Picture, curve: Curve, reach_px: float) -> tuple[Float, npt.
         picture, maps[:, :, 0], maps[:, :, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
     slope = np.abs(np.gradient(profile, axis=1)) / STEP_PX
-    wide = max(3, int(2 * LEAST_APART_PX / STEP_PX) | 1)
+    wide = max(3, int(2 * MIN_APART_PX / STEP_PX) | 1)
     highest = cv2.dilate(slope, np.ones((1, wide), np.uint8))
     limit = np.maximum(MIN_CONTRAST * np.median(slope), 1.0)
     peak = (slope >= highest) & (slope > limit)

@@ -66,8 +66,8 @@ def design(
         found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
                         angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
     write_columns(folder / "designs.csv", columns(found))
-    save(designs_figure(found, least_speed_m_s=speed_m_s), folder / "designs.png")
-    best = smallest_radius(found, least_speed_m_s=speed_m_s, tested_only=tested_only)
+    save(designs_figure(found, min_speed_m_s=speed_m_s), folder / "designs.png")
+    best = smallest_radius(found, min_speed_m_s=speed_m_s, tested_only=tested_only)
     click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
     click.echo(_answer(best, speed_m_s) if best else _none(found, speed_m_s, tested_only))
     for sentence in fit.warnings:
@@ -88,7 +88,9 @@ def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
 
 def _none(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
     """Why there is no answer: what the designs can do at most."""
-    turns = [d for d in found if math.isfinite(d.radius_m[0]) and not (tested_only and d.beyond)]
+    turns = [
+        d for d in found if math.isfinite(d.radius_m[0]) and not (tested_only and d.extrapolated)
+    ]
     where = " within the tested range" if tested_only else ""
     if not turns:
         return f"no design{where} settles into a turn"
@@ -101,7 +103,7 @@ def _none(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
 def _answer(best: Design, speed_m_s: float) -> str:
     radius, low, high = best.radius_m
     more = "".join(f", {k} {v:g}" for k, v in best.other.items())
-    warning = f" - extrapolated in {' and '.join(best.beyond)}" if best.beyond else ""
+    warning = f" - extrapolated in {' and '.join(best.extrapolated)}" if best.extrapolated else ""
     return (
         f"tightest turn at {speed_m_s:g} m/s or more: radius {radius:.3f} m ({low:.3f} to "
         f"{high:.3f}), {best.speed_m_s[0]:.3f} m/s, at {best.power_pct:g} % power, head angle "

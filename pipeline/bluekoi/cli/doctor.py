@@ -15,7 +15,7 @@ import click
 
 from ..errors import InputError
 
-LEAST_GB = 2.0
+MIN_GB = 2.0
 EXTRAS = {
     "snakemake-executor-plugin-slurm": (
         "runs on a Slurm cluster",
@@ -117,8 +117,8 @@ def _room() -> Iterator[Verdict]:
     for name, folder in (("here", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         free = shutil.disk_usage(folder).free / 1e9
         writable = os.access(folder, os.W_OK)
-        text = f"{free:.1f} GB free for {name} ({LEAST_GB:g} GB or more)"
-        yield free >= LEAST_GB and writable, text + ("" if writable else "; not writable")
+        text = f"{free:.1f} GB free for {name} ({MIN_GB:g} GB or more)"
+        yield free >= MIN_GB and writable, text + ("" if writable else "; not writable")
 
 
 def _memory() -> Iterator[Verdict]:
@@ -126,4 +126,4 @@ def _memory() -> Iterator[Verdict]:
         total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (ValueError, OSError):
         return
-    yield total >= LEAST_GB, f"{total:.1f} GB of memory ({LEAST_GB:g} GB or more)"
+    yield total >= MIN_GB, f"{total:.1f} GB of memory ({MIN_GB:g} GB or more)"

@@ -14,7 +14,7 @@ from .run import check_cores, command
 
 ERRORS = "Some of it could not be analysed: see the terminal."
 State = dict[str, tuple[int, int]]
-SETTLED_S = 3.0
+QUIET_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
 
 
@@ -71,7 +71,7 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     try:
         while not over.is_set():
             now = state_of_study(study, folder)
-            if now != seen and settled(now, study, folder, over):
+            if now != seen and is_unchanged(now, study, folder, over):
                 write_text(script, _state(count, "Analysing."))
                 code = analyse(command(str(study), results, cores, ()), over)
                 seen, count = now, count + 1
@@ -104,9 +104,9 @@ def state_of_study(study: Path, results: Path) -> State:
     return found
 
 
-def settled(now: State, study: Path, results: Path, over: threading.Event) -> bool:
-    """Whether nothing in the study changes for a while."""
-    return not over.wait(SETTLED_S) and state_of_study(study, results) == now
+def is_unchanged(now: State, study: Path, results: Path, over: threading.Event) -> bool:
+    """Whether nothing in the study changes for `QUIET_S`."""
+    return not over.wait(QUIET_S) and state_of_study(study, results) == now
 
 
 def analyse(words: list[str], over: threading.Event) -> int:

@@ -13,7 +13,7 @@ from ..errors import input_error
 from ..files import read_json
 from ..steady import read_steady
 
-LEAST_PROBABILITY = 0.02
+MIN_PROBABILITY = 0.02
 """A cause less probable than this in both runs is not listed."""
 MISSING = "–"
 
@@ -93,7 +93,7 @@ def _causes(first: Run, second: Run) -> Iterator[Difference]:
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in (first, second)]
     for name in sorted(chances[0].keys() | chances[1].keys()):
         a, b = (float(c.get(name) or 0.0) for c in chances)
-        if max(a, b) >= LEAST_PROBABILITY:
+        if max(a, b) >= MIN_PROBABILITY:
             yield Difference("probability of cause", name, f"{a:.2f}", f"{b:.2f}", b - a)
     named = [{c["name"]: c["parameters"] for c in run.mismatch.get("causes") or []}
              for run in (first, second)]  # fmt: skip

@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures.drawing.style import COLOURS, RC_PARAMS, placeholder
-from .differences import LEAST_PROBABILITY, Run
+from .differences import MIN_PROBABILITY, Run
 
 FIRST, SECOND = COLOURS[0], COLOURS[2]
 OFFSET = 0.15
-MOST_CAUSES = 12
+MAX_CAUSES = 12
 
 
 def draw(first: Run, second: Run, labels: tuple[str, str]) -> Figure:
@@ -57,8 +57,8 @@ def _causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     axes.set_title("Probability of each cause")
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in runs]
     most = {n: max(float(c.get(n) or 0) for c in chances) for n in {**chances[0], **chances[1]}}
-    names = sorted((n for n, p in most.items() if p >= LEAST_PROBABILITY), key=lambda n: -most[n])
-    names = names[:MOST_CAUSES]
+    names = sorted((n for n, p in most.items() if p >= MIN_PROBABILITY), key=lambda n: -most[n])
+    names = names[:MAX_CAUSES]
     if not names:
         return placeholder(axes, "No cause is probable in either run")
     for k, (found, label, colour) in enumerate(zip(chances, labels, (FIRST, SECOND), strict=True)):

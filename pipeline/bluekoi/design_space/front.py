@@ -21,7 +21,7 @@ COLUMNS = (
 class Design:
     """One design: what is set, and steady speed and radius as (best, lower, upper 95 % bound).
 
-    beyond: names of what lies outside the tested range.
+    extrapolated: names of the settings outside the tested range.
     """
 
     power_pct: float
@@ -30,7 +30,7 @@ class Design:
     head_length_m: float
     speed_m_s: tuple[float, float, float]
     radius_m: tuple[float, float, float]
-    beyond: tuple[str, ...] = ()
+    extrapolated: tuple[str, ...] = ()
     other: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -51,7 +51,7 @@ def on_front(designs: Sequence[Design]) -> Float:
 
 
 def smallest_radius(
-    designs: Sequence[Design], *, least_speed_m_s: float = 0.0, tested_only: bool = False
+    designs: Sequence[Design], *, min_speed_m_s: float = 0.0, tested_only: bool = False
 ) -> Design | None:
     """The tightest turn among designs at least so fast; None where there is none.
 
@@ -61,12 +61,12 @@ def smallest_radius(
         d
         for d in designs
         if np.isfinite(d.radius_m[0])
-        and d.speed_m_s[0] >= least_speed_m_s
-        and not (tested_only and d.beyond)
+        and d.speed_m_s[0] >= min_speed_m_s
+        and not (tested_only and d.extrapolated)
     ]
     tightest = min((d.radius_m[0] for d in fit), default=np.inf)
     ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + CLEARLY)]
-    return min(ties, key=lambda d: (len(d.beyond), -d.speed_m_s[0]), default=None)
+    return min(ties, key=lambda d: (len(d.extrapolated), -d.speed_m_s[0]), default=None)
 
 
 def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
@@ -74,7 +74,7 @@ def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
     front = on_front(designs)
     rows = [
         (d.power_pct, d.flap_hz, d.head_angle_deg, d.head_length_m, *d.speed_m_s, *d.radius_m,
-         bool(front[i]), " and ".join(d.beyond))
+         bool(front[i]), " and ".join(d.extrapolated))
         for i, d in enumerate(designs)
     ]  # fmt: skip
     out = {name: [row[k] for row in rows] for k, name in enumerate(COLUMNS)}

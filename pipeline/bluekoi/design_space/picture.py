@@ -23,19 +23,19 @@ GREY, FRONT = "#b0b8bf", "#0b5394"
 MARKS = 14
 
 
-def designs_figure(designs: Sequence[Design], *, least_speed_m_s: float = 0.0) -> Figure:
+def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> Figure:
     """Speed over radius; the front with its 95 % bands; hollow where extrapolated."""
     figure = Figure(figsize=(7.5, 5.2), layout="constrained")
     axes = figure.add_subplot()
     front = on_front(designs)
     x = np.array([d.radius_m[0] for d in designs])
     y = np.array([d.speed_m_s[0] for d in designs])
-    inside = np.array([not d.beyond for d in designs])
+    inside = np.array([not d.extrapolated for d in designs])
     for kind, name, face in ((inside, "tested range", GREY), (~inside, "extrapolated", "none")):
         axes.plot(x[kind], y[kind], "o", ms=3.5, color=GREY, mfc=face, mew=0.7, label=name)
     _front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
-    if least_speed_m_s > 0:
-        axes.axhline(least_speed_m_s, color="#a61c00", lw=1, ls=":")
+    if min_speed_m_s > 0:
+        axes.axhline(min_speed_m_s, color="#a61c00", lw=1, ls=":")
     known = x[np.isfinite(x)]
     if len(known):
         axes.set_xlim(0, 1.05 * np.percentile(known, 95))
@@ -52,7 +52,7 @@ def _front(axes: Axes, front: Sequence[Design]) -> None:
         (radius, *across), (speed, *along) = d.radius_m, d.speed_m_s
         axes.plot(across, [speed, speed], color=FRONT, lw=1, alpha=0.5)
         axes.plot([radius, radius], along, color=FRONT, lw=1, alpha=0.5)
-        axes.plot(radius, speed, "o", ms=5, color=FRONT, mfc="white" if d.beyond else FRONT)
+        axes.plot(radius, speed, "o", ms=5, color=FRONT, mfc="white" if d.extrapolated else FRONT)
     axes.plot([d.radius_m[0] for d in ordered], [d.speed_m_s[0] for d in ordered], color=FRONT,
               lw=1, label="front: none is faster and tighter, with 95 % bands")  # fmt: skip
 

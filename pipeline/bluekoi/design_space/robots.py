@@ -18,8 +18,8 @@ from .fits import DRAWS, Fitted
 from .front import Design
 from .steady_states import Condition, steady_states
 
-MOST = 20_000
-"""Designs in one go."""
+MAX_DESIGNS = 20_000
+"""Designs in one call."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,8 @@ class Range:
     head_angle_deg: tuple[float, float]
     head_length_m: tuple[float, float]
 
-    def beyond(self, power_pct: float, head_angle_deg: float, head_length_m: float) -> list[str]:
-        """Names of what lies outside."""
+    def outside(self, power_pct: float, head_angle_deg: float, head_length_m: float) -> list[str]:
+        """Names of the settings outside the tested range."""
         given = (
             ("power", power_pct, self.power_pct),
             ("head angle", abs(head_angle_deg), self.head_angle_deg),
@@ -71,7 +71,7 @@ def designs(
     the robot changes with them.
 
     Raises: InputError for a key that the robot does not have, a value that no robot can have, or
-    more designs than `MOST`.
+    more designs than `MAX_DESIGNS`.
     """
     _refuse_too_many((powers, angles_deg, lengths_m, *(other or {}).values()))
     keys = list(other or {})
@@ -96,7 +96,7 @@ def designs(
             other=dict(zip(keys, rest, strict=True)),
             speed_m_s=_band(states.speed_m_s[i]),
             radius_m=_band(states.radius_m[i]),
-            beyond=tuple(tested.beyond(p, a, h)) + tuple(
+            extrapolated=tuple(tested.outside(p, a, h)) + tuple(
                 k for k, v in zip(keys, rest, strict=True) if v != getattr(setup.robot, k)
             ),
         )
@@ -106,9 +106,9 @@ def designs(
 
 def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
     count = math.prod(len(values) for values in axes)
-    if count > MOST:
+    if count > MAX_DESIGNS:
         sizes = " x ".join(str(len(values)) for values in axes)
-        raise input_error("design", "", f"{count} designs ({sizes})", f"{MOST} at most",
+        raise input_error("design", "", f"{count} designs ({sizes})", f"{MAX_DESIGNS} at most",
                     "Take larger steps or shorter ranges.")  # fmt: skip
 
 

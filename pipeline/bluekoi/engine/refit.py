@@ -201,7 +201,7 @@ def _likeliest(problem: Problem, model: FittedSet, starts: Sequence[Noise]) -> N
     local = replace(problem, base=base)
     points = local.points(model.fit.free, model.fit.values)
     found = [fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                       line_searches=start is not model.noise, most=len(points))
+                       line_searches=start is not model.noise, max_trials=len(points))
              for start in starts]  # fmt: skip
     if len(found) == 1:
         return found[0]

@@ -66,7 +66,7 @@ def assembled(
         stages=tuple(replace(s, open=True) if s.name == OBSERVE else s for s in model.stages),
         observations=tuple(o.name for o in model.observations),
         effects=tuple(effects),
-        held_inputs=tuple(i.name for i in model.inputs if i.held and hold),
+        zero_order_hold=tuple(i.name for i in model.inputs if i.held and hold),
         step_s=step_s,
     )
     known = {c.name: c.prior for c in model.causes if np.isfinite(c.prior)}

@@ -10,7 +10,7 @@ from ..errors import Finding, InputError, nearest
 from ..integrate import Parameter
 from .model import KINDS, OBSERVE, RATES, Cause, Function, Model, arguments
 
-MOST_STATES = 14
+MAX_STATES = 14
 """States of the model with its random forces and errors: sixteen lanes less two."""
 
 
@@ -58,9 +58,9 @@ def _names(model: Model) -> list[Finding]:
     out += [_finding(model, "path", f"'{n}'", "two observations", nearest(n, observed))
             for n in model.path if n not in observed]  # fmt: skip
     total = len(model.states) + len(model.channels) + len(model.observations)
-    if total > MOST_STATES:
+    if total > MAX_STATES:
         out.append(_finding(model, "states", f"{total} with random forces and lasting errors",
-                            f"{MOST_STATES} or fewer"))  # fmt: skip
+                            f"{MAX_STATES} or fewer"))  # fmt: skip
     return out
 
 

@@ -19,7 +19,7 @@ from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, checked
 
-KNOWN_S, LEAST_FOR_MEASURES = 1.0, 3
+KNOWN_S, MIN_FOR_MEASURES = 1.0, 3
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _measures(model: Model, series: Series, observed: Float) -> dict[str, float]
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)
-    if known.sum() < LEAST_FOR_MEASURES:
+    if known.sum() < MIN_FOR_MEASURES:
         return {}
     given = (series.times[known], observed[known], series.inputs[known])
     return {str(k): float(v) for k, v in model.measures(*given).items()}

@@ -16,14 +16,14 @@ from ..fitting.filtering import disturbance_slots
 from ..integrate import Kernel, compiled
 from .assembly import Assembly, assembled, scaled_variables
 from .model import Model
-from .sampling import LEAST_IN_BLOCK, block_rate_hz
+from .sampling import MIN_IN_BLOCK, block_rate_hz
 from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
 from .trials import Trial, all_series, pieces
 
-FEWEST_TRIALS, STRETCHES, LEAST_FRAMES = 4, 4, 50
+FEWEST_TRIALS, STRETCHES, MIN_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses what the state before it tells: no more cuts than resampling needs."""
-MOST_CAUSES, MOST_FRAMES = 6, 6000
+MAX_CAUSES, MAX_FRAMES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
 SIZES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
@@ -74,7 +74,7 @@ def prepared(
         candidates=candidates_of(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
-        most_causes=MOST_CAUSES,
+        most_causes=MAX_CAUSES,
     )  # fmt: skip
     return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
                     tuple(warnings))  # fmt: skip
@@ -85,7 +85,7 @@ def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     if len(trials) >= FEWEST_TRIALS:
         return trials, 0
     shortest = min(len(t.times) for t in trials)
-    count = min(-(-STRETCHES // len(trials)), shortest // LEAST_FRAMES)
+    count = min(-(-STRETCHES // len(trials)), shortest // MIN_FRAMES)
     return (pieces(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
@@ -126,7 +126,7 @@ def _slopes(times: Float, values: Float) -> Float:
 
 
 def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
-    """Rate at which all trials together have `MOST_FRAMES` samples, or the model's own; infinite
+    """Rate at which all trials together have `MAX_FRAMES` samples, or the model's own; infinite
     where they have fewer, and where blocks would hold fewer samples than an average needs.
     """
     samples = sum(len(t.times) for t in trials)
@@ -135,8 +135,8 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
     rate = np.inf
     if model.most_hz is not None and model.most_hz * step < 1.0:
         rate = model.most_hz
-    elif samples > MOST_FRAMES:
-        rate = min(MOST_FRAMES / seconds, 1.0 / (LEAST_IN_BLOCK * step))
+    elif samples > MAX_FRAMES:
+        rate = min(MAX_FRAMES / seconds, 1.0 / (MIN_IN_BLOCK * step))
     return block_rate_hz([t.times for t in trials], rate)
 
 

@@ -13,7 +13,7 @@ from .explanation import Explanation
 from .numbers import Number
 from .prediction import Predicted
 
-LEAST_RIVAL = 0.02
+MIN_RIVAL = 0.02
 
 
 def explanation_json(found: Explanation) -> dict[str, Any]:
@@ -94,11 +94,11 @@ def rivals(found: Explanation) -> list[dict[str, Any]]:
     for cause in found.named:
         for other, p in cause.alternatives.items():
             name = _shown(found, other)
-            if p >= LEAST_RIVAL and name not in taken:
+            if p >= MIN_RIVAL and name not in taken:
                 taken.add(name)
                 out.append({"name": name, "in_place_of": cause.name, "weight": p})
     out += [{"name": n, "in_place_of": "", "weight": p} for n, p in found.probabilities.items()
-            if p >= LEAST_RIVAL and n not in taken]  # fmt: skip
+            if p >= MIN_RIVAL and n not in taken]  # fmt: skip
     return sorted(out, key=lambda r: -float(str(r["weight"])))
 
 
@@ -109,7 +109,7 @@ def _shown(found: Explanation, name: str) -> str:
 def residual_terms(found: Explanation) -> dict[str, float]:
     """Residual terms with their probabilities, the largest first."""
     rest = {n: p for n, p in found.posterior.inclusion.items()
-            if n not in found.model.by_name and p >= LEAST_RIVAL}  # fmt: skip
+            if n not in found.model.by_name and p >= MIN_RIVAL}  # fmt: skip
     return dict(sorted(rest.items(), key=lambda x: -x[1]))
 
 

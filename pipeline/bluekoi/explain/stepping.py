@@ -12,7 +12,7 @@ from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 
 MOMENT_S, DIFFERENCE = 1e-6, 1e-4
-MOST_STATES = 200
+MAX_STATES = 200
 STEP_PER_TIME_CONSTANT = 0.5
 """Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 3e-4 of a
 decay over half of one."""
@@ -24,7 +24,7 @@ CONVERGED = 0.5
 def rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
-    each = max(1, MOST_STATES // max(len(passes), 1))
+    each = max(1, MAX_STATES // max(len(passes), 1))
     for one, result, value in zip(passes.series, passes, values, strict=True):
         frames = np.unique(
             np.linspace(0, len(one.times) - 1, min(each, len(one.times))).astype(int)

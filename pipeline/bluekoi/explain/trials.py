@@ -16,7 +16,7 @@ from .model import Model
 from .sampling import at_rate
 
 FIT, HELD_OUT = "fit", "held_out"
-LEAST_SAMPLES = 3
+MIN_SAMPLES = 3
 GAP = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 LARGEST = 1e12
@@ -68,9 +68,9 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
     """All that is wrong with a trial."""
     file, out = trial.source or trial.name, []
     times = np.asarray(trial.times, dtype=float)
-    if times.ndim != 1 or len(times) < LEAST_SAMPLES:
+    if times.ndim != 1 or len(times) < MIN_SAMPLES:
         return [Finding(file, "times", f"shape {times.shape}",
-                        f"one dimension, {LEAST_SAMPLES} samples or more")]  # fmt: skip
+                        f"one dimension, {MIN_SAMPLES} samples or more")]  # fmt: skip
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
         out.append(Finding(file, f"time, sample {row}", f"{times[row]}", "finite times"))
@@ -124,9 +124,9 @@ def _column_faults(
         what = "finite values, empty cells where nothing was seen" if missing else (
             "a finite value in every row: an input acts all the time")  # fmt: skip
         return [Finding(file, f"{name}, sample {row}", f"{column[row]}", what)]
-    if missing and np.isfinite(column).sum() < LEAST_SAMPLES:
+    if missing and np.isfinite(column).sum() < MIN_SAMPLES:
         return [Finding(file, name, f"{int(np.isfinite(column).sum())} values",
-                        f"{LEAST_SAMPLES} or more that are not missing")]  # fmt: skip
+                        f"{MIN_SAMPLES} or more that are not missing")]  # fmt: skip
     return []
 
 

@@ -33,7 +33,7 @@ FITTED = (
     "not confirm the identified causes."
 )
 NEEDS = ("tracks", "mismatch")
-MOST_PATHS = 6
+MAX_PATHS = 6
 TEXT_BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
 ERRORS = (
     ("path_rmse_m", "rms path error (mm)", 1000.0),
@@ -63,9 +63,9 @@ def draw(campaign: Campaign) -> Figure:
         axes.set_title(label)
         if i == 0:
             panel_letter(axes, "A")
-    names = [name for name in evaluated_trials(campaign) if name in campaign.tracks][:MOST_PATHS]
+    names = [name for name in evaluated_trials(campaign) if name in campaign.tracks][:MAX_PATHS]
     places = sides[1].subgridspec(2, 3)
-    for i in range(MOST_PATHS):
+    for i in range(MAX_PATHS):
         axes = figure.add_subplot(places[i // 3, i % 3])
         if i < len(names):
             trial = campaign.study.trial(names[i])

@@ -22,7 +22,7 @@ CAPTION = (
 )
 NEEDS = ("tracks",)
 COLUMNS = 6
-MOST_PANELS = 60
+MAX_PANELS = 60
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -47,12 +47,12 @@ def draw(campaign: Campaign) -> Figure:
 def _shown(campaign: Campaign) -> tuple[Trial, ...]:
     """All trials, or the worst ones of a large study, in the study's order."""
     trials = campaign.study.trials
-    if len(trials) <= MOST_PANELS:
+    if len(trials) <= MAX_PANELS:
         return trials
     known = [trial.trial_id for trial in trials if trial.trial_id in campaign.tracks]
     errors = {name: campaign.path_rmse_m(name, "joint") for name in known}
     ranked = sorted(known, key=lambda n: -errors[n] if math.isfinite(errors[n]) else -math.inf)
-    worst = set(ranked[:MOST_PANELS])
+    worst = set(ranked[:MAX_PANELS])
     return tuple(trial for trial in trials if trial.trial_id in worst)
 
 

@@ -18,7 +18,7 @@ from .series import Series
 
 RATE_HZ = 10.0
 HALF_WINDOW_S = 0.15
-LEAST_FOR_BEND = 5
+MIN_FOR_BEND = 5
 
 
 def block_averaged(
@@ -74,7 +74,7 @@ def _bends(series: Series, times: Float, known: np.ndarray) -> Float:
     weight = (frames < end[:, None]) & known[near]
     t = np.where(weight, series.times[near] - times[:, None], 0.0) / HALF_WINDOW_S
     powers = t[:, :, None] ** np.arange(3) * weight[:, :, None]
-    enough = weight.sum(axis=1) >= LEAST_FOR_BEND
+    enough = weight.sum(axis=1) >= MIN_FOR_BEND
     A = np.einsum("bwi,bwj->bij", powers, powers)
     A[~enough] = np.eye(3)
     sides = np.einsum("bwi,bwo->bio", powers, np.where(weight[:, :, None], series.seen[near], 0.0))

@@ -27,7 +27,7 @@ def fit_noise(
     noise: Noise,
     *,
     rounds: int = 2,
-    most: int = 12,
+    max_trials: int = 12,
     forces_only: bool = False,
     line_searches: bool = True,
 ) -> Noise:
@@ -36,12 +36,13 @@ def fit_noise(
     One strength after the other, each by a parabola through three likelihoods over its logarithm,
     then up to `rounds` quasi-Newton steps in all of them; `values` are full parameter vectors, one
     a trial. While a correlation time tau is varied, sigma sqrt(tau) stays: slow data determine that
-    product alone.
-    At most `most` trials are used, evenly spread, since few numbers are estimated. forces_only:
-    only the random forces are estimated, the measurement noise stays. line_searches: without,
-    the quasi-Newton steps begin at once, for a start that is near.
+    product alone. At most `max_trials` trials are used, evenly spread, since few numbers are
+    estimated. forces_only: only the random forces are estimated, the measurement noise stays.
+    line_searches: without, the quasi-Newton steps begin at once, for a start that is near.
     """
-    chosen = np.unique(np.linspace(0, len(series) - 1, min(most, len(series))).round().astype(int))
+    chosen = np.unique(
+        np.linspace(0, len(series) - 1, min(max_trials, len(series))).round().astype(int)
+    )
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
     estimated = _estimated_places(kernel, noise, forces_only)

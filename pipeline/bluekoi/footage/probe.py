@@ -16,8 +16,8 @@ from .pictures import Luma, luma
 
 UNDECODED = {"skip_frame": "all"}
 LARGEST_SIDE_PX = 16384
-LEAST_LISTED = 0.5
-MOST_ROUNDED = 3  # frames that a duration in milliseconds and a mean rate may be off by
+MIN_LISTED = 0.5
+MAX_ROUNDED = 3  # frames that a duration in milliseconds and a mean rate may be off by
 REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
 
@@ -124,10 +124,10 @@ def _counts(stream: Any, path: Path, expected: float) -> tuple[int, int]:
     """
     entries = [(entry.pos, entry.size) for entry in stream.index_entries]
     declared = int(stream.frames) or len(entries)
-    enough = (int(stream.frames) or LEAST_LISTED * expected) - MOST_ROUNDED
+    enough = (int(stream.frames) or MIN_LISTED * expected) - MAX_ROUNDED
     if not entries or len(entries) < enough:
         present, expected = _counted(path), int(stream.frames) or expected
-        whole = present >= expected - MOST_ROUNDED
+        whole = present >= expected - MAX_ROUNDED
         return (present if whole else round(expected)), present
     size = path.stat().st_size
     lost = sum(1 for pos, length in entries if pos + length > size)

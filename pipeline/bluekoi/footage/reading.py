@@ -12,23 +12,24 @@ import av.error
 import numpy as np
 
 from ..data import Frame
-from .ahead import MOST, Ahead
 from .images import image_frames
 from .pictures import Luma, luma
+from .prefetch import MIN_BUFFERED, Prefetcher
 from .probe import opened, video_stream
 from .recording import IMAGES, Recording
 
 EPS_S = 1e-6
-AHEAD_BYTES = 40 * 10**6
-MOST_SMALL = 12
+PREFETCH_BYTES = 40 * 10**6
+MAX_BUFFERED = 12
 BYTES_PER_PIXEL = 1.5
 
 
 class Film:
-    """Frames of a recording: iterate for all of them, as often as wanted, or `spread` for a few.
+    """Frames of a recording: iterate for all of them, as often as wanted, or take a few that are
+    `evenly_spaced`.
 
-    A file once opened for `spread` is used again by the next iteration: opening one costs as much
-    as several frames.
+    A file opened for these is used again by the next iteration: opening one costs as much as
+    several frames.
     """
 
     def __init__(self, recording: Recording, colour: bool = False) -> None:
@@ -39,19 +40,19 @@ class Film:
         """All frames of the recording's part, in order."""
         return _all(self.recording, self.colour, self._open)
 
-    def ahead(self) -> Ahead[Frame]:
+    def prefetched(self) -> Prefetcher[Frame]:
         """All frames as by iteration, decoded by a thread of their own from now on.
 
-        As many ahead as AHEAD_BYTES hold, no fewer than MOST: while something is learned from the
+        As many as PREFETCH_BYTES hold, at least MIN_BUFFERED: while something is learned from the
         first of them the decoder should not have to wait.
         """
         width, height = self.recording.size_px
-        room = int(AHEAD_BYTES / (BYTES_PER_PIXEL * width * height))
-        return Ahead(iter(self), max(MOST, min(room, MOST_SMALL)))
+        room = int(PREFETCH_BYTES / (BYTES_PER_PIXEL * width * height))
+        return Prefetcher(iter(self), max(MIN_BUFFERED, min(room, MAX_BUFFERED)))
 
-    def spread(self, count: int) -> Iterator[Frame]:
-        """About `count` frames spread evenly over the recording's part, decoded alone."""
-        return spread(self.recording, count, self._open)
+    def evenly_spaced(self, count: int) -> Iterator[Frame]:
+        """About `count` frames evenly spaced over the recording's part, decoded alone."""
+        return evenly_spaced(self.recording, count, self._open)
 
 
 def frames(recording: Recording, *, colour: bool = False) -> Film:
@@ -79,10 +80,10 @@ def _all(recording: Recording, colour: bool, ready: dict[int, Any]) -> Iterator[
         yield Frame(index, time_s, _turned(luma(picture), recording), bgr)
 
 
-def spread(
+def evenly_spaced(
     recording: Recording, count: int, ready: dict[int, Any] | None = None
 ) -> Iterator[Frame]:
-    """About `count` frames spread evenly over the recording's part, decoded alone.
+    """About `count` frames evenly spaced over the recording's part, decoded alone.
 
     Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
     Of a recording with fewer key frames than that, every k-th frame of all.

@@ -75,9 +75,9 @@ def propagate(
     return observed, states
 
 
-def in_parts(run: Callable[[int, int], Any], count: int, least: int = 4) -> None:
+def in_parts(run: Callable[[int, int], Any], count: int, min_count: int = 4) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
-    workers = min(threads(), max(1, count // least))
+    workers = min(threads(), max(1, count // min_count))
     edges = [count * part // workers for part in range(workers + 1)]
     each(lambda ends: run(*ends), list(itertools.pairwise(edges)))
 

@@ -1,4 +1,4 @@
-"""Which stages of a system depend on what: on others, or on nothing that moves."""
+"""Dependences between the stages of a system, and which of them are constant in time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
     return asked
 
 
-def needed(system: System, last: Stage, effects: Sequence[Effect]) -> list[Stage]:
+def required_stages(system: System, last: Stage, effects: Sequence[Effect]) -> list[Stage]:
     """Stages whose outputs the last one and these effects on it need, directly or through others,
     in order.
     """
@@ -44,7 +44,7 @@ def _inner(system: System) -> list[Stage]:
     return [s for s in system.stages if s.name not in ("rates", "observe")]
 
 
-def held(system: System) -> list[Stage]:
+def constant_stages(system: System) -> list[Stage]:
     """Stages that follow from parameters, constants and inputs alone while no effect is on."""
     known = {*(p.name for p in system.coefficients), *system.constants, *system.inputs}
     found: list[Stage] = []
@@ -56,19 +56,19 @@ def held(system: System) -> list[Stage]:
     return found
 
 
-def moving(system: System) -> list[Stage]:
+def state_dependent_stages(system: System) -> list[Stage]:
     """Stages that depend on the state, in order, `rates` last."""
-    still = held(system)
-    return [s for s in system.stages if s.name != "observe" and s not in still]
+    constant = constant_stages(system)
+    return [s for s in system.stages if s.name != "observe" and s not in constant]
 
 
-def passed_on(system: System) -> dict[str, str]:
-    """Outputs of held stages that are, while no effect is on, a number or another named value.
+def trivial_outputs(system: System) -> dict[str, str]:
+    """Outputs of constant stages that are, while no effect is on, a number or another named value.
 
     name -> that name or number: a head angle as commanded, water that is at rest.
     """
     found: dict[str, str] = {}
-    for stage in held(system):
+    for stage in constant_stages(system):
         given = names(stage.function) if stage.function else []
         count = len(stage.outputs)
         values = ["0.0"] * count

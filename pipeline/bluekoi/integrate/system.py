@@ -103,8 +103,8 @@ class System:
 
     states, constants (per trial), inputs (per trial, over time) and coefficients name the
     arguments that stages may ask for. Stage `rates` must return one derivative a state, stage
-    `observe` one value an observation. held_inputs: inputs that keep the value of a frame until the
-    next one (zero-order hold); the others run linearly between frames. step_s: longest integration
+    `observe` one value an observation. zero_order_hold: inputs that keep the value of a frame
+    until the next one; the others run linearly between frames. step_s: longest integration
     step; None for the default of the caller.
     """
 
@@ -116,7 +116,7 @@ class System:
     stages: tuple[Stage, ...]
     observations: tuple[str, ...]
     effects: tuple[Effect, ...] = ()
-    held_inputs: tuple[str, ...] = ()
+    zero_order_hold: tuple[str, ...] = ()
     step_s: float | None = None
 
     @cached_property

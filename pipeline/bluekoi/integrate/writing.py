@@ -3,7 +3,7 @@
 There are two. The fast one is for no effects and for random parts alone: the whole right-hand side
 and its share of the Runge-Kutta sum stand in one loop, intermediate values in registers. In the
 general one each stage is a loop of its own, and effects that are off are jumped over. Stages that
-depend on nothing that moves (sines of a constant head angle, 1/m) are evaluated once and held.
+are constant in time (sines of a constant head angle, 1/m) are evaluated once.
 """
 
 from __future__ import annotations
@@ -12,7 +12,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .dependence import RANDOM, arguments, held, moving, needed, passed_on
+from .dependence import (
+    RANDOM,
+    arguments,
+    constant_stages,
+    required_stages,
+    state_dependent_stages,
+    trivial_outputs,
+)
 from .loops import Loop
 from .rows import LANES, Rows
 from .system import Effect, Function, Stage, System
@@ -23,7 +30,7 @@ KERNEL, STEP = (
 )
 FUNCTION = '@njit(error_model="numpy", fastmath=FAST{})\ndef {}:'
 MOVE = FUNCTION.format(
-    ", forceinline=True", "move(m, on, pushed, h, t0, inputs, frame, substeps, moving)"
+    ", forceinline=True", "move(m, on, pushed, h, t0, inputs, frame, substeps, varying)"
 )
 
 
@@ -53,8 +60,8 @@ def source(system: System, *, general: bool) -> str:
         "hold": _hold(plan),
         "observe": _observe(plan),
         "moves": _general(plan) if general else _fast(plan),
-        "held_inputs": _held_inputs(plan),
-        "held_again": ["    hold(m)"] if system.held_inputs else [],
+        "zero_order_hold": _zero_order_hold(plan),
+        "hold_again": ["    hold(m)"] if system.zero_order_hold else [],
     }
     rows = plan.rows
     return KERNEL.format(
@@ -79,10 +86,10 @@ def random_parts(system: System) -> tuple[Effect, ...]:
     return tuple(e for e in system.effects if e.kind == RANDOM)
 
 
-def _held_inputs(plan: _Plan) -> list[str]:
+def _zero_order_hold(plan: _Plan) -> list[str]:
     """Lines that keep held inputs at their value of the frame before."""
     out: list[str] = []
-    for name in plan.system.held_inputs:
+    for name in plan.system.zero_order_hold:
         row, column = plan.rows.of(name), plan.system.inputs.index(name)
         out += [f"    for j in range({LANES}):",
                 f"        m[{row * LANES} + j] = inputs[frame - 1, {column}]"]  # fmt: skip
@@ -101,12 +108,12 @@ def _imports(called: dict[str, Function]) -> list[str]:
 
 
 def _hold(plan: _Plan) -> list[str]:
-    return [line for s in held(plan.system) for line in _base(plan, s)] or ["    pass"]
+    return [line for s in constant_stages(plan.system) for line in _base(plan, s)] or ["    pass"]
 
 
 def _fast(plan: _Plan) -> list[str]:
     """Steps without effects and with random parts, and which is taken."""
-    timed = [any("t" in arguments(s, effects) for s in moving(plan.system))
+    timed = [any("t" in arguments(s, effects) for s in state_dependent_stages(plan.system))
              for effects in ((), plan.effects)]  # fmt: skip
     body, pushed = _fused(plan, ()), _fused(plan, plan.effects)
     all_states, own = len(plan.system.all_states), len(plan.system.states)
@@ -115,16 +122,16 @@ def _fast(plan: _Plan) -> list[str]:
         STEP.format(way="random", count=all_states, timed=timed[1], body="\n".join(pushed)),
         MOVE,
         "    if pushed:",
-        "        move_random(m, on, h, t0, inputs, frame, substeps, moving)",
+        "        move_random(m, on, h, t0, inputs, frame, substeps, varying)",
         "    else:",
-        "        move_bare(m, on, h, t0, inputs, frame, substeps, moving)",
+        "        move_bare(m, on, h, t0, inputs, frame, substeps, varying)",
     ]
 
 
 def _fused(plan: _Plan, effects: Sequence[Effect]) -> list[str]:
     """One Runge-Kutta stage in a single loop: rates, and what they add to state and sum."""
-    loop, rows = Loop(plan.rows, passed_on(plan.system)), plan.rows
-    for stage in moving(plan.system):
+    loop, rows = Loop(plan.rows, trivial_outputs(plan.system)), plan.rows
+    for stage in state_dependent_stages(plan.system):
         last = stage.name == "rates"
         loop.stage(stage, [f"d_{o}" if last else o for o in stage.outputs], effects)
     states = list(plan.system.states)
@@ -164,7 +171,7 @@ def _general(plan: _Plan) -> list[str]:
         STEP.format(way="any", count=len(plan.system.all_states),
                     timed=plan.on(timed) or False, body="\n".join(body)),
         MOVE,
-        "    move_any(m, on, h, t0, inputs, frame, substeps, moving)",
+        "    move_any(m, on, h, t0, inputs, frame, substeps, varying)",
     ]  # fmt: skip
 
 
@@ -180,11 +187,11 @@ def _shift(plan: _Plan, states: Sequence[str]) -> list[str]:
 
 def _rates(plan: _Plan) -> list[str]:
     """Every stage as loops of its own; held stages only where an effect may change them."""
-    still = held(plan.system)
+    constant = constant_stages(plan.system)
     changed: dict[str, list[Effect]] = {}
     lines: list[str] = []
     for stage in (s for s in plan.system.stages if s.name != "observe"):
-        if stage not in still:
+        if stage not in constant:
             lines += _stage(plan, stage)
             continue
         asked = {e for name in arguments(stage, ()) for e in changed.get(name, ())}
@@ -201,10 +208,10 @@ def _rates(plan: _Plan) -> list[str]:
 def _observe(plan: _Plan) -> list[str]:
     """What is seen; stages that only effects ask for where one of those is on."""
     observe = next(s for s in plan.system.stages if s.name == "observe")
-    always = needed(plan.system, observe, ())
+    always = required_stages(plan.system, observe, ())
     lines: list[str] = []
-    for stage in needed(plan.system, observe, plan.effects):
-        asking = [e for e in plan.effects if stage in needed(plan.system, observe, (e,))]
+    for stage in required_stages(plan.system, observe, plan.effects):
+        asking = [e for e in plan.effects if stage in required_stages(plan.system, observe, (e,))]
         found = _stage(plan, stage)
         lines += found if stage in always else _where(plan, asking, found)
     return lines + _stage(plan, observe)

@@ -24,11 +24,11 @@ from .outline.plane import Plane, plane_of
 COLOUR = True
 Float = npt.NDArray[np.float64]
 HUE_WIDTH_DEG = 20.0
-LEAST_SATURATION = 70.0
-LEAST_VALUE = 45.0
+MIN_SATURATION = 70.0
+MIN_VALUE = 45.0
 RADIUS_BL = (0.0045, 0.09)
 LENGTH_TOLERANCE = 0.10
-MOST_DOTS = 4
+MAX_DOTS = 4
 MARGIN_BL = 0.45
 SLACK_BL = 0.012
 
@@ -145,7 +145,7 @@ def _dots(hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Pl
     """Blobs of a hue, those of most colour first."""
     away = np.abs((hsv[..., 0] * 2.0 - hue_deg + 180.0) % 360.0 - 180.0)
     closeness = np.clip(1.5 - 1.5 * away / HUE_WIDTH_DEG, 0.0, 1.0)
-    colour = np.where(hsv[..., 2] > LEAST_VALUE, hsv[..., 1] - LEAST_SATURATION, 0.0)
+    colour = np.where(hsv[..., 2] > MIN_VALUE, hsv[..., 1] - MIN_SATURATION, 0.0)
     weight = (closeness * np.maximum(colour, 0.0)).astype(np.float32)
     contours, _ = cv2.findContours(
         (weight > 8).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
@@ -153,7 +153,7 @@ def _dots(hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Pl
     area = np.pi * (np.array(RADIUS_BL) * plane.px_per_bl) ** 2
     sized = [c for c in contours if area[0] < max(cv2.contourArea(c), len(c)) < area[1]]
     dots = [_dot(weight, contour, corner, plane) for contour in sized]
-    return sorted(dots, key=lambda dot: -dot.weight)[:MOST_DOTS]
+    return sorted(dots, key=lambda dot: -dot.weight)[:MAX_DOTS]
 
 
 def _dot(

@@ -32,8 +32,8 @@ LENGTHS_STATED = True
 measured is the whole length (`Keypoints.length_seen`)."""
 SAMPLES = (5, 15)
 WELL = 0.9
-LEAST_WORTH = 0.6
-LEAST_SUPPORT = 0.4
+MIN_SUPPORT_SCORE = 0.6
+MIN_SUPPORT = 0.4
 GHOST_ROUNDS = 2
 BELIEVED, MOSTLY = 0.6, 0.9
 """A body is bending only if fewer frames than `MOSTLY` are believed with the rigid template."""
@@ -75,7 +75,7 @@ def _rigid(
     trial: Trial,
 ) -> Keypoints:
     """Keypoints of a rigid head and core with a tail."""
-    with _decoding_ahead(frames()) as film:
+    with _prefetched(frames()) as film:
         scene, outline, remarks = learned_scene(frames, samples, plane, setup, trial)
         if outline is None:
             times = [frame.time_s for frame in film]
@@ -116,20 +116,20 @@ def _bending(
 
 
 @contextmanager
-def _decoding_ahead(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
-    """The film, its decoding begun where it can be: it goes on while the template is learned."""
-    ahead = getattr(film, "ahead", None)
-    if ahead is None:
+def _prefetched(film: Iterable[Frame]) -> Iterator[Iterable[Frame]]:
+    """The film, decoded in the background where it can be, while the template is learned."""
+    prefetched = getattr(film, "prefetched", None)
+    if prefetched is None:
         yield film
     else:
-        with ahead() as begun:
-            yield begun
+        with prefetched() as frames:
+            yield frames
 
 
 def _seekable(frames: Callable[[], Iterable[Frame]]) -> Callable[[], Iterable[Frame]]:
     """`frames`, called once only if what it gives can be run through again and again."""
     first = frames()
-    return (lambda: first) if hasattr(first, "spread") else frames
+    return (lambda: first) if hasattr(first, "evenly_spaced") else frames
 
 
 def learned_scene(
@@ -152,12 +152,12 @@ def learned_scene(
         outline = found[-1][1]
         if outline is not None and outline.support > WELL and 2 * outline.frames > len(samples):
             return *found[-1], notes
-    best = max(found, key=lambda one: _worth(one[1]))
-    if _worth(best[1]) < LEAST_WORTH:
+    best = max(found, key=lambda one: _support_score(one[1]))
+    if _support_score(best[1]) < MIN_SUPPORT_SCORE:
         size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
         bridged = replace(found[-1][0], floor=without_resident(found[-1][0].floor, size))
         second = learn(samples, bridged, setup.robot, trial)
-        if _worth(second) > LEAST_WORTH:
+        if _support_score(second) > MIN_SUPPORT_SCORE:
             remark = "the robot hardly left its place: its background was bridged from around it"
             return bridged, second, (*notes, remark)
         return best[0], None, notes
@@ -173,9 +173,7 @@ def _learned_from(
     scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
     outline = learn(samples, scene, setup.robot, trial)
     for _ in range(GHOST_ROUNDS):
-        free = (
-            without_ghosts(outline, scene) if outline and outline.support > LEAST_SUPPORT else None
-        )
+        free = without_ghosts(outline, scene) if outline and outline.support > MIN_SUPPORT else None
         if free is None:
             break
         scene = replace(scene, floor=free)
@@ -183,8 +181,8 @@ def _learned_from(
     return scene, outline
 
 
-def _worth(outline: LearnedTemplate | None) -> float:
-    return 0.0 if outline is None else outline.worth
+def _support_score(outline: LearnedTemplate | None) -> float:
+    return 0.0 if outline is None else outline.support_score
 
 
 def _missing_remark(times: Sequence[float], fits: Sequence[Fit | None]) -> tuple[str, ...]:

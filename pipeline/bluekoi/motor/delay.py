@@ -20,7 +20,7 @@ REACH_S = 2.0
 STEP_S = 0.002
 SCATTER_RAD = 0.15  # ASSUME a tail follows its shaft to 9 degrees, with another error in each trial
 DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
-LEAST_TRIALS = 6
+MIN_TRIALS = 6
 UNLIKELY = 1e-3
 AHEAD = 12.0
 """Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
@@ -31,7 +31,7 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
     """By how much the log's clock is ahead of the video's and the standard deviation, s, from the
     lags of the trials (n,); None where they do not hang together or leave several delays.
     """
-    if len(flap_hz) < LEAST_TRIALS:
+    if len(flap_hz) < MIN_TRIALS:
         return None
     weights = 1.0 / (std_rad**2 + SCATTER_RAD**2)
     delays = np.arange(-REACH_S, REACH_S + STEP_S / 2, STEP_S)

@@ -13,8 +13,8 @@ from ..errors import input_error
 from .shaft import Shaft, shaft_motion
 
 COLUMNS = ("time_s", "angle_deg")
-LEAST_TURNS = 1.5
-MOST_TURN_DEG = 400.0
+MIN_TURNS = 1.5
+MAX_TURN_DEG = 400.0
 """A shaft angle that wraps after more than this is not in degrees."""
 GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
@@ -40,12 +40,12 @@ def flapping_from_log(path: str | Path) -> Flapping:
     first, last = _running(shaft)
     inside = shaft.good & (time_s >= first) & (time_s <= last)
     turns = abs(float(np.ptp(shaft.phase_rad[inside]))) / (2 * np.pi) if inside.any() else 0.0
-    if turns < LEAST_TURNS:
+    if turns < MIN_TURNS:
         raise input_error(
             path,
             "angle_deg",
             f"{turns:.2f} turns of the shaft",
-            f"at least {LEAST_TURNS} turns",
+            f"at least {MIN_TURNS} turns",
             "Log for longer, or give flap_hz in trials.csv instead of motor_log.",
         )
     fit = _fit(time_s[inside], shaft.phase_rad[inside])
@@ -123,7 +123,7 @@ def _check_angles(path: str | Path, angle_deg: Float) -> None:
     if 5.0 < high - low < 6.4 and turns_over > 0:
         remedy = "These look like radians: multiply the column by 180/pi."
         raise input_error(path, "angle_deg", found, "degrees from 0 to 360", remedy)
-    if high - low > MOST_TURN_DEG and turns_over > 0:
+    if high - low > MAX_TURN_DEG and turns_over > 0:
         remedy = "These look like a sensor's counts: multiply the column by 360 / counts a turn."
         raise input_error(path, "angle_deg", found + ", and then from the start",
                           "degrees from 0 to 360",

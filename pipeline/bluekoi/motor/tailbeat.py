@@ -26,9 +26,9 @@ SAME_RATE = 0.01
 CHUNK = 256
 RANGE = 0.25
 """The beat is looked for within this share of the guess, on both sides."""
-MOST_BEATS_A_FRAME = 2.0
+MAX_BEATS_A_FRAME = 2.0
 """With more beats than that between frames, any frequency fits as well as any other."""
-LEAST_FRAMES = 12
+MIN_FRAMES = 12
 CLEAR_LAG_RAD = 0.5
 """A lag with a larger standard error is not reported."""
 BACKGROUND_BEATS = 3.0
@@ -48,11 +48,11 @@ def tail_beat(
     More than two beats of it between frames are not seen.
     """
     time_s, signal = _signal(source)
-    if len(time_s) < LEAST_FRAMES:
+    if len(time_s) < MIN_FRAMES:
         return float("nan"), float("nan")
     step = float(np.median(np.diff(time_s)))
     guessed = np.isfinite(guess_hz) and guess_hz > 0
-    if guessed and guess_hz * step > MOST_BEATS_A_FRAME:
+    if guessed and guess_hz * step > MAX_BEATS_A_FRAME:
         return float("nan"), float("nan")
     span = float(np.ptp(time_s))
     near = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz)
@@ -74,7 +74,7 @@ def beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, float
         return nothing
     inside = (time_s >= flapping.time_s[0]) & (time_s <= flapping.time_s[-1])
     time_s, signal = time_s[inside], signal[inside]
-    if len(time_s) < LEAST_FRAMES:
+    if len(time_s) < MIN_FRAMES:
         return nothing
     phase = np.interp(time_s, flapping.time_s, flapping.phase_rad)
     waves = np.column_stack([np.cos(phase), np.sin(phase)])
@@ -138,7 +138,7 @@ def tail_excursion(positions: Positions) -> float:
     tail = positions.part("tail_tip") - positions.part("tail_base")
     across = np.linalg.norm(tail, axis=1) * np.sin(_tail_angle(positions))
     seen = across[np.isfinite(across)]
-    return float(2 * np.sqrt(2) * np.std(seen)) if len(seen) >= LEAST_FRAMES else float("nan")
+    return float(2 * np.sqrt(2) * np.std(seen)) if len(seen) >= MIN_FRAMES else float("nan")
 
 
 def _search(

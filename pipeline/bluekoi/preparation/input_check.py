@@ -19,7 +19,7 @@ from ..pose.fit import enough
 from ..study import Setup, Study, Trial
 from ..study.filmed import as_filmed
 
-LEAST_FRAMES = 2
+MIN_FRAMES = 2
 
 
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
@@ -83,15 +83,15 @@ def _read(study: Study, trial: Trial) -> None:
 
 
 def _seen(path: Path, found: Keypoints) -> None:
-    """Raises: InputError where fewer than `LEAST_FRAMES` frames show a head direction and a
+    """Raises: InputError where fewer than `MIN_FRAMES` frames show a head direction and a
     core.
     """
     sure = dict(zip(found.names, confident(found.likelihood.T), strict=True))
     never = np.zeros(len(found.time_s), dtype=bool)
     frames = int(enough(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
-    if frames < LEAST_FRAMES:
+    if frames < MIN_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(RIGID[1:])} at likelihood {CONFIDENT} or more", f"{LEAST_FRAMES} at least",
+            f"{', '.join(RIGID[1:])} at likelihood {CONFIDENT} or more", f"{MIN_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

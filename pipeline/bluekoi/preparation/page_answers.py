@@ -35,7 +35,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "camera": Camera,
 }
 BOARD_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".mp4", ".mov", ".avi", ".mkv")
-MOST_CAMERA_BYTES = 1_000_000
+MAX_CAMERA_BYTES = 1_000_000
 
 
 def draft_of(content: Mapping[str, Any]) -> Draft:
@@ -238,7 +238,7 @@ def _camera_files(folder: Path) -> list[str]:
 def _camera_content(path: Path) -> dict[str, Any]:
     """The camera section of a yaml file. Raises: InputError where there is none."""
     try:
-        content = yaml.safe_load(read_text(path, MOST_CAMERA_BYTES))
+        content = yaml.safe_load(read_text(path, MAX_CAMERA_BYTES))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise input_error(path, "", f"no readable yaml ({error})", "a camera section") from error
     camera = content.get("camera") if isinstance(content, dict) else None

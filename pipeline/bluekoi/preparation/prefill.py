@@ -17,8 +17,8 @@ from ..study.image_files import IMAGE_SUFFIXES, natural
 from ..study.keys import keys
 
 HEADER_BYTES = 4096
-MOST_FILES = 100_000
-LEAST_PICTURES = 50
+MAX_FILES = 100_000
+MIN_PICTURES = 50
 """A folder with fewer pictures is one of calibration boards rather than a recording."""
 REQUIRED = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
 POWER = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
@@ -36,7 +36,7 @@ OPTIONAL = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
 class StudyFiles:
     """Files of a folder that a study can be made of, as paths relative to it, in natural order.
 
-    pictures: folders with at least `LEAST_PICTURES` pictures, with a slash at the end.
+    pictures: folders with at least `MIN_PICTURES` pictures, with a slash at the end.
     """
 
     videos: tuple[str, ...]
@@ -62,7 +62,7 @@ def study_files(folder: Path) -> StudyFiles:
             points.append(name)
         elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
             logs.append(name)
-    films = [name for name, count in pictures.items() if count >= LEAST_PICTURES]
+    films = [name for name, count in pictures.items() if count >= MIN_PICTURES]
     found = (tuple(sorted(some, key=natural)) for some in (videos, points, logs, films))
     return StudyFiles(*found)
 
@@ -138,7 +138,7 @@ def blank_study_yaml() -> str:
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """Files of a folder, at most `MOST_FILES`; folders of results and hidden ones left out."""
+    """Files of a folder, at most `MAX_FILES`; folders of results and hidden ones left out."""
     count = 0
     for root, folders, names in os.walk(folder):
         folders[:] = sorted(
@@ -147,7 +147,7 @@ def _files(folder: Path) -> Iterator[Path]:
         )  # fmt: skip
         for name in names:
             count += 1
-            if count > MOST_FILES:
+            if count > MAX_FILES:
                 return
             if not name.startswith("."):
                 yield Path(root) / name
@@ -180,7 +180,7 @@ def _id(source: str, taken: Sequence[str]) -> str:
     names = [
         own,
         _plain(f"{path.parent.name}_{own}"),
-        *(f"{own}_{k}" for k in range(2, MOST_FILES)),
+        *(f"{own}_{k}" for k in range(2, MAX_FILES)),
     ]
     lower = {name.casefold() for name in taken}
     return next(name for name in names if name.casefold() not in lower)

@@ -65,7 +65,7 @@ def spread_frames(
         step = max(1, recording.frames_present // count)
         found = [frame for i, frame in enumerate(film) if i % step == step // 2]
     else:
-        found = list(film.spread(count))
+        found = list(film.evenly_spaced(count))
     if not found:
         return []
     chosen = np.unique(np.linspace(0, len(found) - 1, count).round().astype(int))

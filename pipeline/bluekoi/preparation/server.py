@@ -23,7 +23,7 @@ from .pictures import jpeg, preview
 
 PAGE = Path(__file__).parent / "page"
 HOST = "127.0.0.1"
-MOST_BYTES = 20_000_000
+MAX_BYTES = 20_000_000
 THREADS = 6
 POLICY = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; " \
     "frame-ancestors 'none'; form-action 'none'; base-uri 'none'"  # fmt: skip
@@ -44,7 +44,7 @@ class SetupServer:
         self.jobs, self.run = Jobs(), Run(run_words, results / "report.html")
         self._server = waitress.create_server(
             self._application(), host=HOST, port=port, threads=THREADS,
-            max_request_body_size=MOST_BYTES, ident=None,
+            max_request_body_size=MAX_BYTES, ident=None,
         )  # fmt: skip
         self.port = int(self._server.effective_port)
 

@@ -31,7 +31,7 @@ from ..files import write_text
 from ..fitting import free_runs
 from .findings import HEADINGS
 
-MOST_TRIALS = 4
+MAX_TRIALS = 4
 
 
 def write_explanation(found: Explanation, predicted: Predicted | None, path: Path) -> None:
@@ -78,7 +78,7 @@ def trials_figure(found: Explanation) -> Figure:
     """Observations over time of a few trials, measured and simulated by both models."""
     model, problem = found.model, found.prepared.problem
     every = problem.series
-    chosen = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MOST_TRIALS).round())
+    chosen = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MAX_TRIALS).round())
               .astype(int)]  # fmt: skip
     with mpl.rc_context(RC_PARAMS):
         figure = Figure(figsize=(3.0 * len(chosen), 2.0 * len(model.observations)),

@@ -21,8 +21,8 @@ from .nominal_motion import rough_speed
 from .speed import speed_and_std
 
 prefer_widest()
-LEAST_FRAMES = 8
-LEAST_GAIN_MOVING = 12.0
+MIN_FRAMES = 8
+MIN_GAIN_MOVING = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion; in
 doubt the body starts from rest, as trials do."""
 Pair = tuple[FittedModel, FittedModel]
@@ -77,11 +77,9 @@ def _smoothed(fitted: FittedModel, coords: int) -> Smoothed:
 
 def _check(pose: Pose) -> None:
     seen = int(np.isfinite(pose.values[:, :3]).all(axis=1).sum())
-    if seen < LEAST_FRAMES:
+    if seen < MIN_FRAMES:
         remedy = "Check the detection of this trial; a longer recording may help."
-        raise input_error(
-            "pose", "", f"{seen} frames with a pose", f"{LEAST_FRAMES} or more", remedy
-        )
+        raise input_error("pose", "", f"{seen} frames with a pose", f"{MIN_FRAMES} or more", remedy)
 
 
 def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
@@ -103,20 +101,20 @@ def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
         return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
 
     rest = fit(True, (None, None), (False, False))
-    if cost_if_moving(rest[1]) - rest[1].cost > LEAST_GAIN_MOVING:
+    if cost_if_moving(rest[1]) - rest[1].cost > MIN_GAIN_MOVING:
         return rest
     moving = fit(False, rest, [one.coloured for one in rest])
     if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
         rest = fit(True, rest, [one.coloured for one in moving])
     gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)
-    return moving if gain > LEAST_GAIN_MOVING else rest
+    return moving if gain > MIN_GAIN_MOVING else rest
 
 
 def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
     """Head angle by a model of its own; NaN where it is seen in fewer than 8 frames."""
     n = int(grid.frame.sum())
     value, std = np.full(n, np.nan), np.full(n, np.nan)
-    if np.isfinite(angle).sum() >= LEAST_FRAMES:
+    if np.isfinite(angle).sum() >= MIN_FRAMES:
         found = fit_angle(
             angle, variance, grid, speed=np.ones(len(angle)), flap_hz=hz, resting=True
         )

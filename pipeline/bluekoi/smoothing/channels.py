@@ -31,7 +31,7 @@ LARGEST_DENSITIES = 0.3, 7.0
 """Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
 LOG_NOISE_RATIO = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
-LEAST_GAIN_COLOURED = 10.0
+MIN_GAIN_COLOURED = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
 COLOURED_FRAMES, SPREAD_COLOURED = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
@@ -200,7 +200,7 @@ def _with_coloured(
         spread=np.concatenate([spread[:-1], SPREAD_COLOURED, spread[-1:]]),
         starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
     )
-    if other.cost > found.cost - LEAST_GAIN_COLOURED:
+    if other.cost > found.cost - MIN_GAIN_COLOURED:
         return found
     ratio = other.noise_ratio + float(np.exp(other.logs[-3]))
     return replace(other, noise_ratio=ratio, coloured=True)

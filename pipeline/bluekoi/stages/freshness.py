@@ -21,7 +21,7 @@ from .layout import Layout
 
 SMALL_BYTES = 2**20
 """Files up to this size are compared by content, larger ones (videos) by size and date."""
-MOST_READ = 20
+MAX_READ = 20
 """Source files of a trial whose content is read to compare them; more are pictures."""
 NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
 """Columns of trials.csv without meaning for the reading of a keypoint file."""
@@ -78,7 +78,7 @@ def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
 
 def states_of(paths: Sequence[Path]) -> list[str]:
     """State of each source file; of many pictures, one hash of their names, sizes and dates."""
-    if len(paths) <= MOST_READ:
+    if len(paths) <= MAX_READ:
         return [state_of(path) for path in paths]
     found = [(path, path.stat()) for path in paths if path.is_file()]
     return [hash_of([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]

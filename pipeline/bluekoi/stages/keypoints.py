@@ -17,8 +17,8 @@ from ..study import Study, Trial, load_study, missing_of
 from .layout import Layout
 from .status import attempt
 
-LEAST_LOST = 3
-MOST_LENGTHS = 80
+MIN_LOST = 3
+MAX_LENGTHS = 80
 """Frames of a trial whose whole length is kept; more add no information."""
 
 
@@ -59,7 +59,7 @@ def lengths_seen(found: Keypoints) -> list[list[float]]:
     if found.length_seen is None:
         return []
     frames = np.flatnonzero(np.isfinite(found.length_seen))
-    some = frames[:: max(1, -(-len(frames) // MOST_LENGTHS))]
+    some = frames[:: max(1, -(-len(frames) // MAX_LENGTHS))]
     return [[int(i), float(found.length_seen[i])] for i in some]
 
 
@@ -101,7 +101,7 @@ def unread(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
     """
     lost = recording.frames_present - len(time_s)
     whole = trial.start_s is None and trial.end_s is None
-    if not whole or lost < LEAST_LOST or len(time_s) < 2:
+    if not whole or lost < MIN_LOST or len(time_s) < 2:
         return ()
     step = np.diff(time_s)
     at = int(np.argmax(step))

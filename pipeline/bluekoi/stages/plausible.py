@@ -14,9 +14,9 @@ from ..errors import Finding
 from ..pose.body import body_lengths, trusted_points
 from ..study import Study, Trial
 
-LENGTH_SHARE, LEAST_LENGTH_M = 0.25, 0.02
+LENGTH_SHARE, MIN_LENGTH_M = 0.25, 0.02
 """A rigid part may be off the trial's own scale by so much, the larger of share and length."""
-MOST_SCALE = 1.5
+MAX_SCALE = 1.5
 """All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
 HEAD_ANGLE_DEG = 25.0
 OUTSIDE_SHARE, OUTSIDE_FRAMES = 0.1, 0.25
@@ -48,10 +48,10 @@ def _lengths(
     seen = np.array([body.head_m, body.hinge_m, body.tail_m])
     said = np.array([trial.head_length_m, robot.hinge_to_com_m, robot.com_to_tail_base_m])
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
-    if not 1 / MOST_SCALE < scale < MOST_SCALE:
+    if not 1 / MAX_SCALE < scale < MAX_SCALE:
         return [_size(place, study, scale)]
     off = np.abs(seen - scale * said)
-    bad = off > np.maximum(LENGTH_SHARE * scale * said, LEAST_LENGTH_M)
+    bad = off > np.maximum(LENGTH_SHARE * scale * said, MIN_LENGTH_M)
     remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
     return [
         Finding(

@@ -1,4 +1,4 @@
-"""Where a trial is steady, and what its steady speed and radius are."""
+"""Steady segment of a trial, with its speed and radius."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from .plateau import Plateau, fit_plateau
 
 STRAIGHT_DEG = 20.0
 """A path that bends less than this determines no radius."""
-LEAST_ARC_DEG = 25.0
+MIN_ARC_DEG = 25.0
 TOLERANCES = (0.005, 0.01, 0.02)
-"""Steady: the speed changes by less than this share over the stretch, the turning rate by less than
+"""Steady: the speed changes by less than this share over the segment, the turning rate by less than
 twice the share."""
 STRAIGHT_RATE = 0.01
 """A change of turning rate, rad/s, that counts as none."""
-EXTRAPOLATED = 1.2
-"""v_inf of the start-up is believed up to this multiple of the last speed."""
-LEAST_WAY_M = 0.02
-LEAST_S = 0.7
-LEAST_FRAMES = 8
-SUFFICES = ("good", "straight")
+MAX_EXTRAPOLATION = 1.2
+"""v_inf of the start-up is accepted up to this multiple of the last speed."""
+MIN_DISTANCE_M = 0.02
+MIN_DURATION_S = 0.7
+MIN_FRAMES = 8
+SUFFICIENT = ("good", "straight")
 RADIUS_SHARE = 0.05
 """A radius with a larger relative error counts as too short an arc."""
 
 
 @dataclass(frozen=True)
-class _Stretch:
-    """Frames of the steady stretch, and whether it is settled."""
+class _Segment:
+    """Frames of the steady segment, and whether it is steady."""
 
     frames: slice
     settled: bool
@@ -42,30 +42,32 @@ class _Stretch:
 def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Steady:
     """Steady speed, radius and arc of a trial, with quality and what to try next.
 
-    Speed: mean over the steady stretch, or v_inf of the start-up where it is not reached. Radius:
-    geometric circle through the smoothed positions of the stretch, inf for a straight run. The
-    strictest tolerance whose stretch suffices counts; the strictest where none does.
+    Speed: mean over the steady segment, or v_inf of the start-up where it is not reached. Radius:
+    geometric circle through the smoothed positions of the segment, inf for a straight run. The
+    strictest tolerance whose segment suffices counts; the strictest where none does.
     """
     if len(track.time_s) < 8 or not np.isfinite(track.speed_m_s).all():
         return _no_data(flapping, "fewer than 8 frames: film for longer or check the detection")
-    if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < LEAST_WAY_M:
-        return _no_data(flapping, f"the robot moves less than {LEAST_WAY_M:g} m: did it start?")
+    if np.hypot(np.ptp(track.x_m), np.ptp(track.y_m)) < MIN_DISTANCE_M:
+        return _no_data(flapping, f"the robot moves less than {MIN_DISTANCE_M:g} m: did it start?")
     plateau = fit_plateau(track.time_s, track.speed_m_s, _speed_cov(track, slice(None)))
-    judged = (
-        _over(track, flapping, head_angle_rad, plateau, stretch)
-        for stretch in _steady_stretches(track, plateau)
+    candidates = (
+        _steady_over(track, flapping, head_angle_rad, plateau, segment)
+        for segment in _steady_segments(track, plateau)
     )
-    strictest = next(judged)
-    return next((one for one in chain([strictest], judged) if one.quality in SUFFICES), strictest)
+    strictest = next(candidates)
+    return next(
+        (one for one in chain([strictest], candidates) if one.quality in SUFFICIENT), strictest
+    )
 
 
-def _over(
-    track: Track, flapping: Flapping, head_angle_rad: float, plateau: Plateau, stretch: _Stretch
+def _steady_over(
+    track: Track, flapping: Flapping, head_angle_rad: float, plateau: Plateau, segment: _Segment
 ) -> Steady:
-    """Steady state of one stretch."""
-    at = stretch.frames
+    """Steady state of one segment."""
+    at = segment.frames
     speed, speed_std = (
-        _mean_speed(track, at) if stretch.settled else _not_reached(track, at, plateau)
+        _mean_speed(track, at) if segment.settled else _extrapolated_speed(track, at, plateau)
     )
     arc = float(track.heading_rad[at][-1] - track.heading_rad[at][0])
     base = Steady(
@@ -81,8 +83,8 @@ def _over(
         reason="",
     )
     if abs(np.degrees(arc)) < STRAIGHT_DEG and abs(head_angle_rad) < np.radians(2.0):
-        return _straight(base, stretch, plateau)
-    return _turning(base, track, stretch, arc)
+        return _straight(base, segment, plateau)
+    return _turning(base, track, segment, arc)
 
 
 def _no_data(flapping: Flapping, reason: str) -> Steady:
@@ -90,28 +92,28 @@ def _no_data(flapping: Flapping, reason: str) -> Steady:
     return Steady(flapping.flap_hz, nan, nan, nan, nan, nan, nan, nan, "no_data", reason)
 
 
-def _steady_stretches(track: Track, plateau: Plateau) -> Iterator[_Stretch]:
-    """Longest stretch up to the end over which speed and turning rate do not change, for each
+def _steady_segments(track: Track, plateau: Plateau) -> Iterator[_Segment]:
+    """Longest segment up to the end over which speed and turning rate do not change, for each
     tolerance that leaves one, the strictest first; without any, the last part of the trial.
     """
     t = track.time_s
     span = float(t[-1] - t[0])
-    latest = max(t[-1] - max(LEAST_S, 0.2 * span), t[0])
+    latest = max(t[-1] - max(MIN_DURATION_S, 0.2 * span), t[0])
     starts = np.searchsorted(t, np.linspace(t[0], latest, 40)).tolist()
-    parts = [slice(start, len(t)) for start in starts if len(t) - start >= LEAST_FRAMES]
+    parts = [slice(start, len(t)) for start in starts if len(t) - start >= MIN_FRAMES]
     steady = False
     for tolerance in TOLERANCES:
         at = next((part for part in parts if _does_not_change(track, part, tolerance)), None)
         if at is not None:
             steady = True
-            yield _Stretch(at, True)
+            yield _Segment(at, True)
     if not steady:
-        first = min(int(np.searchsorted(t, latest)), len(t) - LEAST_FRAMES)
-        yield _Stretch(slice(first, len(t)), plateau.settled_s < t[-1])
+        first = min(int(np.searchsorted(t, latest)), len(t) - MIN_FRAMES)
+        yield _Segment(slice(first, len(t)), plateau.settled_s < t[-1])
 
 
 def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:
-    """Whether the trend over the stretch is below the tolerance in speed and in turning rate.
+    """Whether the trend over the segment is below the tolerance in speed and in turning rate.
 
     A trend that cannot be distinguished from none passes up to three times the tolerance.
     """
@@ -146,35 +148,35 @@ def _rate_cov(track: Track, at: slice) -> Float:
 
 
 def _mean_speed(track: Track, at: slice) -> tuple[float, float]:
-    """Mean speed over the stretch and its deviation."""
+    """Mean speed over the segment and its deviation."""
     speed = track.speed_m_s[at]
     cov = _speed_cov(track, at) + scatter_cov(track.time_s[at], speed, 1)
     return float(speed.mean()), float(np.sqrt(cov.mean()))
 
 
-def _not_reached(track: Track, at: slice, plateau: Plateau) -> tuple[float, float]:
+def _extrapolated_speed(track: Track, at: slice, plateau: Plateau) -> tuple[float, float]:
     """Steady speed where it is not reached: v_inf of the start-up where that is near.
 
     Where it is not, the start-up is no tanh, and the last speed stands with its own change.
     """
     speed = track.speed_m_s[at]
-    if plateau.speed_m_s < EXTRAPOLATED * float(speed[-1]):
+    if plateau.speed_m_s < MAX_EXTRAPOLATION * float(speed[-1]):
         return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
     return float(speed.mean()), float(max(np.ptp(speed), plateau.speed_std_m_s))
 
 
-def _straight(base: Steady, stretch: _Stretch, plateau: Plateau) -> Steady:
-    if stretch.settled:
+def _straight(base: Steady, segment: _Segment, plateau: Plateau) -> Steady:
+    if segment.settled:
         return replace(base, quality="straight")
     reason = "the speed still changes at the end: film for longer or start nearer the wall"
-    if plateau.speed_m_s < EXTRAPOLATED * base.speed_m_s:
+    if plateau.speed_m_s < MAX_EXTRAPOLATION * base.speed_m_s:
         reason += f"; by its start-up it would be within 1 % at {plateau.settled_s:.1f} s"
     return replace(base, quality="not_steady", reason=reason)
 
 
-def _turning(base: Steady, track: Track, stretch: _Stretch, arc: float) -> Steady:
-    circle = _circle(track, stretch.frames)
-    quality, reason = _judge(base, track, stretch, circle)
+def _turning(base: Steady, track: Track, segment: _Segment, arc: float) -> Steady:
+    circle = _circle(track, segment.frames)
+    quality, reason = _quality_and_reason(base, track, segment, circle)
     return replace(
         base,
         radius_m=circle.radius_m,
@@ -187,7 +189,7 @@ def _turning(base: Steady, track: Track, stretch: _Stretch, arc: float) -> Stead
 
 
 def _circle(track: Track, at: slice) -> Circle:
-    """Circle of the stretch; its covariance holds smoothing errors, scatter, and slow change.
+    """Circle of the segment; its covariance holds smoothing errors, scatter, and slow change.
 
     Where water moves, the curvature kappa of the path wanders and circles of other parts of the
     same turn differ: R^4 var(mean kappa) is added to the variance of the radius.
@@ -198,23 +200,25 @@ def _circle(track: Track, at: slice) -> Circle:
     own = error_cov(t, std, error_length(std, rate))
     first = fit_circle(xy, own)
     circle = fit_circle(xy, own + scatter_cov(t, first.residual_m, 3))
-    course = np.unwrap(np.arctan2(track.vy_m_s[at], track.vx_m_s[at]))
-    kappa = np.gradient(course, t) / np.maximum(track.speed_m_s[at], 1e-9)
+    direction = np.unwrap(np.arctan2(track.vy_m_s[at], track.vx_m_s[at]))
+    kappa = np.gradient(direction, t) / np.maximum(track.speed_m_s[at], 1e-9)
     cov = circle.cov.copy()
     cov[2, 2] += circle.radius_m**4 * float(scatter_cov(t, kappa, 1).mean())
     return replace(circle, cov=cov)
 
 
-def _judge(base: Steady, track: Track, stretch: _Stretch, circle: Circle) -> tuple[str, str]:
-    if not stretch.settled:
+def _quality_and_reason(
+    base: Steady, track: Track, segment: _Segment, circle: Circle
+) -> tuple[str, str]:
+    if not segment.settled:
         return "not_steady", "speed or turning rate still change at the end: film for longer"
-    if base.arc_deg < LEAST_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
+    if base.arc_deg < MIN_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
         return "short_arc", (
             f"an arc of {base.arc_deg:.0f} degrees leaves the radius "
             f"uncertain by {circle.radius_std_m:.3f} m: film for longer, or start where the turn "
             "stays in the pool"
         )
-    rate = abs(float(np.mean(track.yaw_rate_rad_s[stretch.frames])))
+    rate = abs(float(np.mean(track.yaw_rate_rad_s[segment.frames])))
     other = base.speed_m_s / rate if rate > 0 else float("inf")
     apart = abs(other - circle.radius_m)
     if apart > max(3 * circle.radius_std_m, 0.05 * circle.radius_m):

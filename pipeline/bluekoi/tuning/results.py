@@ -27,7 +27,7 @@ from .turning_trials import (
 from .undetermined import as_json, is_undetermined, undetermined_combinations
 
 DRAWS, GROWTH_DRAWS = 200, 60
-LEAST_TURNS = 2
+MIN_TURNS = 2
 """Trials with the head turned, below which nothing is said of straight swimming: one cannot tell
 how trials disagree.
 """
@@ -83,7 +83,7 @@ def straight_swimming(
     names = list(joint.fit.by_label())
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
-    if count_turning_trials(series) < LEAST_TURNS or depends_on_one_trial(joint):
+    if count_turning_trials(series) < MIN_TURNS or depends_on_one_trial(joint):
         return undetermined_stability(by_power[worst]) | {"by_power": by_power}
     over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
     return verdict(by_power[worst], over) | {"by_power": by_power}

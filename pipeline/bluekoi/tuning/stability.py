@@ -54,7 +54,7 @@ def growth_per_s(
     return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / SPAN_S)
 
 
-LEAST_GROWTH_PER_S = 0.05
+MIN_GROWTH_PER_S = 0.05
 """Below this a small turn counts as fading."""
 LOST_DRAWS = 0.05
 """Where more of the draws than this have no steady straight run, nothing is asserted."""
@@ -69,13 +69,13 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
     growth_json = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
     lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
-    if low <= LEAST_GROWTH_PER_S < high or lost > LOST_DRAWS:
+    if low <= MIN_GROWTH_PER_S < high or lost > LOST_DRAWS:
         sentence = (
             "Whether the fitted model swims straight is not determined by these trials: within the "
             f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."
         )
         return growth_json | {"stable": None, "sentence": sentence}
-    if growth > LEAST_GROWTH_PER_S:
+    if growth > MIN_GROWTH_PER_S:
         sentence = (
             f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t)"
             f"{_range(growth_json)}. A robot that does is steadied by something the model lacks."
@@ -85,7 +85,7 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
             f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)"
             f"{_range(growth_json)}."
         )
-    return growth_json | {"stable": growth <= LEAST_GROWTH_PER_S, "sentence": sentence}
+    return growth_json | {"stable": growth <= MIN_GROWTH_PER_S, "sentence": sentence}
 
 
 def undetermined_stability(growth: float) -> dict[str, Any]:

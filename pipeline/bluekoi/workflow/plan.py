@@ -28,7 +28,7 @@ FOLDERS = (
     "benchmarks", "extended", "figures", "keypoints", "logs", "overlays", "poses", "simulations",
     "status", "steady", "tracks",
 )  # fmt: skip
-LEAST_BATCH, MOST_BATCHES = 6, 50
+MIN_BATCH, MAX_BATCHES = 6, 50
 """Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
@@ -64,7 +64,7 @@ class Plan:
     @cached_property
     def batches(self) -> dict[str, list[str]]:
         """Trials that share a process, by the name of their batch."""
-        size = max(LEAST_BATCH, -(-len(self.trials) // MOST_BATCHES))
+        size = max(MIN_BATCH, -(-len(self.trials) // MAX_BATCHES))
         read = [t.trial_id for t in self.study.trials if t.reads_keypoints]
         groups = [read[first : first + size] for first in range(0, len(read), size)]
         groups += [[t.trial_id] for t in self.study.trials if not t.reads_keypoints]

@@ -10,7 +10,7 @@ from validation.generators.concealed.writing import conceal
 
 __all__ = ["generate", "truth_of"]
 
-LEAST_REACHED = 0.6
+MIN_REACHED = 0.6
 """Least share of the wanted path error that an effect must leave."""
 ATTEMPTS = 4
 OUTSIDE = "unexplained"
@@ -32,7 +32,7 @@ def generate(
         for old in (folder, draft):
             shutil.rmtree(old, ignore_errors=True)
         reported = conceal(recipe_of(entry, seed, attempt), draft)
-        if reached(reported) >= LEAST_REACHED:
+        if reached(reported) >= MIN_REACHED:
             break
     draft.rename(folder)
     truth = truth_of(entry, reported) | {"study": study, "generator": name}

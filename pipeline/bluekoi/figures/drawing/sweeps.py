@@ -15,7 +15,7 @@ from ...integrate import LANES, compiled
 from ...integrate.batch import propagate
 from ...model import Simulation, constants, plates, simulate
 
-DRAWS, LEAST_DRAWS = LANES - 1, 5
+DRAWS, MIN_DRAWS = LANES - 1, 5
 EXTENDED_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
 EXTRAPOLATED = ("C_Md", "C_Da")
 """Coefficients that the paper extrapolates linearly over power, as f; the others stay constant."""
@@ -140,7 +140,7 @@ def _with_band(values: Float) -> Sweep:
     best, rest = values[:, 0], values[:, 1:]
     with np.errstate(invalid="ignore", divide="ignore"):
         logs = np.where(rest > 0, np.log(rest), np.nan)
-        known = np.isfinite(logs).sum(axis=1) >= LEAST_DRAWS
+        known = np.isfinite(logs).sum(axis=1) >= MIN_DRAWS
     spread = np.full(len(best), np.nan)
     if known.any():
         spread[known] = 1.96 * np.nanstd(logs[known], axis=1, ddof=1)

@@ -17,7 +17,7 @@ Float = npt.NDArray[np.float64]
 RIGID = ("head_tip", "hinge", "core_center", "tail_base")
 TREND_FRAMES = 31
 FEWEST = 20
-LEAST_PX = 0.03
+MIN_PX = 0.03
 CLIPPED = 5.0
 HALF_MOON = 4 / (3 * math.pi)
 USUAL_AREA = 3.0
@@ -46,7 +46,7 @@ def usual_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Fl
     found = np.linalg.lstsq(sums[known], scatter[known], rcond=None)[0]
     variance = np.full(len(names), float(np.median(found)))
     variance[rigid] = found
-    return np.maximum(variance, 0.0) + LEAST_PX**2
+    return np.maximum(variance, 0.0) + MIN_PX**2
 
 
 def _scatter(apart: Float) -> float:

@@ -11,7 +11,7 @@ Float = npt.NDArray[np.float64]
 INSIDE, OUTSIDE, AROUND = 0.5, 1.7, (1.8, 2.6)
 UNMIXINGS = 3
 GRAIN = 3.0
-LEAST_COVERED = 0.3
+MIN_COVERED = 0.3
 
 
 def unmixed(image: npt.NDArray[np.uint8], centre: Float, radius: float) -> tuple[Float, float]:
@@ -49,4 +49,4 @@ def _coverage(patch: Float, away: Float) -> Float | None:
     apart = inside.mean(axis=0) - rest
     blind = np.linalg.solve(np.cov(around.T) + GRAIN**2 * np.eye(3), apart)
     cover = (patch - rest) @ blind / (apart @ blind)
-    return cover if cover[away < OUTSIDE].sum() > LEAST_COVERED * np.sum(away < 1.0) else None
+    return cover if cover[away < OUTSIDE].sum() > MIN_COVERED * np.sum(away < 1.0) else None

@@ -11,7 +11,7 @@ import pickletools
 from typing import Any
 
 MARK = object()
-MOST_STEPS = 2_000_000
+MAX_STEPS = 2_000_000
 VALUES = {
     "UNICODE", "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "STRING", "BINSTRING",
     "SHORT_BINSTRING", "INT", "BININT", "BININT1", "BININT2", "LONG", "LONG1", "FLOAT", "BINFLOAT",
@@ -33,7 +33,7 @@ def literal(pickled: bytes) -> Any:
     memo: dict[int, Any] = {}
     try:
         for count, (step, argument, _) in enumerate(pickletools.genops(pickled)):
-            if count > MOST_STEPS:
+            if count > MAX_STEPS:
                 raise NotLiteral("too long")
             if step.name == "STOP":
                 return _unmarked(stack.pop())

@@ -11,7 +11,7 @@ from ...data.quality import confident
 
 Float = npt.NDArray[np.float64]
 ORDERS = (6, 2, 4, 8, 10)
-LEAST_PX = 0.05
+MIN_PX = 0.05
 UNKNOWN_PX = 2.0
 FEWEST = 12
 OUTLIER = 6.0
@@ -32,7 +32,7 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
         return UNKNOWN_PX
     usual = found[0] if np.isfinite(found[0]) else known[0]
     least = min(known)
-    return max(LEAST_PX, least if least < 0.8 * usual else usual)
+    return max(MIN_PX, least if least < 0.8 * usual else usual)
 
 
 def without_outliers(xy_px: Float, order: int = 6) -> Float:

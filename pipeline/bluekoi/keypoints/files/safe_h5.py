@@ -11,7 +11,7 @@ import h5py
 
 from ...errors import input_error
 
-MOST_CELLS = 50_000_000
+MAX_CELLS = 50_000_000
 
 
 @contextmanager
@@ -45,7 +45,7 @@ def member(group: Any, name: str) -> Any:
     if isinstance(item, h5py.Dataset):
         if item.external or item.is_virtual:
             raise ValueError(f"'{name}' is stored in another file")
-        if item.size is not None and item.size > MOST_CELLS:
+        if item.size is not None and item.size > MAX_CELLS:
             raise ValueError(f"'{name}' has {item.size} cells")
     return item
 

@@ -17,7 +17,7 @@ from .curve import JOINTS, REFERENCE, Image32, basis
 
 Float = npt.NDArray[np.float64]
 SELDOM = 0.1
-LEAST_CHANGE, NOISES = 16.0, 5.0
+MIN_CHANGE, NOISES = 16.0, 5.0
 FINEST_PX = 96.0
 EXTENT, FILLED = (0.45, 1.5), (0.02, 0.55)
 """Plausible extent of a body, in lengths, and share of its length's square that it fills."""
@@ -78,7 +78,7 @@ def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
     """
     least, low, usual, high, most = ranked(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
     noise = noise_level(samples, usual)
-    level = max(LEAST_CHANGE, NOISES * noise)
+    level = max(MIN_CHANGE, NOISES * noise)
     inside = pool_mask(usual.shape, plane.corners_px)
     darker, brighter = (
         float(away[(inside > 0) & (away > 2 * level)].sum(dtype=float))
@@ -204,10 +204,10 @@ def poses_of(blob: Blob, plane: Plane, length_bl: float) -> list[Float]:
     """Poses (3 + JOINTS,) whose midline is the blob's, either end as the nose; likelier first."""
     line = plane.body_lengths(blob.line)
     both = [line, line[::-1]] if blob.thicker >= 1 else [line[::-1], line]
-    return [pose_along(one, length_bl) for one in both]
+    return [pose_from_midline(one, length_bl) for one in both]
 
 
-def pose_along(line: Float, length_bl: float) -> Float:
+def pose_from_midline(line: Float, length_bl: float) -> Float:
     """Pose whose midline runs along a line (n, 2) [body lengths] from nose to tail."""
     step = np.hypot(*np.diff(line, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(step)])

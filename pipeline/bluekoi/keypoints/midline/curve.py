@@ -28,9 +28,9 @@ REFERENCE = 0.3
 STATIONS, ACROSS = 56, 17
 BEYOND = 0.14
 ROUNDS = 9
-LEAST_STEP, MOST_MOVE, MOST_TURN = 0.002, 0.12, 0.4
+MIN_STEP, MAX_MOVE, MAX_TURN = 0.002, 0.12, 0.4
 GAINS = (0.6, 1.5)
-LEAST_SEEN = 0.3
+MIN_SEEN = 0.3
 FRONT = round(BEYOND / (1 + 2 * BEYOND) * (STATIONS - 1))
 BEND_INFORMATION = 0.0002
 """Prior information of each bending coefficient, as a share of that of a body's heading."""
@@ -253,7 +253,7 @@ def _step(information: Float, side: Float, pose: Float) -> Float:
             normal[i, i] += tie * (i - 2) ** 2
             right[i] += tie * (i - 2) ** 2 * pose[i]
     step = -np.linalg.solve(normal, right)
-    largest = max(math.hypot(step[0], step[1]) / MOST_MOVE, np.abs(step[2:]).max() / MOST_TURN)
+    largest = max(math.hypot(step[0], step[1]) / MAX_MOVE, np.abs(step[2:]).max() / MAX_TURN)
     return step / max(1.0, largest)
 
 
@@ -278,7 +278,7 @@ def fit(
         seen = straightened(picture, pose, line, size)
         how = (pose, size[1], gain, tolerance)
         information, side, meat, support, found = _equations(seen, line, tables, how)
-        if settled or turn == ROUNDS or support[4] < LEAST_SEEN:
+        if settled or turn == ROUNDS or support[4] < MIN_SEEN:
             break
         step = _step(information, side, pose)
         c, s = math.cos(pose[2]), math.sin(pose[2])
@@ -286,5 +286,5 @@ def fit(
         pose[1] += s * step[0] + c * step[1]
         pose[2:] += step[2:]
         gain = min(max(found, GAINS[0]), GAINS[1])
-        settled = turn > 0 and np.abs(step).max() < LEAST_STEP
+        settled = turn > 0 and np.abs(step).max() < MIN_STEP
     return pose, information, meat, support

@@ -19,7 +19,7 @@ from .tracking import follow
 
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
-EXPLAINED, LEAST_SEEN, MOSTLY = 0.9, 8, 0.8
+EXPLAINED, MIN_SEEN, MOSTLY = 0.9, 8, 0.8
 BENT_RAD, OFTEN = 0.12, 0.75
 CORE = (0.35, 0.7)
 SEVERAL = 0.2
@@ -42,7 +42,7 @@ class Learned:
         """Whether the core, rigid in a robot of two plates, bends from picture to picture."""
         ends = basis(np.array(CORE))
         turn = self.poses[self.support > EXPLAINED, 3:] @ (ends[1] - ends[0])
-        if len(turn) < max(LEAST_SEEN, MOSTLY * len(self.poses)):
+        if len(turn) < max(MIN_SEEN, MOSTLY * len(self.poses)):
             return False
         return float(np.quantile(np.abs(turn - np.median(turn)), OFTEN)) > BENT_RAD
 

@@ -10,14 +10,14 @@ import numpy.typing as npt
 
 from ..outline.background import Image
 from ..outline.template import median_seen
-from .blobs import Arena, Blob, Cut, blobs, cut, pose_along, poses_of
+from .blobs import Arena, Blob, Cut, blobs, cut, pose_from_midline, poses_of
 from .curve import ACROSS, BEYOND, STATIONS, Shape, arcs, fit, midline, stations, straightened
 
 Float = npt.NDArray[np.float64]
 ROUNDS = 4
-MOST_BODIES = 40
+MAX_BODIES = 40
 USUAL_LENGTH = (0.7, 1.3)
-LEAST_SUPPORT = 0.5
+MIN_SUPPORT = 0.5
 TAIL = (0.75, 0.9)
 
 
@@ -28,7 +28,7 @@ def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] 
     """
     seen = [(picture, blob) for luma in samples for picture in [cut(luma, arena)]
             for blob in blobs(picture, arena)]  # fmt: skip
-    seen = _usual_blobs(seen)[:MOST_BODIES]
+    seen = _usual_blobs(seen)[:MAX_BODIES]
     if len(seen) < 2:
         return None
     px_per_bl = arena.plane.px_per_bl
@@ -40,7 +40,7 @@ def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] 
     shape = _averaged(shape, pairs, arena)
     for turn in range(ROUNDS):
         fits = [(p, *_best(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
-        pairs = [(p, pose) for p, pose, support in fits if support > LEAST_SUPPORT]
+        pairs = [(p, pose) for p, pose, support in fits if support > MIN_SUPPORT]
         if len(pairs) < 2:
             return None
         shape = _averaged(shape, pairs, arena)
@@ -63,7 +63,7 @@ def _best(
 def reversed_pose(pose: Float, shape: Shape) -> Float:
     """The pose with nose and tail exchanged."""
     line, _ = midline(pose, shape.length_bl, np.linspace(1, 0, STATIONS))
-    return pose_along(line, shape.length_bl)
+    return pose_from_midline(line, shape.length_bl)
 
 
 def _rescaled(
@@ -73,7 +73,7 @@ def _rescaled(
     nose, tip = _ends(shape.cover)
     length = shape.length_bl * (tip - nose)
     arc = np.linspace(nose, tip, STATIONS)
-    poses = [pose_along(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
+    poses = [pose_from_midline(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
     renewed = [(picture, pose) for (picture, _), pose in zip(pairs, poses, strict=True)]
     return _averaged(replace(shape, length_bl=length), renewed, arena), renewed
 
@@ -89,7 +89,7 @@ def _usual_blobs(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
         for p, b in seen
         if USUAL_LENGTH[0] < b.length / length < USUAL_LENGTH[1] and 0.6 < b.area / area < 1.5
     ]
-    step = max(1, -(-len(kept) // MOST_BODIES))
+    step = max(1, -(-len(kept) // MAX_BODIES))
     return kept[::step]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from .curve import LEAST_SEEN
+from .curve import MIN_SEEN
 
 Float = npt.NDArray[np.float64]
 LOST_FRAMES, RECENT = 8, 25
@@ -26,35 +26,35 @@ class Fit:
     support: Float
 
     @property
-    def worth(self) -> float:
+    def support_score(self) -> float:
         """Mean of the whole body's support and its worst third's, that at least -1; -1 unseen."""
-        if self.support[4] < LEAST_SEEN:
+        if self.support[4] < MIN_SEEN:
             return -1.0
         return 0.5 * float(self.support[3]) + 0.5 * max(float(self.support[:3].min()), -1.0)
 
 
 @dataclass
 class Track:
-    """One body's fits so far. doubtful_s: since when it may be another body."""
+    """One body's fits so far. doubtful_s: time since which it may be another body."""
 
     times: list[float] = field(default_factory=list)
     fits: list[Fit | None] = field(default_factory=list)
     doubtful_s: float = math.inf
 
     @property
-    def known(self) -> list[tuple[float, Fit]]:
+    def recent_fits(self) -> list[tuple[float, Fit]]:
         """The last two fits with their times, of the last frames."""
         recent = zip(self.times[-LOST_FRAMES:], self.fits[-LOST_FRAMES:], strict=True)
         return [(t, one) for t, one in recent if one is not None][-2:]
 
     @property
-    def usual(self) -> float:
-        """What most of the last fits are worth."""
-        worth = [one.worth for one in self.fits[-RECENT:] if one is not None]
-        return float(np.quantile(worth, 0.75)) if worth else 1.0
+    def typical_score(self) -> float:
+        """Upper quartile of the last fits' support scores."""
+        scores = [one.support_score for one in self.fits[-RECENT:] if one is not None]
+        return float(np.quantile(scores, 0.75)) if scores else 1.0
 
     @property
-    def lost(self) -> int:
+    def frames_since_seen(self) -> int:
         """For how many frames it has not been seen."""
         for count, one in enumerate(reversed(self.fits)):
             if one is not None:
@@ -66,14 +66,14 @@ class Track:
         return next((one.pose for one in reversed(self.fits) if one is not None), None)
 
     def predicted(self, time_s: float) -> Float | None:
-        """Pose expected: place and heading go on, the bending stays."""
-        known = self.known
+        """Expected pose: position and heading extrapolated, the bending constant."""
+        known = self.recent_fits
         if len(known) < 2:
             return self.last()
         (before_s, before), (last_s, last) = known
-        ahead = min((time_s - last_s) / (last_s - before_s), 3.0)
+        steps = min((time_s - last_s) / (last_s - before_s), 3.0)
         pose = last.pose.copy()
-        pose[:3] += ahead * (last.pose - before.pose)[:3]
+        pose[:3] += steps * (last.pose - before.pose)[:3]
         return pose
 
     def add(self, time_s: float, one: Fit | None) -> None:

@@ -15,19 +15,19 @@ import numpy.typing as npt
 from ...data import Frame
 from ..outline.background import Image
 from .blobs import Arena, Blob, Cut, blobs, cut, poses_of
-from .curve import ACROSS, JOINTS, LEAST_SEEN, Shape, midline
+from .curve import ACROSS, JOINTS, MIN_SEEN, Shape, midline
 from .learning import fitted
 from .track import LOST_FRAMES, Fit, Track
 
 Float = npt.NDArray[np.float64]
 FOUND, WORSE = 0.5, 0.05
 TURN_COST, MOVE_COST = 0.1, 0.1
-REACH, REACH_LOST, MOST_REACH = 0.8, 0.25, 2.5
+REACH, REACH_LOST, MAX_REACH = 0.8, 0.25, 2.5
 NEAR, SAME = 1.3, 0.12
 BESIDE = 1.5
-HIDDEN, STEADY, MOST_TURN, MOST_MOVE = 0.5, 0.55, 0.8, 0.4
+HIDDEN, STEADY, MAX_TURN, MAX_MOVE = 0.5, 0.55, 0.8, 0.4
 """Among several bodies one is surely the same where it is seen by more than a share `HIDDEN`, is
-worth more than `STEADY`, and turns and moves less than this from frame to frame [rad, lengths].
+scored above `STEADY`, and turns and moves less than this from frame to frame [rad, lengths].
 """
 COMPANY = 4.0
 HEADINGS, AT_START = 16, 0.12
@@ -60,9 +60,10 @@ def follow(
             others = [
                 body
                 for body in others
-                if body.lost <= LOST_FRAMES and _distance(body, target, shape) < COMPANY
+                if body.frames_since_seen <= LOST_FRAMES
+                and _distance(body, target, shape) < COMPANY
             ]
-            if not target.lost:
+            if not target.frames_since_seen:
                 others += _born(frame, [target, *others], arena, shape)
     return times, target
 
@@ -74,15 +75,15 @@ def _first(luma: Image, arena: Arena, shape: Shape, start_px: Float | None) -> F
     """
     picture = cut(luma, arena)
     found = [_best(picture, blob, arena, shape) for blob in blobs(picture, arena)]
-    good = [one for one in found if one is not None and one.worth > FOUND]
+    good = [one for one in found if one is not None and one.support_score > FOUND]
     if start_px is not None:
         place = arena.plane.body_lengths(start_px[None])[0]
         headings = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
         straight = [np.concatenate([place, [angle], np.zeros(JOINTS)]) for angle in headings]
         tried = [Fit(*fitted(picture, shape, arena, pose)) for pose in straight]
-        good += [one for one in tried if one.worth > FOUND]
+        good += [one for one in tried if one.support_score > FOUND]
         good = [one for one in good if _off_midline(one, place, shape) < AT_START * shape.length_bl]
-    return max(good, key=lambda one: one.worth, default=None)
+    return max(good, key=lambda one: one.support_score, default=None)
 
 
 def _off_midline(one: Fit, place: Float, shape: Shape) -> float:
@@ -94,7 +95,7 @@ def _off_midline(one: Fit, place: Float, shape: Shape) -> float:
 def _best(picture: Cut, blob: Blob, arena: Arena, shape: Shape) -> Fit | None:
     fits = [Fit(*fitted(picture, shape, arena, pose))
             for pose in poses_of(blob, arena.plane, shape.length_bl)]  # fmt: skip
-    return max(fits, key=lambda one: one.worth, default=None)
+    return max(fits, key=lambda one: one.support_score, default=None)
 
 
 def _step(frame: Frame, bodies: Sequence[Track], arena: Arena, shape: Shape) -> None:
@@ -140,19 +141,22 @@ def _fit(
     body, expected, last = bodies[k], places[k], bodies[k].last()
     if expected is None or last is None:
         return None
-    reach = min(REACH + REACH_LOST * body.lost, MOST_REACH) * arena.length_px
+    reach = min(REACH + REACH_LOST * body.frames_since_seen, MAX_REACH) * arena.length_px
     middle = arena.plane.pixels(expected[None, :2])[0]
     picture = cut(luma, arena, middle, reach + 0.5 * arena.length_px)
     near = _neighbours(k, places, shape)
     if near:
         picture = _without(picture, near, arena, shape)
     tried = [Fit(*fitted(picture, shape, arena, expected))]
-    if tried[0].worth < body.usual - WORSE or _moved(tried[0], expected) > 0.15 * shape.length_bl:
+    if (
+        tried[0].support_score < body.typical_score - WORSE
+        or _moved(tried[0], expected) > 0.15 * shape.length_bl
+    ):
         starts = [last, *_starts(picture, arena, shape)]
         tried += [Fit(*fitted(picture, shape, arena, pose)) for pose in starts]
     best = max(tried, key=lambda one: _score(one, expected, shape))
     far = _moved(best, expected) > reach / arena.length_px * shape.length_bl
-    if far or best.support[3] < FOUND or best.support[4] < LEAST_SEEN:
+    if far or best.support[3] < FOUND or best.support[4] < MIN_SEEN:
         return None
     best.pose[2] += 2 * math.pi * round((expected[2] - best.pose[2]) / (2 * math.pi))
     return best
@@ -174,7 +178,9 @@ def _moved(one: Fit, expected: Float) -> float:
 def _score(one: Fit, expected: Float, shape: Shape) -> float:
     """Support, less for a turn or a move from where it was expected."""
     turn = abs(math.remainder(one.pose[2] - expected[2], 2 * math.pi))
-    return one.worth - TURN_COST * turn - MOVE_COST * _moved(one, expected) / shape.length_bl
+    return (
+        one.support_score - TURN_COST * turn - MOVE_COST * _moved(one, expected) / shape.length_bl
+    )
 
 
 def _without(picture: Cut, poses: Sequence[Float], arena: Arena, shape: Shape) -> Cut:
@@ -206,15 +212,15 @@ def _watch(target: Track, others: Sequence[Track], shape: Shape) -> None:
     That is where, beside another one, it is not surely seen or jumps, or where another body's
     midline lies on its own.
     """
-    reach = MOST_REACH if target.lost else BESIDE
+    reach = MAX_REACH if target.frames_since_seen else BESIDE
     others = [body for body in others if _distance(body, target, shape) < reach]
     if not others:
         return
     one, known = target.fits[-1], [fit for fit in target.fits[-3:-1] if fit is not None]
-    sure = one is not None and known and one.support[4] > HIDDEN and one.worth > STEADY
+    sure = one is not None and known and one.support[4] > HIDDEN and one.support_score > STEADY
     if sure and one is not None:
         turn = abs(math.remainder(one.pose[2] - known[-1].pose[2], 2 * math.pi))
-        jumped = turn > MOST_TURN or _moved(one, known[-1].pose) > MOST_MOVE * shape.length_bl
+        jumped = turn > MAX_TURN or _moved(one, known[-1].pose) > MAX_MOVE * shape.length_bl
         sure = not jumped and not any(_same(one, body, shape) for body in others)
     if not sure:
         target.doubtful_s = min(target.doubtful_s, target.times[-1])
@@ -245,7 +251,7 @@ def _born(frame: Frame, bodies: Sequence[Track], arena: Arena, shape: Shape) -> 
     new = []
     for blob in blobs(Cut(free.change, picture.depth, free.place), arena):
         one = _best(picture, blob, arena, shape)
-        if one is not None and one.worth > BIRTH:
+        if one is not None and one.support_score > BIRTH:
             track = Track()
             track.add(frame.time_s, one)
             new.append(track)

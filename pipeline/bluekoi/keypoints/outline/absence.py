@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from .background import Image, median, noise_level
 from .plane import Plane
-from .search import LEAST_LEVEL, LEVEL_NOISES, pool_mask
+from .search import LEVEL_NOISES, MIN_LEVEL, pool_mask
 
-LEAST_PX = 40.0
+MIN_PX = 40.0
 EXTENT = (0.6, 1.7)
 
 
@@ -23,13 +23,13 @@ def reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
     length_bl: nose to caudal base, body lengths.
     """
     stated = length_bl * plane.px_per_bl
-    if stated < LEAST_PX:
+    if stated < MIN_PX:
         return (
-            f"the robot is {stated:.0f} px long, at least {LEAST_PX:.0f} are needed: film from "
+            f"the robot is {stated:.0f} px long, at least {MIN_PX:.0f} are needed: film from "
             "nearer or with more pixels, or check body_length_m and pool_corners_px"
         )
     floor = median(images)
-    level = max(LEAST_LEVEL, LEVEL_NOISES * noise_level(images, floor))
+    level = max(MIN_LEVEL, LEVEL_NOISES * noise_level(images, floor))
     seen = [_things(image, floor, level, plane) for image in images]
     most = max(contrast for contrast, _ in seen)
     if most < level:

@@ -17,10 +17,10 @@ Float = npt.NDArray[np.float64]
 PATCH, FAR = 0.1, 0.05
 """Half a patch and the farthest shift, as shares of the pool's shorter side."""
 BLUR_PX = 1.5
-LEAST_PX = 0.6
+MIN_PX = 0.6
 SUDDEN = 0.7
 AGREED_PX, AGREED = 0.5, 0.15
-LEAST_LIKENESS = 0.25
+MIN_LIKENESS = 0.25
 
 
 def shifts(samples: Sequence[Frame], plane: Plane) -> Float:
@@ -48,7 +48,7 @@ def _peak(likeness: npt.NDArray[np.float32]) -> tuple[float, float]:
     """Place (u, v) of a map's peak from its middle, to a part of a pixel; NaN without a peak."""
     _, most, _, (u, v) = cv2.minMaxLoc(likeness)
     height, width = likeness.shape
-    if most < LEAST_LIKENESS or not (0 < u < width - 1 and 0 < v < height - 1):
+    if most < MIN_LIKENESS or not (0 < u < width - 1 and 0 < v < height - 1):
         return math.nan, math.nan
     along, across = likeness[v, u - 1 : u + 2], likeness[v - 1 : v + 2, u]
     return u + _top(along) - (width - 1) / 2, v + _top(across) - (height - 1) / 2
@@ -82,7 +82,7 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
         return ()
     apart = np.sqrt(np.mean(np.sum((moved[known, None] - moved[known]) ** 2, axis=3), axis=2))
     most = float(apart.max())
-    if most < LEAST_PX:
+    if most < MIN_PX:
         return ()
     steps = np.diagonal(apart, offset=1)
     k = int(np.argmax(steps))

@@ -18,7 +18,7 @@ Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 Pictures = tuple[Image, Image]
 
-LEAST_CONTRAST = 12.0
+MIN_CONTRAST = 12.0
 HALF_PX = 3
 
 
@@ -73,7 +73,7 @@ def edge_offset(
         if k < 0 or k >= count:
             continue
         depth = gain * clear[k] - skin
-        if abs(depth) < LEAST_CONTRAST:
+        if abs(depth) < MIN_CONTRAST:
             return math.nan
         cover = min(max((gain * clear[k] - seen[k]) / depth, -0.3), 1.3)
         total += cover - (1.0 if k < at else 0.0)
@@ -94,8 +94,8 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
     cost = 0.0
     for k in range(count):
         depth = clear[k] - skin
-        if abs(depth) < LEAST_CONTRAST:
-            depth = LEAST_CONTRAST if depth >= 0 else -LEAST_CONTRAST
+        if abs(depth) < MIN_CONTRAST:
+            depth = MIN_CONTRAST if depth >= 0 else -MIN_CONTRAST
         cover = min(max((clear[k] - seen[k]) / depth, -0.5), 1.5)
         clear_cost = cover * cover
         seen_cost = (1 - cover) * (1 - cover)

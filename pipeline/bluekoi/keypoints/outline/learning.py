@@ -47,7 +47,7 @@ class LearnedTemplate:
         return len(self.samples)
 
     @property
-    def worth(self) -> float:
+    def support_score(self) -> float:
         """Support, less where it was learned from fewer than three frames."""
         return self.support * min(self.frames, 3) / 3
 
@@ -79,7 +79,10 @@ def learn(
             break
     if not candidates:
         return None
-    outline, at = max(candidates, key=lambda one: one.worth), {f.time_s: found for f, found in seen}
+    outline, at = (
+        max(candidates, key=lambda one: one.support_score),
+        {f.time_s: found for f, found in seen},
+    )
     return replace(outline, blobs=tuple(at[f.time_s] for f, _ in outline.samples))
 
 

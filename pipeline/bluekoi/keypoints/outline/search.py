@@ -16,9 +16,9 @@ Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 MARGIN_PX = 1.08
 FAINT = 0.4
-LEAST_LEVEL, LEVEL_NOISES = 14.0, 4.0
+MIN_LEVEL, LEVEL_NOISES = 14.0, 4.0
 SHARE = 4.0
-MOST_LEVEL = 60.0
+MAX_LEVEL = 60.0
 SQUARE = np.ones((3, 3), np.uint8)
 
 
@@ -54,7 +54,7 @@ def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: f
     found: list[Blob | None] = []
     for sided in (change, -change):
         usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
-        level = max(LEAST_LEVEL, LEVEL_NOISES * noise, min(float(usual), MOST_LEVEL))
+        level = max(MIN_LEVEL, LEVEL_NOISES * noise, min(float(usual), MAX_LEVEL))
         solid = cv2.morphologyEx((sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
         contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]

@@ -11,7 +11,7 @@ from .search import Blob
 from .template import Template
 from .tracking import Fit, Scene, found_among
 
-LEAST_FRAMES = 2
+MIN_FRAMES = 2
 
 
 def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...]:
@@ -22,7 +22,7 @@ def second_body_remark(outline: LearnedTemplate, scene: Scene) -> tuple[str, ...
         for (frame, one), seen in pictures
         if (second := _second(frame.luma, seen, scene, outline.template, one))
     ]
-    if len(found) < LEAST_FRAMES:
+    if len(found) < MIN_FRAMES:
         return ()
     time_s, (u, v) = found[0][0], scene.plane.pixels(found[0][1].pose[None, :2])[0].tolist()
     return (

@@ -18,14 +18,14 @@ Float = npt.NDArray[np.float64]
 INSIDE_PX = (2.5, 4.5)
 SMEARED = 0.04
 THIN = 16
-BIASED_PX, BIASED, MOST_BIASED = 0.15, 6.0, 0.15
+BIASED_PX, BIASED, MAX_BIASED = 0.15, 6.0, 0.15
 
 
 def measured_stations(
     fits: Sequence[tuple[Frame, Fit]], scene: Scene, template: Template, reach: int
 ) -> tuple[Float, Float]:
     """Offsets [body lengths] and grey levels inside (frames, stations), NaN where not seen."""
-    kept = template.kept()
+    visible = template.visible_stations()
     shape = template.shape()
     count = 2 * (HEAD_STATIONS + CORE_STATIONS)
     offsets = np.full((len(fits), count), np.nan)
@@ -34,8 +34,8 @@ def measured_stations(
         pictures = (frame.luma, scene.floor)
         found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
         scale = np.hypot(slope[:, 0], slope[:, 1])
-        offsets[row, kept] = found / scale
-        greys[:, row, kept] = _inside(frame, scene, shape, (one.pose, found / scale))
+        offsets[row, visible] = found / scale
+        greys[:, row, visible] = _inside(frame, scene, shape, (one.pose, found / scale))
     return offsets, _solid(greys, float(np.median(scene.floor[::THIN, ::THIN])))
 
 
@@ -77,6 +77,6 @@ def without_biased(template: Template, offsets_px: Float) -> Template:
     """
     seen = np.isfinite(offsets_px).sum(axis=0) > 1
     usual = np.abs(median_seen(np.where(seen, offsets_px, 0.0)))
-    limit = max(BIASED_PX, BIASED * float(np.median(usual[template.kept()])))
+    limit = max(BIASED_PX, BIASED * float(np.median(usual[template.visible_stations()])))
     biased = usual > limit
-    return replace(template, biased=biased) if np.mean(biased) < MOST_BIASED else template
+    return replace(template, biased=biased) if np.mean(biased) < MAX_BIASED else template

@@ -8,7 +8,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from .edges import LEAST_CONTRAST, Pictures, pick
+from .edges import MIN_CONTRAST, Pictures, pick
 
 Float = npt.NDArray[np.float64]
 SWEEP_RAD = 1.1
@@ -16,7 +16,7 @@ RAYS = 31
 TURN_RAD = 0.5
 FARTHEST, STRIDE_PX = 1.5, 0.5
 PLATEAU = (0.45, 0.75)
-LEAST_PLATEAU = 0.8
+MIN_PLATEAU = 0.8
 BORDER_PX = 18.0
 """Farther than this from the picture's border nothing about a place on the line lies outside: half
 an arc, and as much again as the line may have bent.
@@ -121,7 +121,7 @@ def tail_length(
     if known <= last or last - first < 3:
         return math.nan
     usual = np.median(cover[first:last])
-    if usual < LEAST_PLATEAU:
+    if usual < MIN_PLATEAU:
         return math.nan
     before = usual
     for k in range(last, known - 1):
@@ -209,6 +209,6 @@ def _bearing(
 def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
     depth = pick(pictures[1], u, v) - skin
-    if abs(depth) < LEAST_CONTRAST:
+    if abs(depth) < MIN_CONTRAST:
         return 0.0
     return min(max((depth + skin - pick(pictures[0], u, v)) / depth, 0.0), 1.0)

@@ -67,11 +67,11 @@ class Template:
         normals = np.concatenate([side for n in sides for side in (n, n * mirror)])
         part = np.repeat([HEAD, CORE], [2 * len(head), 2 * len(core)])
         skin = np.concatenate([self.head_skin.ravel(), self.core_skin.ravel()])
-        kept = self.kept()
-        return points[kept], normals[kept], part[kept], skin[kept]
+        visible = self.visible_stations()
+        return points[visible], normals[visible], part[visible], skin[visible]
 
-    def kept(self) -> npt.NDArray[np.bool_]:
-        """Which of the stations (head, head mirrored, core, core mirrored) are looked for."""
+    def visible_stations(self) -> npt.NDArray[np.bool_]:
+        """Which of the stations (head, head mirrored, core, core mirrored) are searched for."""
         head = np.hypot(*self._head().T) > self.joint_bl
         core = np.hypot(*self._core().T) > self.joint_bl
         core[-1] = False

@@ -22,7 +22,7 @@ from .variance import Clues, clues, kernels
 Float = npt.NDArray[np.float64]
 PRIOR = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 FOUND = 0.55
-MOST_BEND = 0.7
+MAX_BEND = 0.7
 CLUE_EVERY = 2
 UNTRACED = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_FRAMES = 8
@@ -138,7 +138,7 @@ def plausible(blob: Blob, template: Template) -> bool:
 def good(one: Fit, scene: Scene) -> bool:
     """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
     bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
-    return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MOST_BEND
+    return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MAX_BEND
 
 
 def follow(

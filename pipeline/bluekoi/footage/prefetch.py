@@ -1,4 +1,4 @@
-"""Things of an iterator made ahead of their use, by a thread of their own."""
+"""Items of an iterator prepared in the background, by a thread."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from types import TracebackType
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
-MOST = 3
-PATIENCE_S = 0.05
+MIN_BUFFERED = 3
+POLL_S = 0.05
 
 
-class Ahead(Generic[T]):
-    """An iterator over `source`, of which up to `most` things are made before they are asked for.
+class Prefetcher(Generic[T]):
+    """An iterator over `source` that prepares up to `size` items before they are asked for.
 
-    What the source raises is raised where its thing would have come. `close`, or leaving it as a
+    What the source raises is raised where its item would have come. `close`, or leaving it as a
     context, ends the thread and closes the source.
     """
 
-    def __init__(self, source: Iterator[T], most: int = MOST) -> None:
-        self._made: Queue[tuple[T | None, BaseException | None]] = Queue(most)
+    def __init__(self, source: Iterator[T], size: int = MIN_BUFFERED) -> None:
+        self._buffer: Queue[tuple[T | None, BaseException | None]] = Queue(size)
         self._stop = Event()
-        self._thread = Thread(target=self._make, args=(source,), daemon=True)
+        self._thread = Thread(target=self._fill, args=(source,), daemon=True)
         self._thread.start()
 
     def __iter__(self) -> Iterator[T]:
@@ -32,14 +32,14 @@ class Ahead(Generic[T]):
     def __next__(self) -> T:
         if self._stop.is_set():
             raise StopIteration
-        thing, error = self._made.get()
+        item, error = self._buffer.get()
         if error is not None:
             self._stop.set()
             raise error
-        assert thing is not None
-        return thing
+        assert item is not None
+        return item
 
-    def __enter__(self) -> Ahead[T]:
+    def __enter__(self) -> Prefetcher[T]:
         return self
 
     def __exit__(
@@ -51,24 +51,24 @@ class Ahead(Generic[T]):
         self.close()
 
     def close(self) -> None:
-        """End the thread; nothing more comes."""
+        """End the thread; noitem more comes."""
         self._stop.set()
         while self._thread.is_alive():
             self._drop()
-            self._thread.join(PATIENCE_S)
+            self._thread.join(POLL_S)
         self._drop()
 
     def _drop(self) -> None:
         while True:
             try:
-                self._made.get_nowait()
+                self._buffer.get_nowait()
             except Empty:
                 return
 
-    def _make(self, source: Iterator[T]) -> None:
+    def _fill(self, source: Iterator[T]) -> None:
         try:
-            for thing in source:
-                if not self._put(thing, None):
+            for item in source:
+                if not self._put(item, None):
                     break
             else:
                 self._put(None, StopIteration())
@@ -78,11 +78,11 @@ class Ahead(Generic[T]):
             if hasattr(source, "close"):
                 source.close()
 
-    def _put(self, thing: T | None, error: BaseException | None) -> bool:
+    def _put(self, item: T | None, error: BaseException | None) -> bool:
         """Whether it was taken in; not once the end was asked for."""
         while not self._stop.is_set():
             try:
-                self._made.put((thing, error), timeout=PATIENCE_S)
+                self._buffer.put((item, error), timeout=POLL_S)
             except Full:
                 continue
             return True

@@ -10,7 +10,7 @@ import pytest
 from test_footage import STEADY, write_video
 
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage.ahead import MOST, Ahead
+from bluekoi.footage.prefetch import MIN_BUFFERED, Prefetcher
 from bluekoi.footage.reading import Film
 from bluekoi.footage.recording import Recording
 
@@ -35,10 +35,10 @@ class Source:
         self.closed = True
 
 
-@pytest.mark.parametrize("count", [0, 1, MOST, 5 * MOST])
+@pytest.mark.parametrize("count", [0, 1, MIN_BUFFERED, 5 * MIN_BUFFERED])
 def test_all_come_in_order_and_then_the_end(count):
     source = Source(count)
-    with Ahead(source) as made:
+    with Prefetcher(source) as made:
         assert list(made) == list(range(count))
         assert list(made) == []
     assert source.closed
@@ -46,16 +46,16 @@ def test_all_come_in_order_and_then_the_end(count):
 
 def test_no_more_is_made_than_there_is_room_for():
     source = Source(1000)
-    with Ahead(source) as made:
+    with Prefetcher(source) as made:
         assert next(made) == 0
         time.sleep(0.1)
-        assert MOST <= source.given <= MOST + 2
+        assert MIN_BUFFERED <= source.given <= MIN_BUFFERED + 2
     assert source.closed
-    assert source.given <= MOST + 3
+    assert source.given <= MIN_BUFFERED + 3
 
 
 def test_a_fault_is_raised_in_its_place():
-    with Ahead(Source(3, OSError("card pulled"))) as made:
+    with Prefetcher(Source(3, OSError("card pulled"))) as made:
         assert [next(made) for _ in range(3)] == [0, 1, 2]
         with pytest.raises(OSError, match="card pulled"):
             next(made)
@@ -64,7 +64,7 @@ def test_a_fault_is_raised_in_its_place():
 def test_leaving_early_ends_the_thread():
     before = threading.active_count()
     source = Source(1000)
-    made = Ahead(source)
+    made = Prefetcher(source)
     assert next(made) == 0
     assert threading.active_count() == before + 1
     made.close()
@@ -76,9 +76,9 @@ def test_leaving_early_ends_the_thread():
 def test_a_film_read_ahead_is_the_film(tmp_path):
     film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
     plain = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
-    few = [frame.time_s for frame in film.spread(3)]
-    with film.ahead() as made:
-        late = [frame.time_s for frame in film.spread(3)]
+    few = [frame.time_s for frame in film.evenly_spaced(3)]
+    with film.prefetched() as made:
+        late = [frame.time_s for frame in film.evenly_spaced(3)]
         ahead = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in made]
     assert ahead == plain
     assert late == few
@@ -86,11 +86,11 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
     assert again == plain
 
 
-@pytest.mark.parametrize(("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MOST)])
+@pytest.mark.parametrize(("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MIN_BUFFERED)])
 def test_as_many_are_made_ahead_as_their_memory_allows(monkeypatch, size_px, room):
     source = Source(1000)
     monkeypatch.setattr(Film, "__iter__", lambda film: source)
     recording = Recording((), size_px, "h264", 1000, 1000, 30.0, (0.0,))
-    with Film(recording).ahead():
+    with Film(recording).prefetched():
         time.sleep(0.1)
         assert room <= source.given <= room + 1

@@ -146,9 +146,9 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     design = ladder_design(LADDER["middle"])
     setup, trial = setup_of(design), trial_of(design.plans[1])
     start = first_template(setup.robot, trial, 0.103, 60.0)
-    kept = start.kept()
-    shift = np.full((4, len(kept)), np.nan)
-    shift[:, kept] = 0.006
+    visible = start.visible_stations()
+    shift = np.full((4, len(visible)), np.nan)
+    shift[:, visible] = 0.006
     wider = learned(start, shift, np.full(shift.shape, 70.0))
     assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.006, atol=1.2e-3)
     assert wider.radii[0] == pytest.approx(start.radii[0], abs=1e-9)
@@ -158,7 +158,7 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
         trial.head_length_m / setup.robot.body_length_m
     )
     assert np.all(skin[2:-2] == 70.0)
-    assert len(points) == len(skin) == len(part) == wider.kept().sum()
+    assert len(points) == len(skin) == len(part) == wider.visible_stations().sum()
 
 
 def test_what_hides_the_floor_is_left_out_of_its_median():

@@ -44,7 +44,7 @@ FLAGS = {
     "C, 16 lanes": ("lanes", ["-Ofast"]),
     "C, 16 lanes, widest vectors": ("lanes", ["-Ofast", "-mprefer-vector-width=512"]),
 }
-NOTHING = {name: {key: 1e-300} for name, key in (("tail_fin_lift", "S"), ("viscous_drag", "k"))}
+NOTHING = {"tail_fin_lift": {"lift_area": 1e-300}, "viscous_drag": {"coefficient": 1e-300}}
 """Two effects of no size, which send every stage its general way."""
 ORDER = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 

@@ -44,10 +44,11 @@ def _entry(name: str, module: ModuleType) -> Iterator[str]:
     if module.CONFUSED_WITH:
         others = ", ".join(f"`{other}`" for other in module.CONFUSED_WITH)
         yield f"Easily confused with {others}."
-    yield "\n| parameter | unit | start | from | to | meaning |\n|---|---|---|---|---|---|"
+    yield "\n| parameter | symbol | unit | start | from | to | meaning |"
+    yield "|---|---|---|---|---|---|---|"
     for one in module.PARAMETERS:
         span = f"{one.start:g} | {one.lower:g} | {one.upper:g}"
-        yield f"| `{one.name}` | {one.unit} | {span} | {one.meaning} |"
+        yield f"| `{one.name}` | {one.argument} | {one.unit} | {span} | {one.meaning} |"
     yield ""
 
 

@@ -90,7 +90,7 @@ def _paths(wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator) -> 
     values = np.stack([np.repeat(system.values(p.values, random)[:, None], LANES, axis=1)
                        for p in wanted])  # fmt: skip
     servo = errors.servo * rng.standard_normal((count, LANES))
-    values[:, system.slot["head_angle_offset.d"]] = servo
+    values[:, system.slot["head_angle_offset.offset"]] = servo
     fixed = np.stack([np.repeat(constants(SETUP, p.head_length_m)[:, None], LANES, axis=1)
                       for p in wanted])  # fmt: skip
     inputs = np.array([[np.radians(p.angle_deg), FLAP_HZ[p.power]] for p in wanted])

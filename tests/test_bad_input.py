@@ -166,7 +166,7 @@ def test_a_bad_video_stops_its_own_trial_alone(study, tmp_path, content, words):
     assert_only_bad(tmp_path / "results", "T10")
 
 
-def test_a_video_shorter_than_declared_is_used_and_told(study, tmp_path):
+def test_a_video_shorter_than_declared_is_used_and_reported(study, tmp_path):
     results = tmp_path / "results"
     assert run_trials(study, results).exit_code == 0
     path = results / "status/T10.json"
@@ -244,7 +244,7 @@ def snakemake(folder, *configuration):
     )
 
 
-def test_plain_snakemake_tells_a_bad_study_without_a_traceback(study, tmp_path):
+def test_plain_snakemake_reports_a_bad_study_without_a_traceback(study, tmp_path):
     change_yaml(study, "robot", "mass_kg", -0.68)
     done = snakemake(tmp_path, f"study={study}")
     assert done.returncode == 1
@@ -253,7 +253,7 @@ def test_plain_snakemake_tells_a_bad_study_without_a_traceback(study, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
-def test_a_misspelt_configuration_key_is_told_with_the_nearest(study, tmp_path):
+def test_a_misspelt_configuration_key_is_reported_with_the_nearest(study, tmp_path):
     done = snakemake(tmp_path, f"study={study}", "result=out")
     assert done.returncode == 1
     assert "configuration: result: found an unknown key" in done.stderr

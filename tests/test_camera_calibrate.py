@@ -151,7 +151,7 @@ def test_a_lens_that_folds_inside_the_picture_is_refused():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_two_zooms_in_one_set_are_told(seed):
+def test_two_zooms_in_one_set_are_reported(seed):
     """Eight of twenty views through a lens of six per cent more focal length."""
     rng = np.random.default_rng(900 + seed)
     longer = Lens("pinhole", np.diag([1.06, 1.06, 1]) @ PINHOLE.matrix, PINHOLE.distortion, SIZE)
@@ -234,7 +234,7 @@ def test_charuco_boards_may_be_partly_out_of_view():
         ({}, "no picture"),
     ],
 )
-def test_wrong_options_and_files_are_told(tmp_path, given, reason):
+def test_wrong_options_and_files_are_reported(tmp_path, given, reason):
     path = tmp_path / "notes.jpg"
     path.write_text("not a picture")
     with pytest.raises(InputError, match=reason):

@@ -110,7 +110,7 @@ def test_whole_lengths_a_little_off_show_no_error(detected, tmp_path):
 
 
 @pytest.mark.parametrize("lengths", [frames_of(0.97, 0.02), frames_of(0.97, 0.001)[:9], []])
-def test_a_smeared_tail_or_few_frames_tell_no_length(detected, tmp_path, lengths):
+def test_a_smeared_tail_or_few_frames_give_no_length(detected, tmp_path, lengths):
     study, results = detected
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", lengths)

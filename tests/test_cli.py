@@ -107,7 +107,7 @@ def test_check_of_a_good_study_says_what_is_in_it(tmp_path):
     assert "3 trials (0 filmed, 3 keypoint files) in 3 conditions; nothing wrong" in result.output
 
 
-def test_check_tells_of_corners_that_miss_the_best_pose(tmp_path):
+def test_check_reports_corners_that_miss_the_best_pose(tmp_path):
     study = small_study(tmp_path / "study")
     setup = yaml.safe_load((study / "study.yaml").read_text())
     setup["camera"]["pool_corners_px"][1][0] += 30.0
@@ -130,7 +130,7 @@ def test_check_opens_what_a_run_would_open(tmp_path):
         assert words in result.output
 
 
-def test_check_tells_of_a_file_that_two_trials_take_whole(tmp_path):
+def test_check_reports_a_file_that_two_trials_take_whole(tmp_path):
     study = small_study(tmp_path / "study")
     edit_rows(study, T11={"source": "keypoints/T10.csv"})
     result = bluekoi("check", study)
@@ -200,7 +200,7 @@ def test_doctor_looks_at_every_dependency():
     assert result.exit_code == (1 if "FAIL" in result.output else 0)
 
 
-def test_doctor_tells_what_to_install(monkeypatch):
+def test_doctor_states_what_to_install(monkeypatch):
     module = sys.modules["bluekoi.cli.doctor"]
     monkeypatch.setattr(module, "requires", lambda name: ["no-such-package>=3"])
     result = bluekoi("doctor")
@@ -313,7 +313,7 @@ def test_simulate_gives_the_speed_of_table_1_by_its_formula(tmp_path):
     assert len(out.read_text().splitlines()) == 122
 
 
-def test_pool_without_footage_is_told(tmp_path):
+def test_pool_without_footage_is_reported(tmp_path):
     result = bluekoi("pool", small_study(tmp_path / "study"))
     assert result.exit_code == 1
     assert "no footage to draw on" in result.output
@@ -367,7 +367,7 @@ def test_calibrate_takes_a_missing_picture_as_a_fault(tmp_path):
     assert not (tmp_path / "c.yaml").exists()
 
 
-def test_pool_tells_corners_in_the_pixels_of_study_yaml(tmp_path):
+def test_pool_prints_corners_in_the_pixels_of_study_yaml(tmp_path):
     study, frame = small_study(tmp_path / "study"), tmp_path / "frame.png"
     cv2.imwrite(str(frame), np.full((720, 1280, 3), 90, np.uint8))
     result = bluekoi("pool", study, frame, "--out", tmp_path / "pool.png")
@@ -392,7 +392,7 @@ def test_nothing_that_is_there_is_written_over(tmp_path):
     assert bluekoi("calibrate", frame, "--model", "plate").exit_code == 2
 
 
-def test_check_tells_of_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_path):
+def test_check_reports_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "videos").mkdir()
     encode(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,

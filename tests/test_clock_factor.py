@@ -50,7 +50,7 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
     result = with_clock_cause(CONTENT, factors, len(series))
     assert result["verdict"] == "measurement"
     assert result["causes"][0]["name"] == "clock_error"
-    assert result["causes"][0]["parameters"]["k"]["value"] == pytest.approx(factor - 1)
+    assert result["causes"][0]["parameters"]["rate_error"]["value"] == pytest.approx(factor - 1)
     assert f"fps is {factor:g} times the true frame rate" in result["sentence"]
     assert result["probabilities"]["clock_error"] == 1.0
 
@@ -58,12 +58,12 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
 def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
     base = with_rates(campaign(powers=(100,)), {})
     _, _, factors = in_true_time(base, {name: logged(4.0) for name in base.tracks})
-    fine = {"name": "clock_error", "parameters": {"k": {"value": 0.01}}}
+    fine = {"name": "clock_error", "parameters": {"rate_error": {"value": 0.01}}}
     damping = {"name": "linear_yaw_damping", "parameters": {}}
     content = {**CONTENT, "causes": [damping, fine]}
     result = with_clock_cause(content, factors, len(base.tracks))
     assert [c["name"] for c in result["causes"]] == ["clock_error", "linear_yaw_damping"]
-    assert result["causes"][0]["parameters"]["k"]["value"] == pytest.approx(4.04 - 1)
+    assert result["causes"][0]["parameters"]["rate_error"]["value"] == pytest.approx(4.04 - 1)
 
 
 def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():

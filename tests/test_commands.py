@@ -91,7 +91,7 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     results = tmp_path / "results/lab"
     results.mkdir(parents=True)
     cause = {"name": "clock_error", "weight": 0.9,
-             "parameters": {"k": {"value": 3.0, "std": 0.012, "unit": "1"}}}  # fmt: skip
+             "parameters": {"rate_error": {"value": 3.0, "std": 0.012, "unit": "1"}}}  # fmt: skip
     found = {"sentence": "The clock is wrong.", "causes": [cause], "warnings": ["Look here."]}
     (results / "mismatch.json").write_text(json.dumps(found))
     assert bluekoi("report", "lab").exit_code == 1
@@ -102,7 +102,7 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     done = bluekoi("report", "lab", "--open")
     assert done.exit_code == 0
     assert "Verdict: The clock is wrong." in done.output
-    assert "clock_error (probability 0.90): k = 3 +- 0.012" in done.output
+    assert "clock_error (probability 0.90): rate_error = 3 +- 0.012" in done.output
     assert "Warning: Look here." in done.output
     assert opened == [(results / "report.html").resolve().as_uri()]
     assert bluekoi("report", results).exit_code == 0

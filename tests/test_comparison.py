@@ -30,7 +30,7 @@ def run_in(folder: Path, thrust: float, cause: str, **manifest) -> Path:
     errors = {"path_rmse_m": 0.01, "radius_error_pct": None, "speed_error_pct": 2.0}
     found = {"verdict": "physics", "sentence": "", "probabilities": {cause: 0.9, "stall": 0.01},
              "causes": [{"name": cause, "weight": 0.9,
-                         "parameters": {"k": {"value": 1.0, "std": 0.1, "unit": "1"}}}],
+                         "parameters": {"rate_error": {"value": 1.0, "std": 0.1, "unit": "1"}}}],
              "held_out": {"baseline": errors, "extended": errors,
                           "noise_floor_path_rmse_m": 0.002}}  # fmt: skip
     (folder / "coefficients.json").write_text(json.dumps({"joint": {"coefficients": cells}}))

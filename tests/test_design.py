@@ -75,7 +75,7 @@ def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
 
 
 def test_what_does_not_settle_is_not_given_a_radius() -> None:
-    values = plates().values(TABLE_1[75], {"battery_sag": {"k": 0.05}})
+    values = plates().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
     slots = plates().slots("battery_sag")
     assert values[slots[0]] == 0.05
     found = steady_states([Condition(4.02, 0.7, 0.12, SETUP)], values[None])
@@ -169,7 +169,7 @@ def test_start_stop_slows_down_and_speeds_up_again() -> None:
     assert v[-1] > 1.2 * v[420]
 
 
-def test_schedules_are_read_and_their_faults_told(tmp_path: Path) -> None:
+def test_schedules_are_read_and_their_faults_reported(tmp_path: Path) -> None:
     file = tmp_path / "s.csv"
     file.write_text("time_s,power_pct,head_angle_deg\n0,100,0\n2,100,0\n2,0,30\n5,0,-30\n")
     reported = read_schedule(file, lambda power: 0.05 * power)
@@ -251,7 +251,7 @@ def broken(results: Path, folder: Path, change) -> Path:
         (lambda c: c.update(joint=[]), "incomplete content"),
     ],
 )
-def test_incomplete_results_are_told_with_their_file(
+def test_incomplete_results_are_reported_with_their_file(
     results: Path, tmp_path: Path, change, words: str
 ) -> None:
     with pytest.raises(InputError, match=words) as reported:
@@ -260,7 +260,7 @@ def test_incomplete_results_are_told_with_their_file(
     assert "Run the analysis again" in str(reported.value)
 
 
-def test_an_incomplete_search_is_told_with_its_file(results: Path, tmp_path: Path) -> None:
+def test_an_incomplete_search_is_reported_with_its_file(results: Path, tmp_path: Path) -> None:
     folder = broken(results, tmp_path / "r", lambda c: None)
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text("{}")
@@ -360,7 +360,7 @@ def test_simulations_that_cannot_be_are_refused_before_anything_is_written(
     assert [path.name for path in tmp_path.iterdir()] == ["s.csv"]
 
 
-def test_a_schedule_is_run_to_its_end_and_a_cut_is_told(study: Path, tmp_path: Path) -> None:
+def test_a_schedule_is_run_to_its_end_and_a_cut_is_reported(study: Path, tmp_path: Path) -> None:
     file = tmp_path / "s.csv"
     file.write_text("time_s,flap_hz,head_angle_deg\n0,4,0\n15,4,0\n20,4,45\n")
     whole = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file)])
@@ -371,7 +371,7 @@ def test_a_schedule_is_run_to_its_end_and_a_cut_is_told(study: Path, tmp_path: P
     assert "the schedule goes on to 20 s, the simulation ends at 5 s" in cut.output
 
 
-def test_power_beyond_what_was_tested_is_told(study: Path, results: Path) -> None:
+def test_power_beyond_what_was_tested_is_reported(study: Path, results: Path) -> None:
     def said(power: str) -> str:
         return CliRunner().invoke(main, ["simulate", str(study), "--power-pct", power, "--results",
                                          str(results)]).output  # fmt: skip

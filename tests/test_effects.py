@@ -126,7 +126,7 @@ def call(
         "phi": 0.5, "T": 0.0,
         "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_Ma": 0.1, "C_T": 0.0045,
     }  # fmt: skip
-    known |= {p.name: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
+    known |= {p.argument: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
     known |= given
     function = effect.hooks[stage]
     names = inspect.signature(function).parameters
@@ -282,7 +282,7 @@ def test_the_moment_goes_as_the_lift_does(name: str) -> None:
 def test_a_core_is_not_wound_by_the_first_step(step: float) -> None:
     """Runge and Kutta's rule of a rate that is known is Simpson's; the least n is the worst."""
     effect = plates().effect("servo_lag")
-    n = next(p.lower for p in effect.parameters if p.name == "n")
+    n = next(p.lower for p in effect.parameters if p.symbol == "n")
     t = np.arange(0.0, 6.0, 0.5 * step)
     rate = np.array([effect.hooks["swing"](one, 0.5, 1.0, 0.2, n, 0.5, 1.0)[0] for one in t])
     turned = step / 6 * (rate[:-2:2] + 4 * rate[1:-1:2] + rate[2::2]).sum()

@@ -223,7 +223,7 @@ def test_a_model_whose_rates_are_too_few_is_named(cart):
         checked_model(replace(cart, stages=stages))
 
 
-def test_a_model_that_asks_for_an_unknown_name_is_told_the_nearest(cart):
+def test_a_model_that_asks_for_an_unknown_name_is_reported_the_nearest(cart):
     def drag(v: float, kk: float) -> tuple[float]:
         return (-kk * v,)
 
@@ -329,7 +329,7 @@ FAULTY = {
 
 
 @pytest.mark.parametrize("name", FAULTY)
-def test_a_faulty_data_set_is_told_in_one_message(name, cart, tmp_path):
+def test_a_faulty_data_set_is_reported_in_one_message(name, cart, tmp_path):
     table, settings, message = FAULTY[name]
     with pytest.raises(InputError, match=message) as raised:
         checked(cart, read_trials(cart, folder(tmp_path, table, settings)))
@@ -366,7 +366,7 @@ def test_the_command_writes_json_text_and_page(cart, tmp_path):
     assert "quadratic_drag" in result.output
 
 
-def test_a_start_from_which_the_model_runs_away_is_told(cart):
+def test_a_start_from_which_the_model_runs_away_is_reported(cart):
     driven = Parameter("c", "1/s", -500.0, -900.0, 5.0, "drag")
     with pytest.raises(InputError, match=r"runs away.*Check signs and units"):
         explain(replace(cart, coefficients=(driven,)), runs())

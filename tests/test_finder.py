@@ -70,7 +70,7 @@ def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found])
     assert len(fitted) + len(held["trials"]) == len(m.series)
 
 
-def test_demo_tells_where_the_fin_and_the_damping_push(demo: tuple[Measured, Found]) -> None:
+def test_demo_locates_where_the_fin_and_the_damping_push(demo: tuple[Measured, Found]) -> None:
     m, found = demo
     where = plain(mismatch_json(found, m.study, m.series))["where"]
     assert {w["channel"] for w in where} <= {"sway", "yaw"}
@@ -169,7 +169,7 @@ def _displaced(one: Series, by: np.ndarray) -> Series:
 def test_a_lag_begins_each_stretch_where_the_filter_had_it(demo: tuple[Measured, Found]) -> None:
     m, found = demo
     kernel, base = compiled(plates()), found.baseline.base.copy()
-    base[kernel.system.slot["lift_lag.k"]] = 0.8
+    base[kernel.system.slot["lift_lag.lagging_share"]] = 0.8
     lagging = replace(found.baseline, base=base)
     turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
     first, second, *_ = segments_of(kernel, lagging, [turning], 2.0)
@@ -323,7 +323,7 @@ def _late(one: Series, frames: int, rng: np.random.Generator) -> Series:
     return replace(one, seen=np.concatenate([still, one.seen[:-frames]]))
 
 
-def test_a_late_start_is_told_with_its_delay(bare: Measured) -> None:
+def test_a_late_start_is_reported_with_its_delay(bare: Measured) -> None:
     """0.8 s: far from where a single start of the fit would lead."""
     rng = np.random.default_rng(5)
     late = [_late(one, 24, rng) for one in bare.series]
@@ -331,7 +331,8 @@ def test_a_late_start_is_told_with_its_delay(bare: Measured) -> None:
     result = plain(mismatch_json(found, bare.study, late))
     assert "time_offset" in {c["name"] for c in result["causes"]}
     assert "motor_spin_up" not in {c["name"] for c in result["causes"]}
-    delay = next(c for c in result["causes"] if c["name"] == "time_offset")["parameters"]["d"]
+    offset = next(c for c in result["causes"] if c["name"] == "time_offset")
+    delay = offset["parameters"]["start_delay"]
     assert delay["value"] == pytest.approx(0.8, abs=0.03)
 
 
@@ -340,7 +341,7 @@ def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) 
     kernel, few, baseline = compiled(plates()), downsampled(m.series)[:3], found.baseline
     wild = [v.copy() for v in baseline.trial_values(kernel, few)]
     for v in wild:
-        v[kernel.system.slot["tail_fin_lift.S"]] = 5.0
+        v[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
     assert fit_noise(kernel, few, wild, baseline.noise) is baseline.noise
@@ -382,7 +383,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Meas
     found = find_mismatch(bare.study, series, bare.steady, progress=lambda _: None)
     wrote = plain(mismatch_json(found, bare.study, series))
     assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
-    size = wrote["causes"][0]["parameters"]["e"]
+    size = wrote["causes"][0]["parameters"]["log_lead"]
     assert size["value"] == pytest.approx(0.25, abs=0.02)
     assert 0.02 < size["std"] < 0.05
 

@@ -163,7 +163,7 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
     assert found.naive_cov[0, 0] == pytest.approx(0.2**2, rel=1e-6)
 
 
-def test_a_fit_takes_its_last_step_and_tells_what_it_brought() -> None:
+def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     rng = np.random.default_rng(5)
     true = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1))
     kernel = compiled(SYSTEM)
@@ -224,7 +224,7 @@ def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
     assert np.sum(1 / few.noise[:, 0, 0]) == pytest.approx(np.sum(1 / one.noise[:, 0, 0]))
 
 
-def test_what_is_constant_is_told_as_surely_with_the_first_frame_unseen() -> None:
+def test_a_constant_observation_is_as_certain_with_the_first_frame_unseen() -> None:
     seen = np.ones(180)
     seen[0] = np.nan
     one = a_series(seen, 1 / 30)

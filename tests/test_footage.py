@@ -147,7 +147,7 @@ def test_a_further_chapter_beside_it_is_remarked(tmp_path):
 
 
 @pytest.mark.parametrize("degrees", [90, 180, 270])
-def test_rotation_flag_is_applied_and_told(tmp_path, degrees):
+def test_rotation_flag_is_applied_and_reported(tmp_path, degrees):
     cos, sin = {90: (0, 1), 180: (-1, 0), 270: (0, -1)}[degrees]
     one = 1 << 16
     matrix = struct.pack(">9i", cos * one, sin * one, 0, -sin * one, cos * one, 0, 0, 0, 1 << 30)

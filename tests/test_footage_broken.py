@@ -45,7 +45,7 @@ def test_file_without_index_names_the_rescue(tmp_path):
         (b"\0\0\0\x08ftyp", "without its index"),
     ],
 )
-def test_what_is_no_video_is_told_so(tmp_path, content, message):
+def test_what_is_no_video_is_reported(tmp_path, content, message):
     path = tmp_path / "x.mp4"
     path.write_bytes(content)
     with pytest.raises(InputError, match=message) as caught:
@@ -53,7 +53,7 @@ def test_what_is_no_video_is_told_so(tmp_path, content, message):
     assert "x.mp4" in str(caught.value)
 
 
-def test_a_codec_that_nobody_knows_is_told_so(tmp_path):
+def test_a_codec_that_nobody_knows_is_reported(tmp_path):
     path = write_video(tmp_path / "odd.mp4", STEADY[:4])
     data = path.read_bytes()
     assert b"avc1" in data

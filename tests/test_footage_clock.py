@@ -47,7 +47,7 @@ def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch,
     assert open_recording([path], fps=3.0).fps == 3.0
 
 
-def test_a_file_without_telemetry_tells_no_clock(tmp_path):
+def test_a_file_without_telemetry_gives_no_clock(tmp_path):
     assert camera_seconds(write_video(tmp_path / "a.mp4", [0, 1001, 2002])) is None
 
 

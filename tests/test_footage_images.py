@@ -89,7 +89,7 @@ def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
     assert [len(study.paths(trial)) for trial in study.trials] == [13, 12]
 
 
-def test_two_trials_of_the_same_pictures_are_told_once(folder):
+def test_two_trials_of_the_same_pictures_are_reported_once(folder):
     rows = [f"{name},T1/frame_*.png,50,0,0.12,30\n" for name in "AB"]
     (folder / "trials.csv").write_text(HEADER + "".join(rows))
     study = Study.model_construct(root=folder, setup=small_setup(), trials=tuple(trials_of(folder)))

@@ -120,7 +120,7 @@ def turning(effects: dict[str, dict[str, float]], start: Sequence[float]) -> np.
     return run(plates(), values, inputs, fixed, start=start)
 
 
-NOTHING = {"tail_fin_lift": {"S": 1e-300}}
+NOTHING = {"tail_fin_lift": {"lift_area": 1e-300}}
 """An effect that is on and does nothing: sends the integrator its general way."""
 
 
@@ -145,7 +145,7 @@ def test_effects_that_change_the_command_reach_what_is_held() -> None:
     """A head that is set off by 5 degrees turns like one that was commanded so."""
     fixed, values = constants(SETUP, 0.12), TABLE_1[75]
     inputs = np.tile([math.radians(30), 4.02], (241, 1))
-    off = plates().values(values, {"head_angle_offset": {"d": math.radians(5)}})
+    off = plates().values(values, {"head_angle_offset": {"offset": math.radians(5)}})
     set_off = run(plates(), off, inputs, fixed, start=[0.0] * 6)
     inputs[:, 0] += math.radians(5)
     reported = run(plates(), plates().values(values), inputs, fixed, start=[0.0] * 6)

@@ -73,7 +73,7 @@ def test_a_slow_drift_is_reported_as_stabilisation():
     assert "drifts by about 2." in reported[0]
 
 
-def test_corners_that_do_not_agree_tell_nothing():
+def test_corners_that_do_not_agree_give_no_motion():
     corners = np.array(CORNERS)
     moved = np.zeros((2, 4, 2))
     moved[1] = [[5.0, 0.0], [-4.0, 3.0], [0.0, -6.0], [0.0, 0.0]]

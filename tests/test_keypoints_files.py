@@ -87,7 +87,7 @@ def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
     assert np.isnan(found.xy_px[2, 0]).all()
 
 
-def test_likelihoods_in_percent_are_told_with_their_row(tmp_path):
+def test_likelihoods_in_percent_are_reported_with_their_row(tmp_path):
     rows = table()
     rows[4][3] = "92"
     with pytest.raises(InputError, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
@@ -111,7 +111,7 @@ def test_of_several_animals_the_one_with_the_parts_is_taken(tmp_path):
     assert deeplabcut.read_any(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
 
 
-def test_of_two_robots_the_one_seen_most_is_taken_and_told(tmp_path):
+def test_of_two_robots_the_one_seen_most_is_taken_and_reported(tmp_path):
     ours, other = table(who="fish"), table(who="toy")
     for row in other[4:6]:
         row[1:] = [""] * (len(row) - 1)
@@ -135,7 +135,7 @@ def test_parts_that_are_not_needed_may_be_missing(tmp_path):
     assert deeplabcut.read(path, trial()).names == ("head_tip", "core_center", "tail_base")
 
 
-def test_filtered_files_are_told(tmp_path):
+def test_filtered_files_are_reported(tmp_path):
     found = deeplabcut.read(save(tmp_path / "k_filtered.csv", table()), trial())
     assert any("filtered" in remark for remark in found.remarks)
 
@@ -165,7 +165,7 @@ def test_part_of_the_recording(tmp_path):
         (lambda rows: [["time_s", "angle_deg"], ["0", "1"]], "no row 'scorer'"),
     ],
 )
-def test_wrong_files_are_told_with_the_place(tmp_path, change, message):
+def test_wrong_files_are_reported_with_the_place(tmp_path, change, message):
     path = save(tmp_path / "k.csv", change(table()))
     with pytest.raises(InputError, match=message) as caught:
         deeplabcut.read(path, trial())

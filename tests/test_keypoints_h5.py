@@ -141,7 +141,7 @@ def sleap_h5(path: Path, tracks: int = 1) -> Path:
     return path
 
 
-def test_sleap_is_told_from_deeplabcut(tmp_path):
+def test_sleap_is_distinguished_from_deeplabcut(tmp_path):
     path = sleap_h5(tmp_path / "a.analysis.h5")
     found = deeplabcut.read(path, trial())
     assert found.names == PARTS
@@ -150,12 +150,12 @@ def test_sleap_is_told_from_deeplabcut(tmp_path):
     np.testing.assert_array_equal(sleap.read(path, trial()).xy_px, found.xy_px)
 
 
-def test_sleap_of_two_tracks_takes_one_and_tells(tmp_path):
+def test_sleap_of_two_tracks_takes_one_and_reports_it(tmp_path):
     found = deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=2), trial())
     assert any("fish" in remark for remark in found.remarks)
 
 
-def test_sleap_without_a_track_is_told_so(tmp_path):
+def test_sleap_without_a_track_is_reported(tmp_path):
     with pytest.raises(InputError, match="no tracked animal"):
         deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=0), trial())
 

@@ -97,7 +97,7 @@ def test_a_file_size_limit_is_said_like_a_full_disk(study, tmp_path):
     assert not list((tmp_path / "r").rglob("keypoints/*.csv"))
 
 
-def test_results_that_are_read_only_are_told_at_the_door(study, mounted, monkeypatch):
+def test_results_that_are_read_only_are_reported_at_the_door(study, mounted, monkeypatch):
     disk = mounted("1m")
     (disk / "results").mkdir()
     subprocess.run(["mount", "-o", "remount,ro", str(disk)], check=True)

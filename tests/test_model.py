@@ -18,7 +18,7 @@ from bluekoi.observation import constant_names
 from bluekoi.tuning import growth_per_s
 from robots import SETUP
 
-FIN = {"tail_fin_lift": {"S": 0.012, "a": 0.15}}
+FIN = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
 
 
 def plain_equations(t: float, s: np.ndarray, power: int, phi: float) -> list[float]:

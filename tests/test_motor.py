@@ -80,7 +80,7 @@ def test_spin_up_gives_the_final_rate_and_shows_over_time(tmp_path):
     assert any("spins up" in remark for remark in found.remarks)
 
 
-def test_falling_battery_is_told_and_the_mean_rate_taken(tmp_path):
+def test_falling_battery_is_reported_and_the_mean_rate_taken(tmp_path):
     t, a = shaft_log(np.random.default_rng(5), hz=4.0, sag=0.05)
     found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))
     assert found.flap_hz == pytest.approx(3.9, rel=0.003)
@@ -95,7 +95,7 @@ def test_a_sensor_whose_scale_is_off_still_counts_turns(tmp_path):
     assert found.flap_hz == pytest.approx(3.1, rel=1e-3)
 
 
-def test_holes_are_bridged_or_told(tmp_path):
+def test_holes_are_bridged_or_reported(tmp_path):
     t, a = shaft_log(np.random.default_rng(6), hz=4.0)
     short = (t < 2.0) | (t > 2.2)
     found = flapping_from_log(write_log(tmp_path / "short.csv", t[short], a[short]))
@@ -123,7 +123,7 @@ def test_holes_are_bridged_or_told(tmp_path):
         ("back", "Sort the rows"),
     ],
 )
-def test_wrong_logs_are_told_with_their_cure(tmp_path, name, message):
+def test_wrong_logs_are_reported_with_their_cure(tmp_path, name, message):
     t, a = shaft_log(np.random.default_rng(7), hz=2.0)
     path = tmp_path / f"{name}.csv"
     {
@@ -298,7 +298,7 @@ def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay
     assert std == pytest.approx(0.03, abs=0.01)
 
 
-def test_phases_that_do_not_hang_together_tell_of_no_delay():
+def test_inconsistent_phases_give_no_delay():
     rng = np.random.default_rng(32)
     hz, std = np.repeat([1.8, 3.0, 4.2, 5.6], 6), np.full(24, 0.02)
     assert clock_delay(hz, rng.uniform(-np.pi, np.pi, 24), std) is None

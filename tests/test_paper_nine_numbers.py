@@ -11,7 +11,7 @@ from bluekoi.tuning import growth_per_s
 from nine_numbers import POWERS, TURNS, conditions, fitted, geometries, radii_and_speeds
 from robots import SETUP
 
-FIN = {"tail_fin_lift": {"S": 0.012, "a": 0.15}}
+FIN = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
 
 
 @pytest.fixture(scope="module")

@@ -109,7 +109,7 @@ def test_a_file_that_cannot_be_read_is_refused_and_left(folder):
         (folder / name).write_text(before, encoding="utf-8")
 
 
-def test_an_unknown_key_stays_and_is_told(folder):
+def test_an_unknown_key_stays_and_is_reported(folder):
     (folder / "study.yaml").write_text(COMMENTED.replace("mass_kg", "mas_kg"), encoding="utf-8")
     draft = read_draft(folder)
     texts = [f.text for f in draft_findings(draft, folder)]

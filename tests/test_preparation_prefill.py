@@ -26,7 +26,7 @@ def folder_with(tmp_path, names):
     return tmp_path
 
 
-def test_files_are_told_apart_and_ordered_as_people_count(tmp_path):
+def test_files_are_distinguished_and_ordered_as_people_count(tmp_path):
     folder = folder_with(tmp_path, [
         "videos/T10.mp4", "videos/T2.mp4", "motor/T2.csv", "notes.txt", ".hidden/T3.mp4",
         "results/report.html", "results/overlays/T2.mp4", "tracked/T2.h5",

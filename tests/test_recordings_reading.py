@@ -141,7 +141,7 @@ def test_the_ships_u_and_v_are_velocities_in_the_tank(recordings):
 
 
 @pytest.mark.recordings
-def test_the_fishs_tail_beats_twice_as_fast_as_told_and_not_always_the_same(recordings):
+def test_the_fishs_tail_beats_twice_as_fast_as_commanded_and_not_always_the_same(recordings):
     found = fish.read_recordings(recordings / "robotic_fish")
     assert len(found) == 36
     beat = {(r.amplitude_deg, r.bias_deg): r.beat_hz for r in found}

@@ -185,7 +185,7 @@ def test_table_comes_back(tmp_path):
     assert np.isnan(back["T03"].speed_m_s)
 
 
-def test_broken_tables_are_told(tmp_path):
+def test_broken_tables_are_reported(tmp_path):
     path = tmp_path / "steady.csv"
     path.write_text("trial_id,flap_hz\nT01,2.0\n")
     with pytest.raises(InputError, match="a column speed_m_s"):

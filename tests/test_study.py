@@ -335,7 +335,7 @@ def test_one_trial_is_read_without_checking_the_others(tmp_path):
         load_study(study, only="T99")  # none of that name: all is looked at
 
 
-def test_one_trial_named_twice_is_told_where_it_alone_is_read(tmp_path):
+def test_one_trial_named_twice_is_reported_where_it_alone_is_read(tmp_path):
     study = write(tmp_path / "s", rows=(ROW, ROW))
     with pytest.raises(InputError, match=r"'T01' 2 times \(rows 2, 3\)"):
         load_study(study, only="T01")

@@ -79,7 +79,7 @@ def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() ->
     assert "physics that is not in the model" in row["why"]
 
 
-def test_the_percentage_that_is_told_is_that_of_the_interval() -> None:
+def test_the_percentage_that_is_reported_is_that_of_the_interval() -> None:
     wide = tuned(TRUTH, widths=2.0)
     for row in table(wide).values():
         low, high = row["interval_95"]

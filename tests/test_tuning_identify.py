@@ -132,7 +132,7 @@ def test_one_trial_determines_no_combination(campaign) -> None:
     assert any("Only one trial determines it" in one["sentence"] for one in combinations)
 
 
-def test_what_one_trial_of_several_tells_is_to_be_swum_once_more(campaign) -> None:
+def test_what_only_one_trial_determines_is_to_be_repeated(campaign) -> None:
     """Two straight runs and one turn: the turn again."""
     few = [*[s for s in campaign if s.inputs[0, 0] == 0.0][:2],
            next(s for s in campaign if abs(s.inputs[0, 0]) > 0.5)]  # fmt: skip

@@ -123,7 +123,7 @@ def test_the_error_that_each_trial_has_is_found_from_the_scores(size: float) -> 
     assert found == pytest.approx(size**2, rel=0.12, abs=0.004)
 
 
-def test_variances_are_right_where_the_trials_that_tell_most_err_most() -> None:
+def test_variances_are_right_where_the_most_informative_trials_err_most() -> None:
     """Of the second number: three degrees of freedom as if all erred alike, really two."""
     fits = with_an_error_of_each_trial(400, SERVO)
     true = np.var([shift[1] for shift, _, _ in fits])
@@ -193,7 +193,7 @@ def test_a_number_at_its_bound_widens_no_other():
     assert held[1].tolist() == [0.0, 0.0]
 
 
-def test_a_direction_that_one_trial_alone_tells_of_does_not_blow_up():
+def test_the_variance_of_a_direction_that_one_trial_determines_is_finite():
     """Ten trials inform on the first parameter, one on the second: its score is almost nothing."""
     hessian = np.repeat(np.diag([10.0, 0.01])[None], 11, axis=0)
     hessian[4] = np.diag([10.0, 100.0])
@@ -207,7 +207,7 @@ def test_a_direction_that_one_trial_alone_tells_of_does_not_blow_up():
     assert cov[0, 0] > 0.25 / 110
 
 
-def test_where_all_trials_tell_alike_the_jackknife_is_the_usual_one():
+def test_with_equally_informative_trials_the_jackknife_is_the_usual_one():
     rng = np.random.default_rng(4)
     root = rng.normal(size=(20, 3, 5))
     hessian = root @ np.swapaxes(root, 1, 2)

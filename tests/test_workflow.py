@@ -155,7 +155,7 @@ def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(home):
     assert "keypoints" not in found
 
 
-def test_a_depth_that_is_not_given_is_told_by_the_distances_before_the_tracks(home):
+def test_a_depth_that_is_not_given_is_reported_by_the_distances_before_the_tracks(home):
     text = (home.study / "study.yaml").read_text()
     (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
     assert home.planned() == {"geometry": 1, "tracks": 3} | AFTER_TRACKS
@@ -266,7 +266,7 @@ def test_trials_whose_results_are_gone_or_cut_short_are_due(done, tmp_path, monk
     assert again.due["keypoints"] == set()
 
 
-def test_results_that_cannot_be_written_are_told_at_the_door(done, tmp_path, monkeypatch):
+def test_results_that_cannot_be_written_are_reported_at_the_door(done, tmp_path, monkeypatch):
     monkeypatch.chdir(done[0].root)
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="a results folder that can be written to"):
@@ -326,7 +326,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_a_long_stage_is_told_with_the_last_line_of_its_log(tmp_path):
+def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     (tmp_path / "mismatch.log").write_text("baseline\nrefits with \x1b[31mstall\n")
     progress = Progress(tmp_path / "report.html", stream := Terminal())
     progress.emit(record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
@@ -515,7 +515,7 @@ def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
     assert hush.filter(record(logging.ERROR, "MissingInputException"))
 
 
-def test_a_run_interrupted_while_it_plans_is_told_in_one_line_without_a_traceback(tmp_path):
+def test_a_run_interrupted_while_it_plans_is_reported_in_one_line_without_a_traceback(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     hush = Hush(progress)
     hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
@@ -537,7 +537,7 @@ def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):
     assert "stage tuning" in stream.getvalue()
 
 
-def test_a_locked_folder_is_told_with_its_cure(tmp_path):
+def test_a_locked_folder_is_reported_with_its_cure(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     progress.emit(record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
     assert "snakemake --unlock" in stream.getvalue()
@@ -546,7 +546,7 @@ def test_a_locked_folder_is_told_with_its_cure(tmp_path):
 @pytest.mark.parametrize(
     "end", ["died with <Signals.SIGKILL: 9>.", "returned non-zero exit status 137."]
 )
-def test_a_killed_stage_is_told_with_what_to_do(tmp_path, end):
+def test_a_killed_stage_is_reported_with_what_to_do(tmp_path, end):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     progress.emit(record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()

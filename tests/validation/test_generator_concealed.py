@@ -29,7 +29,7 @@ BODY = Body(0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 4.5e-3, 0.5, 2.5, 3.1
 COEFFICIENTS = {n: getattr(BODY, n) for n in ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")}
 SHORT_S = 2.5
 FORMS = [(n, i) for n in (*PHYSICS, *OUTSIDE) for i in range(len(effect_of(n).forms))]
-SAME = [(n, i) for n, i in FORMS if effect_of(n).forms[i].told_as]
+SAME = [(n, i) for n, i in FORMS if effect_of(n).forms[i].reported_as]
 
 
 def chosen(name: str, number: int) -> Chosen:
@@ -38,7 +38,7 @@ def chosen(name: str, number: int) -> Chosen:
     form = effect.forms[number]
     if effect.direction:
         form = type(form)(form.law, dict(zip(effect.direction, (0.8, -0.6), strict=True)),
-                          form.fixed, form.shape, form.told_as)  # fmt: skip
+                          form.fixed, form.shape, form.reported_as)  # fmt: skip
     return Chosen(name, form, {k: 0.5 * (a + b) for k, (a, b) in form.shape.items()}, 10.0)
 
 
@@ -97,19 +97,28 @@ def setup(tmp_path_factory):
     return load_study(small_study(tmp_path_factory.mktemp("same") / "s")).setup
 
 
+FORM_IN_TRUTH = {
+    "servo_lag": {"missing_share": 1.0, "rate_limit_exponent": 1.0, "angle_dependence": 0.0},
+    "motor_spin_up": {"missing_share": 1.0, "ramp_share": 0.0},
+    "tail_fin_lift": {"half_length": 0.0, "sideways_flow_share": 0.0},
+    "crossflow_drag": {"taper": 0.0, "tail_depth": 0.0},
+    "port_starboard_asymmetry": {"transition_sine": 0.0},
+}
+"""Functional form of the concealed law, in the candidate's parameters."""
+
+
 @pytest.mark.parametrize(("name", "number"), SAME)
 def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup):
     """The parameters in the truth mean what the candidate means by them: same path."""
     one = chosen(name, number)
     laws = with_effect(Laws(), one, effect_of(name).usual)
     values = laws._asdict()
-    in_truth = {k: values[field] * factor for k, (field, factor) in one.form.told_as.items()}
-    in_truth |= {"servo_lag": {"k": 1.0, "n": 1.0, "q": 0.0}, "motor_spin_up": {"k": 1.0, "w": 0.0},
-             "lift_lag": {"s": laws.lag_lengths}, "tail_fin_lift": {"b": 0.0, "p": 0.0},
-             "crossflow_drag": {"q": 0.0, "w": 0.0},
-             "port_starboard_asymmetry": {"w": 0.0}}.get(name, {})  # fmt: skip
+    in_truth = {k: values[field] * factor for k, (field, factor) in one.form.reported_as.items()}
+    in_truth |= FORM_IN_TRUTH.get(name, {})
+    if name == "lift_lag":
+        in_truth |= {"build_up_lengths": laws.lag_lengths}
     if name == "thrust_loss_with_speed":
-        in_truth = {"k": 0.5 * BODY.C_T * laws.slip_per_m}
+        in_truth = {"loss_per_advance": 0.5 * BODY.C_T * laws.slip_per_m}
     start = (1.3, 0.8, 0.2, 0.0, 0.0, 0.0)
     run = simulate(COEFFICIENTS, setup=setup, head_length_m=0.15, head_angle_rad=0.5, flap_hz=4.0,
                    duration_s=SHORT_S, dt_s=1 / 120, start=start,
@@ -119,7 +128,8 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
     bent = np.abs(found - path(Laws(), Command(4.0, 0.5, 0.15, *start[:3]))[:, :2]).max()
     if name == "centre_of_mass_shift":
         psi = run.heading_rad[::12]
-        expected = expected - in_truth["d"] * np.column_stack([np.cos(psi), np.sin(psi)])
+        ahead = np.column_stack([np.cos(psi), np.sin(psi)])
+        expected = expected - in_truth["forward_shift"] * ahead
     along_the_body = 0.3 if name == "pool_gyre" else 0.02  # here the water differs along the body
     assert np.abs(found - expected).max() < along_the_body * bent + 2e-5
 

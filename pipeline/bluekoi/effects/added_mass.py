@@ -26,11 +26,14 @@ STATEMENT = (
 REGIME = "start-up and every change of speed; drifting turns"
 CONFUSED_WITH = ("tail_fin_lift", "motor_spin_up", "lift_lag")
 PARAMETERS = (
-    Parameter("A22", "kg", 0.2, 0.0, 3.0, "added mass in sway"),
-    Parameter("c", "1", 0.1, 0.0, 0.8, "added mass in surge over that in sway", spread=0.1),
-    Parameter("j", "1", 1.0, 0.0, 4.0, "added inertia over that of a slender body", spread=0.5),
-    Parameter("e", "1", 1.0, 0.0, 1.2, "share of the Munk moment that is felt", spread=0.3),
-)
+    Parameter("sway_mass", "kg", 0.2, 0.0, 3.0, "added mass in sway", symbol="A22"),
+    Parameter("surge_to_sway", "1", 0.1, 0.0, 0.8, "added mass in surge over that in sway",
+              spread=0.1, symbol="c"),
+    Parameter("inertia_ratio", "1", 1.0, 0.0, 4.0, "added inertia over that of a slender body",
+              spread=0.5, symbol="j"),
+    Parameter("munk_share", "1", 1.0, 0.0, 1.2, "share of the Munk moment that acts",
+              spread=0.3, symbol="e"),
+)  # fmt: skip
 
 
 def inertia(length: float, A22: float, c: float, j: float) -> tuple[float, float, float]:

@@ -20,9 +20,11 @@ STATEMENT = "The longer a trial lasts, the weaker the push: the supply sags."
 REGIME = "late in long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
 PARAMETERS = (
-    Parameter("k", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, at first"),
-    Parameter("w", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles", 0.3),
-)
+    Parameter("loss_rate", "1/s", 0.03, 0.0, 1.0, "share of thrust lost per second, initially",
+              symbol="k"),
+    Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles",
+              spread=0.3, symbol="w"),
+)  # fmt: skip
 
 
 def thrust(

@@ -22,9 +22,9 @@ REGIME = "all turns; beside the core also straight runs, with opposite sign to p
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
 STRENGTHS = 2
 PARAMETERS = (
-    Parameter("d", "m", 0.005, -0.08, 0.08, "shift towards the head"),
-    Parameter("s", "m", 0.003, -0.04, 0.04, "shift to the left of the core"),
-)
+    Parameter("forward_shift", "m", 0.005, -0.08, 0.08, "shift towards the head", symbol="d"),
+    Parameter("left_shift", "m", 0.003, -0.04, 0.04, "shift to the left of the core", symbol="s"),
+)  # fmt: skip
 
 
 def force(

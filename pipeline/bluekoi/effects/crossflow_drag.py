@@ -26,10 +26,12 @@ STATEMENT = (
 REGIME = "tight turns with much drift"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
 PARAMETERS = (
-    Parameter("C", "1", 0.5, 0.0, 5.0, "drag coefficient of a section across the flow"),
-    Parameter("q", "1", 0.1, -0.8, 0.8, "taper: how much deeper the body is at the hinge", 0.3),
-    Parameter("w", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans", 0.5),
-)
+    Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "of a section across the flow", symbol="C"),
+    Parameter("taper", "1", 0.1, -0.8, 0.8, "how much deeper the body is at the hinge",
+              spread=0.3, symbol="q"),
+    Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans",
+              spread=0.5, symbol="w"),
+)  # fmt: skip
 
 
 def force(

@@ -18,7 +18,9 @@ STATEMENT = (
 )
 REGIME = "all trials, to one side"
 CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
-PARAMETERS = (Parameter("d", "rad", 0.02, -0.4, 0.4, "offset, counter-clockwise positive"),)
+PARAMETERS = (
+    Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),
+)  # fmt: skip
 
 
 def drive(d: float) -> tuple[float, float]:

@@ -24,22 +24,16 @@ STATEMENT = "The lift of the head follows changes of angle and speed with a dela
 REGIME = "start of turns and every change; nothing in the steady circle"
 CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
 PARAMETERS = (
-    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the lift that lags"),
-    Parameter(
-        "s",
-        "1",
-        4.0,
-        0.1,
-        20.0,
-        "head lengths travelled while it builds up",
-        tries=(1.3, 10.0, 1.3),
-    ),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that lags twice", 0.4),
-    Parameter(
-        "e", "1", 0.0, 0.0, 2.0, "power of the speed that is felt at once", 0.7, (0.0, 0.0, 2.0)
-    ),
-    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does", 0.5),
-)
+    Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),
+    Parameter("build_up_lengths", "1", 4.0, 0.1, 20.0, "head lengths travelled as lift builds up",
+              tries=(1.3, 10.0, 1.3), symbol="s"),
+    Parameter("second_order_share", "1", 0.0, 0.0, 1.0, "part that lags twice",
+              spread=0.4, symbol="w"),
+    Parameter("speed_exponent", "1", 0.0, 0.0, 2.0, "power of the speed that acts without lag",
+              spread=0.7, tries=(0.0, 0.0, 2.0), symbol="e"),
+    Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that lags as the lift does",
+              spread=0.5, symbol="m"),
+)  # fmt: skip
 STATES = ("z", "y_lag")
 
 

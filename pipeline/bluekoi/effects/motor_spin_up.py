@@ -23,11 +23,15 @@ STATEMENT = (
 REGIME = "the first second of every trial"
 CONFUSED_WITH = ("added_mass", "time_offset", "thrust_loss_with_speed")
 PARAMETERS = (
-    Parameter("k", "1", 0.5, 0.0, 1.0, "share of the frequency missing at the start"),
-    Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant, half the length of a ramp"),
-    Parameter("w", "1", 0.5, 0.0, 1.0, "part that a controller makes"),
-    Parameter("q", "1", 0.0, 0.0, 1.0, "softness of the controller's ramp", spread=0.4),
-)
+    Parameter("missing_share", "1", 0.5, 0.0, 1.0, "share of the frequency missing at the start",
+              symbol="k"),
+    Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant, half the duration of a ramp",
+              symbol="tau"),
+    Parameter("ramp_share", "1", 0.5, 0.0, 1.0, "part of the rise that is a controller's ramp",
+              symbol="w"),
+    Parameter("ramp_smoothness", "1", 0.0, 0.0, 1.0, "0: linear ramp, 1: smooth step",
+              spread=0.4, symbol="q"),
+)  # fmt: skip
 
 
 def drive(

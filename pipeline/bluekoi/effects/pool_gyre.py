@@ -21,10 +21,13 @@ STATEMENT = (
 REGIME = "depends on the place in the pool"
 CONFUSED_WITH = ("uniform_current", "wall_effect", "port_starboard_asymmetry")
 PARAMETERS = (
-    Parameter("G", "m/s", 0.01, -0.3, 0.3, "speed at the long walls, counter-clockwise positive"),
-    Parameter("g", "1", 0.5, 0.0, 1.5, "share of the water's turning that core and head feel", 0.4),
-    Parameter("d", "1", 0.2, 0.0, 1.5, "share of it against which the turning is damped", 0.4),
-)
+    Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,
+              "speed at the long walls, counter-clockwise positive", symbol="G"),
+    Parameter("rotation_share", "1", 0.5, 0.0, 1.5,
+              "share of the water's rotation that acts on core and head", spread=0.4, symbol="g"),
+    Parameter("damping_share", "1", 0.2, 0.0, 1.5, "share of it relative to which yaw is damped",
+              spread=0.4, symbol="d"),
+)  # fmt: skip
 
 
 def water(

@@ -22,10 +22,13 @@ STATEMENT = "The robot turns better to one side than to the other."
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 PARAMETERS = (
-    Parameter("k", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger"),
-    Parameter("w", "1", 0.03, 0.0, 1.0, "sine of 2 alpha up to which the sides differ less", 0.2),
-    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that differs as the lift does", 0.5),
-)
+    Parameter("lift_difference", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger",
+              symbol="k"),
+    Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
+              "sine of 2 alpha up to which the sides differ less", spread=0.2, symbol="w"),
+    Parameter("moment_share", "1", 0.0, 0.0, 1.2,
+              "part of the moment that differs as the lift does", spread=0.5, symbol="m"),
+)  # fmt: skip
 
 
 def plate(

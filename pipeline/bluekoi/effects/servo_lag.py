@@ -20,14 +20,16 @@ STATEMENT = "The head does not stand at its angle from the start: the servo take
 REGIME = "the first second of turns"
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 PARAMETERS = (
-    Parameter("k", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start"),
-    Parameter("tau", "s", 0.4, 0.05, 3.0, "time constant"),
-    Parameter("n", "1", 1.5, 1.0, 5.0, "1: lag of first order, larger: limited rate"),
-    Parameter("q", "1", 0.5, 0.0, 1.0, "0: same time for all angles, 1: in proportion to them"),
-    Parameter(
-        "c", "1", 0.0, 0.0, 1.2, "part of the turning that the core takes", 0.5, (0.0, 0.0, 1.0)
-    ),
-)
+    Parameter("missing_share", "1", 0.5, 0.0, 1.2, "share of the angle missing at the start",
+              symbol="k"),
+    Parameter("time_constant", "s", 0.4, 0.05, 3.0, "time constant", symbol="tau"),
+    Parameter("rate_limit_exponent", "1", 1.5, 1.0, 5.0, "1: first-order lag, larger: limited rate",
+              symbol="n"),
+    Parameter("angle_dependence", "1", 0.5, 0.0, 1.0,
+              "0: same time for all angles, 1: proportional to them", symbol="q"),
+    Parameter("core_share", "1", 0.0, 0.0, 1.2, "part of the rotation that the core makes",
+              spread=0.5, tries=(0.0, 0.0, 1.0), symbol="c"),
+)  # fmt: skip
 
 
 def drive(

@@ -21,18 +21,13 @@ STATEMENT = (
 REGIME = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
 PARAMETERS = (
-    Parameter("k", "1/s", 0.03, 0.0, 0.5, "growth of the drag coefficient per second, over 4 s"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as time squared", 0.4, (0.8,)),
-    Parameter(
-        "g",
-        "1/s",
-        0.0,
-        -0.03,
-        0.03,
-        "share a second by which it is seen nearer to the middle",
-        spread=0.003,
-    ),
-)
+    Parameter("drag_growth_rate", "1/s", 0.03, 0.0, 0.5,
+              "growth of the drag coefficient per second, over 4 s", symbol="k"),
+    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as time squared",
+              spread=0.4, tries=(0.8,), symbol="w"),
+    Parameter("shrink_rate", "1/s", 0.0, -0.03, 0.03,
+              "rate at which its image approaches the pool's middle", spread=0.003, symbol="g"),
+)  # fmt: skip
 
 
 def force(

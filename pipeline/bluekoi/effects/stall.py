@@ -20,11 +20,15 @@ STATEMENT = (
 REGIME = "large head angle, angle of attack beyond some 20 degrees"
 CONFUSED_WITH = ("head_angle_offset", "lift_lag", "servo_lag")
 PARAMETERS = (
-    Parameter("k", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow"),
-    Parameter("s0", "1", 0.4, 0.05, 0.8, "sine of the angle of attack where it begins"),
-    Parameter("b", "1", 0.25, 0.04, 0.8, "range of the sine over which it goes on", 0.1),
-    Parameter("m", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is", 0.5),
-)
+    Parameter("lift_loss", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow",
+              symbol="k"),
+    Parameter("onset_sine", "1", 0.4, 0.05, 0.8, "sine of the angle of attack at the onset",
+              symbol="s0"),
+    Parameter("transition_width", "1", 0.25, 0.04, 0.8,
+              "range of the sine from onset to separated flow", spread=0.1, symbol="b"),
+    Parameter("moment_share", "1", 0.0, 0.0, 1.2, "part of the moment that is lost as the lift is",
+              spread=0.5, symbol="m"),
+)  # fmt: skip
 
 
 def plate(

@@ -35,12 +35,16 @@ STATEMENT = (
 REGIME = "turning or drifting while moving forward; nothing in straight swimming"
 CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
 PARAMETERS = (
-    Parameter("S", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin"),
-    Parameter("a", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass"),
-    Parameter("b", "m", 0.03, 0.0, 0.09, "how far the fin spreads along the body", 0.02),
-    Parameter("p", "1", 0.2, -0.8, 4.0, "share of the sideways flow in the dynamic pressure", 0.4),
-    Parameter("g", "1", 0.0, -1.0, 2.0, "part of the force that lies along the body", 0.4),
-)
+    Parameter("lift_area", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin", symbol="S"),
+    Parameter("arm", "m", 0.15, 0.0, 0.4, "distance of the fin behind the centre of mass",
+              symbol="a"),
+    Parameter("half_length", "m", 0.03, 0.0, 0.09, "half the extent of the fin along the body",
+              spread=0.02, symbol="b"),
+    Parameter("sideways_flow_share", "1", 0.2, -0.8, 4.0,
+              "share of the sideways flow in the dynamic pressure", spread=0.4, symbol="p"),
+    Parameter("axial_share", "1", 0.0, -1.0, 2.0, "part of the force along the body",
+              spread=0.4, symbol="g"),
+)  # fmt: skip
 
 
 def force(

@@ -16,7 +16,10 @@ VARIABLES = ("head length",)
 STATEMENT = "A longer head does not make the tail push harder, as Eq. 1 says it does."
 REGIME = "trials with another head than 1x"
 CONFUSED_WITH = ("centre_of_mass_shift", "added_mass")
-PARAMETERS = (Parameter("k", "1", 0.5, 0.0, 1.5, "share of the growth that is not there"),)
+PARAMETERS = (
+    Parameter("missing_share", "1", 0.5, 0.0, 1.5,
+              "share of the growth with head area that is missing", symbol="k"),
+)  # fmt: skip
 
 
 def thrust(rho: float, f: float, C_T: float, A: float, A_ref: float, k: float) -> tuple[float]:

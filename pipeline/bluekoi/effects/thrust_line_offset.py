@@ -19,11 +19,11 @@ STATEMENT = "With the head turned, the thrust misses the centre of mass and turn
 REGIME = "turns, in proportion to thrust; also before it moves"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
 PARAMETERS = (
-    Parameter(
-        "d", "m", 0.003, -0.05, 0.05, "offset of the line of thrust at a head angle of 90 degrees"
-    ),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows with the angle itself", 0.4, (0.8,)),
-)
+    Parameter("offset", "m", 0.003, -0.05, 0.05,
+              "of the line of thrust at a head angle of 90 degrees", symbol="d"),
+    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part that grows with the angle, not its sine",
+              spread=0.4, tries=(0.8,), symbol="w"),
+)  # fmt: skip
 
 
 def force(T: float, phi: float, sphi: float, d: float, w: float) -> tuple[float, float, float]:

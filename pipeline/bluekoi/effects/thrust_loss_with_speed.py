@@ -24,10 +24,13 @@ STATEMENT = "The faster the robot already swims, the less thrust a tail beat giv
 REGIME = "start-up against cruise: strong push at first, less at speed"
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 PARAMETERS = (
-    Parameter("k", "m", 0.02, 0.0, 1.0, "loss of T / (rho A f^2) per metre of advance, at 0.15 m"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared", 0.4, (0.8, 0.0)),
-    Parameter("q", "1", 0.0, 0.0, 2.0, "growth with the beat beyond the advance", 0.5, (0.0, 1.0)),
-)
+    Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,
+              "loss of T / (rho A f^2) per metre of advance, at 0.15 m", symbol="k"),
+    Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as the advance squared",
+              spread=0.4, tries=(0.8, 0.0), symbol="w"),
+    Parameter("frequency_exponent", "1", 0.0, 0.0, 2.0, "growth with frequency at equal advance",
+              spread=0.5, tries=(0.0, 1.0), symbol="q"),
+)  # fmt: skip
 
 
 def thrust(rho: float, A: float, f: float, uc: float, k: float, w: float, q: float) -> tuple[float]:

@@ -21,9 +21,11 @@ STATEMENT = (
 REGIME = "all trials, to one side, straight runs most visibly"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
-    Parameter("c", "m", 0.001, -0.1, 0.1, "moment per 1/2 rho A V0^2, counter-clockwise positive"),
-    Parameter("p", "1", 1.0, 0.1, 1.5, "growth with speed squared", spread=0.3),
-)
+    Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
+              "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),
+    Parameter("speed_dependence", "1", 1.0, 0.1, 1.5, "growth with speed squared",
+              spread=0.3, symbol="p"),
+)  # fmt: skip
 
 
 def force(rho: float, A: float, V: float, c: float, p: float) -> tuple[float, float, float]:

@@ -18,15 +18,9 @@ STATEMENT = "After a full circle the robot meets the water that it stirred up it
 REGIME = "tight turns beyond 360 degrees of arc"
 CONFUSED_WITH = ("battery_sag", "sinking")
 PARAMETERS = (
-    Parameter(
-        "k",
-        "1",
-        0.2,
-        -3.0,
-        3.0,
-        "share of the reference drag 1/2 rho A V^2 that is lost in the wake",
-    ),
-)
+    Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
+              "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
+)  # fmt: skip
 
 
 def force(

@@ -19,12 +19,13 @@ STATEMENT = "Close to a wall of the pool the robot is slowed."
 REGIME = "within some 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
 PARAMETERS = (
-    Parameter(
-        "k", "1", 0.5, 0.0, 20.0, "share of the reference drag 1/2 rho A V^2 added at the wall"
-    ),
-    Parameter("s", "m", 0.15, 0.03, 0.5, "distance within which it fades by e", 0.06),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that fades as distance squared", 0.4),
-)
+    Parameter("added_drag", "1", 0.5, 0.0, 20.0,
+              "share of the drag 1/2 rho A V^2 added at the wall", symbol="k"),
+    Parameter("decay_length", "m", 0.15, 0.03, 0.5, "distance within which it falls by e",
+              spread=0.06, symbol="s"),
+    Parameter("wide_share", "1", 0.0, 0.0, 1.0, "part that falls as distance squared",
+              spread=0.4, symbol="w"),
+)  # fmt: skip
 
 
 def force(

@@ -22,10 +22,13 @@ STATEMENT = (
 REGIME = "the highest speeds: 100 % power"
 CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")
 PARAMETERS = (
-    Parameter("k", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4"),
-    Parameter("w", "1", 0.0, 0.0, 1.0, "part that grows as V^6", 0.4, (0.8,)),
-    Parameter("h", "1", 0.0, 0.0, 1.0, "part of it that acts at the head", spread=0.5),
-)
+    Parameter("coefficient", "N (s/m)^4", 1.0, 0.0, 60.0, "force at 0.4 m/s over 0.4^4",
+              symbol="k"),
+    Parameter("sixth_power_share", "1", 0.0, 0.0, 1.0, "part that grows as V^6",
+              spread=0.4, tries=(0.8,), symbol="w"),
+    Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
+              spread=0.5, symbol="h"),
+)  # fmt: skip
 
 
 def force(

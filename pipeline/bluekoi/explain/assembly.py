@@ -113,7 +113,7 @@ def _same_force(model: Model, cause: Cause, term: Term) -> bool:
     stage = model.force
     if stage is None or set(cause.hooks) != {stage.name} or cause.strengths != 1 or cause.rates:
         return False
-    strength, function = cause.parameters[0].name, cause.hooks[stage.name]
+    strength, function = cause.parameters[0].argument, cause.hooks[stage.name]
     names = arguments(function)
     if not set(names) <= {strength, term.variable} or len(cause.parameters) > 1:
         return False

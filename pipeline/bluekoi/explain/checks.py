@@ -141,7 +141,7 @@ def _causes(model: Model) -> list[Finding]:
 
 def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
     """Arguments of a cause's functions that nothing gives."""
-    base = model.given_names | {p.name for p in cause.parameters} | set(cause.states)
+    base = model.given_names | {p.argument for p in cause.parameters} | set(cause.states)
     every = base | {o for s in model.stages if s.name not in (RATES, OBSERVE) for o in s.outputs}
     out = []
     for stage, function in cause.hooks.items():

@@ -22,7 +22,7 @@ def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
     asked = set(names(stage.function)) if stage.function else set()
     for effect in effects:
         if stage.name in effect.hooks:
-            own = {p.name for p in effect.parameters}
+            own = {p.argument for p in effect.parameters}
             asked |= set(names(effect.hooks[stage.name])) - own
     return asked
 

@@ -52,7 +52,7 @@ class Loop:
 
         Raises: TypeError naming the function that asks for what nobody gives.
         """
-        own = self._rows.named.get(f"{effect}.{name}")
+        own = self._rows.own.get((effect, name))
         if own is None and name in self._local:
             return self._local[name]
         if own is None and name in self._passed_on:

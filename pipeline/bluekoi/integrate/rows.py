@@ -11,7 +11,8 @@ LANES = 16
 
 class Rows:
     """Row number of every named value: states, time, parameters, constants, inputs, outputs of
-    stages, rates, start and sum of a Runge-Kutta step, observations.
+    stages, rates, start and sum of a Runge-Kutta step, observations. own: (effect, argument of its
+    functions) -> row of its parameter.
     """
 
     def __init__(self, system: System) -> None:
@@ -23,6 +24,8 @@ class Rows:
         self._add(system.all_states)
         self._add(("t",))
         self.first_parameter = self._add(p.name for p in system.parameters)
+        self.own = {(e.name, p.argument): self.named[f"{e.name}.{p.name}"]
+                    for e in system.effects for p in e.parameters}  # fmt: skip
         self.first_constant = self._add(system.constants)
         self.first_input = self._add(system.inputs)
         self._add(outputs)

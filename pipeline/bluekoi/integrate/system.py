@@ -28,7 +28,8 @@ class Parameter:
     spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
     it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
     tries: further values from which a fit may begin, where its likelihood has several hills; of a
-    shape that is held where it is plausible, another form of the law.
+    shape that is held where it is plausible, another form of the law. symbol: of the parameter in
+    the equation of an effect.
     """
 
     name: str
@@ -40,6 +41,12 @@ class Parameter:
     spread: float = math.inf
     tries: tuple[float, ...] = ()
     plausible: float = math.nan
+    symbol: str = ""
+
+    @property
+    def argument(self) -> str:
+        """Name by which functions of an effect ask for it: its symbol, or else its name."""
+        return self.symbol or self.name
 
     @property
     def typical(self) -> float:
@@ -94,7 +101,8 @@ class Effect:
         acting = {name for f in functions for name in inspect.signature(f).parameters}
         informative = {p: {n for n, by in self.evidence.items() if p in by}
                 for by in self.evidence.values() for p in by}  # fmt: skip
-        return {p: names for p, names in informative.items() if p not in acting}
+        own = {p.name: p.argument for p in self.parameters}
+        return {p: names for p, names in informative.items() if own[p] not in acting}
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,11 @@ CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
 REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
 CONFUSED_WITH = ("scale_error",)
-EVIDENCE = {"clock_ratio": {"k": 1.0}}
-PARAMETERS = (Parameter("k", "1", 0.01, -0.6, 1.5, "share by which true time runs faster"),)
+EVIDENCE = {"clock_ratio": {"rate_error": 1.0}}
+PARAMETERS = (
+    Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
+              symbol="k"),
+)  # fmt: skip
 
 
 def clock(k: float) -> tuple[float]:

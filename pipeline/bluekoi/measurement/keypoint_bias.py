@@ -17,11 +17,15 @@ REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
 STRENGTHS = 4
 PARAMETERS = (
-    Parameter("by", "m", 0.003, -0.1, 0.1, "displacement to the left of the core"),
-    Parameter("bx", "m", 0.003, -0.02, 0.02, "displacement along the core"),
-    Parameter("bpsi", "rad", 0.01, -0.8, 0.8, "turn of the seen heading"),
-    Parameter("bphi", "rad", 0.01, -0.8, 0.8, "turn of the seen head angle"),
-)
+    Parameter("left_offset", "m", 0.003, -0.1, 0.1, "displacement to the left of the core",
+              symbol="by"),
+    Parameter("forward_offset", "m", 0.003, -0.02, 0.02, "displacement along the core",
+              symbol="bx"),
+    Parameter("heading_offset", "rad", 0.01, -0.8, 0.8, "error of the observed heading",
+              symbol="bpsi"),
+    Parameter("head_angle_offset", "rad", 0.01, -0.8, 0.8, "error of the observed head angle",
+              symbol="bphi"),
+)  # fmt: skip
 
 
 def observe(

@@ -20,11 +20,13 @@ STATEMENT = (
 )
 REGIME = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
-EVIDENCE = {"lens": {"k": 1.0}}
+EVIDENCE = {"lens": {"radial_distortion": 1.0}}
 PARAMETERS = (
-    Parameter("k", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water"),
-    Parameter("q", "1", 1.0, 0.0, 2.0, "how far out it is made up for, squared", 0.25),
-)
+    Parameter("radial_distortion", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water",
+              symbol="k"),
+    Parameter("compensated_share", "1", 1.0, 0.0, 2.0,
+              "part that the camera pose compensates, 1: computed", spread=0.25, symbol="q"),
+)  # fmt: skip
 
 
 def observe(

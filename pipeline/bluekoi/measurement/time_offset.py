@@ -17,15 +17,15 @@ STATEMENT = (
     "Video, commands and motor log do not start at the same time: the video is early or late."
 )
 REGIME = "the start of every trial; the phase of the tail beat in the video against the motor log"
-EVIDENCE = {"delay": {"e": 1.0}}
+EVIDENCE = {"delay": {"log_lead": 1.0}}
 STRENGTHS = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")
 PARAMETERS = (
-    Parameter("d", "s", 0.3, 0.0, 2.0, "by how much the motion starts after the video"),
-    Parameter(
-        "e", "s", 0.0, -2.0, 2.0, "by how much the motor log's clock is ahead of the video's"
-    ),
-)
+    Parameter("start_delay", "s", 0.3, 0.0, 2.0,
+              "time from the start of the video to that of the motion", symbol="d"),
+    Parameter("log_lead", "s", 0.0, -2.0, 2.0,
+              "by how much the motor log's clock is ahead of the video's", symbol="e"),
+)  # fmt: skip
 STARTS = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
 
 

@@ -17,7 +17,7 @@ from .camera_displacement import CAMERA_SHIFT, TAIL_FACTOR, CameraDisplacement
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
 FREQUENCY_STD = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
 TRIAL_EFFECTS = (
-    TrialEffect("head_angle_offset.d", float(SERVO_STD_RAD)),
+    TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
     TrialEffect("C_T", 2.0 * FREQUENCY_STD, relative=True),  # thrust goes with f^2
 )
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
@@ -26,10 +26,10 @@ published model cannot swim straight without a fin (MODEL, audit 5)."""
 LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the body
 CORE_M, HEAD_M = 0.2, 0.12  # lengths over which labels define the directions of core and head
 TOLERANCES = {
-    "keypoint_bias.bx": LABEL_STD_M,
-    "keypoint_bias.by": LABEL_STD_M,
-    "keypoint_bias.bpsi": LABEL_STD_M / CORE_M,
-    "keypoint_bias.bphi": LABEL_STD_M * float(np.hypot(1 / CORE_M, 1 / HEAD_M)),
+    "keypoint_bias.forward_offset": LABEL_STD_M,
+    "keypoint_bias.left_offset": LABEL_STD_M,
+    "keypoint_bias.heading_offset": LABEL_STD_M / CORE_M,
+    "keypoint_bias.head_angle_offset": LABEL_STD_M * float(np.hypot(1 / CORE_M, 1 / HEAD_M)),
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
 KINDS = ("physics", "measurement", "residual")

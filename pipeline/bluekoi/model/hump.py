@@ -1,9 +1,8 @@
-"""A drag that rises, or falls, about one speed, without a name of its own among the causes.
+"""A residual drag that rises or falls about one speed.
 
     dX = -h (1/2 rho A) V u / (1 + ((V - c) / w)^2)^2
 
-as where waves of the robot and of the pool's walls meet. A term without a name like those of
-`residual`, with a place and a width of its own.
+as where waves of the robot and of the pool's walls meet.
 Source: own statement.
 """
 
@@ -19,10 +18,13 @@ SPEEDS = (0.15, 0.2, 0.26, 0.42, 0.53)
 NARROW = 0.05
 """Other speeds are tried with this width: tries of several shapes go together, one by one."""
 PARAMETERS = (
-    Parameter("h", "1", 0.1, -5.0, 5.0, "drag coefficient added at that speed, of the head plate"),
-    Parameter("c", "m/s", 0.33, 0.05, 1.0, "the speed", tries=SPEEDS),
-    Parameter("w", "m/s", 0.07, 0.03, 0.25, "how wide it is", tries=(NARROW,) * len(SPEEDS)),
-)
+    Parameter("added_drag", "1", 0.1, -5.0, 5.0,
+              "drag coefficient added at that speed, of the head plate", symbol="h"),
+    Parameter("centre_speed", "m/s", 0.33, 0.05, 1.0, "speed of the largest change",
+              tries=SPEEDS, symbol="c"),
+    Parameter("width", "m/s", 0.07, 0.03, 0.25, "width in speed",
+              tries=(NARROW,) * len(SPEEDS), symbol="w"),
+)  # fmt: skip
 
 
 def force(

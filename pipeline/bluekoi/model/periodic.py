@@ -1,10 +1,9 @@
-"""Forces that rise and fall with the time or along the pool, without a name among the causes.
+"""Forces periodic in time or along the pool: residual terms with a wave number of their own.
 
     F = s sin Wz + c cos Wz,   z = t since the start, x or y from the pool's corner
 
-in one channel each: what comes and goes with the time (a supply that hunts about its voltage, water
-that swings after the release) or with the place (a standing wave). Terms without a name like those
-of `residual`, with a wave number of their own.
+in one channel each, as of a supply that oscillates about its voltage, water that sloshes after the
+release, or a standing wave.
 Source: any periodic function, to first order (Fourier).
 """
 
@@ -23,58 +22,55 @@ WAVE_NUMBERS = (2.4, 3.4, 4.6, 6.2, 8.0)
 """rad/m: from one wave in the pool's length to one in half its width."""
 
 
+def wave(z: float, s: float, c: float, W: float) -> float:
+    """F of the equation above."""
+    sine, cosine = sin_cos(W * z)
+    return s * sine + c * cosine
+
+
 def surge_with_time(t: float, s: float, c: float, W: float) -> Force:
     """Surge force (N)."""
-    sine, cosine = sin_cos(W * t)
-    return s * sine + c * cosine, 0.0, 0.0
+    return wave(t, s, c, W), 0.0, 0.0
 
 
 def sway_with_time(t: float, s: float, c: float, W: float) -> Force:
     """Sway force (N)."""
-    sine, cosine = sin_cos(W * t)
-    return 0.0, s * sine + c * cosine, 0.0
+    return 0.0, wave(t, s, c, W), 0.0
 
 
 def yaw_with_time(t: float, s: float, c: float, W: float) -> Force:
     """Yaw moment (N m)."""
-    sine, cosine = sin_cos(W * t)
-    return 0.0, 0.0, s * sine + c * cosine
+    return 0.0, 0.0, wave(t, s, c, W)
 
 
 def surge_along_x(x: float, s: float, c: float, W: float) -> Force:
     """Surge force (N)."""
-    sine, cosine = sin_cos(W * x)
-    return s * sine + c * cosine, 0.0, 0.0
+    return wave(x, s, c, W), 0.0, 0.0
 
 
 def sway_along_x(x: float, s: float, c: float, W: float) -> Force:
     """Sway force (N)."""
-    sine, cosine = sin_cos(W * x)
-    return 0.0, s * sine + c * cosine, 0.0
+    return 0.0, wave(x, s, c, W), 0.0
 
 
 def yaw_along_x(x: float, s: float, c: float, W: float) -> Force:
     """Yaw moment (N m)."""
-    sine, cosine = sin_cos(W * x)
-    return 0.0, 0.0, s * sine + c * cosine
+    return 0.0, 0.0, wave(x, s, c, W)
 
 
 def surge_along_y(y: float, s: float, c: float, W: float) -> Force:
     """Surge force (N)."""
-    sine, cosine = sin_cos(W * y)
-    return s * sine + c * cosine, 0.0, 0.0
+    return wave(y, s, c, W), 0.0, 0.0
 
 
 def sway_along_y(y: float, s: float, c: float, W: float) -> Force:
     """Sway force (N)."""
-    sine, cosine = sin_cos(W * y)
-    return 0.0, s * sine + c * cosine, 0.0
+    return 0.0, wave(y, s, c, W), 0.0
 
 
 def yaw_along_y(y: float, s: float, c: float, W: float) -> Force:
     """Yaw moment (N m)."""
-    sine, cosine = sin_cos(W * y)
-    return 0.0, 0.0, s * sine + c * cosine
+    return 0.0, 0.0, wave(y, s, c, W)
 
 
 def _effect(force: Callable[..., Force]) -> Effect:
@@ -87,10 +83,11 @@ def _effect(force: Callable[..., Force]) -> Effect:
         kind=KIND,
         statement=f"A {channel} force rises and falls {variable.replace('_', ' ')}.",
         parameters=(
-            Parameter("s", unit, size, -1.0, 1.0, "amplitude of the sine"),
-            Parameter("c", unit, size, -1.0, 1.0, "amplitude of the cosine"),
-            Parameter("W", "rad/s" if in_time else "rad/m", tries[len(tries) // 2],
-                      0.8 * tries[0], 1.2 * tries[-1], "wave number", tries=tries),
+            Parameter("sine_amplitude", unit, size, -1.0, 1.0, "s above", symbol="s"),
+            Parameter("cosine_amplitude", unit, size, -1.0, 1.0, "c above", symbol="c"),
+            Parameter("wave_number", "rad/s" if in_time else "rad/m", tries[len(tries) // 2],
+                      0.8 * tries[0], 1.2 * tries[-1], "frequency or wave number", tries=tries,
+                      symbol="W"),
         ),
         hooks={"force": force},
         module=__name__,

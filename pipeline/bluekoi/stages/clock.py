@@ -123,7 +123,7 @@ def with_clock_cause(
     factor = max(factors.values(), key=list(factors.values()).count)
     alike = sorted(n for n, f in factors.items() if f == factor)
     fine = next((c for c in content["causes"] if c["name"] == CAUSE), None)
-    value = factor.value * (1 + (fine["parameters"]["k"]["value"] if fine else 0.0))
+    value = factor.value * (1 + (fine["parameters"]["rate_error"]["value"] if fine else 0.0))
     all_trials = len(alike) == trials
     of = "" if all_trials else f" in {len(alike)} of {trials} trials"
     said = f"fps is {value:.4g} times the true frame rate{of}"
@@ -132,7 +132,7 @@ def with_clock_cause(
         "kind": clock_error.KIND,
         "channels": list(clock_error.CHANNELS),
         "regime": clock_error.REGIME if all_trials else f"trials {', '.join(alike)}",
-        "parameters": {"k": {"value": value - 1, "std": factor.std, "unit": "1"}},
+        "parameters": {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
         "weight": 1.0,
         "credible_set": [CAUSE],
         "log_evidence_gain": 0.5 * factor.sigmas**2,

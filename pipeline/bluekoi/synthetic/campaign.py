@@ -69,7 +69,8 @@ def study_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> dict[str
     `hidden`: what the paper's model lacks, by cause; `coefficients`: by name, or by power and name.
     """
     tank = design.tank
-    fin = {"S": tank.fin.area_m2 * tank.fin.lift_slope, "a": tank.fin.arm_m} if tank.fin else {}
+    slope_area = tank.fin.area_m2 * tank.fin.lift_slope if tank.fin else 0.0
+    fin = {"lift_area": slope_area, "arm": tank.fin.arm_m} if tank.fin else {}
     common = {power: asdict(c) for power, c in design.coefficients_at.items()}
     damping = {"N_r": tank.yaw_damping_n_m_s} if tank.yaw_damping_n_m_s else {}
     lacking = {"tail_fin_lift": fin, "linear_yaw_damping": damping}

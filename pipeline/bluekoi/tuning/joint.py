@@ -32,7 +32,7 @@ from ..model import COEFFICIENTS, plates
 from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
 
 HEAD_ANGLE = 3
-HEAD_ANGLE_ERROR = "head_angle_offset.d"
+HEAD_ANGLE_ERROR = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE, Z_95 = 0.3, 1.96
 """A number is not determined where its deviation exceeds this share of its size; half width of a

@@ -1,8 +1,8 @@
 """What may be concealed in a study's physics: each effect with the forms of its law.
 
 A form says which numbers of `swimmer.Laws` it sets. `strength` multiplies `weights`; `fixed` are
-set as they are; `shape` is drawn between two bounds. `told_as` names, for forms that are the same
-as the analysis' candidate, that candidate's parameter and the factor to it (None: another law).
+set as they are; `shape` is drawn between two bounds. `reported_as` names, for forms equal to
+the candidate's, the candidate's parameter and the factor to it (None: another law).
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ class Form:
     weights: Mapping[str, float]
     fixed: Mapping[str, float] = field(default_factory=dict)
     shape: Mapping[str, Span] = field(default_factory=dict)
-    told_as: Mapping[str, tuple[str, float]] | None = None
+    reported_as: Mapping[str, tuple[str, float]] | None = None
 
 
 @dataclass(frozen=True)
@@ -67,19 +67,19 @@ PHYSICS: Mapping[str, Effect] = {
     "tail_fin_lift": Effect(
         "core and tail as a fin", ("sway", "yaw"), (*TURN, *SPEED), 0.025, 0.06,
         (Form("one point", {"fin_m2": 1.0}, {}, {"fin_arm_m": (0.09, 0.17)},
-              {"S": ("fin_m2", 1.0), "a": ("fin_arm_m", 1.0)}),
+              {"lift_area": ("fin_m2", 1.0), "arm": ("fin_arm_m", 1.0)}),
          Form("strips", {"fin_m2": 1.0}, {"fin_spread_m": 0.045}, {"fin_arm_m": (0.09, 0.15)})),
     ),
     "added_mass": Effect(
         "water accelerated with the body", ("surge", "sway", "yaw"), (*TURN, *TIME, *SPEED),
         0.2, 0.9,
-        (_form("slender body", "added_sway_kg", "A22"),
+        (_form("slender body", "added_sway_kg", "sway_mass"),
          _form("ellipsoid", "added_sway_kg", added_surge_share=(0.04, 0.16),
                added_yaw_share=(0.6, 1.0))),
     ),
     "viscous_drag": Effect(
         "skin friction", ("surge", "sway"), SPEED, 0.3, 2.0,
-        (_form("v^1.5, laminar", "friction", "k", friction_power=_at(1.5)),
+        (_form("v^1.5, laminar", "friction", "coefficient", friction_power=_at(1.5)),
          _form("v, creeping", "friction", friction_power=_at(1.0))),
     ),
     "linear_yaw_damping": Effect(
@@ -99,7 +99,7 @@ PHYSICS: Mapping[str, Effect] = {
     ),
     "pool_gyre": Effect(
         "the water circles", ("surge", "sway", "yaw"), (*PLACE, *TIME, *SPEED, *TURN), 0.01, 0.08,
-        (_form("cell", "gyre", "G", 2**0.5),
+        (_form("cell", "gyre", "wall_speed", 2**0.5),
          _form("Gaussian vortex", "gyre", gyre_law=_at(1), gyre_core_m=(0.5, 0.8)),
          _form("vortex with a core", "gyre", gyre_law=_at(2), gyre_core_m=(0.25, 0.5))),
         signed=True,
@@ -119,18 +119,18 @@ PHYSICS: Mapping[str, Effect] = {
     ),
     "servo_lag": Effect(
         "the head arrives late", ("sway", "yaw"), (*TIME, *TURN), 0.3, 1.2,
-        (_form("first order", "servo_s", "tau"),
+        (_form("first order", "servo_s", "time_constant"),
          _form("critically damped", "servo_s", servo_law=_at(1)),
          _form("limited rate", "servo_s", servo_law=_at(2))),
     ),
     "motor_spin_up": Effect(
         "the motor starts slowly", ("surge",), TIME, 0.4, 1.6,
-        (_form("first order", "spin_s", "tau"), _form("tanh", "spin_s", spin_law=_at(1)),
+        (_form("first order", "spin_s", "time_constant"), _form("tanh", "spin_s", spin_law=_at(1)),
          _form("ramp", "spin_s", spin_law=_at(2))),
     ),
     "battery_sag": Effect(
         "thrust sinks with time", ("surge",), TIME, 0.04, 0.14,
-        (_form("linear", "sag_per_s", "k"), _form("hyperbola", "sag_per_s", sag_law=_at(1)),
+        (_form("linear", "sag_per_s", "loss_rate"), _form("hyperbola", "sag_per_s", sag_law=_at(1)),
          _form("exponential", "sag_per_s", sag_law=_at(2))),
     ),
     "trim_moment": Effect(
@@ -140,30 +140,31 @@ PHYSICS: Mapping[str, Effect] = {
     ),
     "head_angle_offset": Effect(
         "the head stands off its angle", ("sway", "yaw"), (*TURN, *SPEED), 0.03, 0.15,
-        (_form("constant", "head_offset", "d"),), signed=True,
+        (_form("constant", "head_offset", "offset"),), signed=True,
     ),
     "crossflow_drag": Effect(
         "sideways drag of core and tail", ("sway", "yaw"), TURN, 0.8, 3.5,
-        (_form("even depth", "cross", "C"), _form("tapering depth", "cross", cross_law=_at(1))),
+        (_form("even depth", "cross", "drag_coefficient"),
+         _form("tapering depth", "cross", cross_law=_at(1))),
     ),
     "thrust_line_offset": Effect(
         "thrust beside the centre of mass", ("yaw",), (*TURN, "flap_hz"), 0.006, 0.04,
-        (_form("sine", "thrust_arm_m", "d"),
+        (_form("sine", "thrust_arm_m", "offset"),
          _form("angle", "thrust_arm_m", thrust_arm_law=_at(1))), signed=True,
     ),
     "thrust_area": Effect(
         "thrust does not grow with the head", ("surge",), (*LENGTH, *SPEED), 0.6, 1.3,
-        (_form("share", "thrust_area", "k"),),
+        (_form("share", "thrust_area", "missing_share"),),
     ),
     "lift_lag": Effect(
         "lift builds up with a delay", ("sway", "yaw"), (*TIME, *TURN), 0.5, 1.0,
-        (_form("first order in lengths", "lag", "k", lag_lengths=(3.0, 8.0)),
+        (_form("first order in lengths", "lag", "lagging_share", lag_lengths=(3.0, 8.0)),
          _form("Wagner, after Jones", "lag", lag_law=_at(1)),
          _form("fixed time", "lag", lag_law=_at(2), lag_lengths=(0.1, 0.3))),
     ),
     "wave_drag": Effect(
         "drag of waves", ("surge", "sway"), SPEED, 1.5, 20.0,
-        (_form("v^4", "wave", "k"), _form("v^6", "wave", wave_law=_at(1)),
+        (_form("v^4", "wave", "coefficient"), _form("v^6", "wave", wave_law=_at(1)),
          _form("Havelock's shape", "wave", wave_law=_at(2))),
     ),
     "coulomb_friction": Effect(
@@ -176,15 +177,17 @@ PHYSICS: Mapping[str, Effect] = {
     ),
     "sinking": Effect(
         "drag grows as it sinks", ("surge", "sway"), TIME, 0.06, 0.4,
-        (_form("linear", "sink_per_s", "k"), _form("square", "sink_per_s", sink_law=_at(1))),
+        (_form("linear", "sink_per_s", "drag_growth_rate"),
+         _form("square", "sink_per_s", sink_law=_at(1))),
     ),
     "centre_of_mass_shift": Effect(
         "the centre of mass lies elsewhere", ("yaw",), TURN, 0.012, 0.05,
-        (_form("ahead", "com_shift_m", "d"),), signed=True,
+        (_form("ahead", "com_shift_m", "forward_shift"),), signed=True,
     ),
     "port_starboard_asymmetry": Effect(
         "lift differs between the sides", ("sway", "yaw"), TURN, 0.08, 0.4,
-        (_form("step", "side", "k"), _form("tanh", "side", side_law=_at(1))), signed=True,
+        (_form("step", "side", "lift_difference"),
+         _form("tanh", "side", side_law=_at(1))), signed=True,
     ),
 }  # fmt: skip
 

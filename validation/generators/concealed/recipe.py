@@ -77,7 +77,7 @@ def choose_form(rng: np.random.Generator, name: str, ratio: float) -> Chosen:
     drawn = {k: float(rng.uniform(*span)) for k, span in form.shape.items()}
     if name == "tail_fin_lift":
         drawn["fin_arm_m"] = float(rng.uniform(0.1, 0.15))
-    reported = Form(form.law, weights, form.fixed, form.shape, form.told_as)
+    reported = Form(form.law, weights, form.fixed, form.shape, form.reported_as)
     return Chosen(name, reported, drawn, ratio)
 
 

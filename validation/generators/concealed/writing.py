@@ -47,7 +47,7 @@ def _put_in(recipe: Recipe, design: Design) -> tuple[Laws, list[dict[str, Any]]]
 def _told(chosen: Chosen, laws: Laws, strength: float, ratio: float) -> dict[str, Any]:
     effect, form = effect_of(chosen.name), chosen.form
     values = laws._asdict()
-    same = {k: values[number] * factor for k, (number, factor) in (form.told_as or {}).items()}
+    same = {k: values[number] * factor for k, (number, factor) in (form.reported_as or {}).items()}
     return {
         "name": chosen.name if chosen.name in PHYSICS else "unexplained",
         "effect": chosen.name,

@@ -97,6 +97,21 @@ def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> Non
     report.update()
 
 
+@main.command()
+@FOLDER
+def discrepancy(folder: Path) -> None:
+    """Estimate the size of a cause's discrepancy (KAPPA) from the measured studies of FOLDER."""
+    from .discrepancy import relative_residuals, report  # noqa: PLC0415  compiles the model
+
+    values: dict[str, list[float]] = {}
+    for name in running.study_names(folder):
+        if (folder / "tracks" / name / "measured.json").is_file():
+            found = relative_residuals(folder / "studies" / name, folder / "tracks" / name)
+            for cause, own in found.items():
+                values.setdefault(cause, []).extend(own)
+    click.echo(report(values))
+
+
 @main.command("report")
 def evidence_page() -> None:
     """Make the tables and the plot of docs/evidence.md from validation/results."""

@@ -180,34 +180,44 @@ def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUN
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     The first estimate has two starting points, random forces as estimated before and small ones:
-    what a law explains must not stay random.
+    what a law explains must not stay random. With a single round, the likelier of them alone.
     """
     starts: tuple[Noise, ...] = (model.noise, quiet(problem, model.noise))
+    points = _points(problem, model)
+    if most == 1:
+        starts = (_likelier(problem, points, starts),)
     for _ in range(most):
-        best = _likeliest(problem, model, starts)
+        found = [_estimated(problem, points, start, near=start is model.noise) for start in starts]
+        best = _likelier(problem, points, found)
         again = fitted(problem, model.causes, best, model.fit.by_label(), passes=1,
                        free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
         gain = again.log_likelihood - model.log_likelihood
         model = again if gain > 0 else model
+        points = _points(problem, model)
         starts = (model.noise,)
         if gain < LEAST_GAIN:
             break
     return model
 
 
-def _likeliest(problem: Problem, model: FittedSet, starts: Sequence[Noise]) -> Noise:
-    """The likeliest of the noises found from several starts, at the set's numbers."""
+def _points(problem: Problem, model: FittedSet) -> list[Float]:
     base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
-    local = replace(problem, base=base)
-    points = local.points(model.fit.free, model.fit.values)
-    found = [fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                       line_searches=start is not model.noise, max_trials=len(points))
-             for start in starts]  # fmt: skip
-    if len(found) == 1:
-        return found[0]
+    return replace(problem, base=base).points(model.fit.free, model.fit.values)
+
+
+def _estimated(problem: Problem, points: Sequence[Float], start: Noise, *, near: bool) -> Noise:
+    """Noise at given numbers; near: whether the start is near enough for quasi-Newton steps."""
+    return fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
+                     line_searches=not near, max_trials=len(points))  # fmt: skip
+
+
+def _likelier(problem: Problem, points: Sequence[Float], noises: Sequence[Noise]) -> Noise:
+    """The likeliest of several noises at given numbers."""
+    if len(noises) == 1:
+        return noises[0]
     likely = [sum(f.log_likelihood for f in filter_all(problem.kernel, problem.series, points, n))
-              for n in found]  # fmt: skip
-    return found[int(np.argmax(np.nan_to_num(likely, nan=-np.inf)))]
+              for n in noises]  # fmt: skip
+    return noises[int(np.argmax(np.nan_to_num(likely, nan=-np.inf)))]
 
 
 def quiet(problem: Problem, noise: Noise) -> Noise:

@@ -34,7 +34,8 @@ from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
-STATED_STD = 0.05  # ASSUME a motor without a log keeps its stated frequency to 5 %
+STATED_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is stated to 1 % (STUDY.md)
+UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
 SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -87,11 +88,15 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
 
     A clock is wrong by one share in all trials. By how much more than their errors the ratios
     differ (a supply that sags under load) is therefore an error that all of them share, and so is
-    that of a frequency that was stated and not logged.
+    that of a frequency that was stated and not logged. Where no trial shows its tail beat, nothing
+    but the statement speaks for the frame rate.
     """
     beats = {s.name: flapping[s.name] for s in series}
     clocks = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
             for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
+    if not clocks:
+        unchecked = {"clock_ratio": (0.0, UNCHECKED_STD * float(np.sqrt(len(series))))}
+        return [replace(s, evidence={**s.evidence, **unchecked}) for s in series]
     ratio, own = np.array(list(clocks.values())).reshape(-1, 2).T
     own = np.nan_to_num(own)
     apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
@@ -99,7 +104,7 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
     evidence = {name: {"clock_ratio": (float(r), float(s))}
                 for name, r, s in zip(clocks, ratio, std, strict=True)}  # fmt: skip
-    return [replace(s, evidence=evidence.get(s.name, s.evidence)) for s in series]
+    return [replace(s, evidence={**s.evidence, **evidence.get(s.name, {})}) for s in series]
 
 
 def with_delay(

@@ -1,0 +1,80 @@
+"""How much of a law a model with other functional forms leaves: the finder's `KAPPA`.
+
+Each functional form of a cause is left out in turn. What the coefficients, the cause's strength and
+its remaining forms cannot represent of it, M v, is compared with residual terms of the state in the
+cause's channels, scaled to the force of the cause (columns D): if their strengths were independent
+with standard deviation kappa, the expected square of M D xi would be kappa^2 tr(D' M D). So
+
+    kappa^2 = v' M v / tr(D' M D)
+
+in the metric of the trials' Fisher information. Verdicts play no part in it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from bluekoi.campaign import load_campaign
+from bluekoi.data import Float
+from bluekoi.engine.expansion import Expansion, expanded
+from bluekoi.engine.problem import Problem
+from bluekoi.engine.refit import fitted
+from bluekoi.integrate import compiled
+from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.model import plates
+from bluekoi.stages.tuning import campaign_flapping, campaign_series
+from bluekoi.study import load_study
+from bluekoi.tuning import thin, tune
+
+RIDGE = 1e-9
+
+
+def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
+    """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
+    campaign = load_campaign(results, load_study(study), measured=True)
+    series = thin(campaign_series(campaign, campaign_flapping(campaign)))
+    kernel, baseline = compiled(plates()), tune(series)
+    problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
+    model = fitted(problem, (), problem.noise, baseline.fit.by_label())
+    expansion = expanded(problem, model)
+    found: dict[str, list[float]] = defaultdict(list)
+    for cause, value in _by_form(problem, expansion):
+        found[cause].append(value)
+    return dict(found)
+
+
+def _by_form(problem: Problem, expansion: Expansion) -> Iterator[tuple[str, float]]:
+    H = expansion.hessian.sum(axis=0)
+    for candidate in problem.candidates:
+        forms = expansion.forms[candidate.name]
+        terms = [c for other in problem.candidates if problem.covers(candidate, other)
+                 for c in expansion.strengths[other.name]]  # fmt: skip
+        strengths = list(expansion.strengths[candidate.name])
+        for form in forms if terms else ():
+            known = [*expansion.own, *strengths, *(f for f in forms if f != form)]
+            left = remainder(H, known, [form, *terms])
+            scale = H[strengths[0], strengths[0]] / np.maximum(H[terms, terms], 1e-30)
+            yield candidate.name, float(left[0] / (left[1:] * scale).sum())
+
+
+def remainder(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:
+    """Squares (columns,) of what known columns cannot represent of others; H: all products."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-30))
+    R = H * np.outer(scale, scale)
+    inside = R[np.ix_(known, known)] + RIDGE * np.eye(len(known))
+    cross = R[np.ix_(known, columns)]
+    left = 1.0 - np.einsum("kc,kc->c", cross, np.linalg.solve(inside, cross))
+    return np.maximum(left, 0.0) / scale[list(columns)] ** 2
+
+
+def report(values: dict[str, list[float]]) -> str:
+    """Kappa of each cause, and of all causes with equal weight."""
+    rows = {c: float(np.sqrt(np.mean(v))) for c, v in values.items()}
+    lines = [f"{c:28s} {k:.3f}  ({len(values[c])} forms)" for c, k in sorted(rows.items())]
+    whole = np.sqrt(np.mean([k**2 for k in rows.values()]))
+    return "\n".join([*lines, f"root mean square of {len(rows)} causes: {whole:.3f}",
+                      f"median: {np.median(list(rows.values())):.3f}"])  # fmt: skip

@@ -50,7 +50,7 @@ FIRST_NOISE = Noise(
 
 
 def downsampled(series: Sequence[Series]) -> list[Series]:
-    """The trials as fits take them: about ten observations a second, head angle once a trial."""
+    """The trials as fits take them: about five observations a second, head angle once a trial."""
     return [block_averaged(s, constant=(HEAD_ANGLE,)) for s in series]
 
 

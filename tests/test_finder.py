@@ -35,6 +35,7 @@ from bluekoi.model import plates
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD,
+    STATED_STD,
     from_the_nose,
     rigid_evidence,
     with_clock,
@@ -365,7 +366,7 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
     stated = np.mean([std for _, std in clock_ratios([-0.025] * 9, "flap_hz")]) / 3
-    assert stated == pytest.approx(0.05, rel=0.01)  # a motor that no log has seen may be slow
+    assert stated == pytest.approx(STATED_STD, rel=0.1)  # as STUDY.md says: of its log
 
 
 def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Measured) -> None:

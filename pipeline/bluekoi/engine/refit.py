@@ -168,9 +168,9 @@ def _moved(found: Fit, start: Mapping[str, float]) -> float:
 
 
 def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
-    """A set fitted with the formulas of its causes alone, under its own noise."""
-    if not model.discrepancy:
-        return model
+    """A set fitted to a problem's trials with the formulas of its causes alone, under its own
+    noise.
+    """
     plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free)  # fmt: skip
     return own_noise(problem, plain, most=2)

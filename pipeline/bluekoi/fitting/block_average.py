@@ -16,7 +16,7 @@ import numpy as np
 from ..data import Float
 from .series import Series
 
-RATE_HZ = 5.0
+RATE_HZ = 10.0
 HALF_WINDOW_S = 0.15
 MIN_FOR_BEND = 5
 

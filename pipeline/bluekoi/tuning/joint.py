@@ -25,6 +25,7 @@ from ..fitting import (
     off_bounds,
     trial_values,
 )
+from ..fitting.block_average import RATE_HZ
 from ..fitting.sandwich import MIN_SHARE
 from ..integrate import Kernel, compiled
 from ..integrate.system import Parameter
@@ -49,9 +50,9 @@ FIRST_NOISE = Noise(
 0.3 mm and 0.17 degrees, forgotten within 0.2 s; white noise as stated."""
 
 
-def downsampled(series: Sequence[Series]) -> list[Series]:
-    """The trials as fits take them: about five observations a second, head angle once a trial."""
-    return [block_averaged(s, constant=(HEAD_ANGLE,)) for s in series]
+def downsampled(series: Sequence[Series], rate_hz: float = RATE_HZ) -> list[Series]:
+    """The trials as fits take them: about ten observations a second, head angle once a trial."""
+    return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE,)) for s in series]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@
 
 from pathlib import Path
 
-from bluekoi.workflow.begin import begin, follow, preload, shell_prefix, without_rate_limit
+from bluekoi.workflow.begin import begin_run, follow, preload, shell_prefix, without_rate_limit
 
 
 configfile: Path(workflow.basedir) / "config/default.yaml"
 
 
-plan = begin(workflow, config, Path(workflow.basedir) / "config/schema.yaml")
+plan = begin_run(workflow, config, Path(workflow.basedir) / "config/schema.yaml")
 R = plan.results
 LOGS = R / "logs"
 AT = plan.options
@@ -127,7 +127,7 @@ rule figure:
         R / "figures/{figure}.csv",
     conda: ENV
     log: LOGS / "figures/{figure}.log"
-    params: at=AT, code=plan.figure_code, words=plan.figure_words,
+    params: at=AT, code=plan.figure_code, words=plan.figure_title_and_caption,
     resources: mem_mb=800, runtime=10,
     shell: "python3 -P -m bluekoi stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 

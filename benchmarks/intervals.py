@@ -29,7 +29,7 @@ from bluekoi.fitting import Normal, TrialRandomEffect, cluster_covariance, cov_j
 from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
 from bluekoi.tuning import downsampled, tune
-from bluekoi.tuning.joint import servo
+from bluekoi.tuning.joint import servo_random_effect
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
 
 NAMES = tuple(COEFFICIENTS)
@@ -48,7 +48,7 @@ def batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
         few = downsampled(series)
         tuned = tune(few)
         fit = tuned.fit
-        own = servo(compiled(plates()), few, fit, tuned.base, noise=tuned.noise)
+        own = servo_random_effect(compiled(plates()), few, fit, tuned.base, noise=tuned.noise)
         out.append((fit.values, fit.normal.hessian, fit.normal.gradient,
                     own.cross, own.fisher, own.score))  # fmt: skip
     return out

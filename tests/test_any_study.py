@@ -15,7 +15,7 @@ from bluekoi.mismatch.camera_displacement import detect_displacements
 from bluekoi.model import plates
 from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import profiles, spectrum
-from bluekoi.tuning.joint import Tuned, downsampled, table, tune
+from bluekoi.tuning.joint import Tuned, coefficient_table, downsampled, tune
 from campaigns import Errors, sixteen
 from campaigns import plans as plans_of
 
@@ -49,7 +49,7 @@ def examined(series: list[Series]) -> Tuned:
     """Everything that the stage `tuning` makes of a joint fit."""
     few = downsampled(series)
     found = tune(few)
-    cells = table(found)
+    cells = coefficient_table(found)
     assert all(np.isfinite(cell["value"]) for cell in cells.values())
     assert all(cell["why"] for cell in cells.values() if not cell["determined"])
     assert found.fit.outcome

@@ -8,7 +8,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
-from bluekoi.camera.boards import Board, View, detect, read_board
+from bluekoi.camera.boards import Board, View, find_board, read_board
 from bluekoi.camera.bundle import fit_lens
 from bluekoi.camera.calibrate import (
     best_model,
@@ -130,7 +130,7 @@ def test_calibrations_that_cannot_be_right_are_refused_with_the_reason(change, r
         lens = Lens("pinhole", matrix, PINHOLE.distortion, SIZE)
     views = views_of(lens, where, 3.0 if change == "noisy" else 0.1, rng)
     found = evaluate_model(views, "pinhole", 4, SIZE)
-    assert any(reason in words for words in found.refusals)
+    assert any(reason in words for words in found.implausibilities)
     assert select_lens([found]) is None
 
 
@@ -147,7 +147,7 @@ def test_a_lens_that_folds_inside_the_picture_is_refused():
     middle = poses(16, rng, near=0.6)
     middle[:, 3:5] = rng.uniform([-0.12, -0.08], [-0.08, -0.05], (16, 2))
     found = evaluate_model(views_of(lens, middle, 0.05, rng), "pinhole", 4, SIZE)
-    assert any("not monotonic inside the picture" in reason for reason in found.refusals)
+    assert any("not monotonic inside the picture" in reason for reason in found.implausibilities)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -217,7 +217,7 @@ def test_charuco_boards_may_be_partly_out_of_view():
     for i, pose in enumerate(board_poses(14, seed=5)):
         pose[3:5] -= [0.05, 0.04]
         frames.append(Frame(i, i / 30, warped(flat, 80 / 0.025, pose)))
-    whole = [detect(f.luma, read_board("9x6", 25, "charuco"), "x") for f in frames[:6]]
+    whole = [find_board(f.luma, read_board("9x6", 25, "charuco"), "x") for f in frames[:6]]
     assert any(view is not None and len(view.board_m) < 54 for view in whole)
     result = calibrate_pictures(
         from_frames(frames), pattern="9x6", square_mm=25, board="charuco", model="pinhole"

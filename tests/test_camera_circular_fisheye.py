@@ -10,7 +10,7 @@ from bluekoi.camera.bundle import fit_lens
 from bluekoi.camera.calibrate import best_model, calibrate_pictures, camera_section
 from bluekoi.camera.image_circle import ImageCircle, image_circle
 from bluekoi.camera.lens import Lens
-from bluekoi.camera.lens_selection import lens_refusals
+from bluekoi.camera.lens_selection import lens_implausibilities
 from bluekoi.errors import InputError
 
 SIZE, CENTRE, RADIUS = (800, 600), np.array([408.0, 292.0]), 275.0
@@ -108,10 +108,10 @@ def test_more_coefficients_never_fit_worse_than_fewer(seed):
 def test_a_projection_that_folds_inside_the_image_circle_is_refused():
     matrix = np.array([[FOCAL, 0, CENTRE[0]], [0, FOCAL, CENTRE[1]], [0, 0, 1]])
     folding = Lens("fisheye", matrix, np.array([-0.2, 0, 0, 0]), SIZE)
-    reasons = lens_refusals(folding, SIZE, 0.1, CIRCLE)
+    reasons = lens_implausibilities(folding, SIZE, 0.1, CIRCLE)
     assert any("not monotonic inside the image circle" in reason for reason in reasons)
     sound = Lens("fisheye", matrix, np.array([-0.04, 0, 0, 0]), SIZE)
-    assert lens_refusals(sound, SIZE, 0.1, CIRCLE) == []
+    assert lens_implausibilities(sound, SIZE, 0.1, CIRCLE) == []
 
 
 def test_the_advice_for_a_circular_fisheye_can_be_followed():

@@ -17,7 +17,7 @@ from bluekoi.camera import (
     to_pool,
 )
 from bluekoi.camera.displacement import error_forms, lens_strength
-from bluekoi.camera.resection import rectangle
+from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
 from bluekoi.observation import view_of
@@ -25,7 +25,7 @@ from bluekoi.study import Setup
 from robots import SETUP
 
 DEPTH_M, WATER = 0.06, 1.333
-CORNERS_M = rectangle(2.6, 1.6, 0.0)
+CORNERS_M = pool_rectangle(2.6, 1.6, 0.0)
 PLACES = np.array([(x, y) for x in np.linspace(0.2, 2.4, 12) for y in np.linspace(0.2, 1.4, 7)])
 
 

@@ -10,7 +10,7 @@ from bluekoi.camera import Lens, PoolCamera, camera_from_corners, project, to_po
 from bluekoi.camera.distances import Geometry
 from bluekoi.camera.geometry import check_distances, check_geometry, estimate_depth
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
-from bluekoi.camera.resection import pose, pose_near, rectangle
+from bluekoi.camera.resection import pool_rectangle, pose, pose_near
 from bluekoi.camera.uncertainty import calibration_covariance, calibration_modes
 from bluekoi.camera.whole_length import systematic_share, whole_lengths
 from bluekoi.data import Positions
@@ -39,7 +39,7 @@ LENS = Lens(
 def camera_above(lens: Lens = LENS, size: tuple[float, float] = (2.6, 1.6)) -> PoolCamera:
     turn = Rotation.from_rotvec([0.04, -0.03, 0.01]).as_matrix() @ np.diag([1.0, -1.0, -1.0])
     shift = -turn @ np.array([1.25, 0.85, 2.3])
-    corners = rectangle(*size, 0.0)
+    corners = pool_rectangle(*size, 0.0)
     blank = PoolCamera(
         size_px=lens.size_px,
         corners_px=np.zeros((4, 2)),
@@ -116,7 +116,7 @@ def test_what_a_detector_does_everywhere_alike_is_no_geometry_error():
 
 
 def test_a_pool_measured_short_is_a_scale_error():
-    corners = rectangle(2.6 * 0.985, 1.6 * 0.985, 0.0)
+    corners = pool_rectangle(2.6 * 0.985, 1.6 * 0.985, 0.0)
     believed = camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333)
     found = checked(believed)
     assert found.outcome == "scale_error" or "scale_error" in found.rivals
@@ -146,7 +146,7 @@ def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
 
 @pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])
 def test_the_whole_length_alone_shows_a_scale_error(share, outcome):
-    corners = rectangle(2.6 * share, 1.6 * share, 0.0)
+    corners = pool_rectangle(2.6 * share, 1.6 * share, 0.0)
     found = whole_checked(camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333))
     assert found.mean_excess == pytest.approx(share - 1, abs=0.001)
     assert ("scale_error" in {found.outcome, *found.rivals}) == outcome

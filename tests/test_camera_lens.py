@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.camera.lens import Lens, directions, fold_radius, pixels
+from bluekoi.camera.lens import Lens, directions, monotonic_radius, pixels
 
 MATRIX = np.array([[1130.0, 0, 955], [0, 1128, 542], [0, 0, 1]])
 PINHOLES = {
@@ -57,10 +57,10 @@ def test_pinhole_agrees_with_opencv_forward():
 
 def test_points_past_the_fold_and_behind_are_not_seen():
     lens = Lens("pinhole", MATRIX, np.array([-0.3, 0, 0, 0.0]), (1920, 1080))
-    assert fold_radius(lens) == pytest.approx(1 / np.sqrt(0.9), abs=0.01)
+    assert monotonic_radius(lens) == pytest.approx(1 / np.sqrt(0.9), abs=0.01)
     points = np.array([[1.2, 0, 1], [0, 0, -1], [0.3, 0, 1]])
     assert np.isnan(pixels(lens, points)[:, 0]).tolist() == [True, True, False]
-    edge = 955 + 1130 * fold_radius(lens) * (1 - 0.3 * fold_radius(lens) ** 2)
+    edge = 955 + 1130 * monotonic_radius(lens) * (1 - 0.3 * monotonic_radius(lens) ** 2)
     seen = directions(lens, np.array([[edge + 5, 542.0], [edge - 5, 542.0]]))
     assert np.isnan(seen[:, 0]).tolist() == [True, False]
 

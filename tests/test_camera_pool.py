@@ -18,12 +18,12 @@ from bluekoi.camera import (
     project,
     to_pool,
 )
-from bluekoi.camera.refraction import refracted, surface_share
-from bluekoi.camera.resection import rectangle
+from bluekoi.camera.refraction import air_path_share, refract_rays
+from bluekoi.camera.resection import pool_rectangle
 from bluekoi.data import Keypoints
 from bluekoi.errors import InputError
 from bluekoi.study import Setup
-from bluekoi.study.filmed import as_filmed, in_study
+from bluekoi.study.filmed import setup_in_film_pixels, to_study_pixels
 
 ROBOT = {
     "mass_kg": 0.68,
@@ -36,7 +36,7 @@ ROBOT = {
 }
 MATRIX = [[1130.0, 0.0, 955.0], [0.0, 1130.0, 542.0], [0.0, 0.0, 1.0]]
 LENS = Lens("pinhole", np.array(MATRIX), np.array([-0.12, 0.03, 0.0004, -0.0003, 0]), (1920, 1080))
-CORNERS_M = rectangle(2.6, 1.6, 0.0)
+CORNERS_M = pool_rectangle(2.6, 1.6, 0.0)
 
 
 def overhead(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05) -> PoolCamera:
@@ -130,10 +130,10 @@ def test_project_and_to_pool_are_inverse(x, y, z, height, tilt):
 def test_snell_holds_on_both_sides_of_the_surface():
     angle = np.linspace(0, 1.4, 20)
     rays = np.column_stack([np.sin(angle), np.zeros(20), -np.cos(angle)])
-    bent = refracted(rays, 1.333)
+    bent = refract_rays(rays, 1.333)
     assert np.allclose(np.linalg.norm(bent, axis=1), 1)
     assert np.allclose(1.333 * bent[:, 0], rays[:, 0])
-    share = surface_share(np.array([1.5]), 2.0, np.array([0.3]), 1.333)[0]
+    share = air_path_share(np.array([1.5]), 2.0, np.array([0.3]), 1.333)[0]
     air, water = 1.5 * share, 1.5 * (1 - share)
     assert air / np.hypot(air, 2) == pytest.approx(1.333 * water / np.hypot(water, 0.3), rel=1e-13)
 
@@ -149,7 +149,7 @@ def test_pose_comes_back_from_exact_corners():
 
 def test_marks_above_the_water_are_placed_there():
     truth = overhead()
-    raised = rectangle(2.6, 1.6, 0.12)
+    raised = pool_rectangle(2.6, 1.6, 0.12)
     marks = project(truth, raised).tolist()
     found = pool_camera(setup(truth, pool_corners_px=marks, pool_corners_height_m=0.12))
     assert np.allclose(found.center_m, truth.center_m, atol=1e-6)
@@ -244,16 +244,16 @@ def test_keypoints_outside_the_pool_are_remarked():
 @pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (1066, 600), (2880, 1620)])
 def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
     given = setup(overhead())
-    reported = as_filmed(given, size)
+    reported = setup_in_film_pixels(given, size)
     assert reported.camera.image_size_px == size
     by_size, by_section = pool_camera(given, size), pool_camera(reported)
     points = np.column_stack([pool_points(), np.full(60, -0.04)])
     np.testing.assert_allclose(project(by_section, points), project(by_size, points), atol=1e-6)
-    back = in_study(given, size, np.array(reported.camera.pool_corners_px))
+    back = to_study_pixels(given, size, np.array(reported.camera.pool_corners_px))
     np.testing.assert_allclose(back, np.array(given.camera.pool_corners_px), atol=1e-9)
     Setup.model_validate(reported.model_dump())
 
 
 def test_a_film_of_another_shape_is_refused():
     with pytest.raises(InputError, match="1440 x 1080"):
-        as_filmed(setup(overhead()), (1440, 1080))
+        setup_in_film_pixels(setup(overhead()), (1440, 1080))

@@ -26,7 +26,7 @@ from bluekoi.steady import read_steady
 from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.design import Plan, bare_design, demo_design
 from bluekoi.synthetic.laws import Coefficients
-from bluekoi.synthetic.trial import prepare
+from bluekoi.synthetic.trial import solve_trial
 
 pytestmark = pytest.mark.long
 PLANS = {plan.trial_id: plan for plan in demo_design().plans}
@@ -64,7 +64,7 @@ def truth(plan: Plan, row: Steady) -> tuple[float, float, float]:
     sides must look at the same stretch, the one between steady_from_s and steady_to_s. Nothing
     here comes from the circle fit that is being judged.
     """
-    trial = prepare(demo_design(), plan.trial_id)
+    trial = solve_trial(demo_design(), plan.trial_id)
     at = np.linspace(row.steady_from_s, row.steady_to_s, 1000)
     vx, vy = trial.motion.mean(at)[:, 3:5].T
     course = np.unwrap(np.arctan2(vy, vx))
@@ -99,7 +99,7 @@ def test_demo_truth(steady, name):
 def test_the_last_stretch_is_where_the_speed_has_settled(steady):
     """Nor may the choice of the stretch hide an error: the true speed over the last 30 % agrees."""
     for name, plan in PLANS.items():
-        trial = prepare(demo_design(), name)
+        trial = solve_trial(demo_design(), name)
         end = float(trial.time_s[-1])
         late = replace(steady[name], steady_from_s=0.7 * end, steady_to_s=end)
         assert steady[name].speed_m_s == pytest.approx(truth(plan, late)[0], rel=0.01), name

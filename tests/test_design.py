@@ -19,7 +19,7 @@ from bluekoi.design_space import (
     Design,
     Fitted,
     designs,
-    fitted,
+    load_fitted,
     on_front,
     read_schedule,
     smallest_radius,
@@ -106,7 +106,7 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
     loaded = load_study(study)
     tested = design_space.tested_range(loaded)
     found = designs(
-        fitted(results),
+        load_fitted(results),
         loaded.setup,
         tested,
         powers=(100, 150),
@@ -123,14 +123,14 @@ def test_designs_outside_the_tested_range_are_marked_and_bands_follow_the_draws(
     assert low < best < high
     assert 0.005 < math.log(high / best) / 1.96 < 0.05
     with pytest.raises(InputError, match="mass_kg"):
-        designs(fitted(results), loaded.setup, tested, powers=(100,), angles_deg=(45,),
+        designs(load_fitted(results), loaded.setup, tested, powers=(100,), angles_deg=(45,),
                 lengths_m=(0.12,), other={"mass": (1.0,)})  # fmt: skip
 
 
 def test_an_extended_model_is_asked_for_only_where_there_is_one(results: Path) -> None:
-    assert fitted(results).model == "joint"
+    assert load_fitted(results).model == "joint"
     with pytest.raises(InputError, match="mismatch_detail"):
-        fitted(results, model="extended")
+        load_fitted(results, model="extended")
 
 
 def test_frequency_between_tested_powers_and_beyond() -> None:
@@ -255,7 +255,7 @@ def test_incomplete_results_are_reported_with_their_file(
     results: Path, tmp_path: Path, change, words: str
 ) -> None:
     with pytest.raises(InputError, match=words) as reported:
-        fitted(broken(results, tmp_path / "r", change))
+        load_fitted(broken(results, tmp_path / "r", change))
     assert str(tmp_path / "r/coefficients.json") in str(reported.value)
     assert "Run the analysis again" in str(reported.value)
 
@@ -265,19 +265,19 @@ def test_an_incomplete_search_is_reported_with_its_file(results: Path, tmp_path:
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text("{}")
     with pytest.raises(InputError, match=r"mismatch\.json: found incomplete content.*'verdict'"):
-        fitted(folder)
+        load_fitted(folder)
     (folder / "mismatch.json").write_text('{"verdict": "physics"}')
     with pytest.raises(
         InputError, match=r"mismatch_detail\.json: found incomplete.*'coefficients'"
     ):
-        fitted(folder)
+        load_fitted(folder)
 
 
 def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
     study: Path, results: Path, tmp_path: Path
 ) -> None:
     loaded = load_study(study)
-    assert fitted(results).warnings == ()
+    assert load_fitted(results).warnings == ()
 
     def change(content) -> None:
         content["joint"]["coefficients"]["C_Da"]["determined"] = False
@@ -286,7 +286,7 @@ def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
     folder = broken(results, tmp_path / "r", change)
     (folder / "mismatch_detail.json").write_text("{}")
     (folder / "mismatch.json").write_text('{"verdict": "measurement"}')
-    guess, verdict, other = fitted(folder, study=loaded).warnings
+    guess, verdict, other = load_fitted(folder, study=loaded).warnings
     assert "do not determine C_Da" in guess
     assert "'measurement'" in verdict
     assert other.endswith("has no T77, 50 %, 75 %")

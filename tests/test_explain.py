@@ -31,7 +31,7 @@ from bluekoi.explain import (
 from bluekoi.explain.assembly import assembled
 from bluekoi.explain.checks import checked_model
 from bluekoi.explain.sampling import at_rate
-from bluekoi.explain.trials import checked, series_of
+from bluekoi.explain.trials import series_of, validated_trials
 from bluekoi.integrate import compiled
 from bluekoi.integrate.batch import propagate
 
@@ -117,7 +117,7 @@ def test_a_known_start_is_where_a_trial_begins(cart):
     one = series_of(cart, assembled(cart), trial, {})
     assert one.mean[1] == 2.5
     with pytest.raises(InputError, match="start: found 'w'"):
-        checked(cart, [replace(trial, start={"w": 1.0})])
+        validated_trials(cart, [replace(trial, start={"w": 1.0})])
 
 
 def test_the_ships_measures_are_those_of_its_circle():
@@ -193,7 +193,7 @@ def test_a_lower_rate_keeps_curvature_and_impulse(cart):
 def test_angles_are_unwrapped(cart):
     model = replace(cart, observations=(Observation("position", "rad", 0.01, angle=True),))
     turns = np.linspace(0, 20, 200)
-    (one,) = checked(model, [Trial("t", 0.1 * np.arange(200),
+    (one,) = validated_trials(model, [Trial("t", 0.1 * np.arange(200),
                                    {"position": (turns + np.pi) % (2 * np.pi) - np.pi},
                                    {"push": np.zeros(200)})])  # fmt: skip
     np.testing.assert_allclose(np.diff(one.observed["position"]), np.diff(turns), atol=1e-9)
@@ -332,7 +332,7 @@ FAULTY = {
 def test_a_faulty_data_set_is_reported_in_one_message(name, cart, tmp_path):
     table, settings, message = FAULTY[name]
     with pytest.raises(InputError, match=message) as raised:
-        checked(cart, read_trials(cart, folder(tmp_path, table, settings)))
+        validated_trials(cart, read_trials(cart, folder(tmp_path, table, settings)))
     assert len(raised.value.findings) == 1
     assert len(str(raised.value).splitlines()) == 1
 

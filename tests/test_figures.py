@@ -19,9 +19,14 @@ from bluekoi.figures.drawing import groups
 from bluekoi.figures.drawing.circles import circle, measured_arc
 from bluekoi.figures.drawing.extraction import extract
 from bluekoi.figures.drawing.missing_force import force_of_effects, missing_forces, variable
-from bluekoi.figures.drawing.pool import body
+from bluekoi.figures.drawing.pool import body_points
 from bluekoi.figures.drawing.style import COLOURS, power_styles
-from bluekoi.figures.drawing.sweeps import extended, over_angle, radius, tuned
+from bluekoi.figures.drawing.sweeps import (
+    over_angle,
+    radius,
+    tested_powers,
+    with_extrapolated_powers,
+)
 from bluekoi.model import FLAP_HZ, TABLE_1, steady_turn
 from bluekoi.study import Study
 
@@ -182,14 +187,14 @@ def test_units_stand_on_every_axis(whole):
 
 
 def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
-    row = tuned(whole)[100.0]
+    row = tested_powers(whole)[100.0]
     model = radius(whole, row, 0.12, 45)
     seen = radius_of(100, 45, 0.12)
     assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
 
 
 def test_coefficients_are_extrapolated_linearly_over_power(whole):
-    rows = extended(whole)
+    rows = with_extrapolated_powers(whole)
     assert list(rows) == [50, 75, 100, 125, 150]
     assert [row.tested for row in rows.values()] == [True, True, True, False, False]
     for name, key in (("flap_hz", None), ("C_Md", "C_Md"), ("C_Da", "C_Da")):
@@ -202,7 +207,7 @@ def test_coefficients_are_extrapolated_linearly_over_power(whole):
 
 
 def test_one_power_is_not_extended():
-    assert list(extended(campaign(powers=(75,)))) == [75]
+    assert list(with_extrapolated_powers(campaign(powers=(75,)))) == [75]
 
 
 def test_fig6_draws_the_model_that_was_tuned(whole):
@@ -213,7 +218,9 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
         head_angle_rad=np.radians(30),
         flap_hz=FLAP_HZ[100],
     )[1]
-    assert over_angle(whole, tuned(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(expected)
+    assert over_angle(whole, tested_powers(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(
+        expected
+    )
     panel = figures.draw("fig6", whole).axes[1]
     curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
     assert np.all(np.diff(curve.get_ydata()) < 0)
@@ -222,7 +229,7 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
 
 def test_the_robot_is_drawn_with_its_measures(whole):
     robot = whole.study.setup.robot
-    nose, hinge, com, tail = body(robot, 0.12, np.array([1.0, 0.5, 0.0, np.pi / 2]))
+    nose, hinge, com, tail = body_points(robot, 0.12, np.array([1.0, 0.5, 0.0, np.pi / 2]))
     assert com == pytest.approx([1.0, 0.5])
     assert hinge == pytest.approx([1.04, 0.5])
     assert nose == pytest.approx([1.04, 0.38])  # head points along heading - head angle

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bluekoi.errors import InputError, input_error, nearest, printable
-from bluekoi.files import plain, read_json, whole_file, write_json, write_text
+from bluekoi.files import atomic_write, read_json, to_json_types, write_json, write_text
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
@@ -16,7 +16,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     write_text(path, "old")
 
     def fail_halfway():
-        with whole_file(path) as temporary:
+        with atomic_write(path) as temporary:
             temporary.write_text("half")
             raise RuntimeError
 
@@ -54,7 +54,7 @@ def test_json_goes_round_with_numpy_and_without_nan(tmp_path):
     path = tmp_path / "a.json"
     write_json(path, {"a": np.float64(1.5), "b": np.array([1, 2]), "c": math.nan, "d": (1, "x")})
     assert read_json(path) == {"a": 1.5, "b": [1, 2], "c": None, "d": [1, "x"]}
-    assert plain({1: math.inf}) == {"1": None}
+    assert to_json_types({1: math.inf}) == {"1": None}
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "\x00"])

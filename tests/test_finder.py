@@ -12,7 +12,7 @@ import pytest
 from bluekoi.camera.displacement import lens_strength
 from bluekoi.data import Flapping
 from bluekoi.errors import InputError
-from bluekoi.files import plain
+from bluekoi.files import to_json_types
 from bluekoi.fitting import (
     Series,
     filter_all,
@@ -29,17 +29,17 @@ from bluekoi.mismatch.camera_displacement import detect_displacements, with_disp
 from bluekoi.mismatch.data_split import held_out_trials
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.locate import added_force
-from bluekoi.mismatch.results_json import details, mismatch_json
+from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.sentences import sentence
 from bluekoi.model import plates
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD,
-    STATED_STD,
-    from_the_nose,
+    STATED_FREQUENCY_STD,
     rigid_evidence,
     with_clock,
     with_delay,
+    with_nose_distance,
     with_rigid_distances,
 )
 from bluekoi.study import Study
@@ -51,7 +51,7 @@ from measured import Measured, measured
 
 def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    result = plain(mismatch_json(found, m.study, m.series))
+    result = to_json_types(mismatch_json(found, m.study, m.series))
     assert result["verdict"] == "physics"
     assert {c["name"] for c in result["causes"]} == {"tail_fin_lift", "linear_yaw_damping"}
     damping = next(c for c in result["causes"] if c["name"] == "linear_yaw_damping")
@@ -62,7 +62,7 @@ def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measure
 
 def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    held = plain(mismatch_json(found, m.study, m.series))["held_out"]
+    held = to_json_types(mismatch_json(found, m.study, m.series))["held_out"]
     assert held["extended"]["path_rmse_m"] < 0.2 * held["baseline"]["path_rmse_m"]
     assert held["extended"]["radius_error_pct"] < 2
     assert held["extended"]["speed_error_pct"] < 1
@@ -73,7 +73,7 @@ def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found])
 
 def test_demo_locates_where_the_fin_and_the_damping_push(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    where = plain(mismatch_json(found, m.study, m.series))["where"]
+    where = to_json_types(mismatch_json(found, m.study, m.series))["where"]
     assert {w["channel"] for w in where} <= {"sway", "yaw"}
     assert where[0]["variable"] in {"sway_speed_m_s", "yaw_rate_rad_s", "angle_of_attack_rad"}
     assert where[0]["share"] > 0.4
@@ -96,11 +96,11 @@ def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]
 
 def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:
     m, found = demo
-    result = plain(details(found))
+    result = to_json_types(details_json(found))
     assert set(result["forces"]) == {s.name for s in m.series}
     assert {"causes", "probability", "log_posterior"} <= set(result["sets"][0])
     assert result["coefficients"]["before"]["C_T"]["value"] > 0
-    assert plain(mismatch_json(found, m.study, m.series))["where"][0]["share"] > 0.05
+    assert to_json_types(mismatch_json(found, m.study, m.series))["where"][0]["share"] > 0.05
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def bare(tmp_path_factory: pytest.TempPathFactory) -> Measured:
 def test_nothing_hidden_is_none(bare: Measured) -> None:
     m = bare
     found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
-    result = plain(mismatch_json(found, m.study, m.series))
+    result = to_json_types(mismatch_json(found, m.study, m.series))
     assert result["verdict"] == "none"
     assert result["causes"] == []
 
@@ -121,7 +121,7 @@ def test_a_camera_displaced_in_one_trial_is_found(bare: Measured) -> None:
     displaced_series = [one if k != 3 else _displaced(one, np.array([0.008, -0.004]))
                for k, one in enumerate(bare.series)]  # fmt: skip
     found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
-    result = plain(mismatch_json(found, bare.study, displaced_series))
+    result = to_json_types(mismatch_json(found, bare.study, displaced_series))
     assert result["verdict"] == "measurement"
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
@@ -139,7 +139,7 @@ def test_displacements_in_several_trials_are_one_camera_s(bare: Measured) -> Non
     displaced_series = [_displaced(one, np.array(sizes[k])) if k in sizes else one
                for k, one in enumerate(bare.series)]  # fmt: skip
     found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
-    result = plain(mismatch_json(found, bare.study, displaced_series))
+    result = to_json_types(mismatch_json(found, bare.study, displaced_series))
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
     off = [np.hypot(size["dx"]["value"] - x, size["dy"]["value"] - y) for x, y in sizes.values()]
@@ -232,7 +232,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
         for one in m.series:
             layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
             layout.detection(one.name).write_text(json.dumps({"source": source}))
-        series = from_the_nose(m.series, study, layout)
+        series = with_nose_distance(m.series, study, layout)
         return np.array([s.constants[slots.index("ahead")] for s in series])
 
     assert not ahead(m.study, "deeplabcut").any()
@@ -329,7 +329,7 @@ def test_a_late_start_is_reported_with_its_delay(bare: Measured) -> None:
     rng = np.random.default_rng(5)
     late = [_late(one, 24, rng) for one in bare.series]
     found = find_mismatch(bare.study, late, bare.steady, progress=lambda _: None)
-    result = plain(mismatch_json(found, bare.study, late))
+    result = to_json_types(mismatch_json(found, bare.study, late))
     assert "time_offset" in {c["name"] for c in result["causes"]}
     assert "motor_spin_up" not in {c["name"] for c in result["causes"]}
     offset = next(c for c in result["causes"] if c["name"] == "time_offset")
@@ -366,7 +366,7 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
     stated = np.mean([std for _, std in clock_ratios([-0.025] * 9, "flap_hz")]) / 3
-    assert stated == pytest.approx(STATED_STD, rel=0.1)  # as STUDY.md says: of its log
+    assert stated == pytest.approx(STATED_FREQUENCY_STD, rel=0.1)  # as STUDY.md says: of its log
 
 
 def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Measured) -> None:
@@ -382,7 +382,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Meas
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)
     found = find_mismatch(bare.study, series, bare.steady, progress=lambda _: None)
-    wrote = plain(mismatch_json(found, bare.study, series))
+    wrote = to_json_types(mismatch_json(found, bare.study, series))
     assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
     size = wrote["causes"][0]["parameters"]["log_lead"]
     assert size["value"] == pytest.approx(0.25, abs=0.02)

@@ -19,7 +19,7 @@ from bluekoi.fitting import (
     fit_noise,
 )
 from bluekoi.fitting.gram import set_whitened_products
-from bluekoi.fitting.linear import likelihood_slopes, linearised, log_likelihood
+from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
 from bluekoi.integrate import compiled
 from one_mass import SYSTEM
 
@@ -121,7 +121,7 @@ def test_slopes_of_the_likelihood_are_its_differences() -> None:
     def noise(x: np.ndarray) -> Noise:
         return Noise(x[:2], x[2:4], x[4:])
 
-    found = likelihood_slopes(linear, noise(numbers))
+    found = log_likelihood_gradient(linear, noise(numbers))
     assert found.log_likelihood == pytest.approx(log_likelihood(linear, noise(numbers)), rel=1e-12)
     steps = 1e-5 * np.diag(numbers)
     differences = [log_likelihood(linear, noise(numbers + step))

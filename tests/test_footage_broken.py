@@ -13,7 +13,7 @@ from test_footage import SIZE, STEADY, patched, picture, write_video
 
 from bluekoi.errors import InputError
 from bluekoi.footage import encode, frames, open_recording
-from bluekoi.stages.keypoints import unread
+from bluekoi.stages.keypoints import unreadable_frames_remark
 from bluekoi.study import Trial
 
 
@@ -93,13 +93,13 @@ def test_pictures_lost_in_the_midst_are_remarked():
     )
     recording = SimpleNamespace(frames_present=90)
     time_s = np.arange(90) / 30.0
-    assert unread(trial, recording, time_s) == ()
-    (remark,) = unread(trial, recording, np.delete(time_s, slice(56, 88)))
+    assert unreadable_frames_remark(trial, recording, time_s) == ()
+    (remark,) = unreadable_frames_remark(trial, recording, np.delete(time_s, slice(56, 88)))
     assert remark.startswith(
         "32 of 90 frames could not be read, the longest hole 1.10 s after 1.83"
     )
     part = trial.model_copy(update={"end_s": 2.0})
-    assert unread(part, recording, time_s[:60]) == ()
+    assert unreadable_frames_remark(part, recording, time_s[:60]) == ()
 
 
 def test_failed_overlay_leaves_nothing(tmp_path):

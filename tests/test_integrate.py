@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from bluekoi.integrate import LANES, System, compiled
-from bluekoi.integrate.batch import each, propagate
+from bluekoi.integrate.batch import propagate, threaded_map
 from bluekoi.integrate.branchless import exponential, power
-from bluekoi.integrate.inlining import Lines, written_out
+from bluekoi.integrate.inlining import InlinedCode, inlined
 from bluekoi.integrate.writing import source
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
 from pendulum import PENDULUM
@@ -200,8 +200,8 @@ def helped(x: float, zero: float) -> tuple[float, float]:
 
 
 def test_straight_lines_are_written_out_and_branches_called() -> None:
-    lines = Lines()
-    values = written_out(helped, ["a", "0.0"], lines)
+    lines = InlinedCode()
+    values = inlined(helped, ["a", "0.0"], lines)
     assert list(lines.called.values()) == [bent]
     (name,) = lines.called
     assert lines.written == [
@@ -214,8 +214,12 @@ def test_calls_shared_among_threads_keep_their_order_and_their_faults(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("BLUEKOI_THREADS", "3")
-    assert each(lambda k: k * k, range(50)) == [k * k for k in range(50)]
-    assert each(lambda k: each(lambda m: (k, m), range(3)), range(4))[3] == [(3, 0), (3, 1), (3, 2)]
+    assert threaded_map(lambda k: k * k, range(50)) == [k * k for k in range(50)]
+    assert threaded_map(lambda k: threaded_map(lambda m: (k, m), range(3)), range(4))[3] == [
+        (3, 0),
+        (3, 1),
+        (3, 2),
+    ]
 
     def faulty(k: int) -> int:
         if k == 7:
@@ -223,8 +227,8 @@ def test_calls_shared_among_threads_keep_their_order_and_their_faults(
         return k
 
     with pytest.raises(IndexError, match="seven"):
-        each(faulty, range(20))
-    assert each(lambda k: -k, range(5)) == [0, -1, -2, -3, -4]
+        threaded_map(faulty, range(20))
+    assert threaded_map(lambda k: -k, range(5)) == [0, -1, -2, -3, -4]
 
 
 def test_exponential_and_power_without_branches_are_as_exact_as_stated() -> None:

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.keypoints.outline.absence import reason
+from bluekoi.keypoints.outline.absence import absence_reason
 from bluekoi.keypoints.outline.plane import Plane
 
 CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])
@@ -41,5 +41,5 @@ def pictures(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)
     ids=["too small", "no contrast", "another size", "several bodies", "another shape"],
 )
 def test_the_reason_names_size_contrast_number_or_shape(seen, px_per_bl, words):
-    text = reason(list(pictures(*seen)), plane(px_per_bl), 1.0)
+    text = absence_reason(list(pictures(*seen)), plane(px_per_bl), 1.0)
     assert all(word in text for word in words), text

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Frame
-from bluekoi.keypoints.outline.camera_motion import camera_remarks, shifts, together
+from bluekoi.keypoints.outline.camera_motion import camera_remarks, common_motion, corner_shifts
 from bluekoi.keypoints.outline.plane import Plane, plane_of
 from bluekoi.study import Setup
 
@@ -55,7 +55,7 @@ def test_a_still_camera_is_not_said_to_move(noise):
 
 def test_shifts_are_found_to_a_tenth_of_a_pixel():
     moved = film([pool(), pool(turned(0.0, (3.3, -1.6)))])
-    found = shifts(moved, plane())
+    found = corner_shifts(moved, plane())
     np.testing.assert_allclose(found[1], np.tile([3.3, -1.6], (4, 1)), atol=0.1)
 
 
@@ -77,8 +77,10 @@ def test_corners_that_do_not_agree_give_no_motion():
     corners = np.array(CORNERS)
     moved = np.zeros((2, 4, 2))
     moved[1] = [[5.0, 0.0], [-4.0, 3.0], [0.0, -6.0], [0.0, 0.0]]
-    assert np.isnan(together(moved, corners)[1]).all()
+    assert np.isnan(common_motion(moved, corners)[1]).all()
     moved[1] = [2.0, 1.0]
-    np.testing.assert_allclose(together(moved, corners)[1], moved[1], atol=1e-9)
+    np.testing.assert_allclose(common_motion(moved, corners)[1], moved[1], atol=1e-9)
     moved[1, 2:] = np.nan
-    np.testing.assert_allclose(together(moved, corners)[1], np.tile([2.0, 1.0], (4, 1)), atol=1e-9)
+    np.testing.assert_allclose(
+        common_motion(moved, corners)[1], np.tile([2.0, 1.0], (4, 1)), atol=1e-9
+    )

@@ -8,7 +8,7 @@ import pytest
 
 from bluekoi.keypoints import markers
 from bluekoi.keypoints.dots.spread import hidden_variances
-from bluekoi.keypoints.dots.unmixing import unmixed
+from bluekoi.keypoints.dots.unmixing import coverage_centroid
 
 SKIN, WATER = np.array([84.0, 62, 47]), np.array([200.0, 190, 150])
 RADIUS, FINER = 5.0, 8
@@ -32,7 +32,7 @@ def test_a_dots_place_does_not_depend_on_what_lies_around_it(colour):
         centre = 19.5 + rng.uniform(-1, 1, 2)
         clean = dot_on_an_edge(centre, COLOURS[colour], 25.0 + rng.uniform(-3, 3))
         image = np.clip(clean + rng.normal(0, 1.0, clean.shape), 0, 255).round().astype(np.uint8)
-        place, area = unmixed(image, centre + rng.uniform(-0.7, 0.7, 2), RADIUS)
+        place, area = coverage_centroid(image, centre + rng.uniform(-0.7, 0.7, 2), RADIUS)
         assert area == pytest.approx(np.pi * RADIUS**2, rel=0.1)
         off.append(place - centre)
     assert np.abs(np.mean(off, axis=0)).max() < 0.04
@@ -43,11 +43,11 @@ def test_where_there_is_no_dot_the_first_centre_is_kept():
     rng = np.random.default_rng(1)
     image = np.clip(SKIN + rng.normal(0, 2, (40, 40, 3)), 0, 255).astype(np.uint8)
     start = np.array([18.2, 21.7])
-    place, area = unmixed(image, start, RADIUS)
+    place, area = coverage_centroid(image, start, RADIUS)
     assert place == pytest.approx(start)
     assert np.isnan(area)
     edge = np.array([1.0, 1.0])
-    assert np.hypot(*(unmixed(image, edge, RADIUS)[0] - edge)) <= RADIUS
+    assert np.hypot(*(coverage_centroid(image, edge, RADIUS)[0] - edge)) <= RADIUS
 
 
 def test_a_dot_of_which_a_part_is_hidden_is_known_less_well():

@@ -14,20 +14,20 @@ from bluekoi.camera import pool_camera, project
 from bluekoi.data import Frame
 from bluekoi.keypoints.outline.background import (
     STRIP_ROWS,
+    grey_level_quantiles,
     median,
-    ranked,
     sample,
-    without_resident,
+    without_static_robot,
 )
 from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import plane_of
 from bluekoi.keypoints.outline.tail_detection import tail_length
-from bluekoi.keypoints.outline.template import first_template, learned, median_seen
+from bluekoi.keypoints.outline.template import first_template, median_seen, with_learned_stations
 from bluekoi.synthetic.conditions import LADDER
 from bluekoi.synthetic.design import ladder_design
 from bluekoi.synthetic.optics import gopro_like
-from bluekoi.synthetic.trial import frame_truth, prepare
+from bluekoi.synthetic.trial import frame_truth, solve_trial
 
 
 def step_picture(place: float, *, blur: float = 1.0, angle: float = 0.3) -> np.ndarray:
@@ -59,7 +59,7 @@ def test_no_edge_where_there_is_none():
 
 def test_plane_agrees_with_independent_optics():
     design = ladder_design(LADDER["middle"])
-    trial = prepare(design, STRAIGHT)
+    trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
     plane = plane_of(setup_of(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
@@ -110,7 +110,7 @@ def test_median_is_exact():
 def test_ranked_pictures_are_those_of_a_sorted_stack(rows):
     images = list(np.random.default_rng(rows).integers(0, 256, (6, rows, 17), dtype=np.uint8))
     before = [image.copy() for image in images]
-    found = ranked(images, 0.0, 0.4, 1.0)
+    found = grey_level_quantiles(images, 0.0, 0.4, 1.0)
     np.testing.assert_array_equal(found, np.sort(np.stack(before), axis=0)[[0, 2, 5]])
     np.testing.assert_array_equal(images, before)
 
@@ -139,7 +139,7 @@ def test_a_few_frames_from_all_of_a_film(count):
 def test_resting_body_is_bridged():
     pool = np.full((300, 400), 180, np.uint8)
     cv2.ellipse(pool, (200, 150), (60, 14), 20, 0, 360, 50, -1)
-    assert without_resident(pool, 30.0).min() > 150
+    assert without_static_robot(pool, 30.0).min() > 150
 
 
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
@@ -149,7 +149,7 @@ def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length(
     visible = start.visible_stations()
     shift = np.full((4, len(visible)), np.nan)
     shift[:, visible] = 0.006
-    wider = learned(start, shift, np.full(shift.shape, 70.0))
+    wider = with_learned_stations(start, shift, np.full(shift.shape, 70.0))
     assert np.allclose(wider.half[5:-5], start.half[5:-5] + 0.006, atol=1.2e-3)
     assert wider.radii[0] == pytest.approx(start.radii[0], abs=1e-9)
     points, normals, part, skin = wider.shape()

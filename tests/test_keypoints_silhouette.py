@@ -17,7 +17,7 @@ from bluekoi.synthetic.conditions import LADDER
 from bluekoi.synthetic.design import ladder_design
 from bluekoi.synthetic.film import frames_of
 from bluekoi.synthetic.optics import pool_corners
-from bluekoi.synthetic.trial import camera_at, frame_truth, prepare
+from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
 
 RIGID = (0, 1, 2)
 STRAIGHT, LEFT, RIGHT = "T01", "T02", "T03"
@@ -54,7 +54,7 @@ def trial_of(plan) -> Trial:
 def rendered(step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False):
     """Frames, setup, trial and true keypoints (frames, 5, 2) of one rendered trial."""
     design = ladder_design(LADDER[step], longest_s=seconds)
-    trial = prepare(design, name)
+    trial = solve_trial(design, name)
     number = range(0, len(trial.time_s), every)
     thinned = replace(trial, time_s=trial.time_s[::every])
     film = []

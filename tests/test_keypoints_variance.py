@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bluekoi.keypoints.outline.variance import (
-    clues,
-    kernels,
+    covariance_kernels,
     usual_covariance,
+    variance_statistics,
     variances,
 )
 
@@ -38,7 +38,7 @@ def slopes() -> np.ndarray:
 def frames(variance: tuple[float, ...], rng: np.random.Generator, count: int):
     """Clues of frames whose offsets have these variances, and the pose errors (count, 5)."""
     points, normals = outline()
-    known, slope = kernels(points, normals, LENGTH_M), slopes()
+    known, slope = covariance_kernels(points, normals, LENGTH_M), slopes()
     root = np.linalg.cholesky(np.tensordot(variance, known, axes=1) + 1e-9 * np.eye(len(points)))
     reported, errors = [], []
     for _ in range(count):
@@ -48,7 +48,7 @@ def frames(variance: tuple[float, ...], rng: np.random.Generator, count: int):
         change = np.linalg.solve(normal, slope.T @ (weight * e))
         errors.append(change)
         left = np.where(weight > 0, e - slope @ change, np.nan)
-        reported.append(clues((left, weight, slope), 0.0, PRIOR, known))
+        reported.append(variance_statistics((left, weight, slope), 0.0, PRIOR, known))
     return reported, np.array(errors)
 
 
@@ -66,11 +66,11 @@ def test_variances_and_covariance_are_those_put_in(variance):
 
 def test_the_algebra_is_that_of_whole_matrices():
     points, normals = outline()
-    known, slope = kernels(points, normals, LENGTH_M), slopes()
+    known, slope = covariance_kernels(points, normals, LENGTH_M), slopes()
     rng = np.random.default_rng(1)
     seen = rng.random(len(points)) > 0.2
     weight, left = np.where(seen, 0.7, 0.0), np.where(seen, rng.normal(0, 0.1, len(points)), np.nan)
-    reported = clues((left, weight, slope), 0.4, PRIOR, known)
+    reported = variance_statistics((left, weight, slope), 0.4, PRIOR, known)
     c, s = np.cos(0.4), np.sin(0.4)
     body = slope.copy()
     body[:, 0], body[:, 1] = c * slope[:, 0] + s * slope[:, 1], c * slope[:, 1] - s * slope[:, 0]

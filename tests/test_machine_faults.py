@@ -14,7 +14,7 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.files import write_text
-from bluekoi.stages.status import attempt
+from bluekoi.stages.status import run_with_status
 from bluekoi.workflow.plan import make_plan
 from bluekoi.workflow.provenance import source_files
 from studies import small_study
@@ -117,7 +117,7 @@ def test_want_of_memory_is_a_word_on_the_trial_and_stops_nothing_else(tmp_path):
         raise MemoryError
 
     status, products = tmp_path / "T1.json", (tmp_path / "half.csv",)
-    attempt(status, "T1", hungry, source="videos/T1.mp4", products=products)
+    run_with_status(status, "T1", hungry, source="videos/T1.mp4", products=products)
     reported = json.loads(status.read_text())
     assert not reported["ok"]
     assert reported["message"].startswith("videos/T1.mp4: not enough memory; run fewer jobs")

@@ -17,7 +17,7 @@ from bluekoi.motor import (
     compare,
     flapping_from_log,
     flapping_given,
-    other_clock,
+    has_other_clock,
     read_log,
     tail_beat,
 )
@@ -267,9 +267,9 @@ def test_trials_agree_on_a_ratio_only_by_majority():
     assert common_ratio([*four, of_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
     assert common_ratio([of_ratio(4.0), of_ratio(1.0)]) is None
     assert common_ratio([of_ratio(4.0), of_ratio(float("nan"))]) is None
-    assert other_clock(of_ratio(1.0), (4.0, 0.001))
-    assert not other_clock(of_ratio(4.0), (4.0, 0.001))
-    assert other_clock(of_ratio(4.0), None)
+    assert has_other_clock(of_ratio(1.0), (4.0, 0.001))
+    assert not has_other_clock(of_ratio(4.0), (4.0, 0.001))
+    assert has_other_clock(of_ratio(4.0), None)
 
 
 def test_given_frequency():

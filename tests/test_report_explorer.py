@@ -12,7 +12,7 @@ from exact_campaign import campaign, searched
 
 from bluekoi.campaign import Campaign
 from bluekoi.report.explorer import series
-from bluekoi.report.packing import differences, packed
+from bluekoi.report.packing import gzip_base64, quantised_differences
 
 
 def restored(stored: dict) -> np.ndarray:
@@ -31,14 +31,14 @@ def unpacked(text: str) -> dict:
 def test_a_column_is_restored_within_half_its_resolution():
     values = np.cumsum(np.random.default_rng(3).normal(size=500))
     values[[0, 7, 8, 499]] = np.nan
-    found = restored(json.loads(json.dumps(differences(values, 1e-3))))
+    found = restored(json.loads(json.dumps(quantised_differences(values, 1e-3))))
     np.testing.assert_allclose(found, values, atol=5.001e-4)
     assert np.array_equal(np.isnan(found), np.isnan(values))
 
 
 def test_packing_is_reproducible():
-    assert packed("x" * 99) == packed("x" * 99)
-    assert gzip.decompress(base64.b64decode(packed("µ"))).decode() == "µ"
+    assert gzip_base64("x" * 99) == gzip_base64("x" * 99)
+    assert gzip.decompress(base64.b64decode(gzip_base64("µ"))).decode() == "µ"
 
 
 def test_models_are_given_at_the_times_of_the_track():

@@ -18,7 +18,7 @@ from bluekoi.report.overlay_frame import (
     POINT,
     Line,
     Scene,
-    annotated,
+    annotated_frame,
     empty_pool,
 )
 
@@ -54,7 +54,7 @@ def test_paths_are_drawn_where_the_camera_sees_them(base):
         shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
     lines = paths(camera, track, shift, 0.0)
     scene = Scene("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
-    picture = annotated(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
+    picture = annotated_frame(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]
     assert [line.name for line in lines] == ["measured path", "model after", "model before"]
     assert near(picture, pixel(x, y), MEASURED)
@@ -68,7 +68,7 @@ def test_dashes_leave_gaps_and_keep_to_the_line():
     time = np.linspace(0, 1, 50)
     way = np.column_stack([np.linspace(300, 1500, 50), np.full(50, 540.0)])
     scene = Scene("x", (1920, 1080), (Line("model before", time, way, BEFORE, dashed=True),))
-    picture = annotated(np.zeros((360, 640, 3), np.uint8), scene, 1.0, SCALE)
+    picture = annotated_frame(np.zeros((360, 640, 3), np.uint8), scene, 1.0, SCALE)
     drawn = (picture[STRIP + 180, 100:500] > 60).any(axis=1)
     assert 0.35 < drawn.mean() < 0.8
     assert np.abs(np.diff(drawn.astype(int))).sum() > 20
@@ -83,11 +83,11 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
     )  # fmt: skip
     scene = Scene("x", (1920, 1080), (), keypoints=found)
     dark = np.zeros((360, 640, 3), np.uint8)
-    first = annotated(dark.copy(), scene, 0.0, SCALE)
+    first = annotated_frame(dark.copy(), scene, 0.0, SCALE)
     assert near(first, (STRIP + 100, 200), POINT)
     assert not near(first, (STRIP + 200, 300), POINT)
-    assert near(annotated(dark.copy(), scene, 1.0, SCALE), (STRIP + 100, 233), POINT)
-    assert not annotated(dark.copy(), scene, 0.5, SCALE)[STRIP:].any()
+    assert near(annotated_frame(dark.copy(), scene, 1.0, SCALE), (STRIP + 100, 233), POINT)
+    assert not annotated_frame(dark.copy(), scene, 0.5, SCALE)[STRIP:].any()
 
 
 def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.stages.demo import lay_out
+from bluekoi.stages.demo import write_demo_study
 from bluekoi.study import load_study
 from bluekoi.synthetic.campaign import render_trial
 from bluekoi.synthetic.design import demo_design
@@ -94,7 +94,7 @@ class Page:
 def videos(tmp_path_factory):
     """The demo's study with two rendered trials."""
     demo = tmp_path_factory.mktemp("made") / "demo"
-    lay_out(demo)
+    write_demo_study(demo)
     for name in TRIALS:
         render_trial(demo_design(), name, demo, demo.with_name("truth"), threads=2)
     return demo

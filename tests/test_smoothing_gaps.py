@@ -10,7 +10,7 @@ import pytest
 from bluekoi.data import Pose
 from bluekoi.keypoints.deeplabcut import read_any
 from bluekoi.smoothing import smooth, smooth_with_noise_ratio
-from bluekoi.smoothing.gaps import runs, with_calibrated_gaps
+from bluekoi.smoothing.gaps import true_runs, with_calibrated_gaps
 from bluekoi.smoothing.kalman_numba import smoothed
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 from motions import Seen, circle, observe, times, wandering
@@ -124,4 +124,4 @@ def test_the_variance_over_a_gap_becomes_that_of_the_motion(std):
 
 
 def test_runs_of_a_mask():
-    assert runs(np.array([True, False, True, True])) == [(0, 1), (2, 4)]
+    assert true_runs(np.array([True, False, True, True])) == [(0, 1), (2, 4)]

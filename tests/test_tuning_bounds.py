@@ -14,7 +14,14 @@ from bluekoi.integrate import compiled
 from bluekoi.model import plates
 from bluekoi.report import identifiability, tables
 from bluekoi.study import Study, Trial
-from bluekoi.tuning import cell, downsampled, table, table_1, three_steps, tune
+from bluekoi.tuning import (
+    coefficient_cell,
+    coefficient_table,
+    downsampled,
+    table_1,
+    three_steps,
+    tune,
+)
 from bluekoi.tuning.joint import FIRST_NOISE, Tuned
 from bluekoi.tuning.results import straight_swimming
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
@@ -51,7 +58,7 @@ def at_lower_bound(pull: float, **more: float) -> Tuned:
 
 
 def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> None:
-    row = table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
+    row = coefficient_table(at_lower_bound(-1.0, widths=0.1))["C_Da"]
     low, high = row["interval_95"]
     assert row["std"] is None
     assert row["at_bound"] == "lower"
@@ -60,7 +67,7 @@ def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> No
     assert not row["determined"]
     assert "at its bound" in row["why"]
     assert f"{high:.3g}" in row["why"]
-    others = [c for n, c in table(at_lower_bound(-1.0)).items() if n != "C_Da"]
+    others = [c for n, c in coefficient_table(at_lower_bound(-1.0)).items() if n != "C_Da"]
     assert all(c["std"] > 0 and "at_bound" not in c for c in others)
 
 
@@ -68,12 +75,12 @@ def test_the_one_sided_interval_ends_where_it_would_without_the_bound() -> None:
     fit = at_lower_bound(0.5, widths=0.1)
     free = replace(fit.fit.normal, gradient=tuned(TRUTH, widths=0.1).fit.normal.gradient)
     half = cluster_covariance(free).half_widths()[2]
-    low, high = cell(fit, 2)["interval_95"]
+    low, high = coefficient_cell(fit, 2)["interval_95"]
     assert high - low == pytest.approx(0.5 * 0.1 * TRUTH[2] + half, rel=1e-6)
 
 
 def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() -> None:
-    row = cell(at_lower_bound(-40.0), 2)
+    row = coefficient_cell(at_lower_bound(-40.0), 2)
     assert row["interval_95"] == [None, None]
     assert row["std"] is None
     assert "physics that is not in the model" in row["why"]
@@ -81,7 +88,7 @@ def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() ->
 
 def test_the_percentage_that_is_reported_is_that_of_the_interval() -> None:
     wide = tuned(TRUTH, widths=2.0)
-    for row in table(wide).values():
+    for row in coefficient_table(wide).values():
         low, high = row["interval_95"]
         assert not row["determined"]
         assert row["why"].startswith("half of its 95 % interval is ")
@@ -95,7 +102,7 @@ def test_sizes_that_are_not_the_values_are_named() -> None:
     values = TRUTH.copy()
     values[4] = 0.001
     usual = {p.name: abs(p.start) for p in plates().parameters}["C_Ma"]
-    assert f"its usual size of {usual:g}" in cell(tuned(values, widths=2.0), 4)["why"]
+    assert f"its usual size of {usual:g}" in coefficient_cell(tuned(values, widths=2.0), 4)["why"]
 
 
 def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
@@ -104,8 +111,8 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     H, g = fit.fit.normal.hessian.copy(), fit.fit.normal.gradient.copy()
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
     spread = cluster_covariance(Normal(H, g, np.zeros(12)))
-    row = table(Tuned(replace(fit.fit, normal=Normal(H, g, np.zeros(12))), fit.noise, spread.cov,
-                       fit.base, spread.df))  # fmt: skip
+    changed = replace(fit.fit, normal=Normal(H, g, np.zeros(12)))
+    row = coefficient_table(Tuned(changed, fit.noise, spread.cov, fit.base, spread.df))
     assert row["C_Da"]["std"] is None
     assert row["C_Da"]["interval_95"] == [None, None]
     assert "only one trial determines it" in row["C_Da"]["why"]
@@ -133,7 +140,7 @@ def one_turn() -> tuple[Study, list]:
 def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(one_turn) -> None:
     study, series = one_turn
     steps, _, _ = three_steps(study, series, {})
-    joint = table(tune(series))
+    joint = coefficient_table(tune(series))
     for cells in (joint, steps["75"]["coefficients"]):
         for name, row in cells.items():
             assert not row["determined"], name
@@ -157,7 +164,7 @@ def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
 @pytest.fixture
 def shown():
     given = exact.coefficients((75,))
-    fit = table(at_lower_bound(-1.0, widths=0.1))
+    fit = coefficient_table(at_lower_bound(-1.0, widths=0.1))
     given["joint"]["coefficients"] = fit
     given["paper_steps"]["75"]["coefficients"] = fit
     given["joint"]["identifiability"] = {

@@ -11,10 +11,10 @@ from bluekoi.fitting import Series, cluster_covariance, off_bounds
 from bluekoi.fitting.joint import AT_BOUND
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
-from bluekoi.tuning import Tuned, downsampled, table, tune
-from bluekoi.tuning.identify import profiles, sizes, spectrum
-from bluekoi.tuning.new_trial import c_optimal_trial, imaginable
-from bluekoi.tuning.turning_trials import outcome, undetermined_without_turns
+from bluekoi.tuning import Tuned, coefficient_table, downsampled, tune
+from bluekoi.tuning.identify import parameter_scales, profiles, spectrum
+from bluekoi.tuning.new_trial import c_optimal_trial, plausible_values
+from bluekoi.tuning.turning_trials import fit_outcome, undetermined_without_turns
 from bluekoi.tuning.undetermined import undetermined_combinations
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
 from robots import SETUP
@@ -89,22 +89,22 @@ def test_a_trial_is_named_even_where_numbers_stand_at_bounds(straight, at_bounds
 
 
 def test_trials_are_imagined_at_plausible_values(straight, campaign, at_bounds) -> None:
-    values = dict(zip(NAMES, imaginable(straight, at_bounds), strict=True))
+    values = dict(zip(NAMES, plausible_values(straight, at_bounds), strict=True))
     starts = {p.name: p.start for p in plates().parameters}
     assert all(values[name] == starts[name] for name in BOUNDS)
     assert values["C_T"] == at_bounds.fit.values[NAMES.index("C_T")]
     joint = tune(campaign)
-    assert imaginable(campaign, joint) == pytest.approx(joint.fit.values)
+    assert plausible_values(campaign, joint) == pytest.approx(joint.fit.values)
 
 
 def test_straight_runs_at_a_bound_lack_turns_not_physics(straight, campaign, at_bounds) -> None:
-    text = outcome(at_bounds, straight)
+    text = fit_outcome(at_bounds, straight)
     assert "turns are lacking" in text
     assert "C_Da, C_Ma, C_Md" in text
     assert "physics" not in text
-    table_ = undetermined_without_turns(table(at_bounds), straight)
+    table_ = undetermined_without_turns(coefficient_table(at_bounds), straight)
     assert "no turns" in table_["C_Da"]["why"]
-    assert outcome(at_bounds, campaign) == AT_BOUND
+    assert fit_outcome(at_bounds, campaign) == AT_BOUND
 
 
 def test_numbers_at_a_bound_are_never_determined_combinations(at_bounds) -> None:
@@ -115,7 +115,7 @@ def test_numbers_at_a_bound_are_never_determined_combinations(at_bounds) -> None
 
 def test_spectrum_has_the_widths_of_the_table(campaign) -> None:
     joint = tune(campaign)
-    size = sizes(joint)
+    size = parameter_scales(joint)
     for one in spectrum(joint):
         half = joint.covariance.half_width(one.direction / size)
         assert one.std == pytest.approx(max(half / 1.96, one.naive))

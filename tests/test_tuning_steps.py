@@ -15,8 +15,8 @@ from bluekoi.fitting import (
     Normal,
     Series,
     cluster_covariance,
-    ensemble,
     off_bounds,
+    student_t_draws,
 )
 from bluekoi.integrate import compiled
 from bluekoi.model import plates
@@ -141,7 +141,7 @@ def test_draws_are_as_wide_as_students_intervals_number_by_number() -> None:
     values = np.array([1.0, 2.0, 3.0])
     fit = Fit(tuple(Free(n) for n in ("C_La", "C_Ma", "C_Da")), values,
               Normal(np.zeros((1, 3, 3)), np.zeros((1, 3)), np.zeros(1)), "", 1)  # fmt: skip
-    rows = ensemble(fit, spread, 40_000, np.random.default_rng(2)) - values
+    rows = student_t_draws(fit, spread, 40_000, np.random.default_rng(2)) - values
     for level in (0.5, 0.95):
         found = np.quantile(np.abs(rows), level, axis=0)
         assert found == pytest.approx(spread.half_widths(level), rel=0.06)

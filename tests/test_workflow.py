@@ -22,11 +22,11 @@ import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
 from bluekoi.errors import InputError
-from bluekoi.files import whole_file
+from bluekoi.files import atomic_write
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
 from bluekoi.workflow.begin import without_rate_limit
-from bluekoi.workflow.lock import forget_stale, hold, sweep
+from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
 from bluekoi.workflow.progress import Hush, Progress, killed_by
 from bluekoi.workflow.remaining import Timing, duration, usual
@@ -349,32 +349,32 @@ def test_times_are_said_as_a_person_does(s, text):
 
 
 def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
-    handle = hold(tmp_path)
+    handle = acquire_lock(tmp_path)
     with pytest.raises(InputError, match="another run at work in this folder"):
-        hold(tmp_path)
+        acquire_lock(tmp_path)
     handle.close()
-    hold(tmp_path).close()
+    acquire_lock(tmp_path).close()
 
 
 def test_only_locks_on_our_own_results_are_stale(tmp_path):
     (tmp_path / "0.output.lock").write_text("results/a/steady.csv\nstudies/a/x\n")
     (tmp_path / "1.output.lock").write_text("results/ab/steady.csv\n")
-    assert forget_stale(tmp_path, Path("results/a")) == [tmp_path / "0.output.lock"]
+    assert remove_stale_locks(tmp_path, Path("results/a")) == [tmp_path / "0.output.lock"]
     assert (tmp_path / "1.output.lock").exists()
 
 
 def test_half_written_files_of_a_killed_run_are_swept_up(tmp_path):
     (tmp_path / "figures").mkdir()
-    with whole_file(tmp_path / "figures/fig3.png") as temporary:
+    with atomic_write(tmp_path / "figures/fig3.png") as temporary:
         name = temporary.name
     (tmp_path / "figures/fig3.png").rename(left := tmp_path / "figures" / name)
     (tmp_path / "figures/.hidden").touch()
-    assert sweep(tmp_path) == [left]
+    assert remove_temporary_files(tmp_path) == [left]
     assert [path.name for path in (tmp_path / "figures").iterdir()] == [".hidden"]
 
 
 def test_a_second_run_on_the_same_folder_is_refused_in_words(home):
-    handle = hold(home.root / "results/study")
+    handle = acquire_lock(home.root / "results/study")
     run = home.snakemake()
     handle.close()
     assert run.returncode == 1

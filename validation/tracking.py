@@ -17,7 +17,7 @@ from bluekoi.synthetic.campaign import (
 )
 from bluekoi.synthetic.design import Design
 from bluekoi.synthetic.encode import GOPRO_RATE
-from bluekoi.synthetic.trial import frame_truth, generator, prepare
+from bluekoi.synthetic.trial import frame_truth, generator, solve_trial
 
 __all__ = ["TrackingNoise", "dlc_text", "keypoint_study", "tracked"]
 
@@ -108,7 +108,7 @@ def keypoint_study(
     rate = float(GOPRO_RATE)
     write_study_files(design, folder, source="keypoints/{}.csv", fps=rate)
     for plan in design.plans:
-        trial = prepare(design, plan.trial_id)
+        trial = solve_trial(design, plan.trial_id)
         rng = generator(design, plan.trial_id, "tracking")
         truth_px = frame_truth(design, trial)["keypoints_px"]
         seen, likelihood = tracked(truth_px, noise or TrackingNoise(), rng, step_s=1 / rate)

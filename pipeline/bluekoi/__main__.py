@@ -6,9 +6,9 @@ import sys
 if sys.argv[1:2] == ["stage"]:
     # A stage that is interrupted ends there and then; its run reports it.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from .workflow.client import ask, one_blas_thread
+    from .workflow.client import one_blas_thread, request_stage
 
-    code = ask(sys.argv[2:])
+    code = request_stage(sys.argv[2:])
     if code is None:
         one_blas_thread()
         from .workflow.stage_call import run_stage

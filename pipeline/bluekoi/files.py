@@ -20,7 +20,7 @@ LARGEST_BYTES = 500_000_000
 
 
 @contextmanager
-def whole_file(path: str | Path) -> Iterator[Path]:
+def atomic_write(path: str | Path) -> Iterator[Path]:
     """A temporary path beside `path` that replaces it only if the block ends without an error."""
     target = Path(path)
     try:
@@ -44,13 +44,13 @@ def whole_file(path: str | Path) -> Iterator[Path]:
 
 def write_text(path: str | Path, text: str) -> None:
     """Write `text` as UTF-8, whole or not at all."""
-    with whole_file(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def write_json(path: str | Path, content: Mapping[str, Any]) -> None:
     """Write `content` as json (numpy scalars and arrays allowed, NaN as null)."""
-    write_text(path, json.dumps(plain(content), indent=2, allow_nan=False) + "\n")
+    write_text(path, json.dumps(to_json_types(content), indent=2, allow_nan=False) + "\n")
 
 
 def read_text(path: str | Path, most_bytes: int = LARGEST_BYTES) -> str:
@@ -85,14 +85,14 @@ def read_json(path: str | Path) -> dict[str, Any]:
     return content
 
 
-def plain(value: Any) -> Any:
+def to_json_types(value: Any) -> Any:
     """`value` with numpy types, tuples and paths turned into json's own; NaN and inf to None."""
     if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
+        return {str(key): to_json_types(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
+        return [to_json_types(entry) for entry in value]
     if hasattr(value, "tolist"):
-        return plain(value.tolist())
+        return to_json_types(value.tolist())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return str(value) if isinstance(value, Path) else value

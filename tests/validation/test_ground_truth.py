@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from exact_campaign import campaign, searched
 
-from bluekoi.stages.demo import lay_out
+from bluekoi.stages.demo import write_demo_study
 from bluekoi.synthetic.design import demo_design
-from bluekoi.synthetic.trial import mean_path, prepare, summary
+from bluekoi.synthetic.trial import mean_path, solve_trial, summary
 from validation.ground_truth.comparison import ground_truth
 from validation.ground_truth.content import true_steady
 from validation.ground_truth.page import page
@@ -139,7 +139,7 @@ def test_truth_over_a_stretch_of_a_circle_is_exact():
 
 
 def test_the_stored_mean_path_is_sampled_finely_enough():
-    trial = prepare(demo_design(), "T24")
+    trial = solve_trial(demo_design(), "T24")
     end = float(trial.time_s[-1])
     stated = summary(trial)
     found = true_steady({"mean_path": mean_path(trial)}, stated["steady_from_s"], end)
@@ -148,7 +148,7 @@ def test_the_stored_mean_path_is_sampled_finely_enough():
 
 def test_the_demo_is_laid_out_with_its_truth_in_another_folder(tmp_path):
     study, truth = tmp_path / "demo", tmp_path / "demo-truth/truth.json"
-    lay_out(study)
+    write_demo_study(study)
     assert sorted(path.name for path in study.iterdir()) == ["study.yaml", "trials.csv"]
     found = unsealed(truth)
     assert set(found.truth["hidden"]) == {"tail_fin_lift", "linear_yaw_damping"}
@@ -158,5 +158,5 @@ def test_the_demo_is_laid_out_with_its_truth_in_another_folder(tmp_path):
     ]
     files = [study / "study.yaml", study / "trials.csv", truth]
     dates = [path.stat().st_mtime_ns for path in files]
-    lay_out(study)
+    write_demo_study(study)
     assert [path.stat().st_mtime_ns for path in files] == dates

@@ -66,12 +66,12 @@ def read_board(pattern: str, square_mm: float, kind: str) -> Board:
     return Board(int(sides[0]), int(sides[1]), square_mm / 1000, kind)
 
 
-def detect(grey: Grey, board: Board, name: str) -> View | None:
+def find_board(grey: Grey, board: Board, name: str) -> View | None:
     """View of the board in a picture, or None where it is not found."""
     return _charuco(grey, board, name) if board.kind == "charuco" else _chess(grey, board, name)
 
 
-def refine(grey: Grey, corners_px: Float, square_px: float) -> Float:
+def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
     """Corners (n, 2) at the saddle of the picture: the median over several window sizes.
 
     A window that reaches the next corner or the board's edge runs away; the median of four does
@@ -97,7 +97,7 @@ def _chess(grey: Grey, board: Board, name: str) -> View | None:
         return None
     grid = np.asarray(corners, dtype=float).reshape(board.rows, board.columns, 2)
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in range(2)]
-    refined = refine(grey, grid.reshape(-1, 2), float(min(steps)))
+    refined = refine_corners(grey, grid.reshape(-1, 2), float(min(steps)))
     return View(name, board.corners_m, refined)
 
 

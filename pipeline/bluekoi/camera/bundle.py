@@ -55,7 +55,7 @@ def fit_lens(
     never worse than any of them. Raises ValueError where no start gives every view a pose.
     """
     fits = [
-        adjust(lens, poses, views)
+        bundle_adjustment(lens, poses, views)
         for lens in _starting_lenses(model, terms, size_px, starts)
         if (poses := starting_poses(lens, views)) is not None
     ]
@@ -75,7 +75,7 @@ def _starting_lenses(
         yield lens_of(np.array([focal, focal, *centre, *np.zeros(terms)]), model, size_px)
 
 
-def adjust(
+def bundle_adjustment(
     lens: Lens, poses: Float, views: list[View], *, iterations: int = MAX_ITERATIONS
 ) -> LensFit:
     """Levenberg-Marquardt over lens and poses (views, 6).

@@ -218,7 +218,8 @@ def _image_circle_coverage(best: LensCandidate, circle: ImageCircle) -> str:
 
 def _compared(candidate: LensCandidate) -> str:
     text = f"{candidate.label}: {candidate.held_out_px:.3f} px held out"
-    return text + (f", refused ({'; '.join(candidate.refusals)})" if candidate.refusals else "")
+    reasons = "; ".join(candidate.implausibilities)
+    return text + (f", refused ({reasons})" if reasons else "")
 
 
 def _refused(
@@ -232,7 +233,7 @@ def _refused(
     )
     reasons: dict[str, list[str]] = {}
     for candidate in candidates:
-        for reason in candidate.refusals:
+        for reason in candidate.implausibilities:
             reasons.setdefault(reason, []).append(candidate.label)
     if not reasons:
         found = f"{views} views that no starting focal length suits"

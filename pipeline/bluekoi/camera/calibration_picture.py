@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from ..files import whole_file
+from ..files import atomic_write
 from .bundle import rms_px
 from .image_circle import ImageCircle
 from .lens_selection import LensCandidate, tilts_deg
@@ -31,7 +31,7 @@ def draw_calibration(
     figure.suptitle(
         f"{best.label}: {best.fit.rms_px:.3f} px rms, {best.held_out_px:.3f} px on held-out views"
     )
-    with whole_file(path) as temporary:
+    with atomic_write(path) as temporary:
         figure.savefig(temporary, dpi=110, format="png")
 
 
@@ -80,7 +80,7 @@ def _draw_views(axes: Axes, best: LensCandidate) -> None:
 
 
 def _draw_models(axes: Axes, candidates: list[LensCandidate]) -> None:
-    labels = [c.label + (" (refused)" if c.refusals else "") for c in candidates]
+    labels = [c.label + (" (refused)" if c.implausibilities else "") for c in candidates]
     places = np.arange(len(labels))
     finite = [c.held_out_px if np.isfinite(c.held_out_px) else 0.0 for c in candidates]
     axes.barh(places + 0.2, [c.fit.rms_px for c in candidates], height=0.4, label="used")

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..data import Float
 from ..study import Setup
-from ..study.filmed import as_filmed
+from ..study.filmed import setup_in_film_pixels
 from .boards import Grey
 from .corner_fit import CornerFit, fit_corners
 from .corners import lens_of_study, pool_corners_m
@@ -51,7 +51,7 @@ class EdgesOfRecording:
 def edges_of_recording(grey: Grey, setup: Setup) -> EdgesOfRecording:
     """The pool's edges in one frame of a recording, against the corners of the study."""
     camera, corners_m = (
-        as_filmed(setup, (grey.shape[1], grey.shape[0])).camera,
+        setup_in_film_pixels(setup, (grey.shape[1], grey.shape[0])).camera,
         pool_corners_m(setup),
     )
     given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_study(camera)

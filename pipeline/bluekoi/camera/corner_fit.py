@@ -12,7 +12,7 @@ from ..data import Float
 from .boards import Grey
 from .edges import SAMPLES, Curve, EdgeLine, Picture, find_lines, smoothed
 from .lens import Lens, directions, pixels
-from .plane import through_four
+from .plane import four_point_homography
 from .resection import diagonal_px
 
 EDGES = ("(0,0) to (length,0)", "(length,0) to (length,width)", "(length,width) to (0,width)",
@@ -90,7 +90,7 @@ def fit_corners(
     model_std_px = 0.0 if lens else ASSUMED_LENS_STD_PX
     view = (lens, corners_m) if lens and corners_m is not None else None
     width, assumed = grey.shape[1], lens is None
-    lens = lens or straightening_lens(picture, given_px, WIDE_SHARE)
+    lens = lens or lens_from_straight_edges(picture, given_px, WIDE_SHARE)
     click = CLICK_SHARE * diagonal_px(given_px)
     corners, reach, iteration = given_px, WIDE_SHARE * width, 0
     lines: tuple[EdgeLine | None, ...] = (None,) * 4
@@ -105,7 +105,7 @@ def fit_corners(
         converged = bool(np.max(np.abs(moved - corners)) < CONVERGED_PX)
         corners, reach = moved, NEAR_SHARE * width
         if assumed and iteration == 1:  # the lens of corners some pixels off is not yet right
-            lens = straightening_lens(picture, corners, NEAR_SHARE)
+            lens = lens_from_straight_edges(picture, corners, NEAR_SHARE)
         curves = _curves(corners, lens)
         if converged:
             break
@@ -126,7 +126,7 @@ def fit_corners(
     )
 
 
-def straightening_lens(picture: Picture, corners_px: Float, reach_share: float) -> Lens:
+def lens_from_straight_edges(picture: Picture, corners_px: Float, reach_share: float) -> Lens:
     """Equidistant fisheye lens, r = f theta, under which the most of the edges is straight.
 
     reach_share: how far from the corners' edges lines are searched, over the picture's width.
@@ -195,7 +195,7 @@ def _skew(corners_px: Float, lens: Lens, corners_m: Float) -> Float:
     plane = (rays[:, :2] / rays[:, 2:]).reshape(-1, 4, 2)
     skew = np.full(len(plane), np.nan)
     for i in np.flatnonzero(np.isfinite(plane).all(axis=(1, 2))):
-        first, second = through_four(corners_m[:, :2], plane[i]).T[:2]
+        first, second = four_point_homography(corners_m[:, :2], plane[i]).T[:2]
         lengths = np.linalg.norm(first), np.linalg.norm(second)
         cosine = float(first @ second) / (lengths[0] * lengths[1])
         skew[i] = np.hypot(cosine, np.log(lengths[0] / lengths[1]))

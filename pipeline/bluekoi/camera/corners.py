@@ -9,11 +9,18 @@ import numpy as np
 from ..data import Float
 from ..errors import input_error
 from ..study import Camera, Pool, Setup
-from ..study.filmed import as_filmed
+from ..study.filmed import setup_in_film_pixels
 from .lens import Lens
 from .plane import ASSUMED_DEPTH_M, plane_camera
 from .pool import PoolCamera
-from .resection import PLACES, WRONG_SHARE, diagonal_px, fitting_order, pose, rectangle
+from .resection import (
+    CORNER_NAMES,
+    MAX_ERROR_SHARE,
+    diagonal_px,
+    fitting_order,
+    pool_rectangle,
+    pose,
+)
 
 CLICK_PX = 1.0
 DOUBT_SHARE = 0.002
@@ -29,18 +36,18 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
 
     Raises: InputError where the corners fit no pose; its remedy says which order of corners would.
     """
-    given = (as_filmed(setup, size_px) if size_px else setup).camera
+    given = (setup_in_film_pixels(setup, size_px) if size_px else setup).camera
     depth_m = setup.robot.keypoint_depth_m
-    return camera_over(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
+    return camera_of_setup(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
 
 
-def camera_over(
+def camera_of_setup(
     given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None,
     depth_m: float = ASSUMED_DEPTH_M,
 ) -> PoolCamera:  # fmt: skip
     """`pool_camera` of a camera, a pool and a refractive index as stated."""
     corners_px = np.array(given.pool_corners_px, dtype=float)
-    corners_m = rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
+    corners_m = pool_rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
     lens = lens_of_study(given)
     if lens is None:
         return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px, depth_m)
@@ -50,7 +57,7 @@ def camera_over(
 def pool_corners_m(setup: Setup) -> Float:
     """The pool's corners (4, 3), m, at the height at which their images are given."""
     pool = setup.pool
-    return rectangle(pool.length_m, pool.width_m, setup.camera.pool_corners_height_m)
+    return pool_rectangle(pool.length_m, pool.width_m, setup.camera.pool_corners_height_m)
 
 
 def lens_of_study(given: Camera) -> Lens | None:
@@ -89,7 +96,7 @@ def camera_from_corners(
 
 
 def _check_pose(camera: PoolCamera) -> None:
-    limit = WRONG_SHARE * diagonal_px(camera.corners_px)
+    limit = MAX_ERROR_SHARE * diagonal_px(camera.corners_px)
     if camera.rms_px <= limit and camera.center_m[2] > 0:
         return
     assert camera.lens is not None
@@ -105,8 +112,8 @@ def _check_pose(camera: PoolCamera) -> None:
         "study.yaml",
         "camera.pool_corners_px",
         f"corners that miss the best pose by {camera.rms_px:.0f} px rms "
-        f"(most at pool {PLACES[worst]})",
-        f"images of pool {', '.join(PLACES)} in this order, within {limit:.0f} px",
+        f"(most at pool {CORNER_NAMES[worst]})",
+        f"images of pool {', '.join(CORNER_NAMES)} in this order, within {limit:.0f} px",
         reasons,
     )
 

@@ -11,16 +11,21 @@ import numpy as np
 from ..data import Float
 from ..errors import InputError, input_error
 from ..study import Setup
-from ..study.filmed import as_filmed, in_study
+from ..study.filmed import setup_in_film_pixels, to_study_pixels
 from .boards import Grey
 from .corner_fit import EDGES, CornerFit, fit_corners
 from .corners import DOUBT_SHARE, lens_of_study, pool_camera, pool_corners_m
 from .png import Picture, write_png
 from .pool import PoolCamera, project
-from .resection import PLACES, diagonal_px
+from .resection import CORNER_NAMES, diagonal_px
 
 GRID_M = 0.2
-GIVEN, MAPPED, SEEN, BETTER = (60, 60, 255), (230, 200, 60), (60, 220, 60), (255, 60, 255)
+GIVEN_BGR, MAPPED_BGR, SEEN_BGR, FITTED_BGR = (
+    (60, 60, 255),
+    (230, 200, 60),
+    (60, 220, 60),
+    (255, 60, 255),
+)
 SIGMAS = 3.0
 
 
@@ -68,7 +73,7 @@ def pool_corners_picture(frame: Picture, setup: Setup, out: str | Path) -> Corne
     found = compare_corners(grey, setup)
     if found.camera is not None:
         for image in grid_px(found.camera):
-            _polyline(canvas, image, MAPPED, 1)
+            _polyline(canvas, image, MAPPED_BGR, 1)
     for points in edge_points_px(found.fit):
         _draw_edge(canvas, points)
     _draw_given(canvas, found.given_px)
@@ -83,7 +88,7 @@ def compare_corners(grey: Grey, setup: Setup) -> CornersComparison:
     Raises: InputError where the frame's shape is not that of the study's picture.
     """
     size = (grey.shape[1], grey.shape[0])
-    filmed = as_filmed(setup, size).camera
+    filmed = setup_in_film_pixels(setup, size).camera
     given = np.array(filmed.pool_corners_px, dtype=float)
     fit = fit_corners(grey, given, lens_of_study(filmed), pool_corners_m(setup))
     camera, about = _camera(setup, size)
@@ -92,7 +97,7 @@ def compare_corners(grey: Grey, setup: Setup) -> CornersComparison:
     wrong = _wrong(off, fit, given)
     sentences = (*_other_size(setup, size), *about, *_edges(fit), *doubts, *wrong)
     check = CornersCheck(
-        suggested_px=in_study(setup, size, fit.corners_px),
+        suggested_px=to_study_pixels(setup, size, fit.corners_px),
         std_px=fit.std_px,
         off_px=off,
         sentences=(*sentences, *_suggestion(setup, size, fit, certain=not doubts)),
@@ -118,7 +123,9 @@ def _misfit(setup: Setup, size: tuple[int, int], fit: CornerFit) -> tuple[str, .
     if setup.camera.matrix is None or not np.isfinite(fit.corners_px).all():
         return ()
     try:
-        camera = pool_camera(with_corners(setup, in_study(setup, size, fit.corners_px)), size)
+        camera = pool_camera(
+            with_pool_corners(setup, to_study_pixels(setup, size, fit.corners_px)), size
+        )
     except InputError as error:
         return (f"the corners found fit no camera: {error}",)
     if camera.rms_px <= DOUBT_SHARE * diagonal_px(fit.corners_px):
@@ -126,7 +133,7 @@ def _misfit(setup: Setup, size: tuple[int, int], fit: CornerFit) -> tuple[str, .
     return (f"the corners found miss the best pose by {camera.rms_px:.1f} px rms",)
 
 
-def with_corners(setup: Setup, corners_px: Float) -> Setup:
+def with_pool_corners(setup: Setup, corners_px: Float) -> Setup:
     """Setup with other pool corners (4, 2), in the pixels of study.yaml."""
     corners = tuple((float(u), float(v)) for u, v in corners_px)
     camera = setup.camera.model_copy(update={"pool_corners_px": corners})
@@ -141,7 +148,7 @@ def tolerance_px(fit: CornerFit, given_px: Float) -> Float:
 def _wrong(off_px: Float, fit: CornerFit, given_px: Float) -> tuple[str, ...]:
     far = off_px > tolerance_px(fit, given_px)
     return tuple(
-        f"corner {PLACES[k]} lies {off_px[k]:.1f} px from where the edges meet"
+        f"corner {CORNER_NAMES[k]} lies {off_px[k]:.1f} px from where the edges meet"
         for k in np.flatnonzero(far)
     )
 
@@ -183,7 +190,7 @@ def _suggestion(
 
 
 def _as_key(setup: Setup, size: tuple[int, int], corners_px: Float) -> str:
-    corners = in_study(setup, size, corners_px)
+    corners = to_study_pixels(setup, size, corners_px)
     return f"pool_corners_px: [{', '.join(f'[{u:.1f}, {v:.1f}]' for u, v in corners)}]"
 
 
@@ -224,24 +231,24 @@ def edge_points_px(fit: CornerFit) -> list[Float]:
 
 def _draw_edge(canvas: Picture, points: Float) -> None:
     for u, v in np.round(points).astype(int):
-        cv2.circle(canvas, (int(u), int(v)), max(1, canvas.shape[1] // 900), SEEN, -1)
+        cv2.circle(canvas, (int(u), int(v)), max(1, canvas.shape[1] // 900), SEEN_BGR, -1)
 
 
 def _draw_given(canvas: Picture, corners: Float) -> None:
     scale = canvas.shape[1] / 1920
-    _polyline(canvas, np.vstack([corners, corners[:1]]), GIVEN, max(1, round(scale)))
+    _polyline(canvas, np.vstack([corners, corners[:1]]), GIVEN_BGR, max(1, round(scale)))
     for label, (u, v) in zip(("0,0", "L,0", "L,W", "0,W"), corners, strict=True):
         place = (round(u), round(v))
-        cv2.drawMarker(canvas, place, GIVEN, cv2.MARKER_CROSS, round(40 * scale) + 8, 2)
+        cv2.drawMarker(canvas, place, GIVEN_BGR, cv2.MARKER_CROSS, round(40 * scale) + 8, 2)
         cv2.putText(
             canvas, label, (place[0] + 12, place[1] - 12), cv2.FONT_HERSHEY_SIMPLEX,
-            max(0.5, scale), GIVEN, 2, cv2.LINE_AA,
+            max(0.5, scale), GIVEN_BGR, 2, cv2.LINE_AA,
         )  # fmt: skip
 
 
 def _draw_better(canvas: Picture, corners: Float) -> None:
     for u, v in corners[np.isfinite(corners[:, 0])]:
-        cv2.circle(canvas, (round(u), round(v)), max(6, canvas.shape[1] // 160), BETTER, 2)
+        cv2.circle(canvas, (round(u), round(v)), max(6, canvas.shape[1] // 160), FITTED_BGR, 2)
 
 
 def _polyline(canvas: Picture, points: Float, colour: tuple[int, int, int], width: int) -> None:

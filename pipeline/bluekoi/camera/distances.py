@@ -17,7 +17,7 @@ from .pool import PoolCamera, project, to_pool
 
 PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
 MAX_DISTANCES = 30_000
-LENGTH_STD = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 MAD_TO_STD = 1.4826
 MAX_DEVIATION = 6.0
 
@@ -92,7 +92,7 @@ def _of_pair(
     good = trusted & np.isfinite(length)
     if good.sum() < 10:
         return None
-    std, near = scatter(length, good)
+    std, near = robust_std(length, good)
     good &= near
     n = int(good.sum())
     excess = length[good] - known_m - std**2 / (2 * known_m)
@@ -109,7 +109,7 @@ def _of_pair(
     }
 
 
-def scatter(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
+def robust_std(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
     """Robust std of the good values (n,) about their median, and which of all lie within
     `MAX_DEVIATION` of it.
     """

@@ -33,7 +33,7 @@ from .geometry_hypotheses import (
 from .pool import PoolCamera
 
 FALSE_ALARM = 0.001
-RIVAL_MARGIN = 6.0
+RIVAL_LOG_LIKELIHOOD_MARGIN = 6.0
 LENS_ITERATIONS = 4
 """Gauss-Newton steps for a large error of the lens; the gain is that of the one before last."""
 
@@ -125,7 +125,7 @@ def _best(
     if best is None:
         return None, ()
     first = best
-    near = [f for f in fits if f.gain > first.gain - RIVAL_MARGIN
+    near = [f for f in fits if f.gain > first.gain - RIVAL_LOG_LIKELIHOOD_MARGIN
             and (f.plausible or not first.plausible)]  # fmt: skip
     if first.hypothesis.name in given:
         best = next((f for f in near if f.hypothesis.name == "scale_error"), first)

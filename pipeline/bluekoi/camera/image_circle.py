@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 from ..data import Float
 
-RAYS = 360
+RIM_RAYS = 360
 DARK_SHARE = 0.25
 """Outside the circle at most this share of the brightness inside it, in the brightest picture."""
 MIN_RIM_SHARE = 0.3
@@ -43,7 +43,7 @@ class ImageCircle:
 def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
     """Image circle of pictures whose pixelwise maximum (height, width) is given; None without one.
 
-    The rim is where the brightness, followed inwards from the border along `RAYS` directions, first
+    The rim is where the brightness, along `RIM_RAYS` directions inwards from the border, first
     exceeds `DARK_SHARE` of the median inside. The circle is fitted to it robustly (soft L1).
     """
     height, width = brightest.shape
@@ -51,7 +51,7 @@ def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
     middle = smooth[height // 3 : 2 * height // 3, width // 3 : 2 * width // 3]
     lit = smooth > DARK_SHARE * float(np.median(middle))
     rim = _rim(lit)
-    if len(rim) < MIN_RIM_SHARE * RAYS:
+    if len(rim) < MIN_RIM_SHARE * RIM_RAYS:
         return None
 
     def off_circle(p: Float) -> Float:
@@ -68,7 +68,7 @@ def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
 def _rim(lit: np.ndarray) -> Float:
     """Outermost lit pixel (n, 2) in each direction from the middle that ends in the dark."""
     height, width = lit.shape
-    angle = np.linspace(0, 2 * np.pi, RAYS, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, RIM_RAYS, endpoint=False)
     distance = np.arange(0, np.hypot(width, height) / 2)
     u = (width - 1) / 2 + distance[:, None] * np.cos(angle)
     v = (height - 1) / 2 + distance[:, None] * np.sin(angle)

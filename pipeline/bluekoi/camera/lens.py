@@ -18,8 +18,8 @@ MODELS = ("pinhole", "fisheye")
 STEP = 1e-7
 TOLERANCE = 1e-10
 TABLE_SIZE = 2001
-WIDEST_TANGENT = 6.0
-WIDEST_ANGLE = np.pi
+MAX_TANGENT = 6.0
+MAX_ANGLE = np.pi
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Lens:
     @cached_property
     def radial_table(self) -> tuple[Float, Float]:
         """Plane radii and their distorted images, both growing, up to the fold of the model."""
-        widest = WIDEST_ANGLE if self.model == "fisheye" else WIDEST_TANGENT
+        widest = MAX_ANGLE if self.model == "fisheye" else MAX_TANGENT
         radius = np.linspace(0, widest, TABLE_SIZE)
         image = radius * radial_gain(self, radius**2)
         growing = np.diff(image) > 0
@@ -98,7 +98,7 @@ def undistorted(lens: Lens, target: Float) -> Float:
     pinhole: tangents x/z, y/z. fisheye: angle from the axis times its direction.
     """
     plane = _radial_start(lens, target)
-    limit = fold_radius(lens)
+    limit = monotonic_radius(lens)
     for _ in range(20):
         error = distorted(lens, plane) - target
         if not np.any(np.abs(error) > TOLERANCE / 100):
@@ -121,7 +121,7 @@ def distorted(lens: Lens, plane: Float) -> Float:
     return np.asarray(image, dtype=float).reshape(-1, 2)
 
 
-def fold_radius(lens: Lens) -> float:
+def monotonic_radius(lens: Lens) -> float:
     """Plane radius up to which the radial part grows: beyond it the model folds the picture over.
 
     pinhole: a tangent, searched up to 6. fisheye: an angle in rad, searched up to pi.
@@ -129,7 +129,7 @@ def fold_radius(lens: Lens) -> float:
     return float(lens.radial_table[0][-1])
 
 
-def fold_radius_px(lens: Lens) -> float:
+def monotonic_radius_px(lens: Lens) -> float:
     """Distance from the image centre, in px, at which the lens model folds over."""
     return float(lens.radial_table[1][-1] * np.sqrt(lens.matrix[0, 0] * lens.matrix[1, 1]))
 
@@ -145,7 +145,7 @@ def _plane(lens: Lens, points: Float) -> tuple[Float, np.ndarray]:
             gain = 1 / depth
         plane = points[:, :2] * gain[:, None]
         radius = np.hypot(plane[:, 0], plane[:, 1])
-        seen = np.isfinite(radius) & (radius <= fold_radius(lens))
+        seen = np.isfinite(radius) & (radius <= monotonic_radius(lens))
         if lens.model == "pinhole":
             seen &= depth > 0
     return plane, seen

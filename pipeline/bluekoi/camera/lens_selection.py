@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 from ..data import Float
 from .boards import View
-from .bundle import LensFit, adjust, fit_lens, held_out_residuals, rms_px
+from .bundle import LensFit, bundle_adjustment, fit_lens, held_out_residuals, rms_px
 from .image_circle import ImageCircle
-from .lens import Lens, fold_radius, fold_radius_px, parameters
+from .lens import Lens, monotonic_radius, monotonic_radius_px, parameters
 from .opencv_comparison import opencv_lens
 
 MODELS_COMPARED = (("pinhole", 4), ("pinhole", 5), ("fisheye", 4), ("pinhole", 8))
@@ -25,8 +25,8 @@ FRONTAL_DEG = 15.0
 MIN_TILTED = 3
 MAX_FOCAL_STD = 0.02
 OUTLIER_VIEW = 4.0
-SIMPLER_WITHIN = 1.01
-CELLS = (8, 6)
+SIMPLER_MODEL_TOLERANCE = 1.01
+COVERAGE_CELLS = (8, 6)
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class LensCandidate:
     views: tuple[View, ...]
     left_out: tuple[str, ...]
     held_out_px: float
-    refusals: tuple[str, ...]
+    implausibilities: tuple[str, ...]
 
     @property
     def label(self) -> str:
@@ -66,12 +66,14 @@ def evaluate_model(
     else:
         left_out = []
     held_out = held_out_rms(views, lambda kept: _refitted(fit, views, kept))
-    reasons = tuple(refusals(fit, size_px, circle))
+    reasons = tuple(implausibilities(fit, size_px, circle))
     return LensCandidate(model, terms, fit, tuple(views), tuple(left_out), held_out, reasons)
 
 
 def _refitted(fit: LensFit, views: list[View], kept: list[int]) -> Lens:
-    return adjust(fit.lens, fit.poses[kept], [views[i] for i in kept], iterations=15).lens
+    return bundle_adjustment(
+        fit.lens, fit.poses[kept], [views[i] for i in kept], iterations=15
+    ).lens
 
 
 def held_out_rms(views: Sequence[View], lens_from: Callable[[list[int]], Lens | None]) -> float:
@@ -103,15 +105,15 @@ def opencv_held_out_rms(best: LensCandidate, size_px: tuple[int, int]) -> float:
 
 def select_lens(candidates: list[LensCandidate]) -> LensCandidate | None:
     """The model with the least held-out error of those not refused; a simpler one within 1 %."""
-    accepted = [c for c in candidates if not c.refusals]
+    accepted = [c for c in candidates if not c.implausibilities]
     if not accepted:
         return None
     least = min(c.held_out_px for c in accepted)
-    close = [c for c in accepted if c.held_out_px <= SIMPLER_WITHIN * least]
+    close = [c for c in accepted if c.held_out_px <= SIMPLER_MODEL_TOLERANCE * least]
     return min(close, key=lambda c: (c.terms, c.held_out_px))
 
 
-def refusals(
+def implausibilities(
     fit: LensFit, size_px: tuple[int, int], circle: ImageCircle | None = None
 ) -> list[str]:
     """Reasons why this lens cannot be right; empty where there are none."""
@@ -125,10 +127,10 @@ def refusals(
         f"the focal length is known to {100 * max(std):.1f} % only": max(std) > MAX_FOCAL_STD,
     }
     found = [reason for reason, applies in checks.items() if applies]
-    return [*found, *lens_refusals(fit.lens, size_px, fit.rms_px, circle)]
+    return [*found, *lens_implausibilities(fit.lens, size_px, fit.rms_px, circle)]
 
 
-def lens_refusals(
+def lens_implausibilities(
     lens: Lens, size_px: tuple[int, int], corner_rms_px: float, circle: ImageCircle | None = None
 ) -> list[str]:
     """Reasons why a lens with this corner error (NaN: not known) cannot be right.
@@ -151,13 +153,13 @@ def lens_refusals(
         f"the optical centre ({cx:.0f}, {cy:.0f}) lies {100 * offset:.0f} % off the middle of the "
         f"{where}": offset > MAX_CENTRE_OFFSET,
         f"the distortion is not monotonic inside the {where}: it folds over "
-        f"{fold_radius_px(lens):.0f} px from the centre": folds_inside(lens, circle),
+        f"{monotonic_radius_px(lens):.0f} px from the centre": not_monotonic_inside(lens, circle),
         f"corners miss by {corner_rms_px:.2f} px rms, more than {limit:.2f}": corner_rms_px > limit,
     }
     return [reason for reason, applies in checks.items() if applies]
 
 
-def folds_inside(lens: Lens, circle: ImageCircle | None = None) -> bool:
+def not_monotonic_inside(lens: Lens, circle: ImageCircle | None = None) -> bool:
     """Whether the projection stops growing where a corner can be.
 
     That is inside the image circle. Where none is known: inside the picture, and within 90 degrees
@@ -167,9 +169,9 @@ def folds_inside(lens: Lens, circle: ImageCircle | None = None) -> bool:
     cx, cy = lens.matrix[:2, 2]
     farthest = float(np.hypot(max(cx, width - cx), max(cy, height - cy)))
     if circle:
-        return fold_radius_px(lens) < min(farthest, circle.farthest_px(cx, cy))
-    beyond_horizon = lens.model == "fisheye" and fold_radius(lens) > np.pi / 2
-    return fold_radius_px(lens) < farthest and not beyond_horizon
+        return monotonic_radius_px(lens) < min(farthest, circle.farthest_px(cx, cy))
+    beyond_horizon = lens.model == "fisheye" and monotonic_radius(lens) > np.pi / 2
+    return monotonic_radius_px(lens) < farthest and not beyond_horizon
 
 
 def tilts_deg(poses: Float) -> Float:
@@ -186,8 +188,8 @@ def coverage(
     low, side = np.zeros(2), np.array(size_px, dtype=float)
     if circle:
         low, side = np.array(circle.center_px) - circle.radius_px, np.full(2, 2 * circle.radius_px)
-    cells = np.floor((points - low) / side * CELLS).astype(int)
-    grid = np.indices(CELLS).reshape(2, -1).T
-    usable = grid[np.hypot(*((grid + 0.5) / CELLS - 0.5).T) < 0.5] if circle else grid
+    cells = np.floor((points - low) / side * COVERAGE_CELLS).astype(int)
+    grid = np.indices(COVERAGE_CELLS).reshape(2, -1).T
+    usable = grid[np.hypot(*((grid + 0.5) / COVERAGE_CELLS - 0.5).T) < 0.5] if circle else grid
     covered = {tuple(cell) for cell in cells} & {tuple(cell) for cell in usable}
     return len(covered) / len(usable)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Frame
 from ..errors import input_error
-from .boards import Board, Grey, View, detect
+from .boards import Board, Grey, View, find_board
 from .image_circle import ImageCircle, image_circle
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v")
@@ -63,7 +63,7 @@ def find_views(pictures: Iterable[tuple[str, Grey]], board: Board) -> BoardViews
         elif grey.shape != brightest.shape:
             raise _other_size(name, grey, brightest)
         brightest = np.maximum(brightest, grey)
-        view = detect(grey, board, name)
+        view = find_board(grey, board, name)
         if view is None:
             without.append(name)
         elif not _seen_before(view, views, grey.shape[1]):

@@ -8,15 +8,15 @@ from ..data import Float
 from ..errors import input_error
 from .lens import Lens, pixels
 from .pool import PoolCamera, transformed
-from .refraction import seen_from
-from .resection import ORDERS, diagonal_px, pose, rms
+from .refraction import apparent_points
+from .resection import CORNER_ORDERS, diagonal_px, pose, rms
 
 ASSUMED_DEPTH_M = 0.05
 ASSUMED_K1 = -0.2
 LOWEST_HEIGHT_M = 1.0
 GRID = 15
 FOCAL_SHARES = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
-WRONG_SHARE = 0.04
+MAX_ERROR_SHARE = 0.04
 
 
 def plane_camera(
@@ -29,7 +29,7 @@ def plane_camera(
     plane seen from `LOWEST_HEIGHT_M` above the pool's middle, plus that of a lens with
     k1 = -0.2 (an action camera's wide mode) whose corners were fitted.
     """
-    to_plane = through_four(corners_px, corners_m[:, :2])
+    to_plane = four_point_homography(corners_px, corners_m[:, :2])
     depth, lens = depth_bound_m(corners_m, index, depth_m), lens_bound_m(corners_m)
     size = size_px or _covering(corners_px)
     _check_order(corners_px, corners_m, size)
@@ -57,7 +57,7 @@ def depth_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
     grid = _grid(corners_m, -depth_m)
     middle = corners_m[:, :2].mean(axis=0)
     camera = np.array([*middle, LOWEST_HEIGHT_M])
-    seen = seen_from(camera, grid, index)
+    seen = apparent_points(camera, grid, index)
     return float(np.max(np.linalg.norm(seen[:, :2] - grid[:, :2], axis=1)))
 
 
@@ -73,7 +73,7 @@ def lens_bound_m(corners_m: Float) -> float:
     shift = -turn @ (middle + np.array([0, 0, height]))
     grid = _grid(corners_m, float(middle[2]))
     image, marks = (pixels(lens, points @ turn + shift) for points in (grid, corners_m))
-    back = through_four(marks, corners_m[:, :2])
+    back = four_point_homography(marks, corners_m[:, :2])
     return float(np.max(np.linalg.norm(transformed(back, image) - grid[:, :2], axis=1)))
 
 
@@ -82,7 +82,7 @@ def _grid(corners_m: Float, z: float) -> Float:
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, z)])
 
 
-def through_four(source: Float, target: Float) -> Float:
+def four_point_homography(source: Float, target: Float) -> Float:
     """The homography through four pairs of points, solved in double precision."""
     rows = []
     for (u, v), (x, y) in zip(source, target, strict=True):
@@ -99,10 +99,10 @@ def _covering(corners_px: Float) -> tuple[int, int]:
 
 def _check_order(corners_px: Float, corners_m: Float, size_px: tuple[int, int]) -> None:
     """Raise a InputError where a camera with square pixels fits another order of corners only."""
-    limit = WRONG_SHARE * diagonal_px(corners_px)
+    limit = MAX_ERROR_SHARE * diagonal_px(corners_px)
     if _nearest_rms(corners_px, corners_m, size_px) <= limit:
         return
-    for order, words in ORDERS.items():
+    for order, words in CORNER_ORDERS.items():
         if _nearest_rms(corners_px[list(order)], corners_m, size_px) < limit / 2:
             raise input_error(
                 "study.yaml",

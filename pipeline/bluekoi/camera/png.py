@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..errors import input_error
-from ..files import whole_file
+from ..files import atomic_write
 
 Picture = npt.NDArray[np.uint8]
 
@@ -19,5 +19,5 @@ def write_png(out: str | Path, canvas: Picture) -> None:
     good, content = cv2.imencode(".png", canvas)
     if not good:
         raise input_error(out, "", "a picture that cannot be encoded", "a frame of a recording")
-    with whole_file(out) as temporary:
+    with atomic_write(out) as temporary:
         temporary.write_bytes(content.tobytes())

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..data import Float, Keypoints, Positions, confident
 from .lens import Lens, directions, pixels
-from .refraction import meets_depth, seen_from
+from .refraction import apparent_points, rays_to_depth
 
 STEP_PX = 0.01
 
@@ -69,7 +69,7 @@ def project(camera: PoolCamera, xyz_m: Float) -> Float:
     if camera.lens is None or camera.rotation is None or camera.translation is None:
         assert camera.homography is not None
         return transformed(np.asarray(np.linalg.inv(camera.homography)), points[:, :2])
-    seen = seen_from(camera.center_m, points, camera.refractive_index)
+    seen = apparent_points(camera.center_m, points, camera.refractive_index)
     return pixels(camera.lens, seen @ camera.rotation.T + camera.translation)
 
 
@@ -85,7 +85,7 @@ def to_pool(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
         return transformed(camera.homography, uv)
     rays = directions(camera.lens, uv) @ camera.rotation
     depth = np.broadcast_to(np.asarray(depth_m, dtype=float), (len(uv),))
-    return meets_depth(camera.center_m, rays, depth, camera.refractive_index)
+    return rays_to_depth(camera.center_m, rays, depth, camera.refractive_index)
 
 
 def jacobian(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import Finding, InputError, input_error
 from ..files import read_json
 from .lens import Lens
-from .lens_selection import lens_refusals
+from .lens_selection import lens_implausibilities
 
 STRETCHED = ("superview", "hyperview", "super", "hyper")
 SAME_SHAPE = 0.005
@@ -42,7 +42,7 @@ def read_profile(
         ) from error
     _refuse_stretched(path, content)
     lens = Lens("fisheye", matrix, distortion, size)
-    if wrong := lens_refusals(lens, size, rms):
+    if wrong := lens_implausibilities(lens, size, rms):
         raise InputError(
             Finding(str(path), "", reason, "a lens that can be right", "Take another profile.")
             for reason in wrong

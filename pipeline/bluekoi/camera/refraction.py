@@ -7,7 +7,7 @@ import numpy as np
 from ..data import Float
 
 
-def refracted(direction: Float, index: float) -> Float:
+def refract_rays(direction: Float, index: float) -> Float:
     """Unit rays (n, 3) below the surface of downward unit rays (n, 3) in air, z up.
 
     t = d/n + (c/n - sqrt(1 - (1 - c^2)/n^2)) z, c = -d_z: Snell's law in vector form, whose
@@ -20,7 +20,7 @@ def refracted(direction: Float, index: float) -> Float:
     return bent
 
 
-def meets_depth(origin: Float, direction: Float, depth_m: Float, index: float) -> Float:
+def rays_to_depth(origin: Float, direction: Float, depth_m: Float, index: float) -> Float:
     """Points (n, 2) where rays from `origin` (3,) reach `depth_m` (n,) below the surface, m.
 
     Rays are unit vectors (n, 3), z up, in air; a negative depth lies above the water. NaN for
@@ -29,11 +29,11 @@ def meets_depth(origin: Float, direction: Float, depth_m: Float, index: float) -
     down = np.where(direction[:, 2] < 0, direction[:, 2], np.nan)
     height = np.maximum(-depth_m, 0.0)
     above = origin[:2] + direction[:, :2] * ((height - origin[2]) / down)[:, None]
-    bent = refracted(direction, index)
+    bent = refract_rays(direction, index)
     return above + bent[:, :2] * (np.maximum(depth_m, 0.0) / -bent[:, 2])[:, None]
 
 
-def surface_share(
+def air_path_share(
     across_m: Float, height_m: float, depth_m: Float, index: float, *, steps: int = 60
 ) -> Float:
     """Share (n,) of the horizontal way from camera to point that light goes in air.
@@ -62,7 +62,7 @@ def surface_share(
         return np.where(across_m > 0, s / across_m, 0.0)
 
 
-def seen_from(origin: Float, points: Float, index: float) -> Float:
+def apparent_points(origin: Float, points: Float, index: float) -> Float:
     """Points (n, 3) as a camera at `origin` (3,) sees them: where their light leaves the water.
 
     Points above the surface come back unchanged; points below come back as the place on the
@@ -72,6 +72,6 @@ def seen_from(origin: Float, points: Float, index: float) -> Float:
         return points
     way = points[:, :2] - origin[:2]
     depth = np.maximum(-points[:, 2], 0.0)
-    share = surface_share(np.hypot(way[:, 0], way[:, 1]), float(origin[2]), depth, index)
+    share = air_path_share(np.hypot(way[:, 0], way[:, 1]), float(origin[2]), depth, index)
     on_surface = np.column_stack([origin[:2] + way * share[:, None], np.zeros(len(points))])
     return np.where((points[:, 2] < 0)[:, None], on_surface, points)

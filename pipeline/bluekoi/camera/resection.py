@@ -12,17 +12,17 @@ from scipy.spatial.transform import Rotation
 from ..data import Float
 from ..errors import input_error
 from .lens import Lens, directions, pixels
-from .refraction import seen_from
+from .refraction import apparent_points
 
-PLACES = ("(0, 0)", "(length, 0)", "(length, width)", "(0, width)")
-ORDERS = {
+CORNER_NAMES = ("(0, 0)", "(length, 0)", "(length, width)", "(0, width)")
+CORNER_ORDERS = {
     (1, 2, 3, 0): "begin with the corner now listed second and keep going round the same way",
     (3, 2, 1, 0): "list the four in reverse",
     (0, 3, 2, 1): "swap the second and the fourth",
 }
-WRONG_SHARE = 0.015
+MAX_ERROR_SHARE = 0.015
 STEP = 1e-7
-EXACT = {"ftol": 1e-12, "xtol": 1e-12, "gtol": 1e-12}
+SOLVER_TOLERANCES = {"ftol": 1e-12, "xtol": 1e-12, "gtol": 1e-12}
 CLEARLY_WORSE = 30.0
 
 
@@ -44,7 +44,8 @@ def pose(
     costs = [float(np.sum(residuals(start) ** 2)) for start in starts]
     likely = [s for s, c in zip(starts, costs, strict=True) if c <= CLEARLY_WORSE * min(costs)]
     fits = [
-        least_squares(residuals, start, method="lm", x_scale="jac", **EXACT) for start in likely
+        least_squares(residuals, start, method="lm", x_scale="jac", **SOLVER_TOLERANCES)
+        for start in likely
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
     turn, shift = Rotation.from_rotvec(best.x[:3]).as_matrix(), best.x[3:]
@@ -82,14 +83,14 @@ def _residuals(
     def residuals(parameters: Float) -> Float:
         turn = Rotation.from_rotvec(parameters[:3]).as_matrix()
         shift = parameters[3:]
-        seen = seen_from(-turn.T @ shift, corners_m, index)
+        seen = apparent_points(-turn.T @ shift, corners_m, index)
         image = pixels(lens, seen @ turn.T + shift)
         return np.nan_to_num(corners_px - image, nan=1e4).ravel()
 
     return residuals
 
 
-def rectangle(length_m: float, width_m: float, height_m: float) -> Float:
+def pool_rectangle(length_m: float, width_m: float, height_m: float) -> Float:
     """The pool's corners (4, 3), m: (0, 0), (L, 0), (L, W), (0, W) at one height."""
     flat = [(0, 0), (length_m, 0), (length_m, width_m), (0, width_m)]
     return np.array([(x, y, height_m) for x, y in flat], dtype=float)
@@ -97,8 +98,8 @@ def rectangle(length_m: float, width_m: float, height_m: float) -> Float:
 
 def fitting_order(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
     """Words for the order of corners that fits, or nothing where no order does."""
-    limit = WRONG_SHARE * diagonal_px(corners_px)
-    for order, words in ORDERS.items():
+    limit = MAX_ERROR_SHARE * diagonal_px(corners_px)
+    for order, words in CORNER_ORDERS.items():
         turn, shift, residuals = pose(lens, corners_px[list(order)], corners_m, index)
         above = (-turn.T @ shift)[2] > 0
         if above and rms(residuals) < limit / 2:
@@ -145,7 +146,7 @@ def _outside_lens(corners_px: Float, which: int) -> Exception:
     return input_error(
         "study.yaml",
         "camera.pool_corners_px",
-        f"corner {PLACES[which]} at ({u:g}, {v:g}) px, outside what the lens model can map",
+        f"corner {CORNER_NAMES[which]} at ({u:g}, {v:g}) px, outside what the lens model can map",
         "corners where the distortion still grows outwards",
         "Check camera.model and camera.distortion, or calibrate with boards near the corners.",
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from .png import Picture, write_png
 
-LINES = 20
+MAX_GRID_LINES = 20
 LIGHT, DARK = (255, 255, 255), (40, 40, 40)
 
 
@@ -21,7 +21,7 @@ def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
     """
     canvas = np.ascontiguousarray(frame).copy()
     height, width = canvas.shape[:2]
-    step = _round_number(max(height, width) / LINES)
+    step = _round_number(max(height, width) / MAX_GRID_LINES)
     for at in range(step, width, step):
         cv2.line(canvas, (at, 0), (at, height), LIGHT, 1)
         _label(canvas, str(at), (at + 3, 16))

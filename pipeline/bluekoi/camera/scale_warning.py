@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from .distances import LENGTH_STD
+from .distances import LENGTH_STD_SHARE
 
 SIGMAS = 5.0
-NAMED = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
+SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
 
 
@@ -25,7 +25,7 @@ def scale_warning(
         return []
     off = float(scale) - 1.0
     named = {cause["name"] for cause in (mismatch or {}).get("causes") or []}
-    if abs(off) < max(2 * LENGTH_STD, SIGMAS * float(std)) or named & set(NAMED):
+    if abs(off) < max(2 * LENGTH_STD_SHARE, SIGMAS * float(std)) or named & set(SCALE_CAUSES):
         return []
     return [
         f"The robot's rigid lengths come out {100 * off:+.1f} +- {100 * float(std):.1f} % against "

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from .lens import lens_of, parameters
-from .plane import through_four
+from .plane import four_point_homography
 from .pool import PoolCamera, project, to_pool
 from .resection import pose_near
 
@@ -65,7 +65,7 @@ def _neighbours(camera: PoolCamera, lens_std: Float | None) -> Iterator[PoolCame
 
 def _refitted(camera: PoolCamera) -> PoolCamera:
     if camera.lens is None or camera.rotation is None or camera.translation is None:
-        plane = through_four(camera.corners_px, camera.corners_m[:, :2])
+        plane = four_point_homography(camera.corners_px, camera.corners_m[:, :2])
         return replace(camera, homography=plane)
     rotation, translation, residuals = pose_near(
         camera.lens,

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float, Positions, confident
 from ..errors import input_error
 from ..study import Robot
-from .distances import LENGTH_STD, Distances, Geometry, pixels_of, scatter
+from .distances import LENGTH_STD_SHARE, Distances, Geometry, pixels_of, robust_std
 
 WHOLE_LENGTH = "whole length"
 """`measured` in geometry.json, where it replaces the rigid distances."""
@@ -62,9 +62,9 @@ def systematic_share(geometry: Geometry, distances: Distances) -> float:
     ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
     long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
     share = distances.excess_m / distances.known_m
-    spread = [scatter(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
+    spread = [robust_std(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
     blur = BLUR_SHARE * float(np.median(spread))
-    return float(np.sqrt(LENGTH_STD**2 + (END_PX / long_px) ** 2 + blur**2))
+    return float(np.sqrt(LENGTH_STD_SHARE**2 + (END_PX / long_px) ** 2 + blur**2))
 
 
 def _of_trial(
@@ -77,7 +77,7 @@ def _of_trial(
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
     if good.sum() < MIN_FRAMES:
         return None
-    std, near = scatter(ratio, good)
+    std, near = robust_std(ratio, good)
     if std > MAX_SPREAD:
         return None
     good &= near

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..comparison import Difference, Run
 
 COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
-CLEAR = 3.0
+MARKED_ABOVE_STDS = 3.0
 """Numbers that differ by this many standard deviations are marked."""
 
 
@@ -37,7 +37,7 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
 
     runs = [read_run(_folder(path)) for path in (first, second)]
     found = compared(*runs)
-    for line in lines(found, everything=everything):
+    for line in table_lines(found, everything=everything):
         click.echo(printable(line))
     if missing := [str(run.folder) for run in runs if not run.manifest]:
         click.echo(f"No manifest.json in {' and '.join(missing)}: settings, inputs and versions "
@@ -53,7 +53,7 @@ def _folder(path: Path) -> Path:
     return path if results else results_folder(path, None)
 
 
-def lines(found: Sequence[Difference], *, everything: bool) -> Iterator[str]:
+def table_lines(found: Sequence[Difference], *, everything: bool) -> Iterator[str]:
     """A table by sections, of what differs or of everything."""
     shown = [d for d in found if everything or not d.same]
     if not shown:
@@ -64,7 +64,7 @@ def lines(found: Sequence[Difference], *, everything: bool) -> Iterator[str]:
             section = one.section
             yield f"{section}:"
         far = f"  ({one.sigmas:+.1f} sd)" if math.isfinite(one.sigmas) else ""
-        mark = " *" if abs(one.sigmas) >= CLEAR else ""
+        mark = " *" if abs(one.sigmas) >= MARKED_ABOVE_STDS else ""
         yield f"  {one.name}: {one.first} -> {one.second}{far}{mark}"
 
 
@@ -74,7 +74,7 @@ def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
     import io  # noqa: PLC0415
 
     from ..comparison import draw  # noqa: PLC0415
-    from ..files import whole_file, write_text  # noqa: PLC0415
+    from ..files import atomic_write, write_text  # noqa: PLC0415
 
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -89,7 +89,7 @@ def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
         labels = [str(run.folder) for run in runs]
     figure = draw(runs[0], runs[1], (labels[0], labels[1]))
     for suffix in (".png", ".pdf"):
-        with whole_file(out / f"comparison{suffix}") as temporary:
+        with atomic_write(out / f"comparison{suffix}") as temporary:
             figure.savefig(temporary, dpi=150)
 
 

@@ -52,13 +52,13 @@ def design(
     front.
     """
     from ..data import write_columns  # noqa: PLC0415
-    from ..design_space import columns, designs, fitted, smallest_radius, tested_range  # noqa: PLC0415
+    from ..design_space import columns, designs, load_fitted, smallest_radius, tested_range  # noqa: PLC0415
     from ..design_space.picture import designs_figure, save  # noqa: PLC0415
     from ..study import load_study  # noqa: PLC0415
 
     loaded = load_study(study)
     home = results or Path("results") / study.resolve().name
-    fit = fitted(home, model=model, study=loaded)
+    fit = load_fitted(home, model=model, study=loaded)
     further = _further(other)
     folder = out or home / "design"
     refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))

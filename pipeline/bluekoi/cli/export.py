@@ -85,12 +85,12 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
     import numpy as np  # noqa: PLC0415
     from scipy.io import netcdf_file  # noqa: PLC0415
 
-    from ..files import whole_file  # noqa: PLC0415
+    from ..files import atomic_write  # noqa: PLC0415
 
     track = campaign.tracks[trial_id]
     position = _position(campaign, trial_id, track)[..., None]
     names = {"space": ("x", "y"), "keypoint": PARTS, "individual": (INDIVIDUAL,)}
-    with whole_file(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
+    with atomic_write(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
         for name, value in _attributes(campaign, trial_id).items():
             setattr(out, name, value)
         out.createDimension("time", len(track.time_s))

@@ -16,15 +16,15 @@ from ..errors import INTERRUPTED
 from ..workflow.client import COMMAND
 from .named import Named, StudyName
 
-PACKAGE = Path(__file__).resolve().parents[1]
+PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 SOME_TRIALS_BAD = 3
 TERMINATED = 128 + signal.SIGTERM
 
 
 def workflow_folder() -> Path:
     """Folder with Snakefile and config: the checkout, or the copy that installing makes."""
-    checkout = PACKAGE.parents[1]
-    return checkout if (checkout / "Snakefile").is_file() else PACKAGE / "workflow" / "files"
+    checkout = PACKAGE_FOLDER.parents[1]
+    return checkout if (checkout / "Snakefile").is_file() else PACKAGE_FOLDER / "workflow" / "files"
 
 
 def command(study: str, results: Path | None, cores: str, further: tuple[str, ...]) -> list[str]:
@@ -145,11 +145,11 @@ def _returned(words: list[str]) -> int:
 def _went_wrong(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.outcome import complaint  # noqa: PLC0415
+    from ..stages.outcome import failure_reason  # noqa: PLC0415
 
     found = {p.stem: p for folder in ("status/keypoints", "status")
              for p in sorted((results / folder).glob("*.json"))}  # fmt: skip
-    complaints = {name: complaint(read_json(path)) for name, path in found.items()}
+    complaints = {name: failure_reason(read_json(path)) for name, path in found.items()}
     bad = {name: text for name, text in sorted(complaints.items()) if text}
     known = _trials(study) if bad else set()
     return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]

@@ -143,11 +143,11 @@ def _warnings(
 
 
 def _fit(results: Path | None, model: str | None, study: Study) -> Fitted:
-    from ..design_space import Fitted, fitted  # noqa: PLC0415
+    from ..design_space import Fitted, load_fitted  # noqa: PLC0415
     from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
 
     if results is not None:
-        return fitted(results, model=model, study=study)
+        return load_fitted(results, model=model, study=study)
     hz = {float(power): value for power, value in FLAP_HZ.items()}
     return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
 

@@ -12,7 +12,7 @@ import click
 from .named import Named, StudyName
 from .run import check_cores, command
 
-ERRORS = "Some of it could not be analysed: see the terminal."
+ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
 State = dict[str, tuple[int, int]]
 QUIET_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
@@ -75,7 +75,7 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
                 write_text(script, _state(count, "Analysing."))
                 code = analyse(command(str(study), results, cores, ()), over)
                 seen, count = now, count + 1
-                write_text(script, _state(count, "Up to date." if code == 0 else ERRORS))
+                write_text(script, _state(count, "Up to date." if code == 0 else ERROR_MESSAGE))
             over.wait(every_s)
     finally:
         for path in (page, script):

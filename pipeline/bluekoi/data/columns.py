@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import input_error
-from ..files import read_text, whole_file
+from ..files import atomic_write, read_text
 from .types import Float
 
 
@@ -16,7 +16,7 @@ def write_columns(path: str | Path, columns: dict[str, Any]) -> None:
     """Write equally long columns as csv, whole or not at all; NaN as an empty cell."""
     names = list(columns)
     rows = zip(*columns.values(), strict=True)
-    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8") as out:
+    with atomic_write(path) as temporary, temporary.open("w", encoding="utf-8") as out:
         out.write(",".join(names) + "\n")
         out.writelines(",".join(_cell(cell) for cell in row) + "\n" for row in rows)
 

@@ -1,6 +1,6 @@
 """What a fitted robot could do: steady states of other designs, fronts, manoeuvres over time."""
 
-from .fits import Fitted, fitted
+from .fits import Fitted, load_fitted
 from .front import COLUMNS, Design, columns, on_front, smallest_radius
 from .manoeuvres import MANOEUVRES, Schedule, read_schedule
 from .robots import Range, designs, tested_range
@@ -17,7 +17,7 @@ __all__ = [
     "SteadyStates",
     "columns",
     "designs",
-    "fitted",
+    "load_fitted",
     "on_front",
     "read_schedule",
     "smallest_radius",

@@ -19,8 +19,8 @@ from ..study import Study
 T = TypeVar("T")
 DRAWS = LANES - 1
 """Draws of the coefficients beside their best values: together they fill the lanes."""
-AGAIN = "Run the analysis again: bluekoi run STUDY."
-DOUBTFUL = ("measurement", "unexplained")
+RERUN_ADVICE = "Run the analysis again: bluekoi run STUDY."
+DOUBTFUL_VERDICTS = ("measurement", "unexplained")
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Fitted:
         return float(np.maximum(slope * power_pct + offset, 0.0))
 
 
-def fitted(
+def load_fitted(
     results: Path, *, model: str | None = None, study: Study | None = None, seed: int = 0
 ) -> Fitted:
     """The fitted model of a results folder with draws of its coefficients.
@@ -84,7 +84,9 @@ def _whole(path: Path, read: Callable[[], T]) -> T:
         return read()
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         found = f"incomplete content ({type(error).__name__}: {error})"
-        raise input_error(path, "", found, "what a finished analysis writes", AGAIN) from error
+        raise input_error(
+            path, "", found, "what a finished analysis writes", RERUN_ADVICE
+        ) from error
 
 
 def _verdict(path: Path) -> str:
@@ -131,7 +133,7 @@ def _doubts(found: Mapping[str, Any], verdict: str, chosen: str) -> list[str]:
     if guesses:
         out.append(f"these trials do not determine {', '.join(guesses)}: numbers that hang on "
                    "them are guesses (coefficients.json says why)")  # fmt: skip
-    if verdict in DOUBTFUL or (verdict == "physics" and chosen == "joint"):
+    if verdict in DOUBTFUL_VERDICTS or (verdict == "physics" and chosen == "joint"):
         out.append(f"the search ended with '{verdict}': this fit may be off by more than its "
                    "bands (mismatch.json says where)")  # fmt: skip
     return out

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 
-CLEARLY = 0.001
+MIN_RELATIVE_GAIN = 0.001
 COLUMNS = (
     "power_pct", "flap_hz", "head_angle_deg", "head_length_m", "speed_m_s", "speed_low_m_s",
     "speed_high_m_s", "radius_m", "radius_low_m", "radius_high_m", "on_front", "extrapolated",
@@ -38,14 +38,14 @@ def on_front(designs: Sequence[Design]) -> Float:
     """Which designs no other beats in both speed and radius, bool (designs,).
 
     Where the radius does not depend on power, ties in it would make a wall of slower designs:
-    slower ones must be tighter by `CLEARLY`.
+    slower ones must be tighter by `MIN_RELATIVE_GAIN`.
     """
     pairs = np.array([[-d.speed_m_s[0], d.radius_m[0]] for d in designs])
     valid = np.isfinite(pairs).all(axis=1)
     out = np.zeros(len(designs), dtype=bool)
     tightest = np.inf
     for i in np.lexsort((pairs[:, 1], pairs[:, 0])):
-        if valid[i] and pairs[i, 1] < (1 - CLEARLY) * tightest:
+        if valid[i] and pairs[i, 1] < (1 - MIN_RELATIVE_GAIN) * tightest:
             out[i], tightest = True, pairs[i, 1]
     return out
 
@@ -55,7 +55,7 @@ def smallest_radius(
 ) -> Design | None:
     """The tightest turn among designs at least so fast; None where there is none.
 
-    Of those within `CLEARLY` of the tightest, tested ones come first, then the fastest.
+    Of those within `MIN_RELATIVE_GAIN` of the tightest, tested ones come first, then the fastest.
     """
     fit = [
         d
@@ -65,7 +65,7 @@ def smallest_radius(
         and not (tested_only and d.extrapolated)
     ]
     tightest = min((d.radius_m[0] for d in fit), default=np.inf)
-    ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + CLEARLY)]
+    ties = [d for d in fit if d.radius_m[0] <= tightest * (1 + MIN_RELATIVE_GAIN)]
     return min(ties, key=lambda d: (len(d.extrapolated), -d.speed_m_s[0]), default=None)
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from ..data import Float, read_columns
 from ..errors import input_error, nearest
 
-RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
+ALLOWED_RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
           "flap_hz": (0, 100)}  # fmt: skip
-KNOWN = tuple(RANGES)
+SCHEDULE_COLUMNS = tuple(ALLOWED_RANGES)
 
 
 @dataclass(frozen=True)
@@ -42,14 +42,18 @@ def read_schedule(path: Path, hz_of_power: Callable[[float], float]) -> Schedule
     """
     columns = read_columns(path, ("time_s", "head_angle_deg"))
     for name in columns:
-        if name not in KNOWN:
+        if name not in SCHEDULE_COLUMNS:
             raise input_error(
-                path, name, "an unknown column", ", ".join(KNOWN), nearest(name, KNOWN)
+                path,
+                name,
+                "an unknown column",
+                ", ".join(SCHEDULE_COLUMNS),
+                nearest(name, SCHEDULE_COLUMNS),
             )
     if ("power_pct" in columns) == ("flap_hz" in columns):
         raise input_error(path, "", "both or neither of power_pct and flap_hz", "one of them")
     for name, values in columns.items():
-        low, high = RANGES[name]
+        low, high = ALLOWED_RANGES[name]
         bad = np.flatnonzero(~((values >= low) & (values <= high)))
         if len(bad):
             raise input_error(path, f"row {bad[0] + 2}", f"{name} {values[bad[0]]:g}",

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ..data import Float
-from ..files import whole_file
+from ..files import atomic_write
 from ..model import Simulation
 from ..study import Setup
 from .front import Design, on_front
@@ -95,5 +95,5 @@ def _bodies(run: Simulation, marks: Float, setup: Setup, head_length_m: float) -
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure, whole or not at all, in the format of the file's ending."""
     FigureCanvasAgg(figure)
-    with whole_file(path) as temporary:
+    with atomic_write(path) as temporary:
         figure.savefig(temporary, format=Path(path).suffix.lstrip(".") or "png", dpi=150)

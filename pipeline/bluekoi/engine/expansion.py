@@ -16,14 +16,14 @@ from ..data import Float
 from ..fitting import Free
 from ..fitting.normal import (
     Normal,
-    evidence_terms,
-    fit_step,
+    aux_measurement_terms,
+    difference_step,
     marginal_products,
     prior_terms,
     trial_effect_changes,
     trial_effect_stds,
 )
-from ..fitting.predictions import Change, whitened_products
+from ..fitting.predictions import ParameterChange, whitened_products
 from ..integrate import System
 from .candidates import Candidate, parameter
 from .problem import Problem
@@ -63,10 +63,10 @@ def expanded(
     local = replace(problem, base=base)
     points = local.points(model.fit.free, model.fit.values)
     every = np.ones(len(points), dtype=bool)
-    changes: list[Change] = []
+    changes: list[ParameterChange] = []
     for free, value in zip(model.fit.free, model.fit.values, strict=True):
         own = np.array([free.group in {None, s.group} for s in problem.series])
-        changes.append(Change(fit_step(kernel, free, float(value)), own,
+        changes.append(ParameterChange(difference_step(kernel, free, float(value)), own,
                               {system.slot[free.name]: 1.0}))  # fmt: skip
     own_columns = tuple(range(len(changes)))
     strengths: dict[str, tuple[int, ...]] = {}
@@ -104,7 +104,7 @@ def expanded(
 
 
 def _products(
-    problem: Problem, model: FittedSet, points: Sequence[Float], changes: Sequence[Change],
+    problem: Problem, model: FittedSet, points: Sequence[Float], changes: Sequence[ParameterChange],
     frees: Sequence[Free],
 ) -> Normal:  # fmt: skip
     """Information, gradient and log likelihood of each trial in the changes, what each trial keeps
@@ -116,7 +116,7 @@ def _products(
         whitened_products(kernel, model.passes, points, more, model.noise),
         trial_effect_stds(kernel, points, model.noise),
     )
-    side = evidence_terms(kernel, problem.series, frees, points)
+    side = aux_measurement_terms(kernel, problem.series, frees, points)
     p = len(model.fit.free)
     known = prior_terms(kernel, model.fit.free, model.fit.values, len(points))
     hessian, gradient = products[:, 1:, 1:] + side.hessian, products[:, 1:, 0] + side.gradient
@@ -180,11 +180,13 @@ def _fall(H: Float, g: Float, columns: list[int]) -> float:
 
 def _strength_change(
     system: System, free: Free, every: np.ndarray, offsets: Mapping[int, float]
-) -> Change:
+) -> ParameterChange:
     """Difference of a strength at 0, at the leading form or, with `offsets`, at another one."""
     slot = system.slot[free.name]
     p = system.parameters[slot]
-    return Change(1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower)), every, {slot: 1.0}, offsets)
+    return ParameterChange(
+        1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower)), every, {slot: 1.0}, offsets
+    )
 
 
 def _form_offset(system: System, form: Free) -> float:

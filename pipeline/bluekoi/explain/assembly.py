@@ -22,7 +22,7 @@ from .model import OBSERVE, Cause, Model, arguments, channels_of, variables_of
 
 FORCES, ERRORS = "random_force", "lasting_error"
 CONSTANT, TIME = "constant", "t"
-WIDE = 50.0
+STRENGTH_BOUND = 50.0
 """Bounds of a residual term's strength, in units of the typical force."""
 
 
@@ -220,7 +220,9 @@ def _residual(
 ) -> Effect:
     def strength(t: Term) -> Parameter:
         size = force_scale.get(t.channel, 1.0)
-        return Parameter(t.name, "", size, -WIDE * size, WIDE * size, t.variable)
+        return Parameter(
+            t.name, "", size, -STRENGTH_BOUND * size, STRENGTH_BOUND * size, t.variable
+        )
 
     assert model.force is not None
     return Effect(RESIDUAL, RESIDUAL, "A force that no candidate describes.",

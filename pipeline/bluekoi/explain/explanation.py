@@ -36,9 +36,9 @@ from .comparison import (
 )
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
-from .preparation import Prepared, converged_step, prepared, runs_away
+from .preparation import Prepared, converged_step, prepare, runs_away
 from .sampling import at_rate
-from .trials import HELD_OUT, Trial, checked, series_of, warnings_of
+from .trials import HELD_OUT, Trial, series_of, validated_trials, warnings_of
 
 OVERDISPERSED, COMPARABLE = 2.0, 0.5
 """Variance over trials against standard errors, and random force against the causes' own force,
@@ -108,12 +108,14 @@ def explain(
     Raises: InputError for a model, a trial or a name that cannot be used, naming it.
     """
     checked_model(model)
-    given = checked(model, trials)
-    names = asked(model, candidates, without)
+    given = validated_trials(model, trials)
+    names = requested_causes(model, candidates, without)
     for one in compare:
-        asked(replace(model, causes=[c for c in model.causes if c.name in names]), one, ())
+        requested_causes(
+            replace(model, causes=[c for c in model.causes if c.name in names]), one, ()
+        )
     fit = [t for t in given if t.role != HELD_OUT]
-    ready = prepared(model, fit, names, progress)
+    ready = prepare(model, fit, names, progress)
     try:
         visited = search(ready.problem)
     except np.linalg.LinAlgError:
@@ -158,7 +160,7 @@ def _compared(
                     tuple(numbers(problem.kernel, scored.model)), errors)  # fmt: skip
 
 
-def asked(
+def requested_causes(
     model: Model, candidates: Sequence[str] | None, without: Sequence[str]
 ) -> tuple[str, ...]:
     """Names of the causes to ask for, in the model's order."""

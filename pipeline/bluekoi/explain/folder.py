@@ -24,7 +24,7 @@ from ..errors import Finding, InputError, input_error, nearest
 from ..files import read_text
 from .model import Model
 from .trials import FIT, Trial
-from .units import factor
+from .units import conversion_factor
 
 DATA = "data.yaml"
 KEYS = ("columns", "constants", "trials")
@@ -94,7 +94,8 @@ def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str,
         if not isinstance(entry, dict) or set(entry) != set(COLUMN_KEYS):
             raise input_error(path, f"columns: {name}", entry, f"{{column: NAME, unit: {unit}}}")
         out[name] = (str(entry["column"]),
-                     factor(str(entry["unit"]), unit, str(path), f"columns: {name}"))  # fmt: skip
+                     conversion_factor(str(entry["unit"]), unit, str(path),
+                                       f"columns: {name}"))  # fmt: skip
     return out
 
 

@@ -17,7 +17,7 @@ from ..integrate.batch import propagate
 from .comparison import PREDICTION_ERRORS, Fitted, by_both_criteria, folds_of, refitted
 from .explanation import Explanation, test_series
 from .model import Model
-from .trials import Trial, checked
+from .trials import Trial, validated_trials
 
 KNOWN_S, MIN_FOR_MEASURES = 1.0, 3
 
@@ -48,19 +48,19 @@ class Predicted:
     messages: tuple[str, ...]
 
 
-WHOLE, FIRST = "start fitted", "start from the first seconds"
+START_FITTED, START_ESTIMATED = "start fitted", "start from the first seconds"
 
 
 def predict(found: Explanation, trials: Sequence[Trial], *, known_s: float = KNOWN_S) -> Predicted:
     """`Predicted` for trials that the model was not fitted to."""
     model = found.model
-    series = test_series(found.prepared, checked(model, trials))
+    series = test_series(found.prepared, validated_trials(model, trials))
     site = tuple(c for c in found.extended.model.causes
                  if c in model.by_name and model.by_name[c].site)  # fmt: skip
-    models = {"baseline": found.baseline, "extended": elsewhere(found, site)}
+    models = {"baseline": found.baseline, "extended": without_site_causes(found, site)}
     runs = {(name, start): _runs(found, one, series, known)
             for name, one in models.items()
-            for start, known in ((WHOLE, np.inf), (FIRST, known_s))}  # fmt: skip
+            for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s))}  # fmt: skip
     messages = [f"{c} belongs to the site of the fitted recordings and is not applied here."
                 for c in site]  # fmt: skip
     if found.verdict == UNEXPLAINED:
@@ -73,7 +73,7 @@ def predict(found: Explanation, trials: Sequence[Trial], *, known_s: float = KNO
                      tuple(messages))  # fmt: skip
 
 
-def elsewhere(found: Explanation, site: Sequence[str]) -> Fitted:
+def without_site_causes(found: Explanation, site: Sequence[str]) -> Fitted:
     """The extended model with the strengths of site-specific causes at 0."""
     one = found.extended
     off = {f.label for c in site for f in found.prepared.problem.by_name[c].strengths}
@@ -98,7 +98,7 @@ def predict_left_out(found: Explanation, *, known_s: float = KNOWN_S) -> Predict
         own = [s for s in series if s.condition in fold]
         for name, one in (("baseline", found.baseline), ("extended", found.extended)):
             again = _again(rest, one) if rest.series else one
-            for start, known in ((WHOLE, np.inf), (FIRST, known_s)):
+            for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s)):
                 every = runs.setdefault((name, start), {})
                 every |= {r.trial: r for r in _runs(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}

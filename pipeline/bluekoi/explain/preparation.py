@@ -18,14 +18,14 @@ from .assembly import Assembly, assembled, scaled_variables
 from .model import Model
 from .sampling import MIN_IN_BLOCK, block_rate_hz
 from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
-from .trials import Trial, all_series, pieces
+from .trials import Trial, all_series, cut_trials
 
-FEWEST_TRIALS, STRETCHES, MIN_FRAMES = 4, 4, 50
+MIN_TRIALS, SEGMENTS, MIN_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses what the state before it tells: no more cuts than resampling needs."""
 MAX_CAUSES, MAX_FRAMES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
-SIZES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
+FORCE_GUESSES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
 
 
@@ -46,7 +46,7 @@ class Prepared:
     warnings: tuple[str, ...]
 
 
-def prepared(
+def prepare(
     model: Model, trials: Sequence[Trial], names: Sequence[str], progress: Callable[[str], None]
 ) -> Prepared:
     """`Prepared` with the candidates of these names and all residual terms."""
@@ -63,7 +63,7 @@ def prepared(
     base, free = assembly.system.values({}), coefficients_of(model, trials)
     series = all_series(model, assembly, trials, scales, rate)
     noise = first_noise(kernel, series, base, free)
-    step = longest_step_s(fastest(kernel, series, base, noise=noise, names=names))
+    step = longest_step_s(max_rate_per_s(kernel, series, base, noise=noise, names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
@@ -82,11 +82,11 @@ def prepared(
 
 def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     """Trials, cut into stretches where they are few, and how many were cut."""
-    if len(trials) >= FEWEST_TRIALS:
+    if len(trials) >= MIN_TRIALS:
         return trials, 0
     shortest = min(len(t.times) for t in trials)
-    count = min(-(-STRETCHES // len(trials)), shortest // MIN_FRAMES)
-    return (pieces(trials, count), len(trials)) if count > 1 else (trials, 0)
+    count = min(-(-SEGMENTS // len(trials)), shortest // MIN_FRAMES)
+    return (cut_trials(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
 def coefficients_of(model: Model, trials: Sequence[Trial]) -> tuple[Free, ...]:
@@ -143,7 +143,7 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
 def first_noise(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free]
 ) -> Noise:
-    """Where the estimate of the random part begins: the likeliest of `SIZES` for random forces,
+    """Initial estimate of the random part: the likeliest of `FORCE_GUESSES` for random forces,
     errors that last as large as the stated ones.
     """
     forces = [e for e in kernel.system.effects if e.kind == "disturbance" and e.channels]
@@ -167,7 +167,7 @@ def first_noise(
         total = sum(f.log_likelihood for f in passed)
         return float(total) if np.isfinite(total) else -np.inf
 
-    found = {size: likelihood(size) for size in (SIZES if pushed else (0.0,))}
+    found = {size: likelihood(size) for size in (FORCE_GUESSES if pushed else (0.0,))}
     best = max(found, key=lambda size: found[size])
     if not np.isfinite(found[best]):
         raise runs_away(kernel.system.name)
@@ -185,7 +185,7 @@ def runs_away(name: str) -> InputError:
     )
 
 
-def fastest(
+def max_rate_per_s(
     kernel: Kernel, series: Sequence[Series], base: Float, *, noise: Noise, names: Sequence[str]
 ) -> float:
     """Rate (1/s) of the fastest model, bare or with one of the candidates at its plausible size."""

@@ -17,9 +17,9 @@ from .sampling import at_rate
 
 FIT, HELD_OUT = "fit", "held_out"
 MIN_SAMPLES = 3
-GAP = 20.0
+REPORTED_GAP = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
-LARGEST = 1e12
+MAX_VALUE = 1e12
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Trial:
     source: str = ""
 
 
-def checked(model: Model, trials: Sequence[Trial]) -> list[Trial]:
+def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
     """Trials with arrays of the right shapes, finite inputs, increasing times, unwrapped angles.
 
     Raises: InputError with all that is wrong in all trials.
@@ -116,7 +116,7 @@ def _column_faults(
 ) -> list[Finding]:
     if column.shape != (count,):
         return [Finding(file, name, f"shape {column.shape}", f"({count},), as times")]
-    bad = np.isinf(column) | (np.abs(column) > LARGEST)
+    bad = np.isinf(column) | (np.abs(column) > MAX_VALUE)
     if not missing:
         bad |= np.isnan(column)
     if bad.any():
@@ -151,7 +151,7 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     for t in trials:
         steps = np.diff(t.times)
         usual = float(np.median(steps))
-        if steps.max() > GAP * usual:
+        if steps.max() > REPORTED_GAP * usual:
             at = t.times[steps.argmax()]
             out.append(
                 f"{t.name}: a gap of {steps.max():.3g} s at {at:.3g} s; "
@@ -238,7 +238,7 @@ def level_and_slope(times: Float, values: Float, samples: int = 8) -> tuple[floa
     return float(level), float(slope)
 
 
-def pieces(trials: Sequence[Trial], count: int) -> list[Trial]:
+def cut_trials(trials: Sequence[Trial], count: int) -> list[Trial]:
     """Trials cut into stretches of equal duration, `count` of each, all of them conditions of their
     own: one long recording gives no other way to see how numbers vary.
     """

@@ -21,7 +21,7 @@ FACTORS: dict[str, tuple[str, float]] = {
 """Unit -> SI unit and how many of it one is."""
 
 
-def factor(given: str, wanted: str, file: str, where: str) -> float:
+def conversion_factor(given: str, wanted: str, file: str, where: str) -> float:
     """What numbers in `given` are multiplied by to be in `wanted`.
 
     Raises: InputError naming both, where one cannot become the other.

@@ -25,7 +25,7 @@ from matplotlib.figure import Figure
 
 from ..campaign import Campaign, load_campaign
 from ..errors import input_error, nearest
-from ..files import whole_file, write_text
+from ..files import atomic_write, write_text
 from .drawing.extraction import Point, extract
 from .drawing.style import RC_PARAMS, placeholder_figure
 
@@ -107,10 +107,10 @@ def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str
     `Figure.savefig` lays out and draws twice for each file, which takes twice as long.
     """
     figure.set_dpi(PNG_DPI)
-    with whole_file(path_png) as temporary:
+    with atomic_write(path_png) as temporary:
         FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG, **metadata})
     figure.set_layout_engine("none")
-    with whole_file(path_pdf) as temporary:
+    with atomic_write(path_pdf) as temporary:
         FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF))
 
 

@@ -12,7 +12,7 @@ from ..study import Trial
 from .drawing import groups
 from .drawing.circles import compared_angle_deg, draw_turns
 from .drawing.groups import Mean
-from .drawing.pool import pool, robots
+from .drawing.pool import draw_pool, draw_robots
 from .drawing.style import Z_95, Style, panel_letter, placeholder, power_styles
 
 TITLE = "Straight speeds and turn radii"
@@ -58,9 +58,9 @@ def _example(
         return
     trial = max(trials, key=lambda t: _path_length_m(campaign, t))
     track = campaign.tracks[trial.trial_id]
-    pool(axes, campaign.study)
+    draw_pool(axes, campaign.study)
     axes.plot(track.x_m, track.y_m, color="#20262e", lw=1, zorder=6, gid=trial.trial_id)
-    robots(axes, campaign.study.setup.robot, trial.head_length_m, track)
+    draw_robots(axes, campaign.study.setup.robot, trial.head_length_m, track)
     axes.set_title(f"{kind} {trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°")
 
 

@@ -15,11 +15,11 @@ from .drawing.style import Style, panel_letter, placeholder, power_styles
 from .drawing.sweeps import (
     PowerFit,
     Sweep,
-    extended,
     over_angle,
     over_length,
     radius,
     speed_from_rest,
+    with_extrapolated_powers,
 )
 
 TITLE = "Model predictions beyond the tested conditions"
@@ -39,7 +39,7 @@ TIMES_S = np.arange(151) / 30.0
 
 def draw(campaign: Campaign) -> Figure:
     """Panels A to C of the paper's Figure 6."""
-    rows = extended(campaign)
+    rows = with_extrapolated_powers(campaign)
     styles = _styles(campaign, rows)
     figure = Figure(figsize=(12, 4.3), layout="constrained")
     axes = figure.subplots(1, 3)

@@ -13,7 +13,7 @@ from matplotlib.ticker import NullFormatter
 
 from ..campaign import Campaign
 from ..data import Float
-from .drawing.pool import pool
+from .drawing.pool import draw_pool
 from .drawing.style import DIVERGING, panel_letter, placeholder
 
 TITLE = "Geometry check: rigid distances over the pool"
@@ -27,7 +27,7 @@ CAPTION = (
     "(0.05 %, for the whole length about 0.4 %) and are ignored, however many frames agree."
 )
 NEEDS = ("geometry",)
-SHOWN = 9
+MAX_SHOWN = 9
 DETECTABLE = "#56B4E9"
 SMALLEST_SHOWN_PCT = 0.01
 AXIS_HEADROOM = 6.0
@@ -76,7 +76,7 @@ def _array(values: Any) -> Float:
 
 
 def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, name: str) -> Any:
-    pool(axes, campaign.study)
+    draw_pool(axes, campaign.study)
     shown = np.where(grid["count"] > 0, 100 * grid[name], np.nan)
     picture = axes.pcolormesh(
         grid["x_edges_m"], grid["y_edges_m"], shown, cmap=DIVERGING, vmin=-span, vmax=span, zorder=1
@@ -97,7 +97,7 @@ def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
 
 
 def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
-    best = estimates[:SHOWN][::-1]
+    best = estimates[:MAX_SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
     names = [
         f"{_readable(one['name'])}: {', '.join(map(_readable, one['parameters']))}" for one in best

@@ -22,13 +22,13 @@ CAPTION = (
     "the measured path, mm."
 )
 HELD_OUT = "Trials that no fit used."
-ONE_TITLE = "Held-out trials: errors of the model"
-ONE = (
+ONE_MODEL_TITLE = "Held-out trials: errors of the model"
+ONE_MODEL_CAPTION = (
     "No cause was identified, so there is one model. (A) Its errors; dotted: noise floor, the "
     "error of the model on trials simulated by itself with the estimated noise. (B) Their paths "
     "in the pool; numbers: rms distance to the measured path, mm."
 )
-FITTED = (
+FITTED_TRIALS_CAPTION = (
     "The study is too small to hold trials out: these trials were fitted, so smaller errors do "
     "not confirm the identified causes."
 )
@@ -45,10 +45,10 @@ ERRORS = (
 def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     """Title and caption, by whether trials were held out and causes identified."""
     fitted = no_trial_held_out(campaign)
-    title = TITLE if campaign.has_additions else ONE_TITLE
-    text = CAPTION if campaign.has_additions else f"{HELD_OUT} {ONE}"
+    title = TITLE if campaign.has_additions else ONE_MODEL_TITLE
+    text = CAPTION if campaign.has_additions else f"{HELD_OUT} {ONE_MODEL_CAPTION}"
     if fitted:
-        return title.replace("Held-out", "Fitted"), text.replace(HELD_OUT, FITTED)
+        return title.replace("Held-out", "Fitted"), text.replace(HELD_OUT, FITTED_TRIALS_CAPTION)
     return title, text
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..campaign import Campaign
 from .drawing.missing_force import CHANNELS, NAMES, UNITS, MissingForce, missing_forces
-from .drawing.pool import pool
+from .drawing.pool import draw_pool
 from .drawing.style import DIVERGING, panel_letter, placeholder
 
 TITLE = "Missing force along the paths"
@@ -57,7 +57,7 @@ def _map(
     if not found:
         placeholder(axes, "no missing force in mismatch_detail.json")
         return
-    pool(axes, campaign.study)
+    draw_pool(axes, campaign.study)
     every = np.concatenate([one.force[:, channel] for one in found.values()])
     limit = max(float(np.quantile(np.abs(every), 0.98)), 1e-6)
     norm = Normalize(-limit, limit)
@@ -73,7 +73,7 @@ def _map(
 
 
 def _arrows(axes: Axes, campaign: Campaign, one: MissingForce, longest: float) -> None:
-    pool(axes, campaign.study)
+    draw_pool(axes, campaign.study)
     xy, psi = one.motion[:, :2], one.motion[:, 2]
     surge, sway = one.force[:, 0], one.force[:, 1]
     c, s = np.cos(psi), np.sin(psi)

@@ -4,7 +4,7 @@ from .block_average import block_averaged
 from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
 from .free_run import FreeRun, free_runs
-from .joint import Fit, fit, pseudo_inverse, response
+from .joint import Fit, conditional_response, fit, pseudo_inverse
 from .noise import fit_noise
 from .normal import (
     Normal,
@@ -14,7 +14,7 @@ from .normal import (
     trial_values,
 )
 from .paths import PathFit, fit_paths
-from .resampling import cov_hc2, cov_jackknife, ensemble, inverse_fisher, off_bounds
+from .resampling import cov_hc2, cov_jackknife, inverse_fisher, off_bounds, student_t_draws
 from .sandwich import (
     ClusterCovariance,
     ClusterInfluence,
@@ -40,10 +40,10 @@ __all__ = [
     "TrialRandomEffect",
     "block_averaged",
     "cluster_covariance",
+    "conditional_response",
     "cov_hc2",
     "cov_jackknife",
     "disturbance_slots",
-    "ensemble",
     "filter_all",
     "filter_series",
     "fit",
@@ -57,8 +57,8 @@ __all__ = [
     "off_bounds",
     "parametric_bootstrap",
     "pseudo_inverse",
-    "response",
     "slots_by_name",
     "smooth",
+    "student_t_draws",
     "trial_values",
 ]

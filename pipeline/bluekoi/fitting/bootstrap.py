@@ -11,7 +11,7 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 from .filtering import disturbance_slots, with_noise
-from .series import Noise, Series, filled
+from .series import Noise, Series, padded_arrays
 
 
 def parametric_bootstrap(  # noqa: PLR0917
@@ -26,7 +26,10 @@ def parametric_bootstrap(  # noqa: PLR0917
     """
     state, tau = starts.copy(), noises[0].tau
     points = np.array([with_noise(kernel, v, n) for v, n in zip(values, noises, strict=True)])
-    times, inputs = filled([s.times for s in series]), filled([s.inputs for s in series])
+    times, inputs = (
+        padded_arrays([s.times for s in series]),
+        padded_arrays([s.inputs for s in series]),
+    )
     constants = np.array([s.constants for s in series])
     sigma = np.array([n.disturbance for n in noises])
     slots = disturbance_slots(kernel)[: sigma.shape[1]]

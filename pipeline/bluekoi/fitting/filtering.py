@@ -11,8 +11,8 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import Effect, Kernel, System
-from ..integrate.batch import each, switches
-from .series import Noise, Series, filled
+from ..integrate.batch import active_effects, threaded_map
+from .series import Noise, Series, padded_arrays
 
 STEP_S = 1 / 30
 """Longest integration step between observations, to 1 %: its error is far below a frame's noise.
@@ -68,27 +68,27 @@ class FilterResults(Sequence[Filtered]):
     @cached_property
     def gains(self) -> Float:
         """What a frame's innovation corrects the states by."""
-        return filled([f.gains for f in self.each])
+        return padded_arrays([f.gains for f in self.each])
 
     @cached_property
     def roots(self) -> Float:
         """Inverse Cholesky factors of the innovation covariances."""
-        return filled([f.roots for f in self.each])
+        return padded_arrays([f.roots for f in self.each])
 
     @cached_property
     def times(self) -> Float:
         """Times of the frames, s."""
-        return filled([s.times for s in self.series])
+        return padded_arrays([s.times for s in self.series])
 
     @cached_property
     def inputs(self) -> Float:
         """Inputs at the frames."""
-        return filled([s.inputs for s in self.series])
+        return padded_arrays([s.inputs for s in self.series])
 
     @cached_property
     def seen(self) -> Float:
         """What was seen, 0 where missing."""
-        return np.nan_to_num(filled([s.seen for s in self.series]))
+        return np.nan_to_num(padded_arrays([s.seen for s in self.series]))
 
     @cached_property
     def frames(self) -> np.ndarray:
@@ -112,7 +112,7 @@ def filter_all(
 ) -> FilterResults:
     """`filter_series` for every trial with its own parameter vector, on all cores."""
     jobs, shared = list(zip(series, values, strict=True)), _shared(kernel, noise)
-    found = each(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
+    found = threaded_map(lambda job: _filtered(kernel, job[0], job[1], shared), jobs)
     return FilterResults(tuple(series), tuple(found))
 
 
@@ -145,7 +145,7 @@ def _filtered(kernel: Kernel, series: Series, values: Float, shared: _Shared) ->
     )
     values, cov = with_noise(kernel, values, shared.noise), series.cov.copy()
     cov[shared.random, shared.random] = shared.variance[shared.random]
-    on, step_s = switches(kernel.system, values), kernel.system.step_s or STEP_S
+    on, step_s = active_effects(kernel.system, values), kernel.system.step_s or STEP_S
     log_likelihood = kernel.kalman(
         series.mean, cov, values, series.constants, series.times, series.inputs, series.seen,
         series.noise * shared.scales, shared.variance, shared.memory, shared.difference,

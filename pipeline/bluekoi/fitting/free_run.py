@@ -9,9 +9,9 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import in_parts, propagate
+from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
-from .series import Series, filled, weighted
+from .series import Series, observations_and_weights, padded_arrays
 
 SHARES = (0.25, 0.5, 1.0)
 STEP = 1e-4
@@ -99,7 +99,9 @@ class _Runs:
         """
         observed, _ = self.of(starts)
         out = np.empty((len(starts), 1 + self.count, 1 + self.count))
-        in_parts(lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out))
+        run_in_threads(
+            lambda *ends: set_products(observed, self.seen, self.weight, ends, out), len(out)
+        )
         out[:, 1:] /= STEP
         out[:, :, 1:] /= STEP
         error = (self.mean - starts) / self.std
@@ -112,13 +114,13 @@ class _Runs:
 
 
 def _runs(kernel: Kernel, series: Sequence[Series], values: Sequence[Float], count: int) -> _Runs:
-    frames, seen, weight = weighted(series)
+    frames, seen, weight = observations_and_weights(series)
     lanes = [np.repeat(np.array(rows)[:, :, None], LANES, axis=2)
              for rows in (values, [s.constants for s in series])]  # fmt: skip
     return _Runs(
         kernel, lanes[0], lanes[1],
-        times=filled([s.times for s in series]),
-        inputs=filled([s.inputs for s in series]),
+        times=padded_arrays([s.times for s in series]),
+        inputs=padded_arrays([s.inputs for s in series]),
         frames=frames,
         seen=seen,
         weight=weight,

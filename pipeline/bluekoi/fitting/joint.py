@@ -141,6 +141,6 @@ def pseudo_inverse(matrix: Float) -> Float:
     return weighted @ np.swapaxes(vectors, -1, -2) / scales
 
 
-def response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:
+def conditional_response(hessian: Float, own: Sequence[int], others: Sequence[int]) -> Float:
     """-H_oo^-1 H_ox (own, others): how some numbers of a fit go along with a change of others."""
     return -pseudo_inverse(hessian[np.ix_(own, own)]) @ hessian[np.ix_(own, others)]

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import in_parts, propagate, switches
+from ..integrate.batch import active_effects, propagate, run_in_threads
 from .filtering import (
     DIFFERENCE,
     Filtered,
@@ -29,12 +29,12 @@ from .filtering import (
     with_noise,
 )
 from .recursion import log_likelihoods
-from .score import slopes
-from .series import Noise, Series, filled
+from .score import gradients
+from .series import Noise, Series, padded_arrays
 
 
 @dataclass(frozen=True)
-class Linear:
+class LinearisedFilter:
     """Trials t (each `counts` of n frames), active states a, observations o, along one filter pass.
 
     times (t, n); F (t, n, a, a), to a frame from the one before; H (t, n, o, a), 0 where missing;
@@ -62,27 +62,27 @@ class Linear:
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
 def linearised(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> Linear:
-    """`Linear` along the filter's pass with this noise."""
+) -> LinearisedFilter:
+    """`LinearisedFilter` along the filter's pass with this noise."""
     passed = filter_all(kernel, series, values, noise)
-    on = switches(kernel.system, np.array([with_noise(kernel, v, noise) for v in values]))
+    on = active_effects(kernel.system, np.array([with_noise(kernel, v, noise) for v in values]))
     active = active_states(kernel.system, on)
     slots = disturbance_slots(kernel)[: len(noise.disturbance)]
     places = np.array([k for k, slot in enumerate(slots) if slot in active], dtype=np.int64)
     random = np.array([active.tolist().index(slots[k]) for k in places], dtype=np.int64)
     tau = np.zeros(len(active))
     tau[random] = noise.tau[places]
-    observed, slopes = _observed(kernel, series, values, noise, passed=passed, active=active)
+    observed, gradients = _observed(kernel, series, values, noise, passed=passed, active=active)
     block = np.ix_(active, active)
-    return Linear(
+    return LinearisedFilter(
         np.array([len(s.times) for s in series]),
-        filled([s.times for s in series]),
-        filled([p.transitions[:, block[0], block[1]] for p in passed]),
-        slopes,
-        filled([(p.filtered - p.predicted)[:, active] for p in passed]),
-        np.where(tau > 0, filled([p.filtered[:, active] for p in passed]), 0.0),
-        filled([s.seen for s in series]) - observed,
-        filled([s.noise for s in series]),
+        padded_arrays([s.times for s in series]),
+        padded_arrays([p.transitions[:, block[0], block[1]] for p in passed]),
+        gradients,
+        padded_arrays([(p.filtered - p.predicted)[:, active] for p in passed]),
+        np.where(tau > 0, padded_arrays([p.filtered[:, active] for p in passed]), 0.0),
+        padded_arrays([s.seen for s in series]) - observed,
+        padded_arrays([s.noise for s in series]),
         np.array([s.cov[block] for s in series]),
         random,
         places,
@@ -91,7 +91,7 @@ def linearised(
 
 
 @dataclass(frozen=True)
-class Slopes:
+class NoiseGradient:
     """Log likelihood of all trials, and its slopes by the numbers of a `Noise`."""
 
     log_likelihood: float
@@ -100,36 +100,36 @@ class Slopes:
     scale: Float
 
 
-def log_likelihood(linear: Linear, noise: Noise) -> float:
+def log_likelihood(linear: LinearisedFilter, noise: Noise) -> float:
     """Of all trials under another noise, to first order around the path of `linear`."""
     out = np.zeros(len(linear.counts))
     given = (*_matrices(linear), *_strengths(linear, noise))
-    in_parts(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
+    run_in_threads(lambda first, last: log_likelihoods(*given, first, last, out), len(out))
     return float(out.sum())
 
 
-def likelihood_slopes(linear: Linear, noise: Noise) -> Slopes:
+def log_likelihood_gradient(linear: LinearisedFilter, noise: Noise) -> NoiseGradient:
     """`log_likelihood` with its slopes by one recursion back (`score`)."""
     trials, states, size = len(linear.counts), len(linear.tau), len(noise.scale)
     out, by_scales = np.zeros(trials), np.zeros((trials, size, size))
     by_variance, by_memory = np.zeros((2, trials, states))
     given = (*_matrices(linear), *_strengths(linear, noise))
-    in_parts(lambda first, last: slopes(*given, first, last, out, by_variance, by_memory,
+    run_in_threads(lambda first, last: gradients(*given, first, last, out, by_variance, by_memory,
                                         by_scales), trials)  # fmt: skip
     disturbance, tau = np.zeros((2, len(noise.disturbance)))
     disturbance[linear.places] = 2.0 * noise.disturbance[linear.places] * by_variance.sum(
         axis=0)[linear.random]  # fmt: skip
     tau[linear.places] = by_memory.sum(axis=0)[linear.random]
     scale = 2.0 * by_scales.sum(axis=0) @ noise.scale
-    return Slopes(float(out.sum()), disturbance, tau, scale)
+    return NoiseGradient(float(out.sum()), disturbance, tau, scale)
 
 
-def _matrices(linear: Linear) -> tuple[np.ndarray, ...]:
+def _matrices(linear: LinearisedFilter) -> tuple[np.ndarray, ...]:
     return (linear.counts, linear.times, linear.F, linear.H, linear.correction, linear.level,
             linear.residual, linear.noise, linear.cov, linear.tau)  # fmt: skip
 
 
-def _strengths(linear: Linear, noise: Noise) -> tuple[Float, Float, Float]:
+def _strengths(linear: LinearisedFilter, noise: Noise) -> tuple[Float, Float, Float]:
     """Variance and memory (a,) of the active states, and the factors on the stated noise (o, o)."""
     variance, memory = np.zeros((2, len(linear.tau)))
     variance[linear.random] = noise.disturbance[linear.places] ** 2
@@ -142,19 +142,19 @@ def _observed(
     passed: Sequence[Filtered], active: np.ndarray,
 ) -> tuple[Float, Float]:  # fmt: skip
     """What each predicted state shows (t, n, o), and its slopes H (t, n, o, a)."""
-    predicted = filled([p.predicted for p in passed])
+    predicted = padded_arrays([p.predicted for p in passed])
     trials, frames, states = predicted.shape
     state = np.repeat(predicted.reshape(-1, states, 1), LANES, axis=2)
     state[:, active, np.arange(1, len(active) + 1)] += DIFFERENCE
     each = np.repeat(np.arange(trials), frames)
     full = np.array([with_noise(kernel, v, noise) for v in values])[each]
     constants = np.array([s.constants for s in series])[each]
-    times, inputs = (filled([getattr(s, k) for s in series]) for k in ("times", "inputs"))
+    times, inputs = (padded_arrays([getattr(s, k) for s in series]) for k in ("times", "inputs"))
     lanes = [np.repeat(a[:, :, None], LANES, axis=2) for a in (full, constants)]
     seen, _ = propagate(kernel, state, *lanes, times=times.reshape(-1, 1),
                         inputs=inputs.reshape(len(each), 1, inputs.shape[2]))  # fmt: skip
     flat = seen[:, 0]
-    slopes = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
-    known = np.isfinite(filled([s.seen for s in series]))
-    H = np.where(known[..., None], slopes.reshape(*known.shape, len(active)), 0.0)
+    gradients = (flat[:, :, 1 : len(active) + 1] - flat[:, :, :1]) / DIFFERENCE
+    known = np.isfinite(padded_arrays([s.seen for s in series]))
+    H = np.where(known[..., None], gradients.reshape(*known.shape, len(active)), 0.0)
     return flat[:, :, 0].reshape(known.shape), H

@@ -11,7 +11,13 @@ from scipy.optimize import minimize
 from ..data import Float
 from ..integrate import Kernel, Parameter
 from .filtering import disturbance_slots, filter_all, random_effects
-from .linear import Linear, Slopes, likelihood_slopes, linearised, log_likelihood
+from .linear import (
+    LinearisedFilter,
+    NoiseGradient,
+    linearised,
+    log_likelihood,
+    log_likelihood_gradient,
+)
 from .series import Noise, Series
 
 MIN_STRENGTH = 1e-9
@@ -71,10 +77,10 @@ def fit_noise(
 
 
 def _negative_log_likelihood(
-    kernel: Kernel, linear: Linear, noise: Noise, estimated: Sequence[int]
+    kernel: Kernel, linear: LinearisedFilter, noise: Noise, estimated: Sequence[int]
 ) -> tuple[float, Float]:
     """Negative log likelihood and its gradient in the logarithms of the estimated strengths."""
-    slopes = likelihood_slopes(linear, noise)
+    slopes = log_likelihood_gradient(linear, noise)
     gradient = _log_gradient(kernel, noise, slopes)[list(estimated)]
     if not np.isfinite([slopes.log_likelihood, *gradient]).all():
         return -DIVERGED, np.zeros(len(gradient))
@@ -96,7 +102,7 @@ def _or_diverged(likelihood: float) -> float:
     return likelihood if np.isfinite(likelihood) else DIVERGED
 
 
-def _log_gradient(kernel: Kernel, noise: Noise, slopes: Slopes) -> Float:
+def _log_gradient(kernel: Kernel, noise: Noise, slopes: NoiseGradient) -> Float:
     """Slopes by the logarithms of `_as_vector`: sigma goes with 1 / sqrt(tau); 0 out of a bound."""
     count, own = len(noise.disturbance), slopes.disturbance * noise.disturbance
     tau = np.zeros(count)

@@ -16,10 +16,10 @@ import numpy as np
 from ..data import Float
 from ..integrate import Kernel, System
 from .filtering import FilterResults, filter_all
-from .predictions import Change, whitened_products
+from .predictions import ParameterChange, whitened_products
 from .series import Free, Noise, Series
 
-NOTHING = (0.0, np.inf)
+NO_INFORMATION = (0.0, np.inf)
 """A side measurement without information."""
 
 
@@ -79,14 +79,14 @@ def normal_equations(
     slots = slots_by_name(kernel)
     groups = [s.group for s in series]
     own = [np.array([f.group in {None, g} for g in groups]) for f in free]
-    changes = [Change(fit_step(kernel, f, value), trials, {slots[f.name]: 1.0})
+    changes = [ParameterChange(difference_step(kernel, f, value), trials, {slots[f.name]: 1.0})
                for f, value, trials in zip(free, values, own, strict=True)]  # fmt: skip
     changes += trial_effect_changes(kernel, points, noise)
     products, constant = marginal_products(
         whitened_products(kernel, passes, points, changes, noise),
         trial_effect_stds(kernel, points, noise),
     )
-    side = evidence_terms(kernel, series, free, points)
+    side = aux_measurement_terms(kernel, series, free, points)
     known = prior_terms(kernel, free, values, len(series))
     return Normal(
         products[:, 1:, 1:] + side.hessian + known.hessian,
@@ -96,14 +96,20 @@ def normal_equations(
     )  # fmt: skip
 
 
-def trial_effect_changes(kernel: Kernel, points: Sequence[Float], noise: Noise) -> list[Change]:
+def trial_effect_changes(
+    kernel: Kernel, points: Sequence[Float], noise: Noise
+) -> list[ParameterChange]:
     """Differences in the parameters that vary from trial to trial."""
     every, slots = np.ones(len(points), dtype=bool), slots_by_name(kernel)
     out = []
     for effect in noise.trial_effects:
         slot = slots[effect.parameter]
         free = Free(effect.parameter)
-        out.append(Change(fit_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}))
+        out.append(
+            ParameterChange(
+                difference_step(kernel, free, float(points[0][slot])), every, {slot: 1.0}
+            )
+        )
     return out
 
 
@@ -145,7 +151,7 @@ def prior_terms(kernel: Kernel, free: Sequence[Free], values: Float, trials: int
     )
 
 
-def evidence_terms(
+def aux_measurement_terms(
     kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
 ) -> Normal:
     """Side measurements as further prediction errors: each effect says what it predicts."""
@@ -154,9 +160,9 @@ def evidence_terms(
     slots = np.array([slots_by_name(kernel)[f.name] for f in free], dtype=int)
     own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
     for name in sorted({name for s in series for name in s.evidence}):
-        stated = np.array([s.evidence.get(name, NOTHING) for s in series])
+        stated = np.array([s.evidence.get(name, NO_INFORMATION) for s in series])
         std = stated[:, 1]
-        weights = evidence_weights(kernel.system, name)
+        weights = aux_measurement_weights(kernel.system, name)
         error = (stated[:, 0] - np.array(points) @ weights) / std
         rows = weights[slots] * own / std[:, None]
         hessian += rows[:, :, None] * rows[:, None, :]
@@ -167,7 +173,7 @@ def evidence_terms(
 
 
 @lru_cache(maxsize=64)
-def evidence_weights(system: System, name: str) -> Float:
+def aux_measurement_weights(system: System, name: str) -> Float:
     """A side measurement as a sum over parameters (parameters,)."""
     weights = np.zeros(len(system.parameters))
     for effect in system.effects:
@@ -192,7 +198,7 @@ def log_likelihoods(
     return predictor.log_lik_const - 0.5 * errors[:, 0, 0]
 
 
-def fit_step(kernel: Kernel, free: Free, value: float) -> float:
+def difference_step(kernel: Kernel, free: Free, value: float) -> float:
     """Size of the difference in a free number, away from its upper bound."""
     parameter = kernel.system.parameters[slots_by_name(kernel)[free.name]]
     span = max(abs(value), 0.05 * abs(parameter.start), 1e-6)

@@ -11,14 +11,14 @@ from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import STEP_S
 from .normal import slots_by_name
-from .series import Free, Series, filled, weighted
+from .series import Free, Series, observations_and_weights, padded_arrays
 
 ROUGH_STEP_S = 2 * STEP_S
 """Step of the integrator while a fit is led to where it may begin."""
 
 
 @dataclass(frozen=True)
-class Padded:
+class PaddedTrials:
     """Everything that stays, padded to the longest trial: t trials, n frames, o observations.
 
     own: for each free number, its place among the parameters and the trials (t,) it stands for.
@@ -39,7 +39,7 @@ class Padded:
     prior_std: Float
     step_s: float = STEP_S
 
-    def first_part(self, share: float) -> Padded:
+    def first_part(self, share: float) -> PaddedTrials:
         """The first share of each trial's frames, two at least; in longer steps unless all."""
         frames = np.maximum(2, np.ceil(share * self.frames).astype(int))
         longest = slice(0, int(frames.max()))
@@ -52,26 +52,26 @@ class Padded:
         )  # fmt: skip
 
 
-def padded(
+def padded_trials(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], open_states: int
-) -> Padded:
+) -> PaddedTrials:
     """Trials of a fit side by side.
 
     Raises: ValueError where a trial has more free numbers than lanes.
     """
     if open_states + len(free) > LANES - 1:
         raise ValueError(f"{open_states + len(free)} numbers a trial, at most {LANES - 1}")
-    frames, seen, weight = weighted(series)
+    frames, seen, weight = observations_and_weights(series)
     slots, parameters = slots_by_name(kernel), kernel.system.parameters
     groups = np.array([s.group for s in series])
     own = [np.full(len(series), True) if f.group is None else groups == f.group for f in free]
     starts = [abs(parameters[slots[f.name]].start) for f in free]
-    return Padded(
+    return PaddedTrials(
         kernel, base, tuple(zip([slots[f.name] for f in free], own, strict=True)),
         least_step=np.maximum(0.05 * np.array(starts), 1e-6),
         open_states=open_states,
-        times=filled([s.times for s in series]),
-        inputs=filled([s.inputs for s in series]),
+        times=padded_arrays([s.times for s in series]),
+        inputs=padded_arrays([s.inputs for s in series]),
         frames=frames,
         constants=np.repeat(np.array([s.constants for s in series])[:, :, None], LANES, axis=2),
         seen=seen,

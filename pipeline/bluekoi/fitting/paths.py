@@ -21,19 +21,19 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import in_parts, propagate
+from ..integrate.batch import propagate, run_in_threads
 from .gram import set_products
 from .joint import CONVERGED, STALLED, Fit, damped_step
 from .normal import Normal, slots_by_name
-from .padded import Padded, padded
+from .padded import PaddedTrials, padded_trials
 from .series import Free, Series
 
 START_STEP = 1e-4
-SHARES, ROUGH = (0.25, 0.5, 1.0), 6
+SHARES, COARSE_ITERATIONS = (0.25, 0.5, 1.0), 6
 """First a quarter of each trial is fitted, then half, at most so many rounds, in longer steps of
 the integrator, then all of it: a model that would run away from a rough start is led to a fine
 one."""
-TRIALS = 64
+TRIALS_PER_CALL = 64
 """Trials simulated in one call: more would not stay in the processor's cache."""
 
 
@@ -57,7 +57,7 @@ class _Arrow:
     cost: Float
 
 
-NOTHING = _Arrow(*(np.zeros(0) for _ in range(6)))
+NO_ARROW = _Arrow(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_paths(
@@ -84,11 +84,11 @@ def fit_paths(
     limits = np.array([[p.lower for p in bounds], [p.upper for p in bounds]])
     x = np.array([(start or {}).get(f.label, base[slots[f.name]]) for f in free])
     at = _Point(np.clip(x, *limits), np.array([s.mean for s in series]), 1e-3)
-    problem = padded(kernel, series, base, free, open_states)
+    problem = padded_trials(kernel, series, base, free, open_states)
     for share in shares:
         whole = share == shares[-1]
         at = _minimised(problem.first_part(share), at, limits,
-                        iterations=iterations if whole else ROUGH,
+                        iterations=iterations if whole else COARSE_ITERATIONS,
                         tolerance=tolerance if whole else 1.0)  # fmt: skip
     normal, _ = _reduced(at.arrow, 0.0)
     return PathFit(Fit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
@@ -101,13 +101,13 @@ class _Point:
     x: Float
     starts: Float
     damping: float
-    arrow: _Arrow = NOTHING
+    arrow: _Arrow = NO_ARROW
     outcome: str = STALLED
     count: int = 0
 
 
 def _minimised(
-    problem: Padded, at: _Point, limits: Float, *, iterations: int, tolerance: float
+    problem: PaddedTrials, at: _Point, limits: Float, *, iterations: int, tolerance: float
 ) -> _Point:
     """Rounds from a point on, until the next step would move nothing beyond the tolerance."""
     at = replace(at, arrow=_arrow(problem, at.x, at.starts), outcome=STALLED, count=0)
@@ -136,15 +136,15 @@ def _is_small(arrow: _Arrow, change: Float, shift: Float, tolerance: float) -> b
     return bool(moved < tolerance**2 * max(change.size + shift.size, 1))
 
 
-def _arrow(problem: Padded, x: Float, starts: Float) -> _Arrow:
+def _arrow(problem: PaddedTrials, x: Float, starts: Float) -> _Arrow:
     """Blocks at a point, by batches of simulations."""
     n = problem.open_states
     size = np.concatenate([np.full(n, START_STEP),
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
     with np.errstate(all="ignore"):  # a run that goes away has no finite cost and is not taken
         parts = [
-            _products(problem, slice(first, first + TRIALS), x, size, starts=starts)
-            for first in range(0, len(starts), TRIALS)
+            _products(problem, slice(first, first + TRIALS_PER_CALL), x, size, starts=starts)
+            for first in range(0, len(starts), TRIALS_PER_CALL)
         ]
     products = np.concatenate(parts)
     H, g = products[:, 1:, 1:] / np.outer(size, size), products[:, 0, 1:] / size
@@ -155,7 +155,9 @@ def _arrow(problem: Padded, x: Float, starts: Float) -> _Arrow:
                   products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
-def _products(problem: Padded, trials: slice, x: Float, size: Float, *, starts: Float) -> Float:
+def _products(
+    problem: PaddedTrials, trials: slice, x: Float, size: Float, *, starts: Float
+) -> Float:
     """Products (t, 1 + s, 1 + s) of errors and of differences `size` of some trials: one call."""
     count = problem.open_states
     state = np.repeat(starts[trials, :, None], LANES, axis=2)
@@ -172,7 +174,7 @@ def _products(problem: Padded, trials: slice, x: Float, size: Float, *, starts: 
     )  # fmt: skip
     seen, weight = (np.ascontiguousarray(a[trials]) for a in (problem.seen, problem.weight))
     out = np.empty((len(state), 1 + len(size), 1 + len(size)))
-    in_parts(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
+    run_in_threads(lambda *ends: set_products(observed, seen, weight, ends, out), len(state))
     return out
 
 

@@ -12,16 +12,16 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, Kernel
-from ..integrate.batch import in_parts, propagate
+from ..integrate.batch import propagate, run_in_threads
 from .filtering import STEP_S, FilterResults, with_noise
 from .gram import set_whitened_products
 from .series import Noise
 
-AT_ONCE = LANES - 1
+CHANGES_PER_BLOCK = LANES - 1
 
 
 @dataclass(frozen=True)
-class Change:
+class ParameterChange:
     """A difference in parameters: its size, the trials (t,) that have it, and the parameters.
 
     slots: place -> how much of the step goes there; offsets: place -> change that does not count
@@ -38,7 +38,7 @@ def whitened_products(
     kernel: Kernel,
     passes: FilterResults,
     points: Sequence[Float],
-    changes: Sequence[Change],
+    changes: Sequence[ParameterChange],
     noise: Noise,
 ) -> Float:
     """Products (trials, 1 + p, 1 + p) of the columns e, J_1 ... J_p of each trial.
@@ -48,14 +48,14 @@ def whitened_products(
     """
     steps = np.array([1.0, *(c.step for c in changes)])
     own = [[k for k, c in enumerate(changes) if c.trials[t]] for t in range(len(passes))]
-    first = np.cumsum([0, *(max(1, -(-len(ks) // AT_ONCE)) for ks in own)])
+    first = np.cumsum([0, *(max(1, -(-len(ks) // CHANGES_PER_BLOCK)) for ks in own)])
     trials = np.repeat(np.arange(len(passes)), np.diff(first))
     values = np.repeat(np.array(points)[trials][:, :, None], LANES, axis=2)
     places = np.zeros((len(passes), 1 + max(len(ks) for ks in own)), dtype=np.int64)
     for t, ks in enumerate(own):
         places[t, 1 : len(ks) + 1] = np.array(ks, dtype=np.int64) + 1
         for i, k in enumerate(ks):
-            block, lane = divmod(i, AT_ONCE)
+            block, lane = divmod(i, CHANGES_PER_BLOCK)
             for slot, weight in changes[k].slots.items():
                 values[first[t] + block, slot, lane + 1] += weight * changes[k].step
             for slot, offset in changes[k].offsets.items():
@@ -64,7 +64,7 @@ def whitened_products(
     counts = np.array([1 + len(ks) for ks in own])
     out = np.zeros((len(passes), len(steps), len(steps)))
     given = (observed, passes.seen, passes.roots, passes.frames, first, places, counts)
-    in_parts(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
+    run_in_threads(lambda *ends: set_whitened_products(*given, ends, out), len(passes))
     return out / (steps[:, None] * steps)
 
 

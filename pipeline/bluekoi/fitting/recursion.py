@@ -28,7 +28,7 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     PH, S, W = np.zeros((a, q)), np.zeros((q, q)), np.zeros((q, q))
     for t in range(first, last):
         logl = 0.0
-        begin(d, P, cov[t], tau, variance)
+        initialise(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]
@@ -39,7 +39,7 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
 
 
 @compiled
-def begin(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
+def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
     """No deviation, and the covariance before the first frame."""
     d[0] = 0.0
     P[:] = cov

@@ -17,7 +17,7 @@ from .joint import Fit, pseudo_inverse
 from .normal import Normal
 from .sandwich import ClusterCovariance
 
-MANY = 1e6
+MAX_DF = 1e6
 """Degrees of freedom that make Student's t the normal law."""
 MIN_REMAINING = 0.05
 """Smallest share of the information on a direction that remains without one trial. A trial with
@@ -107,7 +107,9 @@ def off_bounds(kernel: Kernel, found: Fit) -> np.ndarray:
     return np.array(inside, dtype=bool)
 
 
-def ensemble(fit: Fit, spread: ClusterCovariance, count: int, rng: np.random.Generator) -> Float:
+def student_t_draws(
+    fit: Fit, spread: ClusterCovariance, count: int, rng: np.random.Generator
+) -> Float:
     """Draws (count, p) of the fitted numbers, each as wide as its own Student's t.
 
         x_j = value_j + z_j sqrt(nu_j / q_j(u)),
@@ -122,5 +124,5 @@ def ensemble(fit: Fit, spread: ClusterCovariance, count: int, rng: np.random.Gen
     values, vectors = np.linalg.eigh(0.5 * (spread.cov + spread.cov.T))
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     z = rng.standard_normal((count, len(fit.values))) @ root.T
-    df = np.clip(spread.df, 1.0, MANY)
+    df = np.clip(spread.df, 1.0, MAX_DF)
     return fit.values + z * np.sqrt(df / chdtri(df, 1.0 - rng.random((count, 1))))

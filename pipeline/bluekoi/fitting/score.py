@@ -17,11 +17,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from .recursion import begin, compiled, predict, transition, update
+from .recursion import compiled, initialise, predict, transition, update
 
 
 @compiled
-def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
+def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     counts, times, F, H, correction, level, residual, noise, cov, tau, variance, memory, scales,
     first, last, out, by_variance, by_memory, by_scales,
 ):  # fmt: skip
@@ -38,7 +38,7 @@ def slopes(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
     tall, short = np.zeros((2, a, a)), np.zeros((3, q))
     for t in range(first, last):
         out[t] = 0.0
-        begin(d, P, cov[t], tau, variance)
+        initialise(d, P, cov[t], tau, variance)
         for k in range(counts[t]):
             if k > 0:
                 dt = times[t, k] - times[t, k - 1]

@@ -88,19 +88,19 @@ class Free:
         return self.name if self.group is None else f"{self.name}@{self.group}"
 
 
-def filled(parts: Sequence[Float]) -> Float:
+def padded_arrays(parts: Sequence[Float]) -> Float:
     """Trials of unequal length as one array (trials, frames, ...), the last frame repeated."""
     longest = max(len(p) for p in parts)
     return np.array([np.concatenate([p, np.repeat(p[-1:], longest - len(p), axis=0)])
                      for p in parts])  # fmt: skip
 
 
-def weighted(series: Sequence[Series]) -> tuple[np.ndarray, Float, Float]:
+def observations_and_weights(series: Sequence[Series]) -> tuple[np.ndarray, Float, Float]:
     """Frames (t,) of trials side by side; what was seen (t, n, o) and its weight, one over the
     stated deviation; both 0 where missing or after a trial's end.
     """
-    seen = filled([s.seen for s in series])
-    variance = filled([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
+    seen = padded_arrays([s.seen for s in series])
+    variance = padded_arrays([np.diagonal(s.noise, axis1=1, axis2=2) for s in series])
     frames = np.array([len(s.times) for s in series])
     known = np.isfinite(seen) & (np.arange(seen.shape[1]) < frames[:, None])[:, :, None]
     return frames, np.where(known, seen, 0.0), known / np.sqrt(variance)

@@ -12,7 +12,7 @@ import av
 import numpy as np
 import numpy.typing as npt
 
-from ..files import whole_file
+from ..files import atomic_write
 
 TICK_S = Fraction(1, 90000)
 Picture = npt.NDArray[np.uint8]
@@ -52,7 +52,7 @@ def encoder(
     """An `Encoder` for pictures of `size` (width, height; made even), yuv420p, index in front."""
     options = {"movflags": "faststart"}
     with (
-        whole_file(path) as temporary,
+        atomic_write(path) as temporary,
         av.open(str(temporary), "w", format="mp4", options=options) as out,
     ):
         rate = Fraction(fps).limit_denominator(1001)

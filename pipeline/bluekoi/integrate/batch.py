@@ -21,7 +21,7 @@ STEP_S = 1 / 60
 """Longest integration step, to 1 %: error of the paper's model below 0.01 mm over 8 s (tests)."""
 
 
-def switches(system: System, values: Float) -> np.ndarray:
+def active_effects(system: System, values: Float) -> np.ndarray:
     """Which effects any of the parameter vectors `(..., parameters)` uses, uint8 `(effects,)`."""
     slots, first = system.strength_slots
     if len(slots) == 0:
@@ -59,7 +59,7 @@ def propagate(
     counts = np.full(blocks, n) if frames is None else np.asarray(frames)
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
-    on = switches(kernel.system, np.moveaxis(values, 1, -1))
+    on = active_effects(kernel.system, np.moveaxis(values, 1, -1))
     step_s = step_s or kernel.system.step_s or STEP_S
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
@@ -71,24 +71,24 @@ def propagate(
             observed.reshape(-1), states.reshape(-1), first, last,
         )  # fmt: skip
 
-    in_parts(run, blocks)
+    run_in_threads(run, blocks)
     return observed, states
 
 
-def in_parts(run: Callable[[int, int], Any], count: int, min_count: int = 4) -> None:
+def run_in_threads(run: Callable[[int, int], Any], count: int, min_count: int = 4) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
-    workers = min(threads(), max(1, count // min_count))
+    workers = min(thread_count(), max(1, count // min_count))
     edges = [count * part // workers for part in range(workers + 1)]
-    each(lambda ends: run(*ends), list(itertools.pairwise(edges)))
+    threaded_map(lambda ends: run(*ends), list(itertools.pairwise(edges)))
 
 
-def each(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
+def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
     """`[function(item) for item in items]` with threads, for compiled functions without the GIL.
 
     The calling thread takes items as well. Within a call of `function` further calls run one after
     the other: the cores are taken.
     """
-    if threads() < 2 or len(items) < 2 or getattr(_within, "one", False):
+    if thread_count() < 2 or len(items) < 2 or getattr(_within, "one", False):
         return [function(item) for item in items]
     todo = deque(enumerate(items))
     found: list[Any] = [None] * len(items)
@@ -102,8 +102,8 @@ def each(function: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
             _within.one = False
             todo.clear()  # empty, unless a call has failed: then no other is begun
 
-    others = min(threads(), len(items)) - 1
-    helpers = [_pool(os.getpid(), threads() - 1).submit(take) for _ in range(others)]
+    others = min(thread_count(), len(items)) - 1
+    helpers = [_pool(os.getpid(), thread_count() - 1).submit(take) for _ in range(others)]
     try:
         take()
     finally:
@@ -129,7 +129,7 @@ def _pool(process: int, workers: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(workers, thread_name_prefix=f"bluekoi-{process}")
 
 
-def threads() -> int:
+def thread_count() -> int:
     """Threads to use: BLUEKOI_THREADS, or the cores this process may use."""
     given = os.environ.get("BLUEKOI_THREADS", "")
     return int(given) if given.isdigit() and int(given) > 0 else len(os.sched_getaffinity(0))

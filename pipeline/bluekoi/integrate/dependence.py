@@ -5,25 +5,25 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterable, Sequence
 
-from .inlining import Lines, written_out
+from .inlining import InlinedCode, inlined
 from .system import Effect, Function, Stage, System
 
 RANDOM = "disturbance"
 """Kind of effects that are present in every filter."""
 
 
-def names(function: Function) -> list[str]:
+def argument_names(function: Function) -> list[str]:
     """Names of a function's arguments, in order."""
     return list(inspect.signature(function).parameters)
 
 
 def arguments(stage: Stage, effects: Iterable[Effect]) -> set[str]:
     """What a stage and these effects on it ask for; effects' own parameters left out."""
-    asked = set(names(stage.function)) if stage.function else set()
+    asked = set(argument_names(stage.function)) if stage.function else set()
     for effect in effects:
         if stage.name in effect.hooks:
             own = {p.argument for p in effect.parameters}
-            asked |= set(names(effect.hooks[stage.name])) - own
+            asked |= set(argument_names(effect.hooks[stage.name])) - own
     return asked
 
 
@@ -69,11 +69,11 @@ def trivial_outputs(system: System) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for stage in constant_stages(system):
-        given = names(stage.function) if stage.function else []
+        given = argument_names(stage.function) if stage.function else []
         count = len(stage.outputs)
         values = ["0.0"] * count
         if stage.function:
-            values = written_out(stage.function, given, Lines(), count)
+            values = inlined(stage.function, given, InlinedCode(), count)
         for output, value in zip(stage.outputs, values, strict=True):
             if value in given or _is_number(value):
                 found[output] = found.get(value, value)

@@ -31,7 +31,7 @@ KNOWN: dict[Any, tuple[str, ...]] = {
 
 
 @dataclass
-class Lines:
+class InlinedCode:
     """Lines written so far, and functions by name that they call."""
 
     written: list[str] = field(default_factory=list)
@@ -52,8 +52,8 @@ class NotInlinable(Exception):
     """A function does not stand in straight lines."""
 
 
-def written_out(
-    function: Function, given: Sequence[str], lines: Lines, count: int | None = None
+def inlined(
+    function: Function, given: Sequence[str], lines: InlinedCode, count: int | None = None
 ) -> list[str]:
     """Expressions of what a function returns for these arguments; its lines go to `lines`.
 
@@ -65,14 +65,14 @@ def written_out(
 
 
 def _results(
-    function: Function, given: Sequence[ast.expr], lines: Lines, count: int | None = None
+    function: Function, given: Sequence[ast.expr], lines: InlinedCode, count: int | None = None
 ) -> list[ast.expr]:
     """Written out where that is possible, else called."""
-    draft = Lines(names=lines.names)
+    draft = InlinedCode(names=lines.names)
     try:
         values = _straight(function, given, draft)
     except NotInlinable:
-        return _call(function, given, lines, count or outputs(function))
+        return _call(function, given, lines, count or output_count(function))
     lines.written += draft.written
     lines.called |= draft.called
     lines.names = draft.names
@@ -80,7 +80,7 @@ def _results(
 
 
 def _call(
-    function: Function, given: Sequence[ast.expr], lines: Lines, count: int | None
+    function: Function, given: Sequence[ast.expr], lines: InlinedCode, count: int | None
 ) -> list[ast.expr]:
     """A call of a function under a name of its own, its outputs held."""
     name = "_".join(["called", *function.__module__.split("."), function.__name__])
@@ -94,14 +94,14 @@ def _call(
     return [ast.Name(name) for name in names]
 
 
-def outputs(function: Function) -> int | None:
+def output_count(function: Function) -> int | None:
     """Length of the tuple that a function says it returns; None for a single value."""
     said = inspect.signature(function, eval_str=True).return_annotation
     parts = getattr(said, "__args__", None)
     return len(parts) if parts else None
 
 
-def _straight(function: Function, given: Sequence[ast.expr], lines: Lines) -> list[ast.expr]:
+def _straight(function: Function, given: Sequence[ast.expr], lines: InlinedCode) -> list[ast.expr]:
     function = getattr(function, "py_func", function)
     names, statements = _body(function)
     known: dict[str, ast.expr] = dict(zip(names, given, strict=True))
@@ -143,7 +143,9 @@ def _assigned(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr]:
 class _Writer(ast.NodeTransformer):
     """Puts known values in, writes calls out, leaves out what is 0."""
 
-    def __init__(self, known: Mapping[str, ast.expr], function: Function, lines: Lines) -> None:
+    def __init__(
+        self, known: Mapping[str, ast.expr], function: Function, lines: InlinedCode
+    ) -> None:
         self.known, self.lines = known, lines
         self.scope: Mapping[str, Any] = vars(builtins) | function.__globals__
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from .dependence import names
-from .inlining import Lines, written_out
+from .dependence import argument_names
+from .inlining import InlinedCode, inlined
 from .rows import LANES, Rows
 from .system import Effect, Function, Stage
 
@@ -17,7 +17,7 @@ class Loop:
     """
 
     def __init__(self, rows: Rows, passed_on: Mapping[str, str] | None = None) -> None:
-        self._rows, self._lines = rows, Lines()
+        self._rows, self._lines = rows, InlinedCode()
         self._passed_on = dict(passed_on or {})
         self._local: dict[str, str] = {}
         self._loads: dict[int, str] = {}
@@ -44,8 +44,8 @@ class Loop:
 
     def results(self, function: Function, count: int, effect: str = "") -> list[str]:
         """Expressions of a function's outputs; an effect's own names come before others."""
-        given = [self.value(n, effect, function) for n in names(function)]
-        return written_out(function, given, self._lines, count)
+        given = [self.value(n, effect, function) for n in argument_names(function)]
+        return inlined(function, given, self._lines, count)
 
     def value(self, name: str, effect: str = "", where: Function | None = None) -> str:
         """Expression for a named value.

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..data import Keypoints, read_columns, write_columns
 from ..errors import input_error
-from ..files import whole_file
+from ..files import atomic_write
 from ..study import Trial
 from .files.dlc_csv import read_csv
 from .files.dlc_h5 import read_h5
@@ -82,7 +82,7 @@ def write(path: str | Path, keypoints: Keypoints) -> None:
     """Write keypoints in DeepLabCut's csv layout and their covariances [px^2] beside it."""
     names, n = keypoints.names, len(keypoints.time_s)
     cells = np.concatenate([keypoints.xy_px, keypoints.likelihood[..., None]], axis=2)
-    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8") as out:
+    with atomic_write(path) as temporary, temporary.open("w", encoding="utf-8") as out:
         out.write("scorer," + ",".join([SCORER] * 3 * len(names)) + "\n")
         out.write("bodyparts," + ",".join(name for name in names for _ in range(3)) + "\n")
         out.write("coords," + ",".join(["x", "y", "likelihood"] * len(names)) + "\n")

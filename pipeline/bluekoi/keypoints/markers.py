@@ -17,8 +17,8 @@ import numpy.typing as npt
 from ..data import PARTS, Frame, Keypoints
 from ..errors import input_error
 from ..study import Setup, Trial
-from .dots.spread import hidden_variances, usual_variances
-from .dots.unmixing import unmixed
+from .dots.spread import hidden_variances, typical_variances
+from .dots.unmixing import coverage_centroid
 from .outline.plane import Plane, plane_of
 
 COLOUR = True
@@ -122,7 +122,7 @@ def _frame(
         )
         if best is not None:
             dot = dots[part][best[2]]
-            place, covered = unmixed(image, dot.px - corner, dot.radius_px)
+            place, covered = coverage_centroid(image, dot.px - corner, dot.radius_px)
             row[k] = [*(place + corner), best[0], covered, dot.radius_px]
     sure = row[row[:, 2] > 0.5]
     if len(sure) < 2:
@@ -187,7 +187,9 @@ def _consistent_neighbours(
 
 def _keypoints(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
     xy, likelihood = rows[..., :2], rows[..., 2]
-    variance = usual_variances(names, xy, likelihood) + hidden_variances(rows[..., 3], rows[..., 4])
+    variance = typical_variances(names, xy, likelihood) + hidden_variances(
+        rows[..., 3], rows[..., 4]
+    )
     cov = variance[..., None, None] * np.eye(2)
     cov = np.where(np.isfinite(xy[..., :1, None]), cov, np.nan)
     lost = int(np.sum(likelihood.max(axis=1) < 0.5))

@@ -16,8 +16,8 @@ from ..data import PARTS, Frame, Keypoints
 from ..errors import input_error
 from ..study import Setup, Trial
 from .midline import detection as midline
-from .outline.absence import reason
-from .outline.background import median, noise_level, sample, without_resident
+from .outline.absence import absence_reason
+from .outline.background import median, noise_level, sample, without_static_robot
 from .outline.camera_motion import camera_remarks
 from .outline.ghost_removal import without_ghosts
 from .outline.learning import LearnedTemplate, learn
@@ -31,12 +31,12 @@ LENGTHS_STATED = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
 SAMPLES = (5, 15)
-WELL = 0.9
+GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
 MIN_SUPPORT = 0.4
 GHOST_ROUNDS = 2
-BELIEVED, MOSTLY = 0.6, 0.9
-"""A body is bending only if fewer frames than `MOSTLY` are believed with the rigid template."""
+MIN_LIKELIHOOD, RIGID_SHARE = 0.6, 0.9
+"""A body is bending only if the rigid template fits fewer frames than the share `RIGID_SHARE`."""
 
 
 def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
@@ -90,17 +90,17 @@ def _rigid(
 def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
-    return f"No robot was found: {reason(images, plane, length_of(setup.robot, trial))}"
+    return f"No robot was found: {absence_reason(images, plane, length_of(setup.robot, trial))}"
 
 
 def _poor(found: Keypoints) -> bool:
     """Whether the rigid template explains too few frames."""
-    return _likely_share(found) < MOSTLY
+    return _likely_share(found) < RIGID_SHARE
 
 
 def _likely_share(found: Keypoints) -> float:
     """Share of the frames in which all points are likely."""
-    return float(np.mean(found.likelihood.min(axis=1) >= BELIEVED))
+    return float(np.mean(found.likelihood.min(axis=1) >= MIN_LIKELIHOOD))
 
 
 def _bending(
@@ -150,12 +150,16 @@ def learned_scene(
         found.append(_learned_from(samples, plane, setup, trial))
         notes = camera_remarks(samples, plane)
         outline = found[-1][1]
-        if outline is not None and outline.support > WELL and 2 * outline.frames > len(samples):
+        if (
+            outline is not None
+            and outline.support > GOOD_SUPPORT
+            and 2 * outline.frames > len(samples)
+        ):
             return *found[-1], notes
     best = max(found, key=lambda one: _support_score(one[1]))
     if _support_score(best[1]) < MIN_SUPPORT_SCORE:
         size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
-        bridged = replace(found[-1][0], floor=without_resident(found[-1][0].floor, size))
+        bridged = replace(found[-1][0], floor=without_static_robot(found[-1][0].floor, size))
         second = learn(samples, bridged, setup.robot, trial)
         if _support_score(second) > MIN_SUPPORT_SCORE:
             remark = "the robot hardly left its place: its background was bridged from around it"

@@ -24,7 +24,7 @@ from ..engine import (
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..fitting import Free, Series, cluster_covariance, fit_paths, inverse_fisher
 from ..integrate import Kernel, compiled
-from ..integrate.batch import each
+from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
 from ..tuning import Tuned, downsampled, tune
@@ -122,7 +122,7 @@ def find_mismatch(
     by_paths = trajectory_fit(kernel, train, baseline)
     if by_paths is not None:
         models = {"by_paths": by_paths, **models}
-    (forces, depends), paths = each(lambda task: task(), (
+    (forces, depends), paths = threaded_map(lambda task: task(), (
         partial(_missing_force_and_dependences, study, kernel, averaged, baseline, extended),
         partial(path_errors, study, kernel, models, test),
     ))  # fmt: skip

@@ -25,7 +25,7 @@ from ..fitting import (
     parametric_bootstrap,
 )
 from ..integrate import Kernel
-from ..integrate.batch import each
+from ..integrate.batch import threaded_map
 from ..model import simulate
 from ..study import Study
 from ..tuning import Tuned
@@ -80,7 +80,7 @@ def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) 
     runs = free_runs(kernel, segments, values)
     starts = np.array([np.where(np.isfinite(run.start), run.start, one.mean)
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
-    noises = each(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
+    noises = threaded_map(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
                   list(zip(segments, values, strict=True)))  # fmt: skip
     draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
              for _ in range(FLOOR_DRAWS)]  # fmt: skip

@@ -21,7 +21,7 @@ from ..integrate.batch import propagate
 from ..study import Trial
 
 FOLDS, DEGREE = 6, 3
-MOMENT_S = 1e-3
+IMPULSE_S = 1e-3
 MIN_SHARE = 0.02
 MAX_VARIABLES = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
@@ -107,7 +107,7 @@ def _force_difference(
     constants = np.repeat(one.constants[:, None], LANES, axis=1)
     _, after = propagate(
         kernel, lanes, np.repeat(values[None], n, axis=0), np.repeat(constants[None], n, axis=0),
-        times=one.times[:, None] + np.array([0.0, MOMENT_S]), keep_states=True,
+        times=one.times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
         inputs=np.repeat(one.inputs[:, None], 2, axis=1),
     )  # fmt: skip
     own = after[:, 1, : len(kernel.system.states)]

@@ -34,7 +34,7 @@ def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[
         "causes": named,
         "rivals": others,
         "probabilities": probabilities(found),
-        "where": where(found),
+        "where": where_json(found),
         "held_out": {
             "trials": list(found.held_out),
             "baseline": dict(found.errors["baseline"]),
@@ -172,7 +172,7 @@ def _apart(name: str, other: str) -> str:
     return f"{name} acts in {first}, {other} in {second}: film where only one of them should act"
 
 
-def where(found: Found) -> list[dict[str, Any]]:
+def where_json(found: Found) -> list[dict[str, Any]]:
     """Channels and variables that explain the missing force, the largest share first."""
     if found.verdict == "none":
         return []
@@ -181,7 +181,7 @@ def where(found: Found) -> list[dict[str, Any]]:
              "trials": list(d.trials)} for d in strong]  # fmt: skip
 
 
-def details(found: Found) -> dict[str, Any]:
+def details_json(found: Found) -> dict[str, Any]:
     """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients."""
     best = found.posterior.best.log_posterior
     return {

@@ -24,12 +24,16 @@ PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
 published model cannot swim straight without a fin (MODEL, audit 5)."""
 LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the body
-CORE_M, HEAD_M = 0.2, 0.12  # lengths over which labels define the directions of core and head
+CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
+    0.2,
+    0.12,
+)  # lengths over which labels define the directions of core and head
 TOLERANCES = {
     "keypoint_bias.forward_offset": LABEL_STD_M,
     "keypoint_bias.left_offset": LABEL_STD_M,
-    "keypoint_bias.heading_offset": LABEL_STD_M / CORE_M,
-    "keypoint_bias.head_angle_offset": LABEL_STD_M * float(np.hypot(1 / CORE_M, 1 / HEAD_M)),
+    "keypoint_bias.heading_offset": LABEL_STD_M / CORE_LABEL_DISTANCE_M,
+    "keypoint_bias.head_angle_offset": LABEL_STD_M
+    * float(np.hypot(1 / CORE_LABEL_DISTANCE_M, 1 / HEAD_LABEL_DISTANCE_M)),
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
 KINDS = ("physics", "measurement", "residual")

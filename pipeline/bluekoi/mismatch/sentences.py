@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..engine.naming import UNEXPLAINED
-from ..tuning import table
+from ..tuning import coefficient_table
 from .find import Found
 
-SURE = 0.8
+CERTAIN_PROBABILITY = 0.8
 DOUBTFUL_SHARE = 0.1
 """A rival with this probability or more is stated beside the cause."""
 ABOVE_FLOOR = 1.5
@@ -25,13 +25,14 @@ def sentence(
     names = " and ".join(_with_probability(c) for c in named if c["name"] != UNEXPLAINED)
     errors = _errors(found)
     first = f"{_blame(named)}: {names}" if names else ""
+    excess = excess_error_clause(found)
     if found.verdict == UNEXPLAINED:
         beside = f"{first}; in addition a" if first else "A"
-        return f"{beside} force acts that no listed cause describes; {errors}{excess(found)}."
+        return f"{beside} force acts that no listed cause describes; {errors}{excess}."
     doubt = sorted({str(r["name"]) for r in others
                     if r["in_place_of"] and r["weight"] >= DOUBTFUL_SHARE})  # fmt: skip
     instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
-    return f"{first}{instead}; {errors}{excess(found)}."
+    return f"{first}{instead}; {errors}{excess}."
 
 
 def _nothing(found: Found) -> str:
@@ -40,7 +41,7 @@ def _nothing(found: Found) -> str:
             "These trials determine hardly any coefficient, so nothing can be said about what "
             "the model lacks: film turns to both sides at two head angles and two powers."
         )
-    if extra := excess(found):
+    if extra := excess_error_clause(found):
         return f"No cause is more probable than not, yet {_errors(found)}{extra}."
     return "Nothing beyond the noise: the model as it stands explains these recordings."
 
@@ -70,10 +71,10 @@ def _blame(named: Sequence[Mapping[str, Any]]) -> str:
 
 def _with_probability(cause: Mapping[str, Any]) -> str:
     p = float(cause["weight"])
-    return str(cause["name"]) + (f" (probability {p:.2f})" if p < SURE else "")
+    return str(cause["name"]) + (f" (probability {p:.2f})" if p < CERTAIN_PROBABILITY else "")
 
 
-def excess(found: Found) -> str:
+def excess_error_clause(found: Found) -> str:
     """What to add where the held-out paths of the extended model are far above the noise floor."""
     after, floor = found.errors["extended"]["path_rmse_m"], found.floor_m
     if not after > ABOVE_FLOOR * floor > 0:
@@ -84,5 +85,5 @@ def excess(found: Found) -> str:
 
 def _determined(found: Found) -> bool:
     """Whether the baseline's fit determines at least half of its coefficients."""
-    rows = table(found.baseline).values()
+    rows = coefficient_table(found.baseline).values()
     return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

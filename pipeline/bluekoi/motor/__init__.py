@@ -1,6 +1,6 @@
 """Flapping frequency of a trial: from the motor's shaft angle, and from the tail in the video."""
 
-from .compare import common_ratio, compare, flapping_given, other_clock
+from .compare import common_ratio, compare, flapping_given, has_other_clock
 from .delay import clock_delay
 from .log import flapping_from_log, read_log
 from .shaft import Shaft, shaft_motion
@@ -15,7 +15,7 @@ __all__ = [
     "compare",
     "flapping_from_log",
     "flapping_given",
-    "other_clock",
+    "has_other_clock",
     "read_log",
     "shaft_motion",
     "tail_beat",

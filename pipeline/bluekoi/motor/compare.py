@@ -11,7 +11,7 @@ import numpy as np
 from ..data import Flapping
 
 SIGMAS = 3.0
-SAME_CLOCK = 0.25
+SAME_CLOCK_TOLERANCE = 0.25
 """Ratios that differ by less than this share are errors of one clock, not another frame rate."""
 AGREEMENT = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
@@ -30,7 +30,7 @@ def compare(flapping: Flapping, ratio: float, std: float) -> Flapping:
     """
     if not (math.isfinite(ratio) and math.isfinite(std)):
         return flapping
-    near = abs(ratio - 1) < SAME_CLOCK
+    near = abs(ratio - 1) < SAME_CLOCK_TOLERANCE
     agrees = abs(ratio - 1) <= SIGMAS * std
     own = math.sqrt(max(std**2 - (ratio * flapping.flap_hz_std / flapping.flap_hz) ** 2, 0.0))
     return replace(
@@ -65,10 +65,10 @@ def common_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | None:
     return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))
 
 
-def other_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
+def has_other_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
     """Whether a trial's clock is neither right nor that of most others: its log or frame rate is
     another trial's.
     """
     if not math.isfinite(flapping.ratio):
         return not flapping.agrees
-    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > SAME_CLOCK
+    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > SAME_CLOCK_TOLERANCE

@@ -16,15 +16,17 @@ from scipy.special import chdtri
 from ..data import Float
 from .shaft import wrapped
 
-REACH_S = 2.0
+MAX_DELAY_S = 2.0
 STEP_S = 0.002
-SCATTER_RAD = 0.15  # ASSUME a tail follows its shaft to 9 degrees, with another error in each trial
+TAIL_PHASE_STD_RAD = (
+    0.15  # ASSUME a tail follows its shaft to 9 degrees, with another error in each trial
+)
 DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
 MIN_TRIALS = 6
-UNLIKELY = 1e-3
-AHEAD = 12.0
+MAX_P_VALUE = 1e-3
+CHI2_MARGIN = 12.0
 """Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
-NOT_PARABOLIC = 1.0
+CHI2_TOLERANCE = 1.0
 
 
 def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
@@ -33,17 +35,17 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
     """
     if len(flap_hz) < MIN_TRIALS:
         return None
-    weights = 1.0 / (std_rad**2 + SCATTER_RAD**2)
-    delays = np.arange(-REACH_S, REACH_S + STEP_S / 2, STEP_S)
+    weights = 1.0 / (std_rad**2 + TAIL_PHASE_STD_RAD**2)
+    delays = np.arange(-MAX_DELAY_S, MAX_DELAY_S + STEP_S / 2, STEP_S)
     angles = lag_rad + 2 * np.pi * delays[:, None] * flap_hz
     middle = np.angle(np.exp(1j * angles) @ weights)
     misfit = wrapped(angles - middle[:, None]) ** 2 @ weights
     best = int(np.argmin(misfit))
     spread = weights @ (flap_hz - weights @ flap_hz / weights.sum()) ** 2
-    if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, UNLIKELY):
+    if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, MAX_P_VALUE):
         return None
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
-    elsewhere = np.abs(delays - delays[best]) > np.sqrt(AHEAD) * std + STEP_S
-    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + AHEAD - NOT_PARABOLIC:
+    elsewhere = np.abs(delays - delays[best]) > np.sqrt(CHI2_MARGIN) * std + STEP_S
+    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + CHI2_MARGIN - CHI2_TOLERANCE:
         return None
     return float(delays[best]), float(np.hypot(std, DELAY_STD_S))

@@ -20,7 +20,7 @@ GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 
 
-UNSTEADY = 0.2
+MAX_FREQUENCY_STD_SHARE = 0.2
 """A log whose frequency is known no better than to this share shows no turning shaft."""
 
 
@@ -49,7 +49,7 @@ def flapping_from_log(path: str | Path) -> Flapping:
             "Log for longer, or give flap_hz in trials.csv instead of motor_log.",
         )
     fit = _fit(time_s[inside], shaft.phase_rad[inside])
-    if not fit.hz_std < UNSTEADY * abs(fit.hz):
+    if not fit.hz_std < MAX_FREQUENCY_STD_SHARE * abs(fit.hz):
         raise input_error(
             path,
             "angle_deg",

@@ -16,10 +16,10 @@ from .log import correlation_time
 from .shaft import wrapped
 
 TAIL = ("tail_tip", "tail_base", "core_center")
-FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
+FRAME_RATE_FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
 """Usual mistakes of a frame rate: slow motion played at another rate, 240 for 29.97, and so on."""
-STRONGER = 2.0
-CLEAR_BEAT = 1e-3
+MIN_POWER_RATIO = 2.0
+MAX_BEAT_STD_SHARE = 1e-3
 """Relative deviation of a tail beat that is there: noise alone gives ten times that."""
 SAME_RATE = 0.01
 """A beat above half the frame rate that is off the motor's frequency by more may be an alias."""
@@ -96,27 +96,27 @@ def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, fl
     """Tail-beat frequency in the video over that of the motor, and its standard deviation.
 
     NaN where no tail beat is clear. A frame rate stated k times too high makes the ratio k. The
-    beat is sought around the motor's frequency, around each of `FACTORS` times it with the motor's
-    own rate over time, then over all frequencies below half the frame rate. A beat near the motor's
-    frequency is given up only for one `STRONGER` times as strong, so that a harmonic is not taken
-    for the beat, or where it may be the alias of a slower one.
+    beat is sought around the motor's frequency, around `FRAME_RATE_FACTORS` times it with the
+    motor's own rate over time, then over all frequencies below half the frame rate. A beat near the
+    motor's frequency is replaced only by one `MIN_POWER_RATIO` times as strong, so that no harmonic
+    is taken for the beat, or where it may be the alias of a slower one.
     """
     motor_hz = flapping.flap_hz
     hz, std = tail_beat(source, motor_hz, flapping=flapping)
     known, least = (hz, std), 0.0
     step = float(np.median(np.diff(source.time_s))) if len(source.time_s) > 1 else np.inf
     if np.isfinite(hz) and not (hz * step > 0.5 and abs(hz / motor_hz - 1) > SAME_RATE):
-        least = STRONGER * _amplitude(source, hz, flapping)
-    for factor in FACTORS:
+        least = MIN_POWER_RATIO * _amplitude(source, hz, flapping)
+    for factor in FRAME_RATE_FACTORS:
         stretched = replace(source, time_s=source.time_s * factor)
         hz, std = tail_beat(stretched, motor_hz, flapping=flapping)
-        if std < CLEAR_BEAT * hz and hz * step * factor < 0.5:
+        if std < MAX_BEAT_STD_SHARE * hz and hz * step * factor < 0.5:
             size = _amplitude(stretched, hz, flapping)
             if size > least:
                 known, least = (factor * hz, factor * std), size
     if not np.isfinite(known[0]):
         hz, std = tail_beat(source)
-        known = (hz, std) if std < CLEAR_BEAT * hz else known
+        known = (hz, std) if std < MAX_BEAT_STD_SHARE * hz else known
     ratio, error = known[0] / motor_hz, known[1] / motor_hz
     return ratio, float(np.hypot(error, ratio * flapping.flap_hz_std / motor_hz))
 

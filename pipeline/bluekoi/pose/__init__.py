@@ -15,7 +15,7 @@ from ..data import CONFIDENT, Float, Pose, Positions, poorly_seen
 from ..errors import input_error
 from ..study import Robot
 from .body import RIGID, Body, body_lengths, trusted_points
-from .fit import PoseFit, enough, systematic_offsets, with_noise, without_outliers
+from .fit import PoseFit, systematic_offsets, usable_frames, with_noise, without_outliers
 
 LENGTH_TOLERANCE = 0.02
 LONG_GAP_S = 1.0
@@ -46,7 +46,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     Raises: InputError where no frame has enough points.
     """
     xy, cov = trusted_points(positions)
-    usable = enough(np.isfinite(xy[:, :, 0]))
+    usable = usable_frames(np.isfinite(xy[:, :, 0]))
     if not np.any(usable):
         raise _nothing_usable(positions, xy)
     body = body_lengths(xy, np.zeros_like(cov), robot, head_length_m)

@@ -14,7 +14,7 @@ ITERATIONS = 6
 NOISE_ITERATIONS = 12
 FALSE_ALARM = 1e-5
 MIN_STD_M = 1e-6
-STEADY, MIN_OFFSET = 2.0, 0.005
+MIN_OFFSET_SIGMAS, MIN_OFFSET = 2.0, 0.005
 MIN_FRAMES = 20
 
 
@@ -29,7 +29,7 @@ class PoseFit:
     slope: Float
 
 
-def enough(seen: np.ndarray) -> np.ndarray:
+def usable_frames(seen: np.ndarray) -> np.ndarray:
     """Frames (frames,) in which head tip and two points of the core are seen (frames, 4)."""
     return np.asarray(seen[:, 0] & (seen[:, 1:].sum(axis=1) >= 2))
 
@@ -77,7 +77,7 @@ def fitted(
     xy (frames, 4, 2) m, NaN where not seen; cov (frames, 4, 2, 2).
     """
     seen = np.isfinite(xy[:, :, 0])
-    usable = enough(seen)
+    usable = usable_frames(seen)
     weight = np.zeros_like(cov)
     weight[seen] = np.linalg.inv(cov[seen])
     state = _start(xy, body) if start is None else start
@@ -142,8 +142,8 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
     """Systematic offset of each point (4, 2), along and to the left of its part, m.
 
     Median residual of the rigid body over all frames, all points of one weight; zero unless one of
-    them exceeds `STEADY` times its spread and `MIN_OFFSET` of the body. Without it, a point would
-    be left out of some frames only and bend the pose there.
+    them exceeds `MIN_OFFSET_SIGMAS` times its std and `MIN_OFFSET` of the body. Without it, a point
+    would be left out of some frames only and bend the pose there.
     """
     fit = fitted(xy, np.broadcast_to(np.eye(2), (*xy.shape, 2)), body)
     toward = np.column_stack([fit.state[:, 3], *[fit.state[:, 2]] * 3])
@@ -156,7 +156,7 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
     offset = np.median(own[seen], axis=0)
     spread = 1.48 * np.median(np.abs(own[seen] - offset), axis=0)
     least = MIN_OFFSET * (body.hinge_m + body.tail_m)
-    steady = (np.abs(offset) > STEADY * spread) & (np.abs(offset) > least)
+    steady = (np.abs(offset) > MIN_OFFSET_SIGMAS * spread) & (np.abs(offset) > least)
     return offset if steady.any() else np.zeros((4, 2))
 
 

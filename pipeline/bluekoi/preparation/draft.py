@@ -19,7 +19,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.error import YAMLError
 
 from ..errors import input_error
-from ..files import read_text, whole_file
+from ..files import atomic_write, read_text
 from ..study.keys import keys
 from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
 
@@ -84,7 +84,7 @@ def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
             target = (folder / name).resolve()
             if old is not None:
                 _keep(target, folder / BACKUP)
-            files.enter_context(whole_file(target)).write_text(new, encoding="utf-8")
+            files.enter_context(atomic_write(target)).write_text(new, encoding="utf-8")
     done = [f"{name} {'saved' if old is None else 'changed'}" for name, old, _ in changed]
     return read_draft(folder), done
 

@@ -15,9 +15,9 @@ from ..footage import open_recording
 from ..keypoints import source
 from ..motor import flapping_from_log
 from ..pose.body import RIGID
-from ..pose.fit import enough
+from ..pose.fit import usable_frames
 from ..study import Setup, Study, Trial
-from ..study.filmed import as_filmed
+from ..study.filmed import setup_in_film_pixels
 
 MIN_FRAMES = 2
 
@@ -79,7 +79,7 @@ def _read(study: Study, trial: Trial) -> None:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
         )
-        as_filmed(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+        setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
 
 
 def _seen(path: Path, found: Keypoints) -> None:
@@ -88,7 +88,7 @@ def _seen(path: Path, found: Keypoints) -> None:
     """
     sure = dict(zip(found.names, confident(found.likelihood.T), strict=True))
     never = np.zeros(len(found.time_s), dtype=bool)
-    frames = int(enough(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
+    frames = int(usable_frames(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
     if frames < MIN_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "

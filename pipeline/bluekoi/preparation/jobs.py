@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import InputError
 
 MAX_LINES = 400
-BROKEN = "a defect of this program ended the work; the terminal has more"
+INTERNAL_ERROR = "a defect of this program ended the work; the terminal has more"
 
 
 class Jobs:
@@ -40,7 +40,7 @@ class Jobs:
         if job.cancelled():
             return {"state": "absent"}
         if (error := job.exception()) is not None:
-            text = str(error) if isinstance(error, InputError) else f"{BROKEN} ({error!r})"
+            text = str(error) if isinstance(error, InputError) else f"{INTERNAL_ERROR} ({error!r})"
             if not isinstance(error, InputError):
                 self._pool = None
             return {"state": "failed", "error": text}

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ValidationError
 from ..camera.calibrate import calibrate_files, camera_section, from_profile
 from ..camera.corners_picture import compare_corners, edge_points_px, grid_px
 from ..errors import Finding, InputError, input_error
-from ..files import plain, read_text
+from ..files import read_text, to_json_types
 from ..footage import open_recording
 from ..motor import flapping_from_log
 from ..study import Camera, Pool, Robot, Setup, Trial, Water
@@ -24,7 +24,7 @@ from ..study.keys import keys
 from ..study.messages import explain
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
-from .pictures import Luma, frame_of, rounded
+from .pictures import Luma, frame_of, rounded_points
 from .prefill import study_files, trial_rows
 from .robot_outline import robot_outline
 
@@ -92,14 +92,15 @@ def corners(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
     """
     found = compare_corners(grey, _camera_setup(values))
     check = found.check
-    return plain({
-        "edges_px": [rounded(points[::2]) for points in edge_points_px(found.fit)],
-        "grid_px": [rounded(line[::9]) for line in grid_px(found.camera)] if found.camera else [],
-        "fitted_px": rounded(found.fit.corners_px),
-        "suggested_px": rounded(check.suggested_px),
-        "inner_rim_px": rounded(found.fit.inner_rim_px),
-        "std_px": rounded(check.std_px),
-        "off_px": rounded(check.off_px),
+    return to_json_types({
+        "edges_px": [rounded_points(points[::2]) for points in edge_points_px(found.fit)],
+        "grid_px": [rounded_points(line[::9])
+                    for line in (grid_px(found.camera) if found.camera else [])],
+        "fitted_px": rounded_points(found.fit.corners_px),
+        "suggested_px": rounded_points(check.suggested_px),
+        "inner_rim_px": rounded_points(found.fit.inner_rim_px),
+        "std_px": rounded_points(check.std_px),
+        "off_px": rounded_points(check.off_px),
         "doubts": found.fit.doubts,
         "sentences": check.sentences,
         "confirmed": check.confirmed,
@@ -122,7 +123,9 @@ def outline(values: Mapping[str, str], place: Mapping[str, float]) -> dict[str, 
         head_length_m=float(place.get("head_length_m") or 0) or None,
         refractive_index=_section("water", values).refractive_index,
     )  # fmt: skip
-    return plain({name: rounded(np.array(value)) for name, value in asdict(found).items()})
+    return to_json_types(
+        {name: rounded_points(np.array(value)) for name, value in asdict(found).items()}
+    )
 
 
 def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dict[str, Any]:
@@ -251,7 +254,7 @@ def _camera_keys(content: Mapping[str, Any]) -> dict[str, str]:
     """Lens keys of a camera section as text; the corners stay as they are."""
     names = ("model", "image_size_px", "matrix", "distortion")
     return {
-        f"camera.{name}": str(plain(content[name]))
+        f"camera.{name}": str(to_json_types(content[name]))
         for name in names
         if content.get(name) is not None
     }

@@ -12,11 +12,11 @@ import numpy.typing as npt
 
 from ..data import Float
 from ..errors import input_error
-from ..files import plain
+from ..files import to_json_types
 from ..study import Study
 from .preview import preview_trial, spread_frames
 
-QUALITY = 90
+JPEG_QUALITY = 90
 Luma = npt.NDArray[np.uint8]
 
 
@@ -48,7 +48,7 @@ def frame_of(
 
 def jpeg(picture: Luma) -> bytes:
     """A picture as jpeg."""
-    good, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    good, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     assert good
     return data.tobytes()
 
@@ -56,14 +56,14 @@ def jpeg(picture: Luma) -> bytes:
 def preview(study: Study, trial_id: str) -> dict[str, Any]:
     """`preview_trial` as json: what a job returns."""
     found = preview_trial(study, trial_id)
-    return plain({
+    return to_json_types({
         "trial_id": trial_id, "time_s": found.time_s, "names": found.names,
-        "xy_px": rounded(found.xy_px), "likelihood": np.round(found.likelihood, 2),
+        "xy_px": rounded_points(found.xy_px), "likelihood": np.round(found.likelihood, 2),
         "remarks": found.remarks, "found": found.found, "frames": len(found.time_s),
         "size_px": found.size_px, "consecutive": found.consecutive,
     })  # fmt: skip
 
 
-def rounded(points: Float) -> list[Any]:
+def rounded_points(points: Float) -> list[Any]:
     """Points as lists, a hundredth of a pixel; NaN as None."""
-    return plain(np.round(points, 2))
+    return to_json_types(np.round(points, 2))

@@ -14,7 +14,7 @@ from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source
 from ..study import Study
-from ..study.filmed import as_filmed
+from ..study.filmed import setup_in_film_pixels
 
 FRAMES = 20
 
@@ -89,7 +89,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     if not some:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     height, width = some[0].luma.shape
-    setup = as_filmed(study.setup, (width, height), trial.source)
+    setup = setup_in_film_pixels(study.setup, (width, height), trial.source)
     found = detector.detect(lambda: some, setup, trial)
     return Preview(
         trial_id=trial_id,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..camera.corners import camera_over
+from ..camera.corners import camera_of_setup
 from ..camera.pool import project, to_pool
 from ..data import Float
 from ..study import Camera, Pool, Robot
@@ -47,7 +47,7 @@ def robot_outline(
     Raises: InputError where the corners fit no camera.
     """
     depth = robot.keypoint_depth_m
-    over = camera_over(camera, pool, refractive_index, depth_m=depth)
+    over = camera_of_setup(camera, pool, refractive_index, depth_m=depth)
     com, toward = to_pool(over, np.array([com_px, toward_px]), depth)
     heading_rad = math.atan2(*(toward - com)[::-1])
     core = np.array([math.cos(heading_rad), math.sin(heading_rad)])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..campaign import Campaign
 from ..data import Float
-from .packing import differences, packed_json
+from .packing import gzip_base64_json, quantised_differences
 
 MAX_POINTS = 2000
 """Longer trials are thinned to this many points."""
@@ -39,7 +39,7 @@ def series(campaign: Campaign, trial_id: str) -> str:
         for name, prefix in MODELS.items()
         if f"{prefix}_x_m" in given
     }
-    return packed_json({
+    return gzip_base64_json({
         "measured": _stored(columns),
         **{name: _stored(found) for name, found in models.items()},
     })  # fmt: skip
@@ -61,4 +61,6 @@ def _model(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Fl
 
 def _stored(columns: Mapping[str, Float]) -> dict[str, Any]:
     limited = {name: np.where(np.abs(v) < 1e6, v, np.nan) for name, v in columns.items()}
-    return {name: differences(values, RESOLUTION[name]) for name, values in limited.items()}
+    return {
+        name: quantised_differences(values, RESOLUTION[name]) for name, values in limited.items()
+    }

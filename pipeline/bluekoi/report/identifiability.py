@@ -16,9 +16,9 @@ from .numbers import number, unit
 
 DROP_AT_95 = 1.92
 """Drop in log likelihood at the ends of a 95 % interval: half of chi-squared(1) at 0.95."""
-WIDTH, HEIGHT, TOP = 100.0, 60.0, 6.0
+WIDTH, HEIGHT, TOP_MARGIN = 100.0, 60.0, 6.0
 POINTS = 41
-TERM = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
+COMBINATION_TERM = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Profile:
     value_x: float
     interval: str
     ends: tuple[str, str]
-    limit_y: float = HEIGHT * (1.0 - DROP_AT_95 / TOP)
+    limit_y: float = HEIGHT * (1.0 - DROP_AT_95 / TOP_MARGIN)
 
 
 def spectrum(campaign: Campaign) -> list[Row]:
@@ -51,7 +51,7 @@ def combination(text: str) -> str:
     sum w_i dC_i/C_i = d ln prod C_i^w_i, so `+0.58 dC_T/C_T -0.37 dC_Da/C_Da` reads
     `C_T^0.58 · C_Da^−0.37`, and a single coefficient stands alone. Unknown formats unchanged.
     """
-    terms = TERM.findall(text)
+    terms = COMBINATION_TERM.findall(text)
     if len(terms) == 1:
         return str(terms[0][1])
     sign = -1.0 if terms and float(terms[0][0]) < 0 else 1.0
@@ -77,7 +77,7 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
     order = np.argsort(at[known])
     at, lost = _between(at[known][order], lost[known][order], float(best))
     span = float(np.ptp(at)) or 1.0
-    x, y = WIDTH * (at - at[0]) / span, HEIGHT * (1.0 - np.clip(lost, 0.0, TOP) / TOP)
+    x, y = WIDTH * (at - at[0]) / span, HEIGHT * (1.0 - np.clip(lost, 0.0, TOP_MARGIN) / TOP_MARGIN)
     low, high = (_missing(cell, side) for side in ("lower", "upper"))
     words = f"{_end(one.get('lower'), low)} to {_end(one.get('upper'), high)}"
     return Profile(

@@ -14,7 +14,7 @@ from plotly.offline import get_plotlyjs
 
 from ..campaign import Campaign
 from ..files import read_json
-from .packing import packed
+from .packing import gzip_base64
 
 CLIP_BYTES = 3_000_000
 """A larger video is loaded from the file beside the page."""
@@ -54,7 +54,7 @@ class Clip:
 @cache
 def plotting_library() -> str:
     """Packed javascript of plotly, as installed."""
-    return packed(get_plotlyjs())
+    return gzip_base64(get_plotlyjs())
 
 
 def pictures(texts: Mapping[str, tuple[str, str]], folder: Path, beside: Path) -> list[Picture]:
@@ -96,7 +96,7 @@ def _picture(path: Path, text: tuple[str, str], beside: Path) -> Picture:
         size=size,
         missing=missing,
         pdf=_link(pdf, beside) if pdf.is_file() and not missing else "",
-        data=packed(data.read_bytes()) if data.is_file() and not missing else "",
+        data=gzip_base64(data.read_bytes()) if data.is_file() and not missing else "",
     )
 
 

@@ -25,7 +25,7 @@ from .overlay_frame import (
     Line,
     Picture,
     Scene,
-    annotated,
+    annotated_frame,
     empty_pool,
 )
 
@@ -87,7 +87,9 @@ def write_overlay(
                 count += 1
             if place < count:
                 continue
-            picture = annotated(_background(one, scene, (WIDTH_PX, height)), scene, time_s, scale)
+            picture = annotated_frame(
+                _background(one, scene, (WIDTH_PX, height)), scene, time_s, scale
+            )
             out.write(picture)
             count += 1
     return count

@@ -18,7 +18,7 @@ Colour = tuple[int, int, int]
 STRIP_PX = 40
 MAX_OFFSET_S = 1 / 60
 """Largest time between a detection and the frame it is drawn on."""
-SHIFT = 4  # OpenCV draws at 1/16 px with this many fractional bits
+FRACTIONAL_BITS = 4  # OpenCV draws at 1/16 px with this many fractional bits
 
 # BGR; distinguishable with colour vision deficiencies, and by dashes and width
 DARK: Colour = (46, 38, 32)
@@ -51,7 +51,7 @@ class Scene:
     background: Picture = field(default_factory=lambda: np.zeros((0, 0, 3), np.uint8))
 
 
-def annotated(picture: Picture, scene: Scene, time_s: float, scale: float) -> Picture:
+def annotated_frame(picture: Picture, scene: Scene, time_s: float, scale: float) -> Picture:
     """The frame with paths up to `time_s`, the keypoints at that time, and a legend."""
     canvas = np.ascontiguousarray(picture)
     for line in scene.lines:
@@ -68,7 +68,9 @@ def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
     canvas = np.full((height, width_px, 3), (96, 88, 80), np.uint8)
     length, width = camera.pool_size_m
     rim = _edges(length, width)
-    cv2.fillPoly(canvas, [_fixed_point(scale * project(camera, rim))], (190, 172, 140), shift=SHIFT)
+    cv2.fillPoly(
+        canvas, [_fixed_point(scale * project(camera, rim))], (190, 172, 140), shift=FRACTIONAL_BITS
+    )
     for line in _grid(length, width):
         _polyline(canvas, scale * project(camera, line), (205, 190, 165), 1)
     _polyline(canvas, scale * project(camera, rim), (235, 235, 235), 2)
@@ -86,8 +88,8 @@ def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None
     for piece in pieces:
         _polyline(canvas, piece, line.colour, line.width_px)
     end = _fixed_point(path[-1])
-    cv2.circle(canvas, end, 5 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
-    cv2.circle(canvas, end, 3 << SHIFT, line.colour, -1, cv2.LINE_AA, SHIFT)
+    cv2.circle(canvas, end, 5 << FRACTIONAL_BITS, DARK, -1, cv2.LINE_AA, FRACTIONAL_BITS)
+    cv2.circle(canvas, end, 3 << FRACTIONAL_BITS, line.colour, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
 def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float) -> None:
@@ -96,8 +98,16 @@ def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float)
         return
     sure = confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
     for point in scale * found.xy_px[i][sure]:
-        cv2.circle(canvas, _fixed_point(point), 4 << SHIFT, DARK, -1, cv2.LINE_AA, SHIFT)
-        cv2.circle(canvas, _fixed_point(point), 40, POINT, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(
+            canvas,
+            _fixed_point(point),
+            4 << FRACTIONAL_BITS,
+            DARK,
+            -1,
+            cv2.LINE_AA,
+            FRACTIONAL_BITS,
+        )
+        cv2.circle(canvas, _fixed_point(point), 40, POINT, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
 def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
@@ -115,12 +125,12 @@ def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
 
 
 def _polyline(canvas: Picture, path: Float, colour: Colour, width: int) -> None:
-    cv2.polylines(canvas, [_fixed_point(path)], False, colour, width, cv2.LINE_AA, SHIFT)
+    cv2.polylines(canvas, [_fixed_point(path)], False, colour, width, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
 def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
     """Pixels in OpenCV's fixed-point format, clipped to its integer range."""
-    return np.round(np.clip(points, -1e5, 1e5) * (1 << SHIFT)).astype(np.int32)
+    return np.round(np.clip(points, -1e5, 1e5) * (1 << FRACTIONAL_BITS)).astype(np.int32)
 
 
 def _strip(scene: Scene, time_s: float, width: int) -> Picture:

@@ -13,18 +13,18 @@ import numpy as np
 from ..data import Float
 
 
-def packed(content: bytes | str) -> str:
+def gzip_base64(content: bytes | str) -> str:
     """Base64 of the gzipped content; page.js unpacks it with `unpack`."""
     raw = content.encode() if isinstance(content, str) else content
     return base64.b64encode(gzip.compress(raw, 9, mtime=0)).decode("ascii")
 
 
-def packed_json(content: Mapping[str, Any]) -> str:
-    """As `packed`, of compact json."""
-    return packed(json.dumps(content, separators=(",", ":"), allow_nan=False))
+def gzip_base64_json(content: Mapping[str, Any]) -> str:
+    """As `gzip_base64`, of compact json."""
+    return gzip_base64(json.dumps(content, separators=(",", ":"), allow_nan=False))
 
 
-def differences(values: Float, resolution: float) -> dict[str, Any]:
+def quantised_differences(values: Float, resolution: float) -> dict[str, Any]:
     """A series as integer multiples of `resolution`, each minus the last known one; NaN as null.
 
     Differences of smooth series are small, which compresses to about one byte per value.

@@ -14,7 +14,7 @@ from ..files import write_text
 from . import findings, held_out_errors, identifiability, tables
 from .media import Clip, Picture, clips, pictures, plotting_library
 from .settings import settings, versions
-from .trials import cards, excluded
+from .trials import excluded_trials, trial_cards
 
 SCRIPTS = ("charts.js", "explorer.js", "page.js")
 
@@ -61,7 +61,7 @@ def page(
         held_out_text=held_out_errors.text(campaign),
         held_out_columns=held_out_errors.columns(campaign),
         with_additions=campaign.has_additions,
-        shifts=tables.shifts(campaign),
+        shifts=tables.coefficient_changes(campaign),
         joint=tables.joint(campaign),
         joint_notes=tables.joint_notes(campaign),
         spectrum=identifiability.spectrum(campaign),
@@ -71,8 +71,8 @@ def page(
         columns=tables.COLUMNS,
         mismatch_figures=[one for one in shown if one.name.startswith("mismatch")],
         figures=[one for one in shown if not one.name.startswith("mismatch")],
-        excluded=excluded(campaign),
-        cards=cards(campaign, videos),
+        excluded=excluded_trials(campaign),
+        cards=trial_cards(campaign, videos),
         settings=settings(campaign),
         versions=versions(),
         css=Markup(_text("page.css")),  # noqa: S704  our own file

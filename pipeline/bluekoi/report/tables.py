@@ -108,7 +108,7 @@ def _comparison(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
     )
 
 
-def shifts(campaign: Campaign) -> list[Row]:
+def coefficient_changes(campaign: Campaign) -> list[Row]:
     """Coefficients of the baseline and of the model with the identified causes."""
     fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
     before, after = fits.get("before") or {}, fits.get("after") or {}

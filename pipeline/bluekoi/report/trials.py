@@ -17,7 +17,7 @@ from .media import Clip
 from .numbers import measured, number
 
 THUMBNAIL_POINTS = 60
-QUALITY = {
+QUALITY_TEXTS = {
     "good": "good",
     "straight": "straight",
     "short_arc": "short arc",
@@ -54,7 +54,7 @@ class Card:
     analysed: bool
 
 
-def cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
+def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
     """A card for every trial of the study, analysed or not."""
     held_out = set() if no_trial_held_out(campaign) else set(evaluated_trials(campaign))
     return [
@@ -63,7 +63,7 @@ def cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
     ]
 
 
-def excluded(campaign: Campaign) -> list[tuple[str, str]]:
+def excluded_trials(campaign: Campaign) -> list[tuple[str, str]]:
     """Excluded trials with the reason; files relative to the study folder."""
     folder = f"{campaign.study.root}/"
     return [(trial.trial_id, why.replace(folder, "")) for trial, why in campaign.left_out]
@@ -77,14 +77,14 @@ def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -
     remarks = [str(remark) for remark in status.get("remarks") or []]
     if status.get("cut_short"):
         remarks.insert(0, str(status["cut_short"]))
-    quality = QUALITY.get(steady.quality, steady.quality) if steady else "excluded"
+    quality = QUALITY_TEXTS.get(steady.quality, steady.quality) if steady else "excluded"
     return Card(
         trial_id=trial.trial_id,
         condition=f"{trial.power_pct:g} % power, head {trial.head_angle_deg:g}°, "
         f"{trial.head_length_m:g} m",
         cells=_cells(campaign, trial, done),
         quality=quality,
-        reason=steady.reason if steady else dict(excluded(campaign))[trial.trial_id],
+        reason=steady.reason if steady else dict(excluded_trials(campaign))[trial.trial_id],
         remarks=tuple(remarks),
         lines=_lines(campaign, trial.trial_id),
         box=f"-0.38 -0.05 {size.length_m + 0.43:.3f} {size.width_m + 0.25:.3f}",

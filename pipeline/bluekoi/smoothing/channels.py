@@ -17,7 +17,7 @@ from .motion import heading_matrices, planar_matrices, planar_measurement
 from .noise_fit import FittedModel, fit_noise, gate_of
 from .nominal_motion import nominal_motion
 
-SPREADS = (1.0, 6.0, 6.0, 3.0)
+PRIOR_LOG_STDS = (1.0, 6.0, 6.0, 3.0)
 """Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
 SPREAD_SHARE, SPREAD_RECOIL, SPREAD_R = 4.0, 3.0, 0.7
 UNIT_SIGMAS = 2.0
@@ -157,7 +157,9 @@ def _fit(
         P0 = np.diag(np.concatenate([np.repeat(first, m), np.repeat(beats, 2)]))
         return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
-    spread = np.array([*SPREADS, *[SPREAD_SHARE] * (m - 1), *[SPREAD_RECOIL] * recoils, SPREAD_R])
+    spread = np.array(
+        [*PRIOR_LOG_STDS, *[SPREAD_SHARE] * (m - 1), *[SPREAD_RECOIL] * recoils, SPREAD_R]
+    )
     T = grid.scale_s
     largest = np.log(np.array(LARGEST_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
     starts = _starts(m, recoils, np.full(2, LOG_START))

@@ -20,11 +20,11 @@ from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
 
 SHORTEST = 3
 """Nodes of a gap whose deviations are calibrated; over shorter ones the model is not at issue."""
-MARGIN, MOSTLY = 3, 0.8
+GAP_MARGIN, MIN_MEASURED_SHARE = 3, 0.8
 """Artificial gaps lie where, with so many nodes on both sides, this share was measured."""
 PRIOR_GAPS = 0.25
 """The stated variance counts as this many artificial gaps on which it was right."""
-REACH = 3.0
+DECAY_GAP_LENGTHS = 3.0
 """Artificial gaps count by exp(-distance / (this many gap lengths)): a motion has phases."""
 
 
@@ -37,7 +37,7 @@ def with_calibrated_gaps(
     coords: how many leading states make the position, by which the factor is judged.
     """
     P = state.P.copy()
-    for first, last in runs(~used):
+    for first, last in true_runs(~used):
         if last - first < SHORTEST or first == 0 or last == len(used):
             continue
         factor = _variance_factor(model, used, state, (first, last), coords)
@@ -59,13 +59,13 @@ def _variance_factor(
     Times (1 + 2 / freedom), the variance of a Student t, as the factor itself is an estimate.
     """
     length, middle = gap[1] - gap[0], 0.5 * (gap[0] + gap[1])
-    period, step = 2 * (length + MARGIN), max(length // 2, 1)
+    period, step = 2 * (length + GAP_MARGIN), max(length // 2, 1)
     total = weight = PRIOR_GAPS
-    for offset in range(MARGIN, period + MARGIN, step):
+    for offset in range(GAP_MARGIN, period + GAP_MARGIN, step):
         starts = [
             k
-            for k in range(offset, len(used) - length - MARGIN, period)
-            if used[k - MARGIN : k + length + MARGIN].mean() > MOSTLY
+            for k in range(offset, len(used) - length - GAP_MARGIN, period)
+            if used[k - GAP_MARGIN : k + length + GAP_MARGIN].mean() > MIN_MEASURED_SHARE
         ]
         hidden = used.copy()
         for k in starts:
@@ -76,13 +76,17 @@ def _variance_factor(
         for k in starts:
             at = slice(k, k + length)
             # artificial gaps overlap: together they count as gaps side by side
-            count = step / length * np.exp(-abs(k + 0.5 * length - middle) / (REACH * length))
+            count = (
+                step
+                / length
+                * np.exp(-abs(k + 0.5 * length - middle) / (DECAY_GAP_LENGTHS * length))
+            )
             total += count * moved[at].sum() / max(stated[at].sum(), 1e-300)
             weight += count
     return float(total / weight * (1 + 2 / (coords * weight)))
 
 
-def runs(mask: Mask) -> list[tuple[int, int]]:
+def true_runs(mask: Mask) -> list[tuple[int, int]]:
     """First and one past the last index of each run in which `mask` (n,) holds."""
     ends = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
     return [(int(a), int(b)) for a, b in ends.reshape(-1, 2)]

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..data import Float
 
-BEATS = 15.0
+RECOIL_MEMORY_BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats."""
 
 
@@ -110,7 +110,7 @@ def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _recoil(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
-    keep = np.exp(-dt * hz / BEATS)
+    keep = np.exp(-dt * hz / RECOIL_MEMORY_BEATS)
     c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
     F[at, at] = F[at + 1, at + 1] = c
     F[at, at + 1], F[at + 1, at] = -s, s

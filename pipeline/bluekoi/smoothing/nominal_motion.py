@@ -11,13 +11,13 @@ from .linear_gaussian import LinearGaussianModel
 from .measured import Measured, measured
 from .motion import planar_matrices
 
-SLOWEST = 0.02
+MIN_RELATIVE_SPEED = 0.02
 """Relative speed below which the acceleration does not decay any slower."""
-LIVELY = 0.3
+ACCELERATION_DENSITY = 0.3
 """Density of the rough filter's white acceleration, in usual speeds squared per unit of time."""
-NEVER = 1e9
+NO_DECAY_S = 1e9
 """Decay time, s, of the acceleration, which the rough filter does not have."""
-ROUGH = 0.05
+MIN_POSITION_STD = 0.05
 """Least noise of the rough filter's positions, in usual speeds times the unit of time."""
 
 
@@ -25,10 +25,10 @@ def rough_speed(xy: Float, cov: Float, grid: Grid) -> Float:
     """Speed (nodes,) by a filter with white acceleration that follows a start but no tail beat."""
     data = measured(xy, cov, grid)
     n, T = len(xy), grid.scale_s
-    noise = np.array([NEVER, LIVELY * data.speed**2 / T, 0.0, 0.0, 1.0])
+    noise = np.array([NO_DECAY_S, ACCELERATION_DENSITY * data.speed**2 / T, 0.0, 0.0, 1.0])
     F, Q = planar_matrices(noise, grid.dt_s, 0.0, steady_motion(n), np.zeros(n))
     F, Q = np.ascontiguousarray(F[:, :4, :4]), np.ascontiguousarray(Q[:, :4, :4])
-    R = max(data.variance, (ROUGH * data.speed * T) ** 2) * np.eye(2)
+    R = max(data.variance, (MIN_POSITION_STD * data.speed * T) ** 2) * np.eye(2)
     P0 = np.diag(np.repeat([np.ptp(data.z) ** 2 + R[0, 0], 9 * data.speed**2], 2))
     x0 = np.concatenate([data.z[data.plausible][0], np.zeros(2)])
     H, noise_cov = np.tile(np.eye(2, 4), (n, 1, 1)), np.tile(R, (n, 1, 1))
@@ -48,5 +48,5 @@ def nominal_motion(data: Measured, speed: Float, heading_noise: Float, *, restin
     m^2/s^3.
     """
     usual = max(float(np.quantile(speed, 0.8)), 1e-300)
-    relative = np.maximum(speed / usual, SLOWEST)
+    relative = np.maximum(speed / usual, MIN_RELATIVE_SPEED)
     return np.column_stack([data.onset * resting, relative, heading_noise])

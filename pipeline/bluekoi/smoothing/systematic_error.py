@@ -13,7 +13,7 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 
-AS_STATED = 0.67
+MIN_NOISE_RATIO = 0.67
 """A noise ratio of at least this counts as 1."""
 
 
@@ -24,7 +24,9 @@ def with_systematic_error(track: Track, pose: Pose, noise_ratio: tuple[float, fl
     2 u / span^2, the error changing once in the trial. noise_ratio: of positions and heading.
     """
     stated = np.nanmedian(np.einsum("nii->ni", pose.cov[:, :3, :3]), axis=0)
-    hidden = [1 - share if share < AS_STATED else 0.0 for share in (noise_ratio[0], *noise_ratio)]
+    hidden = [
+        1 - share if share < MIN_NOISE_RATIO else 0.0 for share in (noise_ratio[0], *noise_ratio)
+    ]
     x, y, heading = map(float, stated * hidden)
     turn = 2 / float(np.ptp(track.time_s)) ** 2
     return replace(

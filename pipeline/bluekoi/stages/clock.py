@@ -22,7 +22,7 @@ from ..campaign import Campaign
 from ..data import Flapping, Pose, Steady, Track
 from ..measurement import clock_error
 from ..motor import common_ratio, compare
-from ..motor.compare import SAME_CLOCK
+from ..motor.compare import SAME_CLOCK_TOLERANCE
 from ..study import Study
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -53,7 +53,7 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
         groups.setdefault(study.trial(name).fps, []).append(name)
     every = _factor(flapping, list(flapping))
     found = {fps: _factor(flapping, names) or every for fps, names in groups.items()}
-    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > SAME_CLOCK}
+    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > SAME_CLOCK_TOLERANCE}
     return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
 
 

@@ -6,15 +6,15 @@ import json
 import tempfile
 from pathlib import Path
 
-from ..files import plain, write_text
+from ..files import to_json_types, write_text
 from ..synthetic.campaign import render_trial, study_truth, trial_truth, write_study_files
 from ..synthetic.design import demo_design
-from ..synthetic.trial import prepare
+from ..synthetic.trial import solve_trial
 
 STUDY_FILES = ("study.yaml", "trials.csv")
 
 
-def lay_out(study: Path) -> None:
+def write_demo_study(study: Path) -> None:
     """Write study.yaml and trials.csv of the demo study, and its truth in a folder beside it.
 
     Files that stand already are left alone, so that
@@ -24,8 +24,10 @@ def lay_out(study: Path) -> None:
     with tempfile.TemporaryDirectory() as name:
         write_study_files(design, Path(name), source="videos/{}.mp4", fps=None)
         texts = {study / f: (Path(name) / f).read_text(encoding="utf-8") for f in STUDY_FILES}
-    trials = [trial_truth(prepare(design, plan.trial_id)) for plan in design.plans]
-    texts[truth] = json.dumps(plain(study_truth(design, trials)), indent=1, allow_nan=False) + "\n"
+    trials = [trial_truth(solve_trial(design, plan.trial_id)) for plan in design.plans]
+    texts[truth] = (
+        json.dumps(to_json_types(study_truth(design, trials)), indent=1, allow_nan=False) + "\n"
+    )
     for target, text in texts.items():
         if not target.is_file() or target.read_text(encoding="utf-8") != text:
             write_text(target, text)

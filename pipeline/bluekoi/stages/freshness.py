@@ -57,17 +57,22 @@ def is_fresh(status: Path, results: Path, inputs: str) -> bool:
 def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
     files, setup = states_of(study.paths(trial)), study.setup
     if not trial.reads_keypoints:
-        return [without(row(trial), "role"), setup.model_dump(mode="json"), files]
-    return [without(row(trial), *NOT_READ), setup.bodyparts, setup.detection.model_dump(), files]
+        return [without_keys(trial_row(trial), "role"), setup.model_dump(mode="json"), files]
+    return [
+        without_keys(trial_row(trial), *NOT_READ),
+        setup.bodyparts,
+        setup.detection.model_dump(),
+        files,
+    ]
 
 
 def _motion(study: Study, trial: Trial, layout: Layout) -> list[Any]:
-    setup = without(study.setup.model_dump(mode="json"), "detection")
+    setup = without_keys(study.setup.model_dump(mode="json"), "detection")
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
     given = study.setup.robot.depth_given
     files = [state_of(path) for path in (layout.detection(trial.trial_id), log) if path]
-    return [without(row(trial), "role"), setup, given, depth_m, files]
+    return [without_keys(trial_row(trial), "role"), setup, given, depth_m, files]
 
 
 def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
@@ -100,12 +105,12 @@ def _state(path: Path, size: int, changed_ns: int) -> str:
     return hashlib.sha256(content).hexdigest()[:12]
 
 
-def row(trial: Trial) -> dict[str, Any]:
+def trial_row(trial: Trial) -> dict[str, Any]:
     """A row of trials.csv as plain values."""
     return trial.model_dump(mode="json")
 
 
-def without(content: Mapping[str, Any], *names: str) -> dict[str, Any]:
+def without_keys(content: Mapping[str, Any], *names: str) -> dict[str, Any]:
     """A mapping without some of its keys."""
     return {key: value for key, value in content.items() if key not in names}
 

@@ -15,7 +15,7 @@ from ..errors import InputError, input_error
 from ..keypoints.deeplabcut import write
 from ..study import Study, Trial, load_study, missing_of
 from .layout import Layout
-from .status import attempt
+from .status import run_with_status
 
 MIN_LOST = 3
 MAX_LENGTHS = 80
@@ -28,7 +28,7 @@ def keypoints(
     """Write keypoints/ID.csv, its covariances and how it went."""
     loaded, layout = load_study(study, only=trial_id), Layout(results)
     trial = loaded.trial(trial_id)
-    attempt(
+    run_with_status(
         layout.detection(trial_id),
         trial_id,
         lambda: _detect(loaded, trial, layout.keypoints(trial_id), threads),
@@ -72,7 +72,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415
-    from ..study.filmed import as_filmed  # noqa: PLC0415
+    from ..study.filmed import setup_in_film_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
     detector = sources.source(study.setup.detection.source)
@@ -84,8 +84,10 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     def film() -> Iterable[Frame]:
         return frames(recording, colour=colour)
 
-    found = detector.detect(film, as_filmed(study.setup, recording.size_px), trial)
-    found = replace(found, remarks=(*found.remarks, *unread(trial, recording, found.time_s)))
+    found = detector.detect(film, setup_in_film_pixels(study.setup, recording.size_px), trial)
+    found = replace(
+        found, remarks=(*found.remarks, *unreadable_frames_remark(trial, recording, found.time_s))
+    )
     short = recording.frames_present < recording.frames_declared and trial.end_s is None
     return found, {
         "source": study.setup.detection.source,
@@ -95,7 +97,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     }
 
 
-def unread(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
+def unreadable_frames_remark(trial: Trial, recording: Any, time_s: Float) -> tuple[str, ...]:
     """A remark where pictures in the midst of a whole recording could not be read; time_s of those
     that could.
     """

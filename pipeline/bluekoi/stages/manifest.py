@@ -15,7 +15,7 @@ from typing import Any
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..study import Study, load_study
-from .freshness import row
+from .freshness import trial_row
 
 RUN = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
@@ -33,7 +33,7 @@ def write_manifest(study: Path, results: Path) -> None:
         "code": run.get("code", ""),
         "versions": versions(),
         "study": loaded.setup.model_dump(mode="json"),
-        "trials": {trial.trial_id: row(trial) for trial in loaded.trials},
+        "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
         "inputs": _hashes(loaded, results / "logs" / "hashes.cache"),
     }
     write_json(results / "manifest.json", content)

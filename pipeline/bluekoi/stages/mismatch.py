@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ..camera.displacement import lens_strength
-from ..camera.distances import LENGTH_STD
+from ..camera.distances import LENGTH_STD_SHARE
 from ..camera.whole_length import WHOLE_LENGTH
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
@@ -24,7 +24,7 @@ from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
 from ..mismatch.data_split import held_out_trials
 from ..mismatch.laws import cause_laws
-from ..mismatch.results_json import details, mismatch_json
+from ..mismatch.results_json import details_json, mismatch_json
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
@@ -34,12 +34,14 @@ from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
-STATED_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is stated to 1 % (STUDY.md)
+STATED_FREQUENCY_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
 UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
-SPEAKS_OF_SCALE = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
+WHOLE_SCALE_OUTCOMES = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
-BEND_STD = 0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
+REFRACTION_BEND_STD = (
+    0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
+)
 MIN_CHANCE = 1e-50
 LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (geometry_hypotheses) is seen
 
@@ -59,7 +61,7 @@ def mismatch(study: Path, results: Path) -> None:
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_delay(series, flapping, fitted=fitted)
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
-    series = from_the_nose(series, loaded, Layout(results))
+    series = with_nose_distance(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     series = with_displacements(kernel, series, found.displacements)
@@ -70,7 +72,7 @@ def mismatch(study: Path, results: Path) -> None:
                 for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
         times = one.times / (factors[one.name].value if one.name in factors else 1.0)
         write_columns(results / "extended" / f"{one.name}.csv", {"time_s": times} | path)
-    detail = details(found)
+    detail = details_json(found)
     for name in factors.keys() & detail["forces"].keys():
         detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
     write_json(results / "mismatch_detail.json", detail)
@@ -100,7 +102,9 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     ratio, own = np.array(list(clocks.values())).reshape(-1, 2).T
     own = np.nan_to_num(own)
     apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
-    stated = np.array([STATED_STD * (beats[name].source != "motor_log") for name in clocks])
+    stated = np.array(
+        [STATED_FREQUENCY_STD * (beats[name].source != "motor_log") for name in clocks]
+    )
     std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
     evidence = {name: {"clock_ratio": (float(r), float(s))}
                 for name, r, s in zip(clocks, ratio, std, strict=True)}  # fmt: skip
@@ -139,7 +143,7 @@ def with_rigid_distances(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
-def from_the_nose(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
+def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""
     slots = plates().constants
     head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
@@ -165,15 +169,17 @@ def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple
     whole = geometry.get("measured") == WHOLE_LENGTH
     if likely == "lens_error" and alone and not whole:
         return _wrong_lens(geometry, setup)
-    if likely not in SPEAKS_OF_SCALE:
+    if likely not in WHOLE_SCALE_OUTCOMES:
         return {}
-    evidence = {"scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD))))}
+    evidence = {
+        "scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD_SHARE))))
+    }
     if alone and not whole:
         evidence["lens"] = (0.0, LENS_STD)
         if likely in STRAIGHT:
-            evidence["bend"] = (0.0, BEND_STD)
+            evidence["bend"] = (0.0, REFRACTION_BEND_STD)
         elif likely == "uncorrected_refraction":
-            evidence["bend"] = (1.0 - scale, BEND_STD)
+            evidence["bend"] = (1.0 - scale, REFRACTION_BEND_STD)
     return evidence
 
 

@@ -25,7 +25,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     layout, done = Layout(results), results / "outcome.json"
     ids = [trial.trial_id for trial in load_study(study).trials]
     statuses = {name: read_json(layout.status(name)) for name in ids}
-    bad = [f"{name}: {text}" for name, s in statuses.items() if (text := complaint(s))]
+    bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
     geometry, mismatch = (_optional(results / f"{n}.json") for n in ("geometry", "mismatch"))
     warnings = [*study_warnings(statuses), *scale_warning(geometry, mismatch)]
     remove([done])
@@ -40,7 +40,7 @@ def _optional(path: Path) -> dict[str, Any]:
     return read_json(path) if path.is_file() else {}
 
 
-def complaint(status: Mapping[str, Any]) -> str:
+def failure_reason(status: Mapping[str, Any]) -> str:
     """Why a trial counts as bad, in one line; empty for a good one."""
     text = status.get("cut_short", "") if status["ok"] else status["message"]
     return " ".join(str(text or "").split())

@@ -10,7 +10,7 @@ from ..files import read_json
 from ..report.overlay import trial_overlay
 from ..study import Study, load_study
 from .layout import Layout
-from .status import attempt
+from .status import run_with_status
 
 
 def overlay(
@@ -21,7 +21,7 @@ def overlay(
 
     cv2.setNumThreads(threads)
     loaded, layout = load_study(study, only=trial_id), Layout(results)
-    attempt(
+    run_with_status(
         layout.overlaid(trial_id),
         trial_id,
         lambda: _draw(loaded, layout, trial_id),

@@ -23,7 +23,7 @@ OUTSIDE_SHARE, OUTSIDE_FRAMES = 0.1, 0.25
 """A quarter of the frames further beyond a wall than this share of the pool's longer side."""
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
-AROUND = 3
+MEDIAN_HALF_WINDOW = 3
 APART_S = 0.3
 
 
@@ -150,7 +150,10 @@ def first_jump(time_s: Float, xy_m: Float, least_m: float) -> int | None:
         np.diff(time_s) <= JUMP_S
     )
     for k in np.flatnonzero(large).tolist():
-        before, after = xy_m[max(k - AROUND, 0)], xy_m[min(k + 1 + AROUND, len(xy_m) - 1)]
+        before, after = (
+            xy_m[max(k - MEDIAN_HALF_WINDOW, 0)],
+            xy_m[min(k + 1 + MEDIAN_HALF_WINDOW, len(xy_m) - 1)],
+        )
         if np.linalg.norm(after - before) > 0.6 * steps[k]:
             return k
     return None

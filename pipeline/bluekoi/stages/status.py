@@ -18,11 +18,11 @@ from .layout import remove
 
 log = logging.getLogger(__name__)
 
-FEWER = "run fewer jobs at once (--cores 1) or close other programs, then start again"
+MEMORY_ADVICE = "run fewer jobs at once (--cores 1) or close other programs, then start again"
 NO_WARNING = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
 
 
-def attempt(
+def run_with_status(
     status: Path,
     trial_id: str,
     work: Callable[[], Mapping[str, Any]],
@@ -47,7 +47,7 @@ def attempt(
         found = _failed(trial_id, text if source in text else f"{source}: {text}")
         log.warning("%s", error)
     except MemoryError:
-        found = _failed(trial_id, f"{source}: not enough memory; {FEWER}")
+        found = _failed(trial_id, f"{source}: not enough memory; {MEMORY_ADVICE}")
         log.exception("trial %s", trial_id)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
         found = _failed(

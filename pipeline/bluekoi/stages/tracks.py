@@ -34,7 +34,7 @@ from .depth import keypoint_depth
 from .layout import Layout
 from .plausible import implausible
 from .pool_edges import check_pool_edges
-from .status import attempt
+from .status import run_with_status
 
 __all__ = ["flapping_of", "preload", "tracks"]
 
@@ -46,7 +46,7 @@ def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> No
     """Write poses/ID.csv, tracks/ID.csv, steady/ID.csv and how the trial went."""
     loaded, layout = load_study(study, only=trial_id), Layout(results)
     trial = loaded.trial(trial_id)
-    attempt(
+    run_with_status(
         layout.status(trial_id),
         trial_id,
         lambda: _track(loaded, trial, layout),

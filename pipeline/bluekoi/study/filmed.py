@@ -14,7 +14,9 @@ from .setup import Setup
 Float = npt.NDArray[np.float64]
 
 
-def as_filmed(setup: Setup, size_px: tuple[int, int], name: str = "the recording") -> Setup:
+def setup_in_film_pixels(
+    setup: Setup, size_px: tuple[int, int], name: str = "the recording"
+) -> Setup:
     """Setup whose camera section speaks of the pixels of a recording of this size (width, height).
 
     name: of the recording, for the fault.
@@ -36,7 +38,7 @@ def as_filmed(setup: Setup, size_px: tuple[int, int], name: str = "the recording
     return setup.model_copy(update={"camera": given.model_copy(update=changed)})
 
 
-def in_study(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
+def to_study_pixels(setup: Setup, size_px: tuple[int, int], points_px: Float) -> Float:
     """Points (n, 2) of a recording of this size in the pixels that study.yaml speaks of."""
     scale = scale_of(setup, size_px)
     return (points_px - (scale - 1) / 2) / scale

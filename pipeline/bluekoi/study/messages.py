@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from ..errors import Finding, nearest
-from .rules import TOGETHER
+from .rules import COMBINED_FIELDS
 
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 110
@@ -28,7 +28,7 @@ def explain(
 def _findings(
     path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
 ) -> list[Finding]:
-    if item["type"] != TOGETHER:
+    if item["type"] != COMBINED_FIELDS:
         return [_finding(path, model, item, prefix)]
     section = ".".join(map(str, item["loc"]))
     return [

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .setup import Camera, Robot, Setup
     from .types import Trial
 
-TOGETHER = "together"
+COMBINED_FIELDS = "together"
 MARGIN = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
 
@@ -31,14 +31,14 @@ class Problem:
     remedy: str = ""
 
 
-def refuse(problems: Iterable[Problem]) -> None:
+def raise_problems(problems: Iterable[Problem]) -> None:
     """Nothing, or one validation error that carries all problems."""
     if found := tuple(problems):
         _refuse(found)
 
 
 def _refuse(found: tuple[Problem, ...]) -> NoReturn:
-    raise PydanticCustomError(TOGETHER, "values do not fit together", {"problems": found})
+    raise PydanticCustomError(COMBINED_FIELDS, "values do not fit together", {"problems": found})
 
 
 def robot_problems(robot: Robot) -> list[Problem]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
-from .rules import camera_problems, refuse, robot_problems, setup_problems
+from .rules import camera_problems, raise_problems, robot_problems, setup_problems
 
 
 def _plain_number(value: object) -> object:
@@ -100,7 +100,7 @@ class Robot(Section):
 
     @model_validator(mode="after")
     def _fits(self) -> Robot:
-        refuse(robot_problems(self))
+        raise_problems(robot_problems(self))
         return self
 
     @property
@@ -156,7 +156,7 @@ class Camera(Section):
 
     @model_validator(mode="after")
     def _fits(self) -> Camera:
-        refuse(camera_problems(self))
+        raise_problems(camera_problems(self))
         return self
 
 
@@ -196,5 +196,5 @@ class Setup(Section):
 
     @model_validator(mode="after")
     def _fits(self) -> Setup:
-        refuse(setup_problems(self))
+        raise_problems(setup_problems(self))
         return self

@@ -11,7 +11,7 @@ from pydantic import Field, field_validator, model_validator
 
 from ..errors import input_error, nearest
 from .image_files import expanded, names_images
-from .rules import refuse, trial_problems
+from .rules import raise_problems, trial_problems
 from .setup import Section, Setup, key
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
@@ -83,7 +83,7 @@ class Trial(Section):
 
     @model_validator(mode="after")
     def _fits(self) -> Trial:
-        refuse(trial_problems(self))
+        raise_problems(trial_problems(self))
         return self
 
     @property

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from bluekoi.files import read_json, whole_file, write_json, write_text
+from bluekoi.files import atomic_write, read_json, write_json, write_text
 from bluekoi.synthetic.design import Design
 from bluekoi.synthetic.encode import write_video
 from bluekoi.synthetic.film import frames_of, visible
@@ -24,7 +24,7 @@ from bluekoi.synthetic.trial import (
     frame_truth,
     generator,
     mean_path,
-    prepare,
+    solve_trial,
     summary,
 )
 
@@ -50,7 +50,7 @@ def _silent(*_: object) -> None:
 def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
     """Write `ID.npz` (per frame) and `ID.json` (steady figures, laws) to the truth folder."""
     name = trial.plan.trial_id
-    with whole_file(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
+    with atomic_write(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
         truth = frame_truth(design, trial)
         seen = visible(design, trial, truth["keypoints_px"])
         np.savez_compressed(out, **{**truth, "visible": seen})  # type: ignore[arg-type]
@@ -86,7 +86,7 @@ def render_trial(
     design: Design, trial_id: str, folder: Path, truth_folder: Path, *, threads: int = 1
 ) -> Path:
     """The path of the trial's video, written with its motor log and its truth."""
-    trial, state = prepare(design, trial_id), design.conditions
+    trial, state = solve_trial(design, trial_id), design.conditions
     video = folder / "videos" / f"{trial_id}.mp4"
     video.parent.mkdir(parents=True, exist_ok=True)
     write_video(

@@ -7,7 +7,7 @@ from pathlib import Path
 import av
 import numpy as np
 
-from bluekoi.files import whole_file
+from bluekoi.files import atomic_write
 from bluekoi.synthetic.picture import Planes
 
 __all__ = ["GOPRO_RATE", "write_video"]
@@ -65,7 +65,7 @@ def write_video(
 ) -> int:
     """Number of frames written to `path` (mp4), whole or not at all; frame i stands at `i/rate`."""
     count = 0
-    with whole_file(path) as target, av.open(str(target), "w", format="mp4") as container:
+    with atomic_write(path) as target, av.open(str(target), "w", format="mp4") as container:
         stream = _open_stream(
             container,
             size_px,

@@ -33,7 +33,7 @@ def _scene(camera: Camera, caustics: float, pool: tuple[float, float, float], se
     return build_scene(camera, caustics, pool_m=pool[:2], depth_m=pool[2], seed=seed)
 
 
-def stage_at(design: Design, time_s: float) -> Stage:
+def scene_at(design: Design, time_s: float) -> Stage:
     """Pool, camera, light, lamps and noise of a design at a time (changed by a camera shift)."""
     camera, state = camera_at(design, time_s), design.conditions
     pool = (*design.tank.pool_m, design.pool_depth_m)
@@ -52,7 +52,9 @@ def _released_at(trial: Trial) -> complex:
     return complex(x, y) - 0.10 * complex(math.cos(psi), math.sin(psi))
 
 
-def above(state: Conditions, trial: Trial, time_s: float) -> list[tuple[list[Part], float]]:
+def distractors_at(
+    state: Conditions, trial: Trial, time_s: float
+) -> list[tuple[list[Part], float]]:
     """Bodies over the water at a time, each with its height (m)."""
     pool = trial.tank.pool_m
     bodies = []
@@ -81,7 +83,7 @@ def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: in
         head_length_m=trial.plan.head_length_m,
         floor_m=design.pool_depth_m,
     )
-    for parts, height in above(state, trial, now):
+    for parts, height in distractors_at(state, trial, now):
         draw(planes, stage, [parts], height_m=height)
     for lamp in stage.lamps:
         add_glare(planes.luma, planes.chroma, lamp, time_s=now, level=state.glare)
@@ -91,8 +93,8 @@ def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: in
 def frames_of(design: Design, trial: Trial) -> Iterator[Planes]:
     """The frames of a trial, in order, with sensor noise."""
     moved_at_s = design.conditions.nudge_at_s
-    before = stage_at(design, -math.inf)
-    after = before if moved_at_s is None else stage_at(design, math.inf)
+    before = scene_at(design, -math.inf)
+    after = before if moved_at_s is None else scene_at(design, math.inf)
     rng = generator(design, trial.plan.trial_id, "noise")
     offset = int(rng.integers(0, 100))
     for number, now in enumerate(trial.time_s):
@@ -123,6 +125,6 @@ def visible(design: Design, trial: Trial, keypoints_px: np.ndarray) -> np.ndarra
     shown: np.ndarray = np.all(inside, axis=-1)
     for number, now in enumerate(trial.time_s):
         camera = camera_at(design, float(now))
-        for parts, height_m in above(design.conditions, trial, float(now)):
+        for parts, height_m in distractors_at(design.conditions, trial, float(now)):
             shown[number] &= ~_covered(camera, keypoints_px[number], parts, height_m)
     return shown

@@ -19,13 +19,13 @@ __all__ = [
     "Trial",
     "camera_at",
     "frame_truth",
-    "free_until",
     "generator",
     "mean_path",
     "pixels_of",
-    "placed",
-    "prepare",
+    "place_in_pool",
+    "solve_trial",
     "summary",
+    "time_until_wall",
 ]
 
 HEADINGS = 72
@@ -71,10 +71,10 @@ def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, flo
     away = replace(run, start=(500.0, 500.0, 0.0))
     motion = simulate(far, away, plan.longest_s, rtol=1e-7)
     points = _path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
-    return placed(design, tank.pool_m, points, rng)
+    return place_in_pool(design, tank.pool_m, points, rng)
 
 
-def placed(
+def place_in_pool(
     design: Design, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
 ) -> tuple[float, float, float]:
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
@@ -91,7 +91,7 @@ def placed(
     return place[0], place[1], float(turns[best])
 
 
-def free_until(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
+def time_until_wall(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
     """Time (s) until which every keypoint keeps half the margin to the walls."""
     time_s, points = _path(tank, plan, motion, plan.longest_s)
     gap = np.minimum(
@@ -102,7 +102,7 @@ def free_until(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
     return float(time_s[hit[0] - 1]) if len(hit) else plan.longest_s
 
 
-def prepare(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Trial:
+def solve_trial(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Trial:
     """The solved trial of a design, from its seed."""
     plan = design.plan(trial_id)
     rng = generator(design, trial_id, "motion")
@@ -119,7 +119,7 @@ def prepare(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Tr
     )
     run = replace(run, start=_start(design, tank, plan, run))
     motion = simulate(tank, run, plan.longest_s)
-    frames = int(free_until(design, tank, plan, motion) * rate) + 1
+    frames = int(time_until_wall(design, tank, plan, motion) * rate) + 1
     return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))
 
 

@@ -1,6 +1,6 @@
 """Coefficients from trials: the paper's three steps at each power, and one set for all."""
 
-from .joint import Tuned, cell, downsampled, table, tune
+from .joint import Tuned, coefficient_cell, coefficient_table, downsampled, tune
 from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
 from .series import condition, study_series, trial_series
@@ -8,14 +8,14 @@ from .stability import growth_per_s
 
 __all__ = [
     "Tuned",
-    "cell",
+    "coefficient_cell",
+    "coefficient_table",
     "coefficients",
     "condition",
     "downsampled",
     "growth_per_s",
     "simulations",
     "study_series",
-    "table",
     "table_1",
     "table_2",
     "three_steps",

@@ -21,7 +21,7 @@ def parameter_of(free: Free) -> Parameter:
     return plates().parameters[plates().slot[free.name]]
 
 
-def sides(found: Fit) -> list[str]:
+def bound_sides(found: Fit) -> list[str]:
     """For each fitted number `lower`, `upper`, or nothing where it is off its bounds."""
     return [_side(parameter_of(f), v) for f, v in zip(found.free, found.values, strict=True)]
 
@@ -38,7 +38,7 @@ def one_sided(found: Fit) -> dict[int, Float]:
     The other end is the bound on the other side where the trials say nothing; NaN at both ends
     where the data ask for values beyond the bound alone.
     """
-    held = {i: side for i, side in enumerate(sides(found)) if side}
+    held = {i: side for i, side in enumerate(bound_sides(found)) if side}
     if not held:
         return {}
     change, spread = newton_step_off_bounds(found.normal)

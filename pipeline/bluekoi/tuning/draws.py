@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from ..data import Float
-from ..fitting import Fit, ensemble, newton_step_off_bounds, response
+from ..fitting import Fit, conditional_response, newton_step_off_bounds, student_t_draws
 from .bounds import one_sided, parameter_of
 from .joint import Tuned
 
@@ -14,12 +14,12 @@ from .joint import Tuned
 def sample_parameters(tuned: Tuned, count: int, rng: np.random.Generator) -> Float:
     """Draws (count, p) of a fit's numbers, within their bounds.
 
-    Numbers off their bounds as in `ensemble`. One at its bound varies over its one-sided interval,
-    with the distribution that it would have without bounds; the others respond to it by
+    Numbers off their bounds as in `student_t_draws`. One at its bound varies over its one-sided
+    interval, with the distribution that it would have without bounds; the others respond to it by
     -H_mm^-1 H_mh. It stays at the bound where the data ask for values beyond it only.
     """
     found = tuned.fit
-    out = ensemble(found, tuned.covariance, count, rng)
+    out = student_t_draws(found, tuned.covariance, count, rng)
     at_bound = one_sided(found)
     out[:, list(at_bound)] = found.values[list(at_bound)]
     held = [i for i, ends in at_bound.items() if np.isfinite(ends).all()]
@@ -27,10 +27,10 @@ def sample_parameters(tuned: Tuned, count: int, rng: np.random.Generator) -> Flo
         moved = _sample_one_sided(found, held, rng.random((count, len(held)))) - found.values[held]
         out[:, held] += moved
         out += moved @ response_to_bounded(found, held).T
-    return within(found, out)
+    return clip_to_bounds(found, out)
 
 
-def within(found: Fit, rows: Float) -> Float:
+def clip_to_bounds(found: Fit, rows: Float) -> Float:
     """Rows (count, p) clipped to the bounds of what is plausible."""
     parameters = [parameter_of(f) for f in found.free]
     return np.clip(rows, [p.lower for p in parameters], [p.upper for p in parameters])
@@ -62,5 +62,5 @@ def response_to_bounded(found: Fit, held: list[int]) -> Float:
     own = [i for i in range(len(H)) if i not in bound]
     out = np.zeros((len(H), len(held)))
     if own:
-        out[own] = response(H, own, held)
+        out[own] = conditional_response(H, own, held)
     return out

@@ -14,16 +14,16 @@ import numpy as np
 from ..data import Float
 from ..fitting import FilterResults, Series, filter_all, fit
 from ..integrate import compiled
-from ..integrate.batch import each
+from ..integrate.batch import threaded_map
 from ..model import plates
-from .bounds import sides
+from .bounds import bound_sides
 from .joint import UNDETERMINED_ABOVE, Z_95, Tuned
 
 POINTS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
 QUANTILE_95 = 1.92
 """Half of the 95 % quantile of chi squared with one degree of freedom."""
-FAR = 3.0
+PROFILE_RANGE_STDS = 3.0
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Profile:
     upper: float | None
 
 
-def sizes(tuned: Tuned) -> Float:
+def parameter_scales(tuned: Tuned) -> Float:
     """Size (p,) that a change of each free number is held against."""
     starts = {p.name: abs(p.start) for p in plates().parameters}
     usual = np.array([starts[f.name] for f in tuned.fit.free])
@@ -74,17 +74,17 @@ def spectrum(tuned: Tuned) -> list[Combination]:
     each combination's degrees of freedom, one trial alone tells nothing; where the trials agree
     better than their Fisher matrix allows, that counts. Numbers at a bound stand alone.
     """
-    held = sides(tuned.fit)
+    held = bound_sides(tuned.fit)
     out = [_at_bound(tuned, i) for i, side in enumerate(held) if side] + _inside(tuned, held)
     return sorted(out, key=lambda one: (one.std, one.naive), reverse=True)
 
 
 def _at_bound(tuned: Tuned, index: int) -> Combination:
     """A number at its bound; its interval is one-sided."""
-    alone, size = np.eye(len(tuned.std))[index], sizes(tuned)[index]
+    alone, size = np.eye(len(tuned.std))[index], parameter_scales(tuned)[index]
     width = float(np.diff(tuned.interval_95[index])[0])
     std = width / Z_95 / size if np.isfinite(width) else np.inf
-    return Combination(alone, std, side=sides(tuned.fit)[index])
+    return Combination(alone, std, side=bound_sides(tuned.fit)[index])
 
 
 def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
@@ -93,7 +93,7 @@ def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
     if not len(own):
         return []
     axes = np.eye(len(held))[:, own]
-    size = sizes(tuned)
+    size = parameter_scales(tuned)
     scale = np.outer(size, size)
     fisher = axes.T @ (tuned.fit.normal.hessian.sum(axis=0) * scale) @ axes
     values, vectors = np.linalg.eigh(fisher)
@@ -108,7 +108,7 @@ def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
 
 
 def _combination(tuned: Tuned, direction: Float, naive: float) -> Combination:
-    std = tuned.covariance.half_width(direction / sizes(tuned)) / Z_95
+    std = tuned.covariance.half_width(direction / parameter_scales(tuned)) / Z_95
     return Combination(direction, max(std, float(naive)), float(naive))
 
 
@@ -119,7 +119,9 @@ def profiles(series: Sequence[Series], tuned: Tuned) -> list[Profile]:
     """
     kernel = compiled(plates())
     predictor = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
-    return each(lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free)))
+    return threaded_map(
+        lambda index: _profile(series, tuned, index, predictor), range(len(tuned.fit.free))
+    )
 
 
 def _profile(
@@ -130,7 +132,7 @@ def _profile(
     held = found.free[index]
     parameter = plates().parameters[plates().slot[held.name]]
     unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])),
-               FAR * sizes(tuned)[index] / max(POINTS))  # fmt: skip
+               PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(POINTS))  # fmt: skip
     values = np.clip(found.values[index] + unit * np.array(POINTS), parameter.lower,
                      parameter.upper)  # fmt: skip
     free = [f for i, f in enumerate(found.free) if i != index]

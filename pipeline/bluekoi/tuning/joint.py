@@ -30,7 +30,7 @@ from ..fitting.sandwich import MIN_SHARE
 from ..integrate import Kernel, compiled
 from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
-from .bounds import LOWER, UPPER, one_sided, parameter_of, sides
+from .bounds import LOWER, UPPER, bound_sides, one_sided, parameter_of
 
 HEAD_ANGLE = 3
 HEAD_ANGLE_ERROR = "head_angle_offset.offset"
@@ -122,7 +122,7 @@ def tune(
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
         noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
-    own = servo(kernel, series, found, base, noise=noise)
+    own = servo_random_effect(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)
     return Tuned(found, noise, spread.cov, base, spread.df, spread.influence)
 
@@ -148,7 +148,7 @@ def _first_fit(
     raise FloatingPointError("the model runs away from these trials, whatever its coefficients")
 
 
-def servo(
+def servo_random_effect(
     kernel: Kernel, series: Sequence[Series], found: Fit, base: Float, *, noise: Noise
 ) -> TrialRandomEffect | None:
     """What an error of each trial's head angle does to the normal equations of a fit, which does
@@ -166,18 +166,18 @@ def servo(
     )
 
 
-def table(tuned: Tuned) -> dict[str, dict[str, Any]]:
-    """Label -> `cell` of every fitted number."""
-    return {f.label: cell(tuned, i) for i, f in enumerate(tuned.fit.free)}
+def coefficient_table(tuned: Tuned) -> dict[str, dict[str, Any]]:
+    """Label -> `coefficient_cell` of every fitted number."""
+    return {f.label: coefficient_cell(tuned, i) for i, f in enumerate(tuned.fit.free)}
 
 
-def cell(tuned: Tuned, index: int) -> dict[str, Any]:
+def coefficient_cell(tuned: Tuned, index: int) -> dict[str, Any]:
     """value, std, interval_95, naive_std, unit, whether determined, and why not, of one number.
 
     At a bound `at_bound` says which, there is no std, and the interval has the bound at one end.
     Where trials cannot disagree, since one alone informs on the number, std and interval are None.
     """
-    parameter, side = parameter_of(tuned.fit.free[index]), sides(tuned.fit)[index]
+    parameter, side = parameter_of(tuned.fit.free[index]), bound_sides(tuned.fit)[index]
     value, interval = float(tuned.fit.values[index]), tuned.interval_95[index]
     half = float(0.5 * (interval[1] - interval[0]))
     naive = float(np.sqrt(tuned.fit.naive_cov[index, index]))

@@ -14,8 +14,8 @@ from ..integrate.batch import propagate
 from ..model import constants, plates
 from ..observation import view_of
 from ..study import Setup
-from .bounds import parameter_of, sides
-from .identify import Combination, sizes
+from .bounds import bound_sides, parameter_of
+from .identify import Combination, parameter_scales
 from .joint import UNDETERMINED_ABOVE, Tuned
 from .turning_trials import TURN_COEFFICIENTS, all_straight
 
@@ -39,13 +39,13 @@ def c_optimal_trial(
     """The trial within the robot's range that adds most information on a combination; None if
     none can be simulated.
 
-    Each is simulated with the fitted coefficients (`imaginable`) and seen with the errors of the
-    trials there are; its Fisher matrix is added, and what is left of the combination's deviation
-    counts.
+    Each is simulated with the fitted coefficients (`plausible_values`) and observed with the
+    errors of the trials there are; its Fisher matrix is added, and what is left of the
+    combination's deviation counts.
     """
     kernel = compiled(plates())
-    size = sizes(tuned)
-    tuned = replace(tuned, fit=replace(tuned.fit, values=imaginable(series, tuned)))
+    size = parameter_scales(tuned)
+    tuned = replace(tuned, fit=replace(tuned.fit, values=plausible_values(series, tuned)))
     conditions = _conditions(series, setup)
     imagined = [_imagined(kernel, series, tuned, setup, c) for c in conditions]
     added = normal_equations(kernel, imagined, tuned.base, tuned.fit.free, tuned.fit.values,
@@ -65,16 +65,17 @@ def c_optimal_trial(
     return NewTrial(float(power), angle, length, float(left[best]))
 
 
-def imaginable(series: Sequence[Series], tuned: Tuned) -> Float:
+def plausible_values(series: Sequence[Series], tuned: Tuned) -> Float:
     """Values (p,) to imagine trials with: the fitted ones, but the plausible one from which fits
     start where a number stands at a bound or its naive deviation exceeds `UNDETERMINED_ABOVE` of
     its size: at a bound of 40 simulations run away.
     """
     naive = np.sqrt(np.diag(tuned.fit.naive_cov))
     silent = [f.name in TURN_COEFFICIENTS and all_straight(series) for f in tuned.fit.free]
-    held = [bool(side) for side in sides(tuned.fit)]
+    held = [bool(side) for side in bound_sides(tuned.fit)]
     starts = np.array([parameter_of(f).start for f in tuned.fit.free])
-    return np.where(held | np.array(silent) | (naive > UNDETERMINED_ABOVE * sizes(tuned)), starts,
+    wide = naive > UNDETERMINED_ABOVE * parameter_scales(tuned)
+    return np.where(held | np.array(silent) | wide, starts,
                     tuned.fit.values)  # fmt: skip
 
 

@@ -21,8 +21,8 @@ from ..data import Float, Steady
 from ..fitting import Free, Series
 from ..model import plates, steady_turn
 from ..study import Study, Trial
-from .draws import sample_parameters, within
-from .joint import Tuned, cell, tune
+from .draws import clip_to_bounds, sample_parameters
+from .joint import Tuned, coefficient_cell, tune
 from .two_step_covariance import step_sensitivity, with_step_covariance
 
 STRAIGHT_BELOW_DEG = 3.0
@@ -77,7 +77,9 @@ def draws(
         and rows[1] is not None
         and sensitivity is not None
     ):
-        rows[1] = within(fits[1].fit, rows[1] + (rows[0] - fits[0].fit.values) @ sensitivity.T)
+        rows[1] = clip_to_bounds(
+            fits[1].fit, rows[1] + (rows[0] - fits[0].fit.values) @ sensitivity.T
+        )
     for one, values in zip(fits, rows, strict=True):
         if one and values is not None:
             out |= dict(zip([f.label for f in one.fit.free], values.T.tolist(), strict=True))
@@ -134,7 +136,7 @@ def _coefficient(name: str, power: str, fits: tuple[Tuned | None, Tuned | None])
         labels = [f.label for f in fitted.fit.free] if fitted else []
         label = next((k for k in (name, f"{name}@{power}") if k in labels), None)
         if fitted and label:
-            return cell(fitted, labels.index(label)) | {"step": step}
+            return coefficient_cell(fitted, labels.index(label)) | {"step": step}
     why = "no straight runs of the 1x head" if name in ("C_T", "C_D0") else (
         "no turns of the 1x head at this power: straight runs hold alpha at 0 and say nothing of it"
     )  # fmt: skip

@@ -14,14 +14,14 @@ from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT, UNIT_READING, p
 from ..study import Study
 from .draws import sample_parameters
 from .identify import profiles, spectrum
-from .joint import Tuned, downsampled, table, tune
+from .joint import Tuned, coefficient_table, downsampled, tune
 from .paper_steps import three_steps
 from .stability import growth_per_s, undetermined_stability, verdict
 from .turning_trials import (
     all_straight,
     count_turning_trials,
     depends_on_one_trial,
-    outcome,
+    fit_outcome,
     undetermined_without_turns,
 )
 from .undetermined import as_json, is_undetermined, undetermined_combinations
@@ -46,8 +46,8 @@ def coefficients(
         "unit_reading": UNIT_READING,
         "paper_steps": steps,
         "joint": {
-            "coefficients": undetermined_without_turns(table(joint), few),
-            "outcome": outcome(joint, few),
+            "coefficients": undetermined_without_turns(coefficient_table(joint), few),
+            "outcome": fit_outcome(joint, few),
             "trials": [s.name for s in series],
             "noise": {
                 "disturbance": joint.noise.disturbance,

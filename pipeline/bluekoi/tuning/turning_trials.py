@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..fitting.joint import AT_BOUND
-from .bounds import one_sided, parameter_of, sides
+from .bounds import bound_sides, one_sided, parameter_of
 from .joint import Tuned
 
 TURN_COEFFICIENTS = ("C_Da", "C_La", "C_Ma", "C_Md")
@@ -38,20 +38,20 @@ def count_turning_trials(series: Sequence[Series]) -> int:
 
 def depends_on_one_trial(tuned: Tuned) -> bool:
     """Whether some number that acts at an angle of attack is determined by one trial alone."""
-    held = sides(tuned.fit)
+    held = bound_sides(tuned.fit)
     return any(
         f.name in TURN_COEFFICIENTS and not held[i] and not np.isfinite(tuned.interval_95[i]).all()
         for i, f in enumerate(tuned.fit.free)
     )
 
 
-def outcome(tuned: Tuned, series: Sequence[Series]) -> str:
+def fit_outcome(tuned: Tuned, series: Sequence[Series]) -> str:
     """The joint fit's outcome; of numbers at a bound whether the data ask for more than is
     plausible, or whether they only say too little of them.
     """
     if tuned.fit.outcome != AT_BOUND:
         return tuned.fit.outcome
-    held = [tuned.fit.free[i].label for i, side in enumerate(sides(tuned.fit)) if side]
+    held = [tuned.fit.free[i].label for i, side in enumerate(bound_sides(tuned.fit)) if side]
     blind = [name for name in held if name.split("@")[0] in TURN_COEFFICIENTS]
     if all_straight(series) and blind == held:
         return (

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, normal_equations, off_bounds, response
+from ..fitting import Series, conditional_response, normal_equations, off_bounds
 from ..fitting.sandwich import MAX_UNSHARED
 from ..integrate import compiled
 from ..model import plates
@@ -28,7 +28,7 @@ def step_sensitivity(series: Sequence[Series], later: Tuned, earlier: Tuned) -> 
     normal = normal_equations(kernel, series, later.base, free, at, noise=later.noise)
     own = np.flatnonzero(off_bounds(kernel, later.fit)).tolist()
     if normal.usable and own:
-        out[own] = response(normal.hessian.sum(axis=0), own, range(p, len(free)))
+        out[own] = conditional_response(normal.hessian.sum(axis=0), own, range(p, len(free)))
     return out
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..study import Setup
-from .identify import Combination, by_name, sizes, spectrum
+from .identify import Combination, by_name, parameter_scales, spectrum
 from .joint import Tuned
 from .new_trial import NewTrial, c_optimal_trial
 from .turning_trials import TURN_COEFFICIENTS, all_straight
@@ -98,7 +98,7 @@ def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination)
     """Advice to repeat the trial that alone determines a combination."""
     if np.isfinite(one.std) or not np.isfinite(one.naive) or len(series) < 2:
         return ""
-    weights = tuned.fit.naive_cov @ (one.direction / sizes(tuned))
+    weights = tuned.fit.naive_cov @ (one.direction / parameter_scales(tuned))
     information = np.einsum("p,tpq,q->t", weights, tuned.fit.normal.hessian, weights)
     name = series[int(np.argmax(information))].name
     return f"a repeat of {name}, the only trial that determines it: two show how far they disagree"

@@ -14,7 +14,7 @@ from typing import Any
 from ..errors import InputError, printable
 from ..stages.manifest import RUN
 from .client import COMMAND
-from .lock import forget_stale, hold, sweep
+from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
 from .preload import Preloaded, preload
 from .progress import Progress, follow
@@ -25,7 +25,7 @@ __all__ = [
     "Plan",
     "Preloaded",
     "Progress",
-    "begin",
+    "begin_run",
     "follow",
     "preload",
     "shell_prefix",
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 
-def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
+def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     """Plan of the run that Snakemake is about to make; ends it with a message on an input error.
 
     A run holds its results folder, removes the locks and half-written files that a killed run left,
@@ -45,7 +45,7 @@ def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         if not main:
             return replace(plan, rehearsed=False)
         if not dry:
-            plan = replace(plan, rehearsed=False, lock=hold(plan.results))
+            plan = replace(plan, rehearsed=False, lock=acquire_lock(plan.results))
     except InputError as error:
         sys.stderr.write(printable(str(error)) + "\n")
         sys.exit(1)
@@ -59,8 +59,8 @@ def begin(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     os.environ[RUN] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
-    forget_stale(Path(".snakemake") / "locks", plan.results)
-    sweep(plan.results)
+    remove_stale_locks(Path(".snakemake") / "locks", plan.results)
+    remove_temporary_files(plan.results)
     plan.forget_due()
     return plan
 

@@ -10,7 +10,7 @@ ADDRESS = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
 COMMAND = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
-END = b"\0\0"
+END_OF_REQUEST = b"\0\0"
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 """How many threads linear algebra takes, one unless the environment says more: matrices are small
 here, threads only wait for each other and take the cores from the work beside them. A process with
@@ -24,7 +24,7 @@ def one_blas_thread() -> None:
         os.environ.setdefault(name, "1")
 
 
-def ask(words: Sequence[str]) -> int | None:
+def request_stage(words: Sequence[str]) -> int | None:
     """Exit code of a stage that a fork of the preloaded process ran with our standard output.
 
     None where no such process answers (a cluster's node, a process that was killed): the caller
@@ -36,7 +36,9 @@ def ask(words: Sequence[str]) -> int | None:
     with socket.socket(socket.AF_UNIX) as connection:
         try:
             connection.connect(address)
-            request = b"\0".join(os.fsencode(word) for word in (os.getcwd(), *words)) + END
+            request = (
+                b"\0".join(os.fsencode(word) for word in (os.getcwd(), *words)) + END_OF_REQUEST
+            )
             socket.send_fds(connection, [request], [1, 2])
             answer = connection.recv(16)
         except OSError:

@@ -24,7 +24,7 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from .client import END
+from .client import END_OF_REQUEST
 from .provenance import PACKAGE
 from .stage_call import end_with_parent, run_stage
 
@@ -87,9 +87,11 @@ class Server:
     def _accept(self) -> None:
         connection, _ = self.listener.accept()
         request, fds, _, _ = socket.recv_fds(connection, LONGEST, 2)
-        while request and not request.endswith(END):
+        while request and not request.endswith(END_OF_REQUEST):
             request += connection.recv(LONGEST)
-        folder, *words = (os.fsdecode(word) for word in request[: -len(END)].split(b"\0"))
+        folder, *words = (
+            os.fsdecode(word) for word in request[: -len(END_OF_REQUEST)].split(b"\0")
+        )
         self._load(words[0])
         job = Job(connection, fds, folder, words)
         if self.loaders[words[0]] in self.compiling.values():

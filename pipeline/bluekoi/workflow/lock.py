@@ -12,7 +12,7 @@ from ..errors import input_error
 TEMPORARY = re.compile(r"\..+-[a-z0-9_]{8}(\.\w+)?")
 
 
-def hold(results: Path) -> IO[str]:
+def acquire_lock(results: Path) -> IO[str]:
     """Open file whose lock says that a run is at work in `results`; it ends with the process.
 
     The kernel lets go of it however the process ends, so it is never stale.
@@ -32,7 +32,7 @@ def hold(results: Path) -> IO[str]:
     return handle
 
 
-def forget_stale(locks: Path, results: Path) -> list[Path]:
+def remove_stale_locks(locks: Path, results: Path) -> list[Path]:
     """Snakemake's lock files on `results` taken away; only for whom that folder is held by us.
 
     A run that was killed leaves them behind and they hold no process id; since nobody else is at
@@ -49,7 +49,7 @@ def forget_stale(locks: Path, results: Path) -> list[Path]:
     return stale
 
 
-def sweep(results: Path) -> list[Path]:
+def remove_temporary_files(results: Path) -> list[Path]:
     """Half-written temporary files of a killed run taken away; `files.whole_file` names them."""
     left = [path for path in results.rglob(".*-*") if TEMPORARY.fullmatch(path.name)]
     for path in left:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from ..errors import input_error
-from ..stages.freshness import hash_of, inputs_of, is_fresh, row, status_file, without
+from ..stages.freshness import hash_of, inputs_of, is_fresh, status_file, trial_row, without_keys
 from ..stages.layout import Layout
 from ..study import Study, load_study
 from .provenance import PACKAGE, fingerprint
@@ -32,8 +32,8 @@ MIN_BATCH, MAX_BATCHES = 6, 50
 """Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
-DUE = "-due"
-UNUSABLE = {*"{}<>", *map(chr, range(32))}
+DUE_SUFFIX = "-due"
+FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Plan:
 
     def _marker(self, stage: str, batch: str) -> str:
         due = self.rehearsed and self.due[stage] & set(self.batches[batch])
-        return str(self.results / f"status/batches/{stage}-{batch}{DUE if due else ''}")
+        return str(self.results / f"status/batches/{stage}-{batch}{DUE_SUFFIX if due else ''}")
 
     def forget_due(self) -> None:
         """Remove the markers of batches with a trial that is out of date."""
@@ -112,7 +112,7 @@ class Plan:
         """Input function: options that name the trials of a batch."""
 
         def options(wildcards: Any) -> str:
-            ids = self.batches[wildcards.batch.removesuffix(DUE)]
+            ids = self.batches[wildcards.batch.removesuffix(DUE_SUFFIX)]
             wanted = set(self.with_overlay() if stage == "overlay" else ids)
             return " ".join(f"--trial {name}" for name in ids if name in wanted)
 
@@ -120,18 +120,19 @@ class Plan:
 
     def detected(self, wildcards: Any) -> str:
         """Marker of a batch's keypoints."""
-        return self._marker("keypoints", wildcards.batch.removesuffix(DUE))
+        return self._marker("keypoints", wildcards.batch.removesuffix(DUE_SUFFIX))
 
     def tracked(self, wildcards: Any) -> str:
         """Marker of a batch's tracks."""
-        return self._marker("tracks", wildcards.batch.removesuffix(DUE))
+        return self._marker("tracks", wildcards.batch.removesuffix(DUE_SUFFIX))
 
     def rendered(self, wildcards: Any) -> list[str]:
         """Files of the demo study that a batch needs; any other study has its files already."""
         if not self.is_demo:
             return []
         trials = [
-            self.study.trial(name) for name in self.batches[wildcards.batch.removesuffix(DUE)]
+            self.study.trial(name)
+            for name in self.batches[wildcards.batch.removesuffix(DUE_SUFFIX)]
         ]
         return [
             str(self.folder / name) for t in trials for name in (*t.sources, t.motor_log) if name
@@ -171,20 +172,20 @@ class Plan:
         """Fingerprint of one figure's own file and of what it draws with."""
         return fingerprint("stages.figure", f"figures.{wildcards.figure}")
 
-    def figure_words(self, wildcards: Any) -> dict[str, str]:
+    def figure_title_and_caption(self, wildcards: Any) -> dict[str, str]:
         """Title and caption of a figure, read from its file without running it."""
-        return figure_words(PACKAGE / f"figures/{wildcards.figure}.py")
+        return figure_title_and_caption(PACKAGE / f"figures/{wildcards.figure}.py")
 
     def distances(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
         heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
         setup = self.study.setup.model_dump(mode="json")
-        return hash_of(heads, without(setup, "detection"), self.study.setup.robot.depth_given)
+        return hash_of(heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given)
 
     def fit(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
-        rows = [row(trial) for trial in self.study.trials]
-        return hash_of(rows, without(self.study.setup.model_dump(mode="json"), "detection"))
+        rows = [trial_row(trial) for trial in self.study.trials]
+        return hash_of(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
 
 
 def figure_names() -> list[str]:
@@ -193,7 +194,7 @@ def figure_names() -> list[str]:
     return sorted(name for name in names if not name.startswith("_"))
 
 
-def figure_words(figure: Path) -> dict[str, str]:
+def figure_title_and_caption(figure: Path) -> dict[str, str]:
     """Title and caption of a figure, read from its file without running it."""
     texts = {
         node.targets[0].id: node.value
@@ -223,7 +224,7 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
 
 def check_results_name(results: Path) -> None:
     """Raises: InputError where the path has characters with a meaning in Snakemake's patterns."""
-    if found := sorted(set(str(results)) & UNUSABLE):
+    if found := sorted(set(str(results)) & FORBIDDEN_CHARACTERS):
         raise input_error(
             str(results), "", f"a results folder with {', '.join(map(repr, found))} in its path",
             "a path without { } < > and control characters",
@@ -255,9 +256,9 @@ def _lay_out_demo(folder: Path) -> None:
     if whole and stamp.read_text(encoding="utf-8") == code:
         return
     from ..files import write_text  # noqa: PLC0415
-    from ..stages.demo import lay_out  # noqa: PLC0415  heavy, and only once
+    from ..stages.demo import write_demo_study  # noqa: PLC0415  heavy, and only once
 
-    lay_out(folder)
+    write_demo_study(folder)
     write_text(stamp, code)
 
 

@@ -19,7 +19,7 @@ from ..files import read_json
 from .preload import Preloaded
 from .remaining import Timing, duration, usual
 
-NOISE = {
+HIDDEN_LOG_LINES = {
     LogEvent.WORKFLOW_STARTED,
     LogEvent.RESOURCES_INFO,
     LogEvent.RUN_INFO,
@@ -32,7 +32,11 @@ NOISE = {
     LogEvent.GROUP_INFO,
     LogEvent.GROUP_ERROR,
 }
-OWN_WORDS = ("CalledProcessError", "At least one job did not complete", "Exiting because a job")
+HIDDEN_MESSAGES = (
+    "CalledProcessError",
+    "At least one job did not complete",
+    "Exiting because a job",
+)
 LOCKED = (
     "Another run is at work in this folder. Wait for it to end. If none is running, the last one "
     "was killed: `snakemake --unlock`, then start again; finished trials are kept."
@@ -42,7 +46,7 @@ KILLED = (
     "done is kept. With `--cores 1` less memory is needed at once."
 )
 TRACEBACK = "Traceback (most recent call last)"
-BY_HAND = ("KeyboardInterrupt", "CancelledError")
+INTERRUPT_MESSAGES = ("KeyboardInterrupt", "CancelledError")
 EVERY_S = 2.0
 TICK_S = 1.0
 QUIET_S = 30.0
@@ -66,7 +70,7 @@ class Hush(logging.Filter):
         event = getattr(record, "event", None)
         first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
         self.begun = self.begun or first
-        quiet = event in NOISE or record.levelno < logging.WARNING or _ours(record)
+        quiet = event in HIDDEN_LOG_LINES or record.levelno < logging.WARNING or _ours(record)
         return not (self.begun and (quiet or self._of_the_stop(record)))
 
     def _of_the_stop(self, record: logging.LogRecord) -> bool:
@@ -77,11 +81,11 @@ class Hush(logging.Filter):
 
 def _ours(record: logging.LogRecord) -> bool:
     text = record.getMessage()
-    return any(words in text for words in OWN_WORDS) or "cannot be locked" in text
+    return any(words in text for words in HIDDEN_MESSAGES) or "cannot be locked" in text
 
 
 def _by_hand(text: str) -> bool:
-    return any(name in text for name in BY_HAND)
+    return any(name in text for name in INTERRUPT_MESSAGES)
 
 
 def killed_by(text: str) -> str:

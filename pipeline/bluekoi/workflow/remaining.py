@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-OVERDUE = 1.2
+OVERDUE_FACTOR = 1.2
 """A single job that takes so many times what was foreseen ends the foretelling."""
 
 
@@ -77,7 +77,7 @@ class Timing:
     def _overdue(self, rule: str, spent_s: float) -> bool:
         """Whether a job that is the only one of its kind runs longer than was foreseen."""
         alone = not self.waiting.get(rule) and rule not in self.taken_s
-        return alone and spent_s > OVERDUE * self._typical(rule)
+        return alone and spent_s > OVERDUE_FACTOR * self._typical(rule)
 
     def _typical(self, rule: str) -> float:
         """Mean of the jobs done; else what is usual at this run's pace; else the mean of all."""

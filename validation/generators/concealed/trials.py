@@ -12,7 +12,7 @@ from bluekoi.synthetic.encode import GOPRO_RATE
 from bluekoi.synthetic.laws import Run, Tank
 from bluekoi.synthetic.optics import gopro_like
 from bluekoi.synthetic.tank import Motion
-from bluekoi.synthetic.trial import Trial, free_until, generator, pixels_of, placed
+from bluekoi.synthetic.trial import Trial, generator, pixels_of, place_in_pool, time_until_wall
 from bluekoi.synthetic.water import draw_eddies
 from validation.generators.concealed.recipe import Recipe
 from validation.generators.concealed.swimmer.motion import swim
@@ -96,14 +96,16 @@ def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
         start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
     )
     path = _far_path(recipe, laws, design, plan, run)
-    start = placed(design, design.tank.pool_m, path, generator(design, plan.trial_id, "start"))
+    start = place_in_pool(
+        design, design.tank.pool_m, path, generator(design, plan.trial_id, "start")
+    )
     run = replace(run, start=start)
     command = Command(run.flap_hz, run.head_angle_rad, run.head_length_m, *start,
                       beat=run.start_beat_rad)  # fmt: skip
     rows = as_rows(eddies)
     motion = swim(recipe.body, laws, command, plan.longest_s, eddies=rows, recoil=recipe.recoil)
     late = recipe.fault[1] if recipe.fault and recipe.fault[0] == "time_offset" else 0.0
-    frames = int((free_until(design, design.tank, plan, motion) + late) * GOPRO_RATE) + 1
+    frames = int((time_until_wall(design, design.tank, plan, motion) + late) * GOPRO_RATE) + 1
     time_s = np.arange(frames) / float(GOPRO_RATE) - late
     return Swum(Trial(plan, design.tank, run, motion, time_s), command, rows, motion)
 

@@ -15,7 +15,7 @@ from .style import Style
 
 STRAIGHT_DEG = 3.0
 """Head angles below this count as straight."""
-TRUSTED = ("good", "straight")
+TRUSTED_QUALITIES = ("good", "straight")
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def _mean(
     read: Callable[[Steady], tuple[float, float]],
 ) -> Mean | None:
     finite = [row for row in rows if np.isfinite(read(row)[0])]
-    trusted = [row for row in finite if row.quality in TRUSTED]
+    trusted = [row for row in finite if row.quality in TRUSTED_QUALITIES]
     kept = trusted or finite
     if not kept:
         return None

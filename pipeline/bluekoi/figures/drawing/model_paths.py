@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from ...campaign import Campaign
-from .pool import pool
+from .pool import draw_pool
 from .style import AFTER, BASELINE_NAME, BEFORE, EXTENDED_NAME, MEASURED
 
 
@@ -41,7 +41,7 @@ def legend(campaign: Campaign) -> list[Line2D]:
 
 def draw_paths(axes: Axes, campaign: Campaign, trial_id: str, *, labels: bool) -> None:
     """Paths of a trial in the pool; numbers: rms path error of each model, mm."""
-    pool(axes, campaign.study, labels=labels)
+    draw_pool(axes, campaign.study, labels=labels)
     track, columns = campaign.tracks[trial_id], campaign.model_columns(trial_id)
     axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.4, gid=trial_id)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)

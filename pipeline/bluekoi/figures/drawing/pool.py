@@ -10,7 +10,7 @@ from ...data import Float, Track
 from ...study import Robot, Study
 
 
-def pool(axes: Axes, study: Study, *, labels: bool = True) -> None:
+def draw_pool(axes: Axes, study: Study, *, labels: bool = True) -> None:
     """Walls of the pool, equal scales, metres on both axes."""
     size = study.setup.pool
     axes.add_patch(
@@ -25,7 +25,7 @@ def pool(axes: Axes, study: Study, *, labels: bool = True) -> None:
         axes.set_ylabel("y (m)")
 
 
-def body(robot: Robot, head_length_m: float, pose: Float) -> Float:
+def body_points(robot: Robot, head_length_m: float, pose: Float) -> Float:
     """Nose, hinge, centre of mass, caudal base, (4, 2), m, from (x, y, heading, head angle)."""
     x, y, heading, head_angle = pose
     along = np.array([np.cos(heading), np.sin(heading)])
@@ -37,7 +37,7 @@ def body(robot: Robot, head_length_m: float, pose: Float) -> Float:
     )
 
 
-def robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
+def draw_robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
     """The robot as two plates along a track, 1.25 body lengths apart."""
     apart = 1.25 * (robot.body_length_m + head_length_m - robot.head_length_m)
     distance_m = np.concatenate(
@@ -46,7 +46,7 @@ def robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None
     for distance in np.arange(0.0, distance_m[-1], apart):
         i = int(np.searchsorted(distance_m, distance))
         pose = (track.x_m[i], track.y_m[i], track.heading_rad[i], track.head_angle_rad[i])
-        points = body(robot, head_length_m, np.array(pose))
+        points = body_points(robot, head_length_m, np.array(pose))
         axes.plot(*points[1:].T, color="#7c8894", lw=2.6, solid_capstyle="round", zorder=3)
         axes.plot(*points[:2].T, color="#e08214", lw=2.6, solid_capstyle="round", zorder=4)
         axes.plot(*points[2], marker="o", ms=2.2, color="white", zorder=5)

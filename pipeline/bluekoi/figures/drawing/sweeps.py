@@ -17,7 +17,7 @@ from ...model import Simulation, constants, plates, simulate
 
 DRAWS, MIN_DRAWS = LANES - 1, 5
 EXTENDED_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
-EXTRAPOLATED = ("C_Md", "C_Da")
+EXTRAPOLATED_COEFFICIENTS = ("C_Md", "C_Da")
 """Coefficients that the paper extrapolates linearly over power, as f; the others stay constant."""
 
 
@@ -45,19 +45,19 @@ class Sweep:
     high: Float
 
 
-def tuned(campaign: Campaign) -> dict[float, PowerFit]:
+def tested_powers(campaign: Campaign) -> dict[float, PowerFit]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
     rows = [_tuned(float(power), entry) for power, entry in steps.items()]
     return {row.power_pct: row for row in sorted((r for r in rows if r), key=_power)}
 
 
-def extended(campaign: Campaign) -> dict[float, PowerFit]:
+def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
     """Tested powers, and 50 to 150 % with f, C_Md and C_Da extrapolated linearly over power.
 
     Least-squares lines through all tested powers; a single tested power is not extrapolated.
     """
-    known = tuned(campaign)
+    known = tested_powers(campaign)
     if len(known) < 2:
         return known
     added = [p for p in EXTENDED_PCT if p not in known]
@@ -95,7 +95,7 @@ def speed_from_rest(campaign: Campaign, row: PowerFit, times: Float) -> Sweep:
     return _with_band(np.hypot(states[0, :, 3], states[0, :, 4])[:, : len(lanes)])
 
 
-def swept(
+def turn_radii(
     campaign: Campaign, row: PowerFit, head_lengths_m: Iterable[float], angles_deg: Iterable[float]
 ) -> Sweep:
     """Steady turn radii (m) at pairs of head length and angle; NaN without a steady turn."""
@@ -109,7 +109,7 @@ def swept(
 
 def radius(campaign: Campaign, row: PowerFit, head_length_m: float, angle_deg: float) -> float:
     """Steady turn radius, m; NaN without a steady turn."""
-    return float(swept(campaign, row, [head_length_m], [angle_deg]).best[0])
+    return float(turn_radii(campaign, row, [head_length_m], [angle_deg]).best[0])
 
 
 def over_angle(
@@ -117,7 +117,7 @@ def over_angle(
 ) -> Sweep:
     """Radii at head angles, m."""
     angles = list(angles_deg)
-    return swept(campaign, row, [head_length_m] * len(angles), angles)
+    return turn_radii(campaign, row, [head_length_m] * len(angles), angles)
 
 
 def over_length(
@@ -125,7 +125,7 @@ def over_length(
 ) -> Sweep:
     """Radii at head lengths, m."""
     lengths = list(lengths_m)
-    return swept(campaign, row, lengths, [angle_deg] * len(lengths))
+    return turn_radii(campaign, row, lengths, [angle_deg] * len(lengths))
 
 
 def _values(row: PowerFit) -> Float:
@@ -181,11 +181,13 @@ def _extrapolated(known: Mapping[float, PowerFit], power: float) -> PowerFit:
     def line(values: list[float]) -> float:
         return float(np.polyval(np.polyfit(at, values, 1), power))
 
-    drawn = {name: line([row.coefficients[name] for row in rows]) for name in EXTRAPOLATED}
+    drawn = {
+        name: line([row.coefficients[name] for row in rows]) for name in EXTRAPOLATED_COEFFICIENTS
+    }
     flap_hz = line([row.flap_hz for row in rows])
     draws = dict(nearest.draws)
     if all(row.draws for row in rows):
-        for name in EXTRAPOLATED:
+        for name in EXTRAPOLATED_COEFFICIENTS:
             every = np.array([row.draws[name] for row in rows])
             draws[name] = np.array([line(list(column)) for column in every.T])
     return PowerFit(power, flap_hz, {**nearest.coefficients, **drawn}, False, draws)

@@ -14,16 +14,16 @@ from ...data.quality import confident
 from ..files.noise import white_noise_px
 
 Float = npt.NDArray[np.float64]
-RIGID = ("head_tip", "hinge", "core_center", "tail_base")
+RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 TREND_FRAMES = 31
-FEWEST = 20
+MIN_FRAMES = 20
 MIN_PX = 0.03
-CLIPPED = 5.0
-HALF_MOON = 4 / (3 * math.pi)
-USUAL_AREA = 3.0
+OUTLIER_SIGMAS = 5.0
+HALF_DISC_CENTROID = 4 / (3 * math.pi)
+MAX_AREA_RATIO = 3.0
 
 
-def usual_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Float:
+def typical_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Float:
     """Usual variance (parts,) px^2 of each dot's coordinates, (frames, parts, 2).
 
     The distance of two dots on the robot, which holds its head angle, scatters by the sum of their
@@ -32,7 +32,7 @@ def usual_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Fl
     the tail is as noisy as the others. Where too few distances are known: each dot's white noise.
     """
     xy = np.where(confident(likelihood)[..., None], xy_px, np.nan)
-    rigid = [k for k, name in enumerate(names) if name in RIGID]
+    rigid = [k for k, name in enumerate(names) if name in RIGID_PARTS]
     pairs = list(combinations(range(len(rigid)), 2))
     scatter = np.array([_scatter(xy[:, rigid[a]] - xy[:, rigid[b]]) for a, b in pairs])
     known = np.isfinite(scatter)
@@ -52,10 +52,10 @@ def usual_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Fl
 def _scatter(apart: Float) -> float:
     """Variance px^2 of a distance (frames, 2) about its trend, without gross errors."""
     length = np.hypot(*apart[np.isfinite(apart).all(axis=1)].T)
-    if len(length) < FEWEST:
+    if len(length) < MIN_FRAMES:
         return math.nan
     off = length - median_filter(length, TREND_FRAMES, mode="nearest")
-    limit = CLIPPED * 1.4826 * float(np.median(np.abs(off)))
+    limit = OUTLIER_SIGMAS * 1.4826 * float(np.median(np.abs(off)))
     return float(np.mean(off[np.abs(off) <= limit] ** 2))
 
 
@@ -69,6 +69,10 @@ def hidden_variances(area_px2: Float, radius_px: Float) -> Float:
     area = np.where(known, area_px2, np.nanmedian(area_px2) if known.any() else 1.0)
     trend = median_filter(area, (TREND_FRAMES, 1), mode="nearest")
     lacking = np.abs(area / trend - 1.0)
-    usual = USUAL_AREA * 1.4826 * np.median(lacking, axis=0)
-    off = HALF_MOON * np.nan_to_num(radius_px) * np.maximum(np.minimum(lacking, 1.0) - usual, 0.0)
+    usual = MAX_AREA_RATIO * 1.4826 * np.median(lacking, axis=0)
+    off = (
+        HALF_DISC_CENTROID
+        * np.nan_to_num(radius_px)
+        * np.maximum(np.minimum(lacking, 1.0) - usual, 0.0)
+    )
     return np.where(known, off**2, (0.5 * np.nan_to_num(radius_px)) ** 2)

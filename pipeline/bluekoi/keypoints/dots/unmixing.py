@@ -8,13 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 Float = npt.NDArray[np.float64]
-INSIDE, OUTSIDE, AROUND = 0.5, 1.7, (1.8, 2.6)
+INSIDE, OUTSIDE, BACKGROUND_RING = 0.5, 1.7, (1.8, 2.6)
 UNMIXINGS = 3
-GRAIN = 3.0
+NOISE_GREY_LEVELS = 3.0
 MIN_COVERED = 0.3
 
 
-def unmixed(image: npt.NDArray[np.uint8], centre: Float, radius: float) -> tuple[Float, float]:
+def coverage_centroid(
+    image: npt.NDArray[np.uint8], centre: Float, radius: float
+) -> tuple[Float, float]:
     """Centre (2,) px of a dot's coverage near a first centre, and the area covered, px^2.
 
     Colours mix linearly, so coverage is the colour (3,) projected on S^-1 (dot - around), 0 around
@@ -23,8 +25,8 @@ def unmixed(image: npt.NDArray[np.uint8], centre: Float, radius: float) -> tuple
     image: (height, width, 3). The first centre is kept, and the area NaN, where too little of the
     dot is inside.
     """
-    low = np.maximum(np.floor(centre - AROUND[1] * radius).astype(int), 0)
-    high = np.ceil(centre + AROUND[1] * radius).astype(int) + 1
+    low = np.maximum(np.floor(centre - BACKGROUND_RING[1] * radius).astype(int), 0)
+    high = np.ceil(centre + BACKGROUND_RING[1] * radius).astype(int) + 1
     patch = image[low[1] : high[1], low[0] : high[0]].astype(float)
     v, u = np.indices(patch.shape[:2])
     here = centre - low
@@ -42,11 +44,14 @@ def unmixed(image: npt.NDArray[np.uint8], centre: Float, radius: float) -> tuple
 
 def _coverage(patch: Float, away: Float) -> Float | None:
     """How much of each pixel the dot covers; away: distance from its centre in radii."""
-    inside, around = patch[away < INSIDE], patch[(away > AROUND[0]) & (away < AROUND[1])]
+    inside, around = (
+        patch[away < INSIDE],
+        patch[(away > BACKGROUND_RING[0]) & (away < BACKGROUND_RING[1])],
+    )
     if len(inside) < 3 or len(around) < 20:
         return None
     rest = around.mean(axis=0)
     apart = inside.mean(axis=0) - rest
-    blind = np.linalg.solve(np.cov(around.T) + GRAIN**2 * np.eye(3), apart)
+    blind = np.linalg.solve(np.cov(around.T) + NOISE_GREY_LEVELS**2 * np.eye(3), apart)
     cover = (patch - rest) @ blind / (apart @ blind)
     return cover if cover[away < OUTSIDE].sum() > MIN_COVERED * np.sum(away < 1.0) else None

@@ -10,7 +10,7 @@ from __future__ import annotations
 import pickletools
 from typing import Any
 
-MARK = object()
+STACK_MARK = object()
 MAX_STEPS = 2_000_000
 VALUES = {
     "UNICODE", "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "STRING", "BINSTRING",
@@ -53,7 +53,7 @@ def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) ->
     elif name in ("PROTO", "FRAME"):
         return
     elif name == "MARK":
-        stack.append(MARK)
+        stack.append(STACK_MARK)
     elif name in ("PUT", "BINPUT", "LONG_BINPUT", "MEMOIZE"):
         memo[len(memo) if name == "MEMOIZE" else int(argument)] = _unmarked(stack[-1])
     elif name in ("GET", "BINGET", "LONG_BINGET"):
@@ -64,7 +64,7 @@ def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) ->
 
 def _unmarked(item: Any) -> Any:
     """A thing that a literal may hold: no mark."""
-    if item is MARK:
+    if item is STACK_MARK:
         raise NotLiteral("a mark where a value is expected")
     return item
 
@@ -86,7 +86,7 @@ def _gather(name: str, stack: list[Any]) -> None:
 
 
 def _from_mark(name: str, stack: list[Any]) -> None:
-    marks = [i for i, item in enumerate(stack) if item is MARK]
+    marks = [i for i, item in enumerate(stack) if item is STACK_MARK]
     if not marks:
         raise NotLiteral(f"step {name} without a mark")
     at = marks[-1]

@@ -13,7 +13,7 @@ Float = npt.NDArray[np.float64]
 ORDERS = (6, 2, 4, 8, 10)
 MIN_PX = 0.05
 UNKNOWN_PX = 2.0
-FEWEST = 12
+MIN_FRAMES = 12
 OUTLIER = 6.0
 
 
@@ -50,7 +50,7 @@ def without_outliers(xy_px: Float, order: int = 6) -> Float:
 
 def _scale(difference: Float, order: int) -> float:
     whole = difference[np.isfinite(difference).all(axis=1)]
-    if len(whole) < FEWEST:
+    if len(whole) < MIN_FRAMES:
         return float("nan")
     deviation = np.median(np.abs(whole - np.median(whole, axis=0)), axis=0) / 0.6744898
     return float(np.sqrt(np.mean(deviation**2) / comb(2 * order, order)))

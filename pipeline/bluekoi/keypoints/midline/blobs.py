@@ -10,16 +10,16 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from ..outline.background import Image, noise_level, ranked
+from ..outline.background import Image, grey_level_quantiles, noise_level
 from ..outline.plane import Plane
 from ..outline.search import pool_mask
 from .curve import JOINTS, REFERENCE, Image32, basis
 
 Float = npt.NDArray[np.float64]
 SELDOM = 0.1
-MIN_CHANGE, NOISES = 16.0, 5.0
+MIN_CHANGE, NOISE_FACTOR = 16.0, 5.0
 FINEST_PX = 96.0
-EXTENT, FILLED = (0.45, 1.5), (0.02, 0.55)
+PLAUSIBLE_EXTENT, PLAUSIBLE_FILL = (0.45, 1.5), (0.02, 0.55)
 """Plausible extent of a body, in lengths, and share of its length's square that it fills."""
 BIN_PX = 2.0
 
@@ -76,9 +76,9 @@ def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
     rests for long it is the body's. So the swept pixels say whether bodies are darker or brighter,
     and a pixel that is seldom otherwise shows the background then.
     """
-    least, low, usual, high, most = ranked(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
+    least, low, usual, high, most = grey_level_quantiles(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
     noise = noise_level(samples, usual)
-    level = max(MIN_CHANGE, NOISES * noise)
+    level = max(MIN_CHANGE, NOISE_FACTOR * noise)
     inside = pool_mask(usual.shape, plane.corners_px)
     darker, brighter = (
         float(away[(inside > 0) & (away > 2 * level)].sum(dtype=float))
@@ -137,9 +137,9 @@ def blobs(picture: Cut, arena: Arena) -> list[Blob]:
     found = []
     for i in range(1, count):
         x, y, w, h, area = stats[i]
-        if not FILLED[0] * length**2 < area < FILLED[1] * length**2:
+        if not PLAUSIBLE_FILL[0] * length**2 < area < PLAUSIBLE_FILL[1] * length**2:
             continue
-        if not EXTENT[0] * length < math.hypot(w, h) < EXTENT[1] * length:
+        if not PLAUSIBLE_EXTENT[0] * length < math.hypot(w, h) < PLAUSIBLE_EXTENT[1] * length:
             continue
         own = labels[y : y + h, x : x + w] == i
         blob = _blob(own, smooth[y : y + h, x : x + w], np.array([x, y], float), picture)

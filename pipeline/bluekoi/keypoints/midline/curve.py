@@ -26,12 +26,12 @@ Maps = tuple[Float, Float, Float]
 JOINTS = 5
 REFERENCE = 0.3
 STATIONS, ACROSS = 56, 17
-BEYOND = 0.14
+END_MARGIN = 0.14
 ROUNDS = 9
 MIN_STEP, MAX_MOVE, MAX_TURN = 0.002, 0.12, 0.4
 GAINS = (0.6, 1.5)
 MIN_SEEN = 0.3
-FRONT = round(BEYOND / (1 + 2 * BEYOND) * (STATIONS - 1))
+FRONT = round(END_MARGIN / (1 + 2 * END_MARGIN) * (STATIONS - 1))
 BEND_INFORMATION = 0.0002
 """Prior information of each bending coefficient, as a share of that of a body's heading."""
 
@@ -53,7 +53,7 @@ class Shape:
     @property
     def tables(self) -> tuple[Float, Float, Float, Float]:
         """Bending basis (STATIONS, JOINTS); cover; its slopes along and across, per body length."""
-        step = (1 + 2 * BEYOND) / (STATIONS - 1) * self.length_bl
+        step = (1 + 2 * END_MARGIN) / (STATIONS - 1) * self.length_bl
         across = 2 * self.half_bl / (ACROSS - 1)
         along_slope, across_slope = (
             np.asarray(slope) for slope in np.gradient(self.cover, -step, across)
@@ -68,7 +68,7 @@ class Shape:
 
 def arcs() -> Float:
     """Arcs (STATIONS,) of the stations."""
-    return np.linspace(-BEYOND, 1 + BEYOND, STATIONS)
+    return np.linspace(-END_MARGIN, 1 + END_MARGIN, STATIONS)
 
 
 def basis(arc: Float) -> Float:
@@ -80,7 +80,7 @@ def basis(arc: Float) -> Float:
 
 def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
     """Places (n, 2) [body lengths] and headings (n,) of arcs along a pose's midline."""
-    fine = np.linspace(-BEYOND, 1 + BEYOND, 8 * STATIONS)
+    fine = np.linspace(-END_MARGIN, 1 + END_MARGIN, 8 * STATIONS)
     heading = pose[2] + basis(fine) @ pose[3:]
     step = np.column_stack([np.cos(heading), np.sin(heading)]) * (fine[1] - fine[0]) * length_bl
     line = np.concatenate([np.zeros((1, 2)), -np.cumsum(0.5 * (step[1:] + step[:-1]), axis=0)])
@@ -92,8 +92,8 @@ def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
 def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
     """Midline (n, 2), headings (n,), and d midline / d bending (n, JOINTS, 2) of all stations."""
     n, joints = bend.shape
-    step = (1.0 + 2 * BEYOND) / (n - 1)
-    middle = (REFERENCE + BEYOND) / step
+    step = (1.0 + 2 * END_MARGIN) / (n - 1)
+    middle = (REFERENCE + END_MARGIN) / step
     first = int(middle)
     heading = np.empty(n)
     for k in range(n):
@@ -125,7 +125,7 @@ def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float
 
 
 @numba.njit(cache=True, error_model="numpy")
-def sampled(image: Image32, u: float, v: float) -> float:
+def bilinear(image: Image32, u: float, v: float) -> float:
     """Bilinear value; NaN outside."""
     height, width = image.shape
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
@@ -138,7 +138,7 @@ def sampled(image: Image32, u: float, v: float) -> float:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def straightened(
+def straightened_picture(
     picture: tuple[Image32, Image32, Maps],
     pose: Float,
     line: tuple[Float, Float, Float],
@@ -161,8 +161,8 @@ def straightened(
             far = size[1] * (2.0 * a / (ACROSS - 1) - 1.0)
             x = (u + far * (local[0, 0] * nx + local[0, 1] * ny) + 0.5) / factor - 0.5 - left
             y = (v + far * (local[1, 0] * nx + local[1, 1] * ny) + 0.5) / factor - 0.5 - top
-            change[k, a] = sampled(changes, x, y)
-            depth[k, a] = sampled(depths, x, y)
+            change[k, a] = bilinear(changes, x, y)
+            depth[k, a] = bilinear(depths, x, y)
     return change, depth
 
 
@@ -275,7 +275,7 @@ def fit(
     pose, gain, settled = start.copy(), 1.0, False
     for turn in range(ROUNDS + 1):
         line = stations(pose, size, tables[0])
-        seen = straightened(picture, pose, line, size)
+        seen = straightened_picture(picture, pose, line, size)
         how = (pose, size[1], gain, tolerance)
         information, side, meat, support, found = _equations(seen, line, tables, how)
         if settled or turn == ROUNDS or support[4] < MIN_SEEN:

@@ -19,10 +19,10 @@ from .tracking import follow
 
 Float = npt.NDArray[np.float64]
 SAMPLES = 25
-EXPLAINED, MIN_SEEN, MOSTLY = 0.9, 8, 0.8
-BENT_RAD, OFTEN = 0.12, 0.75
+MIN_EXPLAINED_VARIANCE, MIN_SEEN, MIN_SHARE_OF_FRAMES = 0.9, 8, 0.8
+BENT_RAD, BENT_QUANTILE = 0.12, 0.75
 CORE = (0.35, 0.7)
-SEVERAL = 0.2
+SEVERAL_BODIES_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Learned:
     def bends(self) -> bool:
         """Whether the core, rigid in a robot of two plates, bends from picture to picture."""
         ends = basis(np.array(CORE))
-        turn = self.poses[self.support > EXPLAINED, 3:] @ (ends[1] - ends[0])
-        if len(turn) < max(MIN_SEEN, MOSTLY * len(self.poses)):
+        turn = self.poses[self.support > MIN_EXPLAINED_VARIANCE, 3:] @ (ends[1] - ends[0])
+        if len(turn) < max(MIN_SEEN, MIN_SHARE_OF_FRAMES * len(self.poses)):
             return False
-        return float(np.quantile(np.abs(turn - np.median(turn)), OFTEN)) > BENT_RAD
+        return float(np.quantile(np.abs(turn - np.median(turn)), BENT_QUANTILE)) > BENT_RAD
 
 
 def learned(samples: Sequence[Frame], plane: Plane, robot: Robot, trial: Trial) -> Learned | None:
@@ -55,7 +55,7 @@ def learned(samples: Sequence[Frame], plane: Plane, robot: Robot, trial: Trial) 
     if found is None:
         return None
     counts = np.array([len(blobs(cut(image, arena), arena)) for image in images])
-    several = float(np.mean(counts > 1)) > SEVERAL
+    several = float(np.mean(counts > 1)) > SEVERAL_BODIES_SHARE
     return Learned(arena, *found, several)
 
 

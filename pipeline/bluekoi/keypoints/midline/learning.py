@@ -11,7 +11,17 @@ import numpy.typing as npt
 from ..outline.background import Image
 from ..outline.template import median_seen
 from .blobs import Arena, Blob, Cut, blobs, cut, pose_from_midline, poses_of
-from .curve import ACROSS, BEYOND, STATIONS, Shape, arcs, fit, midline, stations, straightened
+from .curve import (
+    ACROSS,
+    END_MARGIN,
+    STATIONS,
+    Shape,
+    arcs,
+    fit,
+    midline,
+    stations,
+    straightened_picture,
+)
 
 Float = npt.NDArray[np.float64]
 ROUNDS = 4
@@ -110,7 +120,7 @@ def _averaged(shape: Shape, fits: Sequence[tuple[Cut, Float]], arena: Arena) -> 
     for picture, pose in fits:
         seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
         line = stations(pose, shape.size, bend)
-        change, depth = straightened(seen, pose, line, shape.size)
+        change, depth = straightened_picture(seen, pose, line, shape.size)
         cover = np.where(depth > arena.level, change / np.maximum(depth, arena.level), np.nan)
         covers += [cover, cover[:, ::-1]]
     cover = np.nan_to_num(median_seen(np.array(covers)))
@@ -127,8 +137,8 @@ def _ends(cover: Float) -> tuple[float, float]:
     tail = 0.5 * float(axis[(arc > TAIL[0]) & (arc < TAIL[1])].mean())
     front = int(np.argmax(axis > head))
     rear = STATIONS - 1 - int(np.argmax(axis[::-1] > tail))
-    nose = _crossing(arc, axis, front - 1, head) if front else -BEYOND
-    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS - 1 else 1 + BEYOND
+    nose = _crossing(arc, axis, front - 1, head) if front else -END_MARGIN
+    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS - 1 else 1 + END_MARGIN
     return nose, tip
 
 

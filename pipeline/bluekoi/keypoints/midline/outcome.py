@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ...data import PARTS, Keypoints
 from ...study import Robot, Trial
-from ..outline.outcome import graded
+from ..outline.outcome import likelihood_of_support
 from ..outline.plane import in_body_lengths
 from .blobs import Arena
 from .curve import REFERENCE, Shape, arcs, basis, stations
@@ -20,14 +20,14 @@ Float = npt.NDArray[np.float64]
 FLOOR_PX = 0.03
 LENGTH_STD = 0.02
 """Share of the length by which its ends may be misplaced; grows from the reference outwards."""
-CORRELATED = 3.0
+VARIANCE_INFLATION = 3.0
 """Variance of a pose over that of independent stations: neighbouring stations err alike. Measured
 on drawn bodies (tests)."""
-TAIL_SUPPORT, SEEN = (0.0, 0.55), (0.4, 0.8)
+TAIL_SUPPORT, SEEN_SHARE_RANGE = (0.0, 0.55), (0.4, 0.8)
 DOUBTFUL = 0.5
 BACKWARDS = -0.3
 JUMP, JUMP_RAD = 0.25, 1.0
-OF_PART = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
+PARTS_OF_KEYPOINT = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
 
 
 def arcs_of(robot: Robot, trial: Trial) -> Float:
@@ -92,7 +92,7 @@ def _forward_share(fits: Sequence[Fit], shape: Shape) -> float:
 def _points(fits: Sequence[Fit], arena: Arena, shape: Shape, arc: Float) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     bend, *_ = shape.tables
-    meat = CORRELATED * np.mean([one.meat for one in fits if one.support[3] > 0.5] or
+    meat = VARIANCE_INFLATION * np.mean([one.meat for one in fits if one.support[3] > 0.5] or
                                 [one.meat for one in fits], axis=0)  # fmt: skip
     xy, cov = np.empty((len(fits), len(arc), 2)), np.empty((len(fits), len(arc), 2, 2))
     for i, one in enumerate(fits):
@@ -138,9 +138,15 @@ def _likelihood(one: Fit, *, backwards: bool) -> Float:
     head, core, tail, whole, seen = one.support
     if backwards:
         head, tail = tail, head
-    thirds = np.array([graded(head), graded(core), graded(tail, TAIL_SUPPORT)])
-    parts = np.array([thirds[own].min() for own in OF_PART])
-    return graded(whole) * graded(seen, SEEN) * parts
+    thirds = np.array(
+        [
+            likelihood_of_support(head),
+            likelihood_of_support(core),
+            likelihood_of_support(tail, TAIL_SUPPORT),
+        ]
+    )
+    parts = np.array([thirds[own].min() for own in PARTS_OF_KEYPOINT])
+    return likelihood_of_support(whole) * likelihood_of_support(seen, SEEN_SHARE_RANGE) * parts
 
 
 def _jumps(times: Sequence[float], fits: Sequence[Fit | None], shape: Shape) -> Float:

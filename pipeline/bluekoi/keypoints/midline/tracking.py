@@ -20,19 +20,19 @@ from .learning import fitted
 from .track import LOST_FRAMES, Fit, Track
 
 Float = npt.NDArray[np.float64]
-FOUND, WORSE = 0.5, 0.05
+MIN_SUPPORT, SCORE_DROP = 0.5, 0.05
 TURN_COST, MOVE_COST = 0.1, 0.1
 REACH, REACH_LOST, MAX_REACH = 0.8, 0.25, 2.5
-NEAR, SAME = 1.3, 0.12
-BESIDE = 1.5
-HIDDEN, STEADY, MAX_TURN, MAX_MOVE = 0.5, 0.55, 0.8, 0.4
-"""Among several bodies one is surely the same where it is seen by more than a share `HIDDEN`, is
-scored above `STEADY`, and turns and moves less than this from frame to frame [rad, lengths].
+NEIGHBOUR_DISTANCE, SAME_BODY_DISTANCE = 1.3, 0.12
+BESIDE_DISTANCE = 1.5
+MIN_VISIBLE, MIN_SAME_SCORE, MAX_TURN, MAX_MOVE = 0.5, 0.55, 0.8, 0.4
+"""Among several bodies one is the same where a share of more than `MIN_VISIBLE` is seen, its score
+is above `MIN_SAME_SCORE`, and it turns and moves less than this between frames [rad, lengths].
 """
-COMPANY = 4.0
+NEIGHBOUR_RADIUS = 4.0
 HEADINGS, AT_START = 16, 0.12
-COVERED = 0.15
-BIRTH = 0.7
+MIN_COVERAGE = 0.15
+NEW_TRACK_SCORE = 0.7
 
 
 def follow(
@@ -61,7 +61,7 @@ def follow(
                 body
                 for body in others
                 if body.frames_since_seen <= LOST_FRAMES
-                and _distance(body, target, shape) < COMPANY
+                and _distance(body, target, shape) < NEIGHBOUR_RADIUS
             ]
             if not target.frames_since_seen:
                 others += _born(frame, [target, *others], arena, shape)
@@ -75,13 +75,13 @@ def _first(luma: Image, arena: Arena, shape: Shape, start_px: Float | None) -> F
     """
     picture = cut(luma, arena)
     found = [_best(picture, blob, arena, shape) for blob in blobs(picture, arena)]
-    good = [one for one in found if one is not None and one.support_score > FOUND]
+    good = [one for one in found if one is not None and one.support_score > MIN_SUPPORT]
     if start_px is not None:
         place = arena.plane.body_lengths(start_px[None])[0]
         headings = np.linspace(-math.pi, math.pi, HEADINGS, endpoint=False)
         straight = [np.concatenate([place, [angle], np.zeros(JOINTS)]) for angle in headings]
         tried = [Fit(*fitted(picture, shape, arena, pose)) for pose in straight]
-        good += [one for one in tried if one.support_score > FOUND]
+        good += [one for one in tried if one.support_score > MIN_SUPPORT]
         good = [one for one in good if _off_midline(one, place, shape) < AT_START * shape.length_bl]
     return max(good, key=lambda one: one.support_score, default=None)
 
@@ -124,7 +124,7 @@ def _neighbours(k: int, places: Sequence[Float | None], shape: Shape) -> list[Fl
         if j != k
         and one is not None
         and own is not None
-        and np.hypot(*(one - own)[:2]) < NEAR * shape.length_bl
+        and np.hypot(*(one - own)[:2]) < NEIGHBOUR_DISTANCE * shape.length_bl
     ]
 
 
@@ -149,14 +149,14 @@ def _fit(
         picture = _without(picture, near, arena, shape)
     tried = [Fit(*fitted(picture, shape, arena, expected))]
     if (
-        tried[0].support_score < body.typical_score - WORSE
+        tried[0].support_score < body.typical_score - SCORE_DROP
         or _moved(tried[0], expected) > 0.15 * shape.length_bl
     ):
         starts = [last, *_starts(picture, arena, shape)]
         tried += [Fit(*fitted(picture, shape, arena, pose)) for pose in starts]
     best = max(tried, key=lambda one: _score(one, expected, shape))
     far = _moved(best, expected) > reach / arena.length_px * shape.length_bl
-    if far or best.support[3] < FOUND or best.support[4] < MIN_SEEN:
+    if far or best.support[3] < MIN_SUPPORT or best.support[4] < MIN_SEEN:
         return None
     best.pose[2] += 2 * math.pi * round((expected[2] - best.pose[2]) / (2 * math.pi))
     return best
@@ -186,7 +186,7 @@ def _score(one: Fit, expected: Float, shape: Shape) -> float:
 def _without(picture: Cut, poses: Sequence[Float], arena: Arena, shape: Shape) -> Cut:
     """The cut with what other bodies cover unknown (NaN depth)."""
     depth = picture.depth.copy()
-    row = (shape.cover > COVERED).sum(axis=1) / (ACROSS - 1) * 2 * shape.half_bl
+    row = (shape.cover > MIN_COVERAGE).sum(axis=1) / (ACROSS - 1) * 2 * shape.half_bl
     radius = 0.5 * row * arena.plane.px_per_bl / arena.factor
     kept = np.flatnonzero(radius > 0)
     arc = np.linspace(0, 1, len(row))[kept]
@@ -212,12 +212,17 @@ def _watch(target: Track, others: Sequence[Track], shape: Shape) -> None:
     That is where, beside another one, it is not surely seen or jumps, or where another body's
     midline lies on its own.
     """
-    reach = MAX_REACH if target.frames_since_seen else BESIDE
+    reach = MAX_REACH if target.frames_since_seen else BESIDE_DISTANCE
     others = [body for body in others if _distance(body, target, shape) < reach]
     if not others:
         return
     one, known = target.fits[-1], [fit for fit in target.fits[-3:-1] if fit is not None]
-    sure = one is not None and known and one.support[4] > HIDDEN and one.support_score > STEADY
+    sure = (
+        one is not None
+        and known
+        and one.support[4] > MIN_VISIBLE
+        and one.support_score > MIN_SAME_SCORE
+    )
     if sure and one is not None:
         turn = abs(math.remainder(one.pose[2] - known[-1].pose[2], 2 * math.pi))
         jumped = turn > MAX_TURN or _moved(one, known[-1].pose) > MAX_MOVE * shape.length_bl
@@ -235,7 +240,7 @@ def _same(one: Fit, body: Track, shape: Shape) -> bool:
     a, _ = midline(one.pose, shape.length_bl, arc)
     b, _ = midline(other, shape.length_bl, arc)
     apart = min(float(np.hypot(*(a - c).T).mean()) for c in (b, b[::-1]))
-    return apart < SAME * shape.length_bl
+    return apart < SAME_BODY_DISTANCE * shape.length_bl
 
 
 def _born(frame: Frame, bodies: Sequence[Track], arena: Arena, shape: Shape) -> list[Track]:
@@ -244,14 +249,14 @@ def _born(frame: Frame, bodies: Sequence[Track], arena: Arena, shape: Shape) -> 
     if around is None:
         return []
     middle = arena.plane.pixels(around[None, :2])[0]
-    picture = cut(frame.luma, arena, middle, COMPANY * arena.length_px)
+    picture = cut(frame.luma, arena, middle, NEIGHBOUR_RADIUS * arena.length_px)
     poses = [pose for body in bodies if (pose := body.last()) is not None]
     free = _without(picture, poses, arena, shape)
     free.change[np.isnan(free.depth)] = 0.0
     new = []
     for blob in blobs(Cut(free.change, picture.depth, free.place), arena):
         one = _best(picture, blob, arena, shape)
-        if one is not None and one.support_score > BIRTH:
+        if one is not None and one.support_score > NEW_TRACK_SCORE:
             track = Track()
             track.add(frame.time_s, one)
             new.append(track)

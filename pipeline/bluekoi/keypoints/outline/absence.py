@@ -17,7 +17,7 @@ MIN_PX = 40.0
 EXTENT = (0.6, 1.7)
 
 
-def reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
+def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
     """The likely reason with its numbers, and a remedy.
 
     length_bl: nose to caudal base, body lengths.

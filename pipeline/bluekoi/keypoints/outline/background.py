@@ -42,10 +42,10 @@ def _copied(frame: Frame) -> Frame:
 
 def median(images: Sequence[Image]) -> Image:
     """Median (height, width) of pictures, exact; the lower middle of an even number."""
-    return ranked(images, 0.5)[0]
+    return grey_level_quantiles(images, 0.5)[0]
 
 
-def ranked(images: Sequence[Image], *shares: float) -> npt.NDArray[np.uint8]:
+def grey_level_quantiles(images: Sequence[Image], *shares: float) -> npt.NDArray[np.uint8]:
     """Pictures (shares, height, width): the grey level of each pixel that ranks at each share.
 
     Worked out a strip of rows at a time: a stack of whole pictures would be memory that is new to
@@ -87,7 +87,7 @@ def noise_level(images: Sequence[Image], background: Image) -> float:
     return max(1.0, 1.4826 * float(np.median(deviation)))
 
 
-def without_resident(background: Image, size_px: float) -> Image:
+def without_static_robot(background: Image, size_px: float) -> Image:
     """Background with what is dark or bright and as wide as the robot taken out of it.
 
     For a robot that hardly moves and so became part of the median: a closing (or opening, where

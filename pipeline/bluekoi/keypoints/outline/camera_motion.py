@@ -14,23 +14,23 @@ from .background import Image
 from .plane import Plane
 
 Float = npt.NDArray[np.float64]
-PATCH, FAR = 0.1, 0.05
+PATCH, MAX_SHIFT = 0.1, 0.05
 """Half a patch and the farthest shift, as shares of the pool's shorter side."""
 BLUR_PX = 1.5
 MIN_PX = 0.6
-SUDDEN = 0.7
-AGREED_PX, AGREED = 0.5, 0.15
+SUDDEN_SHARE = 0.7
+AGREED_PX, AGREED_SHARE = 0.5, 0.15
 MIN_LIKENESS = 0.25
 
 
-def shifts(samples: Sequence[Frame], plane: Plane) -> Float:
+def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
     """Shift (samples, corners, 2) px of each pool corner against the first sample; NaN unseen.
 
     Correlation of the edges in a patch about each corner, looked for around where it was; only a
     clear peak inside that range counts.
     """
     found = np.full((len(samples), 4, 2), np.nan)
-    far = max(4, round(FAR * plane.side_px))
+    far = max(4, round(MAX_SHIFT * plane.side_px))
     for k, corner in enumerate(plane.corners_px):
         patches = [_patch(frame.luma, corner, plane) for frame in samples]
         first = patches[0]
@@ -76,7 +76,7 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
     """A remark where the corners moved together: a camera knocked, or a picture that drifts."""
     if len(samples) < 2:
         return ()
-    moved = together(shifts(samples, plane), plane.corners_px)
+    moved = common_motion(corner_shifts(samples, plane), plane.corners_px)
     known = np.flatnonzero(np.isfinite(moved).all(axis=(1, 2)))
     if len(known) < 2:
         return ()
@@ -86,7 +86,7 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
         return ()
     steps = np.diagonal(apart, offset=1)
     k = int(np.argmax(steps))
-    if steps[k] > SUDDEN * most:
+    if steps[k] > SUDDEN_SHARE * most:
         early, late = (samples[known[i]].time_s for i in (k, k + 1))
         what = f"the camera moved by about {most:.1f} px between {early:.2f} s and {late:.2f} s"
     else:
@@ -94,7 +94,7 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
     return (f"{what} (seen at the pool's corners): the positions do not share one calibration",)
 
 
-def together(moved: Float, corners_px: Float) -> Float:
+def common_motion(moved: Float, corners_px: Float) -> Float:
     """Shift (samples, corners, 2) px of each corner by the picture's common turn, scale and shift.
 
     NaN for a sample in which the corners do not agree on one (light that moves, a hand), or in
@@ -111,6 +111,6 @@ def together(moved: Float, corners_px: Float) -> Float:
         found = step[:, 0] + 1j * step[:, 1]
         common = terms @ np.linalg.lstsq(terms[seen], found[seen], rcond=None)[0]
         size = float(np.abs(common).max())
-        if np.abs(common - found)[seen].max() < AGREED_PX + AGREED * size:
+        if np.abs(common - found)[seen].max() < AGREED_PX + AGREED_SHARE * size:
             out[i] = np.column_stack([common.real, common.imag])
     return out

@@ -23,7 +23,7 @@ HALF_PX = 3
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
-def pick(image: Image, u: float, v: float) -> float:
+def bilinear(image: Image, u: float, v: float) -> float:
     """Bilinear value of a picture; the caller makes sure that it lies inside."""
     x, y = int(u), int(v)
     fx, fy = u - x, v - y
@@ -33,12 +33,12 @@ def pick(image: Image, u: float, v: float) -> float:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def picked(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
+def bilinear_at(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
     """Values (n,) of a picture at places (n, 2) px; NaN where not wanted."""
     values = np.full(len(places), math.nan)
     for i in range(len(places)):
         if wanted[i]:
-            values[i] = pick(image, places[i, 0], places[i, 1])
+            values[i] = bilinear(image, places[i, 0], places[i, 1])
     return values
 
 
@@ -62,8 +62,8 @@ def edge_offset(
     for k in range(count):
         u = place[0] + (k - reach) * place[2]
         v = place[1] + (k - reach) * place[3]
-        seen[k] = pick(luma, u, v)
-        clear[k] = pick(floor, u, v)
+        seen[k] = bilinear(luma, u, v)
+        clear[k] = bilinear(floor, u, v)
     at = _step(seen, clear, skin)
     gain = _gain(seen, clear, at)
     skin *= _shine(seen, at, skin)

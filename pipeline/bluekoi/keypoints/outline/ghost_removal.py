@@ -13,7 +13,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from .background import STRIP_ROWS, Image, without_resident
+from .background import STRIP_ROWS, Image, without_static_robot
 from .learning import LearnedTemplate
 from .template import Template
 from .tracking import Fit, Scene
@@ -72,7 +72,9 @@ def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
         )
     never = often == len(fits)
     if never.any():
-        bridged = without_resident(floor, 2 * float(template.half.max()) * scene.plane.px_per_bl)
+        bridged = without_static_robot(
+            floor, 2 * float(template.half.max()) * scene.plane.px_per_bl
+        )
         floor[cut][never] = bridged[cut][never]
     return floor
 

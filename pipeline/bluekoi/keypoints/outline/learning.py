@@ -16,17 +16,17 @@ from .stations import measured_stations, without_biased
 from .template import (
     Template,
     first_template,
-    learned,
     length_of,
+    with_learned_stations,
 )
-from .tracking import Fit, Scene, fitted, plausible, reaches
+from .tracking import Fit, Scene, fitted, is_plausible_blob, search_lengths_px
 
 Float = npt.NDArray[np.float64]
 ROUNDS = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 AREA = 0.16
-WELL = 0.9
+GOOD_SUPPORT = 0.9
 BENT_RAD = 0.15
-SLIDES_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
+START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def learn(
     if first is None:
         return None
     candidates: list[LearnedTemplate] = []
-    for slides in SLIDES_BL:
+    for slides in START_OFFSETS_BL:
         known = generic_template(candidates[-1].template, robot, trial) if candidates else first
         starts = [
             (f, best) for f, found in seen if (best := _start(f, found, scene, known, slides))
@@ -75,7 +75,7 @@ def learn(
         if not starts:
             break
         candidates.append(_refined(_better_half(starts) if candidates else starts, scene, known))
-        if candidates[-1].support > WELL:
+        if candidates[-1].support > GOOD_SUPPORT:
             break
     if not candidates:
         return None
@@ -104,18 +104,35 @@ def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) 
     fits = starts
     for size in ROUNDS:
         shape = template.shape()
-        reach = reaches(scene, size, size, size)
+        reach = search_lengths_px(scene, size, size, size)
         bend = _common_bend(fits, scene)
         fits = [
-            (f, fitted(f.luma, scene, shape, bent(one.pose, bend), reach, width_px=0.4 * reach[-1]))
+            (
+                f,
+                fitted(
+                    f.luma,
+                    scene,
+                    shape,
+                    with_head_angle(one.pose, bend),
+                    reach,
+                    width_px=0.4 * reach[-1],
+                ),
+            )
             for f, one in fits
         ]
         kept = _agreeing(fits)
-        template = learned(template, *measured_stations(kept, scene, template, int(reach[-1])))
+        template = with_learned_stations(
+            template, *measured_stations(kept, scene, template, int(reach[-1]))
+        )
     shape = template.shape()
-    last = [fitted(f.luma, scene, shape, one.pose, reaches(scene, 0.024, 0.024)) for f, one in fits]
+    last = [
+        fitted(f.luma, scene, shape, one.pose, search_lengths_px(scene, 0.024, 0.024))
+        for f, one in fits
+    ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
-    offsets, _ = measured_stations(_agreeing(pairs), scene, template, int(reaches(scene, 0.024)[0]))
+    offsets, _ = measured_stations(
+        _agreeing(pairs), scene, template, int(search_lengths_px(scene, 0.024)[0])
+    )
     template = without_biased(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
@@ -181,11 +198,18 @@ def _start(
     anywhere along it.
     """
     shape = template.shape()
-    reach = reaches(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
+    reach = search_lengths_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
     tried = [
-        fitted(frame.luma, scene, shape, slid(pose, slide), reach, width_px=0.3 * reach[-1])
+        fitted(
+            frame.luma,
+            scene,
+            shape,
+            moved_along_heading(pose, slide),
+            reach,
+            width_px=0.3 * reach[-1],
+        )
         for blob in found
-        if plausible(blob, template)
+        if is_plausible_blob(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
         for slide in slides_bl
     ]
@@ -199,11 +223,11 @@ def _common_bend(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
     return bend if abs(bend - scene.head_angle_rad) < BENT_RAD else scene.head_angle_rad
 
 
-def bent(pose: Float, bend: float) -> Float:
+def with_head_angle(pose: Float, bend: float) -> Float:
     """A pose with another head angle."""
     return np.append(pose[:3], bend)
 
 
-def slid(pose: Float, along_bl: float) -> Float:
+def moved_along_heading(pose: Float, along_bl: float) -> Float:
     """A pose moved along its core's heading."""
     return pose + along_bl * np.array([math.cos(pose[2]), math.sin(pose[2]), 0.0, 0.0])

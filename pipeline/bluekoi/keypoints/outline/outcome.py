@@ -14,15 +14,15 @@ from .tracking import Fit, Scene
 from .variance import usual_covariance
 
 Float = npt.NDArray[np.float64]
-CERTAIN, WORTHLESS = 0.80, 0.35
-SHAPELESS = (0.25, 0.55)
+FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
+SHAPE_SUPPORT_RANGE = (0.25, 0.55)
 BEND_RAD = 0.07
 FLOOR_PX = 0.03
 STEP_BL = 0.03
 JUMP_BL, JUMP_RAD = 0.06, 0.5
 TAIL_SHARE = (0.0041, 0.0036)
-SLIM, PALE = 0.25, 0.14
-AWRY_ALONG, AWRY_ACROSS = (0.06, 0.4), (0.24, 0.7)
+MIN_WIDTH_RATIO, MIN_CONTRAST_RATIO = 0.25, 0.14
+TIP_ERROR_ALONG, TIP_ERROR_ACROSS = (0.06, 0.4), (0.24, 0.7)
 """Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
 times that length; by the width beyond the usual one. Measured against rendered footage."""
 
@@ -49,7 +49,7 @@ def keypoints_of(
         bend = float(np.median([one.pose[3] for one in known]))
         jumps = _jumps(times, fits)
         head = float(np.median([one.support[0] for one in known]))
-        known_shape = graded(head, SHAPELESS)
+        known_shape = likelihood_of_support(head, SHAPE_SUPPORT_RANGE)
         each = np.array([_likelihood(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
@@ -61,7 +61,7 @@ def _lengths(fits: Sequence[Fit | None]) -> Float:
 
     The tail's own support is not asked: it is less where the tail is shorter than stated.
     """
-    return np.array([one.length if one is not None and one.support[2] > CERTAIN else math.nan
+    return np.array([one.length if one is not None and one.support[2] > FULL_SUPPORT else math.nan
                      for one in fits])  # fmt: skip
 
 
@@ -70,7 +70,9 @@ def _nose(fits: Sequence[Fit]) -> float:
 
     The template's nose is known from a few frames only; all of them place the outline better.
     """
-    seen = [one.nose_px for one in fits if math.isfinite(one.nose_px) and one.support[0] > CERTAIN]
+    seen = [
+        one.nose_px for one in fits if math.isfinite(one.nose_px) and one.support[0] > FULL_SUPPORT
+    ]
     return float(np.median(seen)) if len(seen) > 4 else 0.0
 
 
@@ -132,11 +134,11 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     """
     heading = np.array([one.tail[1] for one in fits])
     scatter, pale, width = np.array([one.tail[3] for one in fits]).T
-    slim = np.nanquantile(width, SLIM) if np.isfinite(width).any() else 0.0
-    signs = np.maximum([length_px * (pale - PALE), width - slim], 0.0)
+    slim = np.nanquantile(width, MIN_WIDTH_RATIO) if np.isfinite(width).any() else 0.0
+    signs = np.maximum([length_px * (pale - MIN_CONTRAST_RATIO), width - slim], 0.0)
     least = length_px * np.array(TAIL_SHARE)
-    along = least[0] ** 2 + np.array(AWRY_ALONG) ** 2 @ signs**2
-    across = np.maximum(scatter, least[1]) ** 2 + np.array(AWRY_ACROSS) ** 2 @ signs**2
+    along = least[0] ** 2 + np.array(TIP_ERROR_ALONG) ** 2 @ signs**2
+    across = np.maximum(scatter, least[1]) ** 2 + np.array(TIP_ERROR_ACROSS) ** 2 @ signs**2
     axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     side = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
     outer = [v[:, :, None] * v[:, None] for v in (axis, side)]
@@ -148,15 +150,17 @@ def _likelihood(one: Fit, bend: float) -> Float:
 
     The core alone tapers, so that without the head it may have slid along itself.
     """
-    head, core, both = (graded(value) for value in one.support)
+    head, core, both = (likelihood_of_support(value) for value in one.support)
     core = min(core, both)
     off = math.remainder(one.pose[3] - bend, 2 * math.pi) / BEND_RAD
     sane = math.exp(-0.5 * max(0.0, abs(off) - 1.0) ** 2)
-    tail = min(core, graded(one.tail[2]))
+    tail = min(core, likelihood_of_support(one.tail[2]))
     return sane * np.array([head, min(head, core), core, core, tail])
 
 
-def graded(support: float, between: tuple[float, float] = (WORTHLESS, CERTAIN)) -> float:
+def likelihood_of_support(
+    support: float, between: tuple[float, float] = (MIN_SUPPORT, FULL_SUPPORT)
+) -> float:
     """Likelihood 0 to 1 of a support between two levels."""
     return min(max((support - between[0]) / (between[1] - between[0]), 0.0), 1.0)
 

@@ -47,11 +47,15 @@ class Plane:
 
     def pixels(self, xy_bl: Float) -> Float:
         """(n, 2) pixels of points (n, 2) in body lengths."""
-        return evaluate(self.to_px, self.scale_bl, np.ascontiguousarray(xy_bl, dtype=float))
+        return evaluate_polynomial(
+            self.to_px, self.scale_bl, np.ascontiguousarray(xy_bl, dtype=float)
+        )
 
     def body_lengths(self, uv_px: Float) -> Float:
         """(n, 2) body lengths of pixels (n, 2)."""
-        return evaluate(self.to_bl, self.scale_px, np.ascontiguousarray(uv_px, dtype=float))
+        return evaluate_polynomial(
+            self.to_bl, self.scale_px, np.ascontiguousarray(uv_px, dtype=float)
+        )
 
 
 def in_body_lengths(robot: Robot, length_m: float) -> float:
@@ -71,10 +75,10 @@ def plane_of(setup: Setup) -> Plane:
     seen = _seen(setup, sides, between)
     for degree in DEGREES:
         to_px = _fit(xy, uv, scale_bl, degree)
-        if np.abs(evaluate(to_px, scale_bl, between) - seen).max() < NEAR_PX:
+        if np.abs(evaluate_polynomial(to_px, scale_bl, between) - seen).max() < NEAR_PX:
             break
     step = 0.02 * sides[0]
-    ends = evaluate(to_px, scale_bl, 0.5 * sides + np.array([[0.0, 0.0], [step, 0.0]]))
+    ends = evaluate_polynomial(to_px, scale_bl, 0.5 * sides + np.array([[0.0, 0.0], [step, 0.0]]))
     return Plane(
         to_px=to_px,
         to_bl=_fit(uv, xy, scale_px, degree),
@@ -110,7 +114,7 @@ def _fit(source: Float, target: Float, scale: Float, degree: int) -> Float:
 
 
 @numba.njit(cache=True)
-def evaluate(coefficients: Float, scale: Float, points: Float) -> Float:
+def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Float:
     """Polynomial of coefficients (2, d + 1, d + 1) at points (n, 2), by Horner's rule."""
     degree = coefficients.shape[1] - 1
     out = np.empty((points.shape[0], 2))

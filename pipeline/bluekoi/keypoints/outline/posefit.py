@@ -12,7 +12,7 @@ from .edges import Pictures, edge_offset
 
 Float = npt.NDArray[np.float64]
 Shape = tuple[Float, Float, npt.NDArray[np.int64], Float]
-MORE_STEPS = 5
+EXTRA_STEPS = 5
 SETTLED_PX = 0.1
 SETTLED_RAD = 0.001
 
@@ -49,7 +49,7 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
 
 
 @numba.njit(cache=True, error_model="numpy")
-def measure(
+def measure_edge_offsets(
     pictures: Pictures,
     maps: tuple[Float, Float],
     shape: Shape,
@@ -96,7 +96,7 @@ def measure(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def spread_of(offset: Float) -> float:
+def robust_width(offset: Float) -> float:
     """Robust width of the offsets about 0, px, at least 0.1."""
     seen = np.abs(offset[np.isfinite(offset)])
     if len(seen) == 0:
@@ -121,12 +121,12 @@ def fit(
     """
     reaches, prior, width = how
     here = pose.copy()
-    offset, slope = measure(pictures, maps, shape, here, reaches[0])
+    offset, slope = measure_edge_offsets(pictures, maps, shape, here, reaches[0])
     weight = np.zeros(len(offset))
     wider = 0.0
     last = len(reaches) - 1
-    for turn in range(len(reaches) + MORE_STEPS):
-        limit = 4.7 * max(width, spread_of(offset - wider))
+    for turn in range(len(reaches) + EXTRA_STEPS):
+        limit = 4.7 * max(width, robust_width(offset - wider))
         normal = np.diag(prior)
         side = np.zeros(5)
         for i in range(len(offset)):
@@ -141,7 +141,7 @@ def fit(
         change = np.linalg.solve(normal, side)
         here = here + change[:4]
         wider = change[4]
-        offset, slope = measure(pictures, maps, shape, here, reaches[min(turn, last)])
+        offset, slope = measure_edge_offsets(pictures, maps, shape, here, reaches[min(turn, last)])
         scale = math.hypot(slope[0, 0], slope[0, 1])
         moved = scale * math.hypot(change[0], change[1])
         if turn >= last and moved < SETTLED_PX and abs(change[2]) < SETTLED_RAD:
@@ -150,7 +150,7 @@ def fit(
 
 
 @numba.njit(cache=True, error_model="numpy")
-def summary(
+def fit_summary(
     found: tuple[Float, Float, Float],
     part: npt.NDArray[np.int64],
     heading: float,

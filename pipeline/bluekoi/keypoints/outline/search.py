@@ -15,11 +15,11 @@ from .template import Template
 Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 MARGIN_PX = 1.08
-FAINT = 0.4
+MIN_RELATIVE_STRENGTH = 0.4
 MIN_LEVEL, LEVEL_NOISES = 14.0, 4.0
-SHARE = 4.0
+MAX_AREA_RATIO = 4.0
 MAX_LEVEL = 60.0
-SQUARE = np.ones((3, 3), np.uint8)
+MORPHOLOGY_KERNEL = np.ones((3, 3), np.uint8)
 
 
 @dataclass(frozen=True)
@@ -49,19 +49,25 @@ def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: f
     change = cv2.subtract(thin[1], thin[0], dtype=cv2.CV_16S)
     change = cv2.blur(change, (3, 3))
     pool = pool_mask(change.shape, plane.corners_px / step)
-    share = SHARE * area_bl2 * (plane.px_per_bl / step) ** 2 / max(1, int(pool.sum()))
+    share = MAX_AREA_RATIO * area_bl2 * (plane.px_per_bl / step) ** 2 / max(1, int(pool.sum()))
     least = 0.1 * area_bl2 * (plane.px_per_bl / step) ** 2
     found: list[Blob | None] = []
     for sided in (change, -change):
         usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
         level = max(MIN_LEVEL, LEVEL_NOISES * noise, min(float(usual), MAX_LEVEL))
-        solid = cv2.morphologyEx((sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, SQUARE)
+        solid = cv2.morphologyEx(
+            (sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, MORPHOLOGY_KERNEL
+        )
         contours, _ = cv2.findContours(solid, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         large = sorted((c for c in contours if len(c) > 8), key=cv2.contourArea, reverse=True)[:4]
         found += [_blob(c, thin, plane, step) for c in large if cv2.contourArea(c) > least]
     known = [blob for blob in found if blob is not None]
     known.sort(key=lambda blob: -abs(blob.contrast))
-    return [blob for blob in known if abs(blob.contrast) > FAINT * abs(known[0].contrast)]
+    return [
+        blob
+        for blob in known
+        if abs(blob.contrast) > MIN_RELATIVE_STRENGTH * abs(known[0].contrast)
+    ]
 
 
 def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:

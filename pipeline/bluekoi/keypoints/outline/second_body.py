@@ -9,7 +9,7 @@ from .background import Image
 from .learning import LearnedTemplate
 from .search import Blob
 from .template import Template
-from .tracking import Fit, Scene, found_among
+from .tracking import Fit, Scene, best_fit_of_blobs
 
 MIN_FRAMES = 2
 
@@ -37,7 +37,7 @@ def _second(
     """A good fit to a blob that lies a body's length from the robot."""
     apart = template.head_bl + template.core_bl
     others = [blob for blob in seen if _distance(blob, one) > apart]
-    return found_among(others, luma, scene, template, template.shape())
+    return best_fit_of_blobs(others, luma, scene, template, template.shape())
 
 
 def _distance(blob: Blob, one: Fit) -> float:

@@ -9,15 +9,15 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Frame
-from .edges import picked
-from .posefit import Shape, measure
-from .template import CORE_STATIONS, HEAD_STATIONS, Template, median_seen, stands_out
+from .edges import bilinear_at
+from .posefit import Shape, measure_edge_offsets
+from .template import CORE_STATIONS, HEAD_STATIONS, Template, median_seen, station_contrast
 from .tracking import Fit, Scene
 
 Float = npt.NDArray[np.float64]
 INSIDE_PX = (2.5, 4.5)
-SMEARED = 0.04
-THIN = 16
+SMEARED_SHARE = 0.04
+MIN_SAMPLES = 16
 BIASED_PX, BIASED, MAX_BIASED = 0.15, 6.0, 0.15
 
 
@@ -32,11 +32,11 @@ def measured_stations(
     greys = np.full((len(INSIDE_PX), len(fits), count), np.nan)
     for row, (frame, one) in enumerate(fits):
         pictures = (frame.luma, scene.floor)
-        found, slope = measure(pictures, scene.maps, shape, one.pose, reach)
+        found, slope = measure_edge_offsets(pictures, scene.maps, shape, one.pose, reach)
         scale = np.hypot(slope[:, 0], slope[:, 1])
         offsets[row, visible] = found / scale
         greys[:, row, visible] = _inside(frame, scene, shape, (one.pose, found / scale))
-    return offsets, _solid(greys, float(np.median(scene.floor[::THIN, ::THIN])))
+    return offsets, _solid(greys, float(np.median(scene.floor[::MIN_SAMPLES, ::MIN_SAMPLES])))
 
 
 def _solid(greys: Float, floor: float) -> Float:
@@ -46,8 +46,8 @@ def _solid(greys: Float, floor: float) -> Float:
     the least depth: deeper levels count where, over all frames and on both sides, they stand out
     more from the floor.
     """
-    standing = [stands_out(grey, floor) for grey in greys]
-    smeared = standing[1] > (1 + SMEARED) * standing[0]
+    standing = [station_contrast(grey, floor) for grey in greys]
+    smeared = standing[1] > (1 + SMEARED_SHARE) * standing[0]
     return np.where(smeared, greys[1], greys[0])
 
 
@@ -66,7 +66,7 @@ def _inside(frame: Frame, scene: Scene, shape: Shape, at: tuple[Float, Float]) -
     height, width = frame.luma.shape
     ok = (uv > 1).all(axis=1) & (uv[:, 0] < width - 3) & (uv[:, 1] < height - 3)
     ok &= np.isfinite(np.tile(offset_bl, len(INSIDE_PX)))
-    return picked(frame.luma, uv, ok).reshape(len(INSIDE_PX), -1)
+    return bilinear_at(frame.luma, uv, ok).reshape(len(INSIDE_PX), -1)
 
 
 def without_biased(template: Template, offsets_px: Float) -> Template:

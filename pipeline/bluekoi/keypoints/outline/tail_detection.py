@@ -8,13 +8,13 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from .edges import MIN_CONTRAST, Pictures, pick
+from .edges import MIN_CONTRAST, Pictures, bilinear
 
 Float = npt.NDArray[np.float64]
 SWEEP_RAD = 1.1
 RAYS = 31
 TURN_RAD = 0.5
-FARTHEST, STRIDE_PX = 1.5, 0.5
+MAX_TAIL_RATIO, STRIDE_PX = 1.5, 0.5
 PLATEAU = (0.45, 0.75)
 MIN_PLATEAU = 0.8
 BORDER_PX = 18.0
@@ -96,7 +96,7 @@ def tail_length(
     of the stated length. Its length is that of a cubic through the traced places, whose scatter
     would lengthen it. Arguments as of `trace`.
     """
-    count = int((FARTHEST * length_px - 3.0) / STRIDE_PX)
+    count = int((MAX_TAIL_RATIO * length_px - 3.0) / STRIDE_PX)
     height, width = pictures[0].shape
     reach = 0.45 * length_px + 2.0
     within = reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach
@@ -208,7 +208,7 @@ def _bearing(
 @numba.njit(cache=True, error_model="numpy")
 def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
-    depth = pick(pictures[1], u, v) - skin
+    depth = bilinear(pictures[1], u, v) - skin
     if abs(depth) < MIN_CONTRAST:
         return 0.0
-    return min(max((depth + skin - pick(pictures[0], u, v)) / depth, 0.0), 1.0)
+    return min(max((depth + skin - bilinear(pictures[0], u, v)) / depth, 0.0), 1.0)

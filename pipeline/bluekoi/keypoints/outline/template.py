@@ -154,7 +154,9 @@ def _egg(angles: Float, head_bl: float, half_bl: float) -> Float:
     return np.where(c > 0, ahead, half_bl / np.maximum(s, 0.3))
 
 
-def learned(template: Template, offsets_bl: Float, skins: Float, share: float = 1.0) -> Template:
+def with_learned_stations(
+    template: Template, offsets_bl: Float, skins: Float, share: float = 1.0
+) -> Template:
     """Template whose stations moved by the median offset seen over frames and both sides.
 
     offsets_bl: (frames, stations of both parts and sides), NaN where not seen. skins: grey levels,
@@ -180,7 +182,7 @@ def learned(template: Template, offsets_bl: Float, skins: Float, share: float = 
     )
 
 
-def stands_out(greys: Float, floor: float) -> Float:
+def station_contrast(greys: Float, floor: float) -> Float:
     """How much each station's grey level, usual over frames and both sides, differs from a floor's.
 
     greys: (frames, stations of both parts and sides). Neighbours are taken together, so that

@@ -13,18 +13,18 @@ from ...data import Frame
 from .background import Image
 from .edges import HALF_PX
 from .plane import Plane
-from .posefit import Shape, fit, summary
+from .posefit import Shape, fit, fit_summary
 from .search import Blob, blobs, poses_of
 from .tail_detection import tail_length, trace
 from .template import Template
-from .variance import Clues, clues, kernels
+from .variance import VarianceStatistics, covariance_kernels, variance_statistics
 
 Float = npt.NDArray[np.float64]
-PRIOR = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
+PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MAX_BEND = 0.7
 CLUE_EVERY = 2
-UNTRACED = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
+NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_FRAMES = 8
 NEAR_BL = 0.042
 STEPS_BL = (0.042, 0.024)
@@ -60,7 +60,7 @@ class Fit:
 
     pose: Float
     information: Float
-    clues: Clues | None
+    clues: VarianceStatistics | None
     support: tuple[float, float, float]
     nearness: float
     tail: tuple[Float, float, float, tuple[float, float, float]]
@@ -68,7 +68,7 @@ class Fit:
     length: float = math.nan
 
 
-def reaches(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
+def search_lengths_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     """Search lengths in px, at least what an edge needs."""
     px = [max(HALF_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl]
     return np.array([min(p, 40) for p in px], dtype=np.int64)
@@ -95,47 +95,51 @@ def fitted(
     known: kernels (K, n, n) to gather clues of the fit's variance with.
     """
     pose, offset, weight, slope = fit(
-        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR, width_px)
+        (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
     )
     limits = (tolerance_px(scene), NEAR_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
-    information, share = summary(found, shape[2], pose[2], limits)
-    signs = None if known is None else clues(found, float(pose[2]), PRIOR, known)
+    information, share = fit_summary(found, shape[2], pose[2], limits)
+    signs = (
+        None
+        if known is None
+        else variance_statistics(found, float(pose[2]), PRIOR_PRECISION, known)
+    )
     pose[2] = start[2] + math.remainder(pose[2] - start[2], 2 * math.pi)
     head, core, both, nearness = share.tolist()
-    return Fit(pose, information, signs, (head, core, both), nearness, UNTRACED, float(offset[0]))
+    return Fit(pose, information, signs, (head, core, both), nearness, NO_TAIL, float(offset[0]))
 
 
 def redetected(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
     """The best fit to any blob of a frame, either way round; None where none is good enough."""
     seen = blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
-    return found_among(seen, frame, scene, template, shape)
+    return best_fit_of_blobs(seen, frame, scene, template, shape)
 
 
-def found_among(
+def best_fit_of_blobs(
     seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: Shape
 ) -> Fit | None:
     """The best fit to any of these blobs, either way round; None where none is good enough."""
-    steps = reaches(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
+    steps = search_lengths_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
     starts = [
         pose
         for blob in seen
-        if plausible(blob, template)
+        if is_plausible_blob(blob, template)
         for pose in poses_of(blob, template, scene.head_angle_rad)
     ]
     tried = [fitted(frame, scene, shape, start, steps) for start in starts]
     best = max(tried, key=lambda one: one.support[2], default=None)
-    return best if best is not None and good(best, scene) else None
+    return best if best is not None and is_good_fit(best, scene) else None
 
 
-def plausible(blob: Blob, template: Template) -> bool:
+def is_plausible_blob(blob: Blob, template: Template) -> bool:
     """Whether a blob is of the robot's order of size and grey level."""
     if abs(blob.skin - template.skin) > 0.5 * abs(blob.contrast):
         return False
     return 0.35 * template.area_bl2 < blob.area_bl2 < 4.0 * template.area_bl2
 
 
-def good(one: Fit, scene: Scene) -> bool:
+def is_good_fit(one: Fit, scene: Scene) -> bool:
     """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
     bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
     return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MAX_BEND
@@ -146,8 +150,10 @@ def follow(
 ) -> tuple[list[float], list[Fit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
     shape = template.shape()
-    known = kernels(*template.turned(scene.head_angle_rad), template.head_bl + template.core_bl)
-    steps = reaches(scene, *STEPS_BL)
+    known = covariance_kernels(
+        *template.turned(scene.head_angle_rad), template.head_bl + template.core_bl
+    )
+    steps = search_lengths_px(scene, *STEPS_BL)
     times: list[float] = []
     fits: list[Fit | None] = []
     for frame in film:
@@ -156,7 +162,7 @@ def follow(
         one = (
             start if start is None else fitted(frame.luma, scene, shape, start, steps, known=asked)
         )
-        if one is None or not good(one, scene):
+        if one is None or not is_good_fit(one, scene):
             one = redetected(frame.luma, scene, template, shape)
         times.append(frame.time_s)
         fits.append(None if one is None else with_tail(frame.luma, scene, template, one))

@@ -21,13 +21,13 @@ import numpy as np
 import numpy.typing as npt
 
 Float = npt.NDArray[np.float64]
-PATCH, DRIFT = 0.045, 0.11
+PATCH, DRIFT_LENGTH = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
 CLIPPED = 9.0
 
 
 @dataclass(frozen=True)
-class Clues:
+class VarianceStatistics:
     """What one frame's offsets say of the variances, for K kernels.
 
     forms: (K,) r' K_j r, px^2. expected: (K, K) of them for each variance 1. spread: (K, 5, 5)
@@ -39,29 +39,31 @@ class Clues:
     spread: Float
 
 
-def kernels(points_bl: Float, normals: Float, length_bl: float) -> Float:
+def covariance_kernels(points_bl: Float, normals: Float, length_bl: float) -> Float:
     """Kernels (K, n, n) of outline points (n, 2), outward normals (n, 2), of a body of a length:
     own noise, light that moves edges in or out, light that moves them one way.
     """
     apart = np.hypot(*(points_bl[:, None] - points_bl).transpose(2, 0, 1)) / length_bl
-    patch, drift = (np.exp(-0.5 * (apart / scale) ** 2) for scale in (PATCH, DRIFT))
+    patch, drift = (np.exp(-0.5 * (apart / scale) ** 2) for scale in (PATCH, DRIFT_LENGTH))
     return np.stack([np.eye(len(points_bl)), patch, drift * (normals @ normals.T)])
 
 
-def clues(found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float) -> Clues:
+def variance_statistics(
+    found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
+) -> VarianceStatistics:
     """Clues of one fitted frame.
 
     found: offsets left (n,) px, weights (n,), slopes (n, 5) in pool axes. heading: rad, of the
     core. prior: (5,) information of the fit's prior. known: (K, n, n) kernels.
     """
-    return Clues(*_clues(found, heading, np.diag(prior), known))
+    return VarianceStatistics(*_clues(found, heading, np.diag(prior), known))
 
 
 @numba.njit(cache=True, error_model="numpy")
 def _clues(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
-    """Forms, expected, spread of `Clues`."""
+    """Forms, expected, spread of `VarianceStatistics`."""
     rows, seen = _rows(found, heading, prior)
     n, count = len(rows), len(known)
     forms, expected = np.zeros(count), np.zeros((count, count))
@@ -111,7 +113,7 @@ def _kernel_products(one: Float, other: Float, seen: Float) -> float:
     return total
 
 
-def usual_covariance(frames: Sequence[Clues]) -> Float:
+def usual_covariance(frames: Sequence[VarianceStatistics]) -> Float:
     """Mean covariance (5, 5) of pose and width in body axes over frames."""
     residue = np.array([one.forms[0] for one in frames])
     kept = [

@@ -15,6 +15,7 @@ from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
     Series,
+    added_force,
     filter_all,
     fit_noise,
     smooth,
@@ -26,9 +27,7 @@ from bluekoi.mismatch import (
     folds,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
-from bluekoi.mismatch.data_split import held_out_trials
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
-from bluekoi.mismatch.locate import added_force
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.sentences import sentence
 from bluekoi.model import plates
@@ -43,6 +42,7 @@ from bluekoi.stages.mismatch import (
     with_rigid_distances,
 )
 from bluekoi.study import Study
+from bluekoi.study.data_split import held_out_trials
 from bluekoi.synthetic.design import bare_design
 from bluekoi.tuning import downsampled, tune
 from bluekoi.tuning.identify import profiles

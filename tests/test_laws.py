@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.fitting import Free
+from bluekoi.fitting import Free, missing_force
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.laws import OWN, bins, cause_laws
-from bluekoi.mismatch.locate import missing_force
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
 from bluekoi.tuning.joint import downsampled, tune

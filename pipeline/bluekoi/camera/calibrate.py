@@ -64,15 +64,10 @@ class Calibration:
 
 
 def calibrate_files(
-    images: Sequence[str | Path],
-    *,
-    pattern: str = "9x6",
-    square_mm: float = 25.0,
-    board: str = "chessboard",
-    model: str = "auto",
-    out: str | Path = "camera.yaml",
-    picture: str | Path | None = None,
-) -> Calibration:
+    images: Sequence[str | Path], *, pattern: str = "9x6", square_mm: float = 25.0, board: str =
+    "chessboard", model: str = "auto", out: str | Path = "camera.yaml", picture: str | Path | None =
+    None,
+) -> Calibration:  # fmt: skip
     """Calibration written to `out` as a camera section for study.yaml, with a picture beside it.
 
     images: photographs or videos of the board, or a single lens-profile json. pattern: inner

@@ -53,14 +53,9 @@ def pose(
 
 
 def pose_near(
-    lens: Lens,
-    corners_px: Float,
-    corners_m: Float,
-    index: float,
-    *,
-    rotation: Float,
-    translation: Float,
-) -> tuple[Float, Float, Float]:
+    lens: Lens, corners_px: Float, corners_m: Float, index: float, *, rotation: Float, translation:
+    Float,
+) -> tuple[Float, Float, Float]:  # fmt: skip
     """Rotation (3, 3), translation (3,), residuals (4, 2) px of the nearest pose to a first order.
 
     One Gauss-Newton step from the pose found for a lens and corners that hardly differ.

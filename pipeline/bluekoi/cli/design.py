@@ -34,18 +34,10 @@ if TYPE_CHECKING:
 @click.option("--tested-only", is_flag=True, help="Answer from the tested range alone.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
 def design(
-    *,
-    study: Path,
-    results: Path | None,
-    model: str | None,
-    powers: tuple[float, ...],
-    angles_deg: tuple[float, ...],
-    lengths_m: tuple[float, ...],
-    other: tuple[str, ...],
-    speed_m_s: float,
-    tested_only: bool,
-    out: Path | None,
-) -> None:
+    *, study: Path, results: Path | None, model: str | None, powers: tuple[float, ...], angles_deg:
+    tuple[float, ...], lengths_m: tuple[float, ...], other: tuple[str, ...], speed_m_s: float,
+    tested_only: bool, out: Path | None,
+) -> None:  # fmt: skip
     """Speed and radius of other designs of STUDY's robot, and the tightest turn among them.
 
     Writes designs.csv and designs.png; designs that no other beats in speed and radius are on the

@@ -42,18 +42,9 @@ from .numbers import Finite
 )
 @click.option("--quiet", is_flag=True, help="No lines of progress.")
 def explain(
-    *,
-    model: Path,
-    data: Path,
-    out: Path | None,
-    others: tuple[Path, ...],
-    left_out: bool,
-    known_s: float,
-    candidates: str | None,
-    without: str | None,
-    sets: tuple[str, ...],
-    quiet: bool,
-) -> None:
+    *, model: Path, data: Path, out: Path | None, others: tuple[Path, ...], left_out: bool, known_s:
+    float, candidates: str | None, without: str | None, sets: tuple[str, ...], quiet: bool,
+) -> None:  # fmt: skip
     """Which causes the model in MODEL.py leaves out of the recordings in the folder DATA.
 
     MODEL.py is run as a program: use only files that you would run yourself. Writes

@@ -43,20 +43,10 @@ PICTURES = (".png", ".pdf", ".svg")
 @click.option("--out", type=click.Path(path_type=Path), help="csv to write the path to.")
 @click.option("--picture", type=click.Path(path_type=Path), help="png, pdf or svg to draw it to.")
 def simulate(
-    *,
-    study: Path,
-    flap_hz: float | None,
-    power_pct: float | None,
-    head_angle_deg: float | None,
-    schedule: Path | None,
-    manoeuvre: str | None,
-    head_length_m: float | None,
-    seconds: float | None,
-    results: Path | None,
-    model: str | None,
-    out: Path | None,
-    picture: Path | None,
-) -> None:
+    *, study: Path, flap_hz: float | None, power_pct: float | None, head_angle_deg: float | None,
+    schedule: Path | None, manoeuvre: str | None, head_length_m: float | None, seconds: float |
+    None, results: Path | None, model: str | None, out: Path | None, picture: Path | None,
+) -> None:  # fmt: skip
     """Simulate the robot of STUDY from rest, under constant commands or a schedule of them."""
     from ..study import load_study  # noqa: PLC0415
 

@@ -56,15 +56,9 @@ def _span(values: Sequence[float]) -> tuple[float, float]:
 
 
 def designs(
-    fit: Fitted,
-    setup: Setup,
-    tested: Range,
-    *,
-    powers: Sequence[float],
-    angles_deg: Sequence[float],
-    lengths_m: Sequence[float],
-    other: Mapping[str, Sequence[float]] | None = None,
-) -> list[Design]:
+    fit: Fitted, setup: Setup, tested: Range, *, powers: Sequence[float], angles_deg:
+    Sequence[float], lengths_m: Sequence[float], other: Mapping[str, Sequence[float]] | None = None,
+) -> list[Design]:  # fmt: skip
     """Every combination with its steady speed and radius and their 95 % bands.
 
     other: values of further keys of `robot` in study.yaml, such as `mass_kg`; nothing else about

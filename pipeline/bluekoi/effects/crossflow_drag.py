@@ -35,17 +35,9 @@ PARAMETERS = (
 
 
 def force(
-    rho: float,
-    span: float,
-    x_hinge: float,
-    x_tail: float,
-    l_tail: float,
-    vc: float,
-    rc: float,
-    C: float,
-    q: float,
-    w: float,
-) -> tuple[float, float, float]:
+    rho: float, span: float, x_hinge: float, x_tail: float, l_tail: float, vc: float, rc: float, C:
+    float, q: float, w: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Sway (N) and yaw (N m) from five strips between hinge and tail base, and one behind."""
     middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
     k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831

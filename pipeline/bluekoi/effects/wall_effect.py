@@ -29,19 +29,9 @@ PARAMETERS = (
 
 
 def force(
-    rho: float,
-    A: float,
-    x: float,
-    y: float,
-    L_pool: float,
-    W_pool: float,
-    uc: float,
-    vc: float,
-    V: float,
-    k: float,
-    s: float,
-    w: float,
-) -> tuple[float, float, float]:
+    rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, uc: float, vc: float, V:
+    float, k: float, s: float, w: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
     left, right = max(x, 0.0) / s, max(L_pool - x, 0.0) / s
     low, high = max(y, 0.0) / s, max(W_pool - y, 0.0) / s

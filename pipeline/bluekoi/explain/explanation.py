@@ -92,14 +92,10 @@ class Explanation:
 
 
 def explain(
-    model: Model,
-    trials: Sequence[Trial],
-    *,
-    candidates: Sequence[str] | None = None,
-    without: Sequence[str] = (),
-    compare: Sequence[Sequence[str]] = (),
-    progress: Callable[[str], None] = silent,
-) -> Explanation:
+    model: Model, trials: Sequence[Trial], *, candidates: Sequence[str] | None = None, without:
+    Sequence[str] = (), compare: Sequence[Sequence[str]] = (), progress: Callable[[str], None] =
+    silent,
+) -> Explanation:  # fmt: skip
     """Which of the model's causes act in the trials.
 
     candidates: names of the causes to ask for, all by default; without: names to leave out;

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -89,17 +90,22 @@ def _cause(found: Explanation, named: Named) -> dict[str, Any]:
 
 def rivals(found: Explanation) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    taken = {c.name for c in found.named}
-    out = []
-    for cause in found.named:
-        for other, p in cause.alternatives.items():
-            name = _shown(found, other)
-            if p >= MIN_RIVAL and name not in taken:
-                taken.add(name)
-                out.append({"name": name, "in_place_of": cause.name, "weight": p})
-    out += [{"name": n, "in_place_of": "", "weight": p} for n, p in found.probabilities.items()
-            if p >= MIN_RIVAL and n not in taken]  # fmt: skip
-    return sorted(out, key=lambda r: -float(str(r["weight"])))
+    return rival_rows(found.named, found.probabilities, partial(_shown, found))
+
+
+def rival_rows(
+    named: Sequence[Named], inclusion: Mapping[str, float], shown: Callable[[str], str]
+) -> list[dict[str, Any]]:
+    """Rivals of named causes: name as shown, in_place_of (empty: beside them) and weight."""
+    taken, out = {c.name for c in named}, list[dict[str, Any]]()
+    pairs = [(c.name, n, p) for c in named for n, p in c.alternatives.items()]
+    pairs += [("", n, p) for n, p in inclusion.items()]
+    for place, other, p in pairs:
+        name = shown(other)
+        if p >= MIN_RIVAL and name not in taken:
+            taken.add(name)
+            out.append({"name": name, "in_place_of": place, "weight": p})
+    return sorted(out, key=lambda r: -float(r["weight"]))
 
 
 def _shown(found: Explanation, name: str) -> str:

@@ -64,14 +64,9 @@ def _styles(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Styl
 
 
 def _line(
-    axes: Axes,
-    at: Float,
-    values: Sweep,
-    row: PowerFit,
-    *,
-    styles: dict[float, Style],
-    label: str | None = None,
-) -> None:
+    axes: Axes, at: Float, values: Sweep, row: PowerFit, *, styles: dict[float, Style], label: str |
+    None = None,
+) -> None:  # fmt: skip
     """Prediction for one power with its 95 % band; dashed for untested powers."""
     colour = styles[row.power_pct].colour
     axes.plot(at, values.best, color=colour, ls="-" if row.tested else "--", label=label)

@@ -5,6 +5,7 @@ from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
 from .free_run import FreeRun, free_runs
 from .joint import Fit, conditional_response, fit, pseudo_inverse
+from .missing_force import MissingForce, added_force, missing_force
 from .noise import fit_noise
 from .normal import (
     Normal,
@@ -32,12 +33,14 @@ __all__ = [
     "Fit",
     "Free",
     "FreeRun",
+    "MissingForce",
     "Noise",
     "Normal",
     "PathFit",
     "Series",
     "TrialEffect",
     "TrialRandomEffect",
+    "added_force",
     "block_averaged",
     "cluster_covariance",
     "conditional_response",
@@ -52,6 +55,7 @@ __all__ = [
     "free_runs",
     "inverse_fisher",
     "log_likelihoods",
+    "missing_force",
     "newton_step_off_bounds",
     "normal_equations",
     "off_bounds",

@@ -51,17 +51,10 @@ class Fit:
 
 
 def fit(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    free: Sequence[Free],
-    noise: Noise,
-    *,
-    start: Mapping[str, float] | None = None,
-    iterations: int = 25,
-    tolerance: float = 1e-3,
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], noise: Noise, *,
+    start: Mapping[str, float] | None = None, iterations: int = 25, tolerance: float = 1e-3,
     predictor: FilterResults | None = None,
-) -> Fit:
+) -> Fit:  # fmt: skip
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
     start: values by label; without it the parameters' own starts. Ends with the step that changes

@@ -27,16 +27,9 @@ LOG_RANGE = 4.0
 
 
 def fit_noise(
-    kernel: Kernel,
-    series: Sequence[Series],
-    values: Sequence[Float],
-    noise: Noise,
-    *,
-    rounds: int = 2,
-    max_trials: int = 12,
-    forces_only: bool = False,
-    line_searches: bool = True,
-) -> Noise:
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *, rounds: int
+    = 2, max_trials: int = 12, forces_only: bool = False, line_searches: bool = True,
+) -> Noise:  # fmt: skip
     """Random forces, correlated tracking errors and white noise of maximum likelihood.
 
     One strength after the other, each by a parabola through three likelihoods over its logarithm,

@@ -60,15 +60,9 @@ def slots_by_name(kernel: Kernel) -> dict[str, int]:
 
 @np.errstate(over="ignore", invalid="ignore")  # `Normal.usable` is False for a model that diverges
 def normal_equations(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    free: Sequence[Free],
-    values: Float,
-    *,
-    noise: Noise,
-    predictor: FilterResults | None = None,
-) -> Normal:
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], values: Float, *,
+    noise: Noise, predictor: FilterResults | None = None,
+) -> Normal:  # fmt: skip
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
     predictor: gains of a filter at another point over the same series, held in place of a new

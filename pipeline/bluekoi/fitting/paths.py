@@ -61,17 +61,10 @@ NO_ARROW = _Arrow(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_paths(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    free: Sequence[Free],
-    *,
-    start: Mapping[str, float] | None = None,
-    open_states: int = 6,
-    iterations: int = 40,
-    tolerance: float = 1e-3,
-    shares: Sequence[float] = SHARES,
-) -> PathFit:
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], *, start:
+    Mapping[str, float] | None = None, open_states: int = 6, iterations: int = 40, tolerance: float
+    = 1e-3, shares: Sequence[float] = SHARES,
+) -> PathFit:  # fmt: skip
     """Levenberg-Marquardt on trajectories, starting states free, bounds kept.
 
     shares: of each trial's frames, one after the other, the last one 1; (1.0,) where the start is

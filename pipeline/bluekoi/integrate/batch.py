@@ -31,19 +31,10 @@ def active_effects(system: System, values: Float) -> np.ndarray:
 
 
 def propagate(
-    kernel: Kernel,
-    state: Float,
-    values: Float,
-    constants: Float,
-    *,
-    times: Float,
-    inputs: Float,
-    frames: np.ndarray | None = None,
-    seen: Float | None = None,
-    gains: Float | None = None,
-    keep_states: bool = False,
-    step_s: float | None = None,
-) -> tuple[Float, Float]:
+    kernel: Kernel, state: Float, values: Float, constants: Float, *, times: Float, inputs: Float,
+    frames: np.ndarray | None = None, seen: Float | None = None, gains: Float | None = None,
+    keep_states: bool = False, step_s: float | None = None,
+) -> tuple[Float, Float]:  # fmt: skip
     """Observations `(blocks, frames, observations, 16)` and states `(blocks, frames, states, 16)`.
 
     state (blocks, states, 16), values (blocks, parameters, 16), constants (blocks, constants, 16),

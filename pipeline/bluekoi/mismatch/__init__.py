@@ -2,16 +2,14 @@
 
 from .find import Found, find_mismatch
 from .free_run_errors import PathErrors, path_errors
-from .locate import Dependence, MissingForce, dependences, folds, missing_force
+from .locate import Dependence, dependences, folds
 
 __all__ = [
     "Dependence",
     "Found",
-    "MissingForce",
     "PathErrors",
     "dependences",
     "find_mismatch",
     "folds",
-    "missing_force",
     "path_errors",
 ]

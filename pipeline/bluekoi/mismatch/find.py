@@ -22,23 +22,25 @@ from ..engine import (
     without_discrepancy,
 )
 from ..engine.naming import NAMED, UNEXPLAINED, gain
-from ..fitting import Free, Series, cluster_covariance, fit_paths, inverse_fisher
+from ..fitting import (
+    Free,
+    MissingForce,
+    Series,
+    added_force,
+    cluster_covariance,
+    fit_paths,
+    inverse_fisher,
+    missing_force,
+)
 from ..integrate import Kernel, compiled
 from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
-from ..tuning import Tuned, downsampled, tune
+from ..study.data_split import has_roles, held_out_trials
+from ..tuning import Tuned, downsampled, steady_errors, tune
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
-from .data_split import has_roles, held_out_trials
-from .free_run_errors import path_errors, steady_errors
-from .locate import (
-    Dependence,
-    MissingForce,
-    added_force,
-    covariates,
-    dependences,
-    missing_force,
-)
+from .free_run_errors import path_errors
+from .locate import Dependence, covariates, dependences
 from .robot_problem import robot_problem
 
 MIN_UNIT = 0.1

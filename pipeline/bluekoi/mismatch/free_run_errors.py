@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..data import Float, Steady
+from ..data import Float
 from ..fitting import (
     Noise,
     Series,
@@ -26,14 +26,10 @@ from ..fitting import (
 )
 from ..integrate import Kernel
 from ..integrate.batch import threaded_map
-from ..model import simulate
 from ..study import Study
 from ..tuning import Tuned
-from ..tuning.stability import growth_per_s
+from ..tuning.stability import predictability_horizon_s
 
-GROWTH = 6.0
-"""Small differences may grow by e^6 = 400 over a stretch: from 0.1 mm to 40 mm."""
-MIN_HORIZON_S = 1.0
 FLOOR_SEED = 20240517
 FLOOR_DRAWS = 3
 FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
@@ -85,22 +81,6 @@ def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) 
     draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
              for _ in range(FLOOR_DRAWS)]  # fmt: skip
     return [_rmse(kernel, tuned, draw) for draw in draws]
-
-
-def predictability_horizon_s(
-    study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Series]
-) -> float:
-    """Time in which small differences grow by e^`GROWTH` in straight swimming, s."""
-    times = [np.inf]
-    flap = {s.group: float(s.inputs[-1, 1]) for s in series}
-    values = tuned.trial_values(kernel, series)
-    for group, hz in flap.items():
-        point = next(v for s, v in zip(series, values, strict=True) if s.group == group)
-        coefficients, effects = kernel.system.named_values(point)
-        growth = growth_per_s(coefficients, setup=study.setup, flap_hz=hz, effects=effects)
-        if growth > 0:
-            times.append(GROWTH / growth)
-    return max(MIN_HORIZON_S, min(times))
 
 
 def segments_of(
@@ -201,42 +181,3 @@ def segment_noise(kernel: Kernel, one: Series, values: Float, noise: Noise) -> N
             if found > likelihood:
                 best, likelihood = candidate, found
     return best
-
-
-def steady_errors(
-    study: Study,
-    kernel: Kernel,
-    tuned: Tuned,
-    series: Sequence[Series],
-    steady: Mapping[str, Steady],
-) -> dict[str, float]:
-    """Mean size of the errors in steady radius and speed of trials, %; NaN where there are none."""
-    speeds: list[float] = []
-    radii: list[float] = []
-    for one, values in zip(series, tuned.trial_values(kernel, series), strict=True):
-        seen = steady.get(one.name)
-        if seen is None or seen.quality not in ("good", "short_arc", "straight"):
-            continue
-        speed, radius = _steady_turn(study, kernel, one, seen, values)
-        speeds.append(abs(speed / seen.speed_m_s - 1))
-        if np.isfinite(seen.radius_m) and seen.quality != "straight" and np.isfinite(radius):
-            radii.append(abs(radius / seen.radius_m - 1))
-    mean = [100 * float(np.mean(v)) if v else np.nan for v in (radii, speeds)]
-    return {"radius_error_pct": mean[0], "speed_error_pct": mean[1]}
-
-
-def _steady_turn(
-    study: Study, kernel: Kernel, one: Series, seen: Steady, values: Float
-) -> tuple[float, float]:
-    """Speed (m/s) and radius (m) of a free run, over the steady segment of the recording."""
-    coefficients, effects = kernel.system.named_values(values)
-    trial = study.trial(one.name)
-    run = simulate(
-        coefficients, setup=study.setup, head_length_m=trial.head_length_m,
-        head_angle_rad=trial.head_angle_rad, flap_hz=seen.flap_hz, effects=effects,
-        duration_s=max(seen.steady_to_s, 1.0), start=tuple(one.mean[:6].tolist()),
-    )  # fmt: skip
-    inside = run.time_s >= min(seen.steady_from_s, run.time_s[-2])
-    speed = float(run.speed_m_s[inside].mean())
-    yaw_rate = abs(float(run.state[inside, 5].mean()))
-    return speed, speed / yaw_rate if yaw_rate > 1e-6 else np.inf

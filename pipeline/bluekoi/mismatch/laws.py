@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..fitting import Series, slots_by_name
+from ..fitting import MissingForce, Series, added_force, slots_by_name
 from ..integrate import Kernel
 from ..study import Trial
 from ..tuning import Tuned
 from ..tuning.joint import Z_95
-from .locate import CHANNELS, MissingForce, added_force, covariates
+from .locate import CHANNELS, covariates
 
 BINS, MIN_IN_BIN = 15, 3
 UNITS = ("N", "N", "N m")

@@ -14,14 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from ..fitting import Noise, Series, disturbance_slots, filter_all, smooth
-from ..fitting.filtering import with_noise
-from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
+from ..fitting import MissingForce, Series
 from ..study import Trial
 
 FOLDS, DEGREE = 6, 3
-IMPULSE_S = 1e-3
 MIN_SHARE = 0.02
 MAX_VARIABLES = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
@@ -32,17 +28,6 @@ WEAK_MIN_SHARE, WEAK_MIN_CHANNEL = 0.3, 0.002
 force, which is at least that share of all.
 """
 CHANNELS = ("surge", "sway", "yaw")
-
-
-@dataclass(frozen=True)
-class MissingForce:
-    """Smoothed missing force of one trial: force and std (n, channels), states (n, states)."""
-
-    name: str
-    times: Float
-    force: Float
-    std: Float
-    states: Float
 
 
 @dataclass(frozen=True)
@@ -57,63 +42,6 @@ class Dependence:
     share: float
     trials: tuple[str, ...]
     adds: float = 0.0
-
-
-def missing_force(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> list[MissingForce]:
-    """`MissingForce` of every trial around a fitted model."""
-    slots = disturbance_slots(kernel, acting=True)
-    out = []
-    for one, result in zip(series, filter_all(kernel, series, values, noise), strict=True):
-        mean, cov = smooth(result)
-        std = np.sqrt(np.maximum(np.einsum("nii->ni", cov[:, slots][:, :, slots]), 0.0))
-        out.append(MissingForce(one.name, one.times, mean[:, slots], std, mean))
-    return out
-
-
-def added_force(
-    kernel: Kernel,
-    series: Sequence[Series],
-    on: Sequence[Float],
-    off: Sequence[Float],
-    noise: Noise,
-) -> list[Float]:
-    """Force (n, channels) that a model's additions exert along the smoothed path of each trial.
-
-    on, off: full parameter vectors of every trial with and without the additions. The force is what
-    changes the velocities over a moment as the additions do, by the change that a unit of each
-    random force makes.
-    """
-    out = []
-    for one, result, with_, without in zip(
-        series, filter_all(kernel, series, on, noise), on, off, strict=True
-    ):
-        state, _ = smooth(result)
-        out.append(_force_difference(kernel, one, state, with_noise(kernel, with_, noise),
-                               without=with_noise(kernel, without, noise)))  # fmt: skip
-    return out
-
-
-def _force_difference(
-    kernel: Kernel, one: Series, state: Float, with_: Float, *, without: Float
-) -> Float:
-    slots, n = disturbance_slots(kernel, acting=True), len(one.times)
-    lanes = np.repeat(state[:, :, None], LANES, axis=2)
-    for k, slot in enumerate(slots):
-        lanes[:, slot, 2 + k] += 1.0
-    values = np.repeat(without[:, None], LANES, axis=1)
-    values[:, 0] = with_
-    constants = np.repeat(one.constants[:, None], LANES, axis=1)
-    _, after = propagate(
-        kernel, lanes, np.repeat(values[None], n, axis=0), np.repeat(constants[None], n, axis=0),
-        times=one.times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
-        inputs=np.repeat(one.inputs[:, None], 2, axis=1),
-    )  # fmt: skip
-    own = after[:, 1, : len(kernel.system.states)]
-    with np.errstate(invalid="ignore"):
-        moved = np.nan_to_num(own - own[:, :, 1:2], posinf=0.0, neginf=0.0)  # a model that ran away
-    return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
 
 
 def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..engine import Named
 from ..engine.naming import UNEXPLAINED
+from ..explain.results_json import rival_rows
 from ..fitting import Series
 from ..integrate import Effect
 from ..model import is_residual, plates, residual_channels
@@ -20,8 +21,6 @@ from .locate import CHANNELS
 from .next_trial import next_trial
 from .robot_problem import CAMERA_SHIFT
 from .sentences import sentence, unexplained_sentence
-
-MIN_RIVAL = 0.02
 
 
 def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
@@ -79,7 +78,7 @@ def _cause(found: Found, cause: Named) -> dict[str, Any]:
 
 def credible_set(cause: Named) -> list[str]:
     """The fewest causes of a place, the most probable first, that hold 90 % of it."""
-    return [UNEXPLAINED if is_residual(n) else n for n in cause.credible_set]
+    return [_shown(n) for n in cause.credible_set]
 
 
 def _regime(found: Found, effect: Effect) -> str:
@@ -139,37 +138,31 @@ def _channels(term: str) -> tuple[str, ...]:
 
 def rivals(found: Found) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
-    out: list[dict[str, Any]] = []
-    taken = {c.name for c in found.named}
-    for cause in found.named:
-        for other, probability in cause.alternatives.items():
-            name = UNEXPLAINED if is_residual(other) else other
-            if probability >= MIN_RIVAL and name not in taken:
-                taken.add(name)
-                out.append({"name": name, "in_place_of": cause.name, "weight": probability,
-                            "how_to_tell_apart": _apart(cause.name, name)})  # fmt: skip
-    out += [
-        {"name": name, "in_place_of": "", "weight": p, "how_to_tell_apart": _beside(name)}
-        for name, p in found.posterior.inclusion.items()
-        if p >= MIN_RIVAL and name not in taken and not is_residual(name)
-    ]
-    return sorted(out, key=lambda r: -r["weight"])
+    inclusion = {n: p for n, p in found.posterior.inclusion.items() if not is_residual(n)}
+    rows = rival_rows(found.named, inclusion, _shown)
+    return [r | {"how_to_tell_apart": _apart(r["in_place_of"], r["name"])} for r in rows]
 
 
-def _beside(name: str) -> str:
-    regime = plates().effect(name).regime or "all trials"
-    return f"{name} would act in {regime}: film more trials there"
+def _shown(name: str) -> str:
+    return UNEXPLAINED if is_residual(name) else name
 
 
 def _apart(name: str, other: str) -> str:
-    first = plates().effect(name).regime or "all trials"
+    """Where to film to distinguish a rival from the cause in whose place it may act, or at all."""
+    if not name:
+        return f"{other} would act in {_where(other)}: film more trials there"
+    first = _where(name)
     if other == UNEXPLAINED:
         return (
             f"an unlisted force describes these trials about as well as {name}: film where {name} "
             f"should be strongest ({first}) and where it should vanish"
         )
-    second = plates().effect(other).regime or "all trials"
-    return f"{name} acts in {first}, {other} in {second}: film where only one of them should act"
+    return (f"{name} acts in {first}, {other} in {_where(other)}: film where only one of them "
+            "should act")  # fmt: skip
+
+
+def _where(name: str) -> str:
+    return plates().effect(name).regime or "all trials"
 
 
 def where_json(found: Found) -> list[dict[str, Any]]:

@@ -27,12 +27,7 @@ def force(g_surge: float, g_sway: float, g_yaw: float) -> tuple[float, float, fl
 
 
 def own_rates(
-    g_surge: float,
-    g_sway: float,
-    g_yaw: float,
-    tau_surge: float,
-    tau_sway: float,
-    tau_yaw: float,
-) -> tuple[float, float, float]:
+    g_surge: float, g_sway: float, g_yaw: float, tau_surge: float, tau_sway: float, tau_yaw: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Derivatives of the three forces (N/s, N m/s)."""
     return -g_surge / tau_surge, -g_sway / tau_sway, -g_yaw / tau_yaw

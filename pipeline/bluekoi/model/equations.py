@@ -34,18 +34,9 @@ def head(phi: float) -> tuple[float, float]:
 
 
 def flow(
-    l: float,
-    psi: float,
-    u: float,
-    v: float,
-    r: float,
-    cphi: float,
-    sphi: float,
-    wx: float,
-    wy: float,
-    wr: float,
-    wd: float,
-) -> tuple[float, float, float, float, float, float, float, float, float]:
+    l: float, psi: float, u: float, v: float, r: float, cphi: float, sphi: float, wx: float, wy:
+    float, wr: float, wd: float,
+) -> tuple[float, float, float, float, float, float, float, float, float]:  # fmt: skip
     """Directions and velocities relative to water that moves with (wx, wy), m/s, and turns a line
     along the core at wr, rad/s; the head plate, a distance l ahead, meets the water there.
 
@@ -81,20 +72,9 @@ def plate(
 
 
 def force(
-    rho: float,
-    A: float,
-    l: float,
-    rd: float,
-    uh: float,
-    vh: float,
-    cphi: float,
-    sphi: float,
-    T: float,
-    Xh: float,
-    Yh: float,
-    C_Ma: float,
-    C_Md: float,
-) -> tuple[float, float, float]:
+    rho: float, A: float, l: float, rd: float, uh: float, vh: float, cphi: float, sphi: float, T:
+    float, Xh: float, Yh: float, C_Ma: float, C_Md: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway force (N) in the core's frame and yaw moment (N m).
 
     M = q C_Ma sin 2 alpha - C_Md r |r|  (4, 7), r against the water;
@@ -120,21 +100,9 @@ def swing() -> tuple[float]:
 
 
 def rates(
-    u: float,
-    v: float,
-    r: float,
-    swing: float,
-    cpsi: float,
-    spsi: float,
-    X: float,
-    Y: float,
-    N: float,
-    mx: float,
-    my: float,
-    bx: float,
-    by: float,
-    bJ: float,
-) -> tuple[float, float, float, float, float, float]:
+    u: float, v: float, r: float, swing: float, cpsi: float, spsi: float, X: float, Y: float, N:
+    float, mx: float, my: float, bx: float, by: float, bJ: float,
+) -> tuple[float, float, float, float, float, float]:  # fmt: skip
     """Derivatives of x, y, psi, u, v, r: Newton and Euler in the frame of the core (Eq. 8).
 
     mx u' = X + my v w;  my v' = Y - mx u w;  J r' = N - (my - mx) u v;  b is 1/m and 1/J, and

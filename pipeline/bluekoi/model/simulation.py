@@ -77,17 +77,10 @@ def constants(
 
 
 def simulate(
-    coefficients: Mapping[str, float],
-    *,
-    setup: Tank,
-    head_length_m: float,
-    head_angle_rad: float | Float,
-    flap_hz: float | Float,
-    duration_s: float,
-    dt_s: float = STEP_S,
-    start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-    effects: Mapping[str, Mapping[str, float]] | None = None,
-) -> Simulation:
+    coefficients: Mapping[str, float], *, setup: Tank, head_length_m: float, head_angle_rad: float |
+    Float, flap_hz: float | Float, duration_s: float, dt_s: float = STEP_S, start: tuple[float, ...]
+    = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), effects: Mapping[str, Mapping[str, float]] | None = None,
+) -> Simulation:  # fmt: skip
     """Path from `start` (x, y, core heading, surge, sway, yaw rate; default: rest at the origin).
 
     head_angle_rad and flap_hz [Hz] are constants, or schedules sampled at multiples of `dt_s`.
@@ -142,15 +135,10 @@ def _in_world_axes(times: Float, body: Float, head_angle: Float) -> Simulation:
 
 
 def steady_turn(
-    coefficients: Mapping[str, float],
-    *,
-    setup: Tank,
-    head_length_m: float,
-    head_angle_rad: float,
-    flap_hz: float,
-    effects: Mapping[str, Mapping[str, float]] | None = None,
-    settle_s: float = 40.0,
-) -> tuple[float, float]:
+    coefficients: Mapping[str, float], *, setup: Tank, head_length_m: float, head_angle_rad: float,
+    flap_hz: float, effects: Mapping[str, Mapping[str, float]] | None = None, settle_s: float =
+    40.0,
+) -> tuple[float, float]:  # fmt: skip
     """Speed (m/s) and radius (m, positive; inf for a straight run) after all has settled."""
     run = simulate(
         coefficients,

@@ -33,12 +33,8 @@ def observe(
 
 
 def own_rates(
-    e_along: float,
-    e_across: float,
-    e_heading: float,
-    tau_along: float,
-    tau_across: float,
+    e_along: float, e_across: float, e_heading: float, tau_along: float, tau_across: float,
     tau_heading: float,
-) -> tuple[float, float, float]:
+) -> tuple[float, float, float]:  # fmt: skip
     """Derivatives of the three errors (m/s, rad/s)."""
     return -e_along / tau_along, -e_across / tau_across, -e_heading / tau_heading

@@ -44,14 +44,9 @@ class Preview:
 
 
 def spread_frames(
-    paths: Sequence[Path],
-    *,
-    fps: float | None = None,
-    part_s: tuple[float | None, float | None] = (None, None),
-    colour: bool = False,
-    consecutive: bool = False,
-    count: int = FRAMES,
-) -> list[Frame]:
+    paths: Sequence[Path], *, fps: float | None = None, part_s: tuple[float | None, float | None] =
+    (None, None), colour: bool = False, consecutive: bool = False, count: int = FRAMES,
+) -> list[Frame]:  # fmt: skip
     """At most `count` frames of the part (start, end) of a recording, numbered: evenly spread, or
     the first ones.
 

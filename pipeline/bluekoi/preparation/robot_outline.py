@@ -29,16 +29,10 @@ class RobotOutline:
 
 
 def robot_outline(
-    camera: Camera,
-    pool: Pool,
-    robot: Robot,
-    *,
-    com_px: tuple[float, float],
-    toward_px: tuple[float, float],
-    head_angle_rad: float,
-    head_length_m: float | None = None,
+    camera: Camera, pool: Pool, robot: Robot, *, com_px: tuple[float, float], toward_px:
+    tuple[float, float], head_angle_rad: float, head_length_m: float | None = None,
     refractive_index: float = 1.333,
-) -> RobotOutline:
+) -> RobotOutline:  # fmt: skip
     """The robot with its centre of mass at a pixel, its core pointing toward another pixel.
 
     The direction of the head is heading minus head angle. head_length_m: of this trial's head, by

@@ -65,16 +65,9 @@ class KnownMotion:
 
 
 def fit_angle(
-    angle: Float,
-    variance: Float,
-    grid: Grid,
-    *,
-    speed: Float,
-    flap_hz: float,
-    resting: bool,
-    coloured: bool = False,
-    near: FittedModel | None = None,
-) -> FittedModel:
+    angle: Float, variance: Float, grid: Grid, *, speed: Float, flap_hz: float, resting: bool,
+    coloured: bool = False, near: FittedModel | None = None,
+) -> FittedModel:  # fmt: skip
     """Most likely model of an angle (nodes,) [rad, unwrapped] with its variance, NaN if not seen.
 
     speed: (nodes,) of the body, m/s. resting: it does not turn in the first frame. coloured: try
@@ -95,16 +88,9 @@ def fit_angle(
 
 
 def fit_position(
-    xy: Float,
-    cov: Float,
-    grid: Grid,
-    *,
-    known: KnownMotion,
-    flap_hz: float,
-    resting: bool,
-    coloured: bool = False,
-    near: FittedModel | None = None,
-) -> FittedModel:
+    xy: Float, cov: Float, grid: Grid, *, known: KnownMotion, flap_hz: float, resting: bool,
+    coloured: bool = False, near: FittedModel | None = None,
+) -> FittedModel:  # fmt: skip
     """Most likely model of a position (nodes, 2) [m] with its covariance (nodes, 2, 2).
 
     resting: at rest in the first frame. coloured, near: as for `fit_angle`.
@@ -133,15 +119,9 @@ def cost_if_moving(fitted: FittedModel) -> float:
 
 
 def _fit(
-    data: Measured,
-    grid: Grid,
-    H: Float,
-    matrices: Callable[[Float], tuple[Float, Float]],
-    *,
-    resting: bool,
-    coloured: bool,
-    near: FittedModel | None,
-) -> FittedModel:
+    data: Measured, grid: Grid, H: Float, matrices: Callable[[Float], tuple[Float, Float]], *,
+    resting: bool, coloured: bool, near: FittedModel | None,
+) -> FittedModel:  # fmt: skip
     """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2

@@ -42,14 +42,9 @@ def smoothed(model: LinearGaussianModel, used: Mask) -> Smoothed:
 
 
 def backward(
-    model: LinearGaussianModel,
-    used: Mask,
-    *,
-    means: Float,
-    covs: Float,
-    inverses: Float,
+    model: LinearGaussianModel, used: Mask, *, means: Float, covs: Float, inverses: Float,
     innovations: Float,
-) -> Smoothed:
+) -> Smoothed:  # fmt: skip
     """States given all measurements, from what a filter predicted.
 
     means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):

@@ -41,15 +41,9 @@ class FittedModel:
 
 
 def fit_noise(
-    build: Callable[[Float], LinearGaussianModel],
-    seen: Mask,
-    *,
-    first: Mask,
-    spread: Float,
-    starts: Sequence[Float],
-    more_starts: Sequence[Float] = (),
-    rounds: int = 4,
-) -> FittedModel:
+    build: Callable[[Float], LinearGaussianModel], seen: Mask, *, first: Mask, spread: Float,
+    starts: Sequence[Float], more_starts: Sequence[Float] = (), rounds: int = 4,
+) -> FittedModel:  # fmt: skip
     """Model whose noise has the greatest posterior, outliers rejected.
 
     -2 log p = -2 log L(z | noise) + sum (log noise / spread)^2; the prior is weak (a factor

@@ -22,12 +22,12 @@ from ..fitting import Series, free_runs
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
-from ..mismatch.data_split import held_out_trials
 from ..mismatch.laws import cause_laws
 from ..mismatch.results_json import details_json, mismatch_json
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
+from ..study.data_split import held_out_trials
 from ..tuning import downsampled
 from .clock import CLOCK_STD, in_true_time, with_clock_cause
 from .layout import Layout, remove

@@ -23,15 +23,9 @@ NO_WARNING = "Check fps, head_angle_deg and the lengths of study.yaml, and add t
 
 
 def run_with_status(
-    status: Path,
-    trial_id: str,
-    work: Callable[[], Mapping[str, Any]],
-    *,
-    source: str,
-    products: Sequence[Path],
-    stale: Sequence[Path] = (),
-    inputs: str = "",
-) -> None:
+    status: Path, trial_id: str, work: Callable[[], Mapping[str, Any]], *, source: str, products:
+    Sequence[Path], stale: Sequence[Path] = (), inputs: str = "",
+) -> None:  # fmt: skip
     """Write the status of a trial: what `work` returned, or why it could not be done.
 
     `products` are the files that the work writes, `stale` those of an earlier run that hang on

@@ -27,15 +27,9 @@ def _filled(planes: Planes) -> av.VideoFrame:
 
 
 def _open_stream(
-    container: av.container.OutputContainer,
-    size_px: tuple[int, int],
-    *,
-    rate: Fraction,
-    codec: str,
-    mbit_s: float,
-    preset: str,
-    threads: int,
-) -> av.VideoStream:
+    container: av.container.OutputContainer, size_px: tuple[int, int], *, rate: Fraction, codec:
+    str, mbit_s: float, preset: str, threads: int,
+) -> av.VideoStream:  # fmt: skip
     encoder, key = ENCODERS[codec]
     kbit = round(mbit_s * 1000)
     rules = f"keyint={GROUP}:min-keyint={GROUP}:scenecut=0:bframes=0:ref=1"
@@ -53,16 +47,9 @@ def _open_stream(
 
 
 def write_video(
-    path: Path,
-    frames: Iterator[Planes],
-    *,
-    size_px: tuple[int, int],
-    rate: Fraction = GOPRO_RATE,
-    codec: str = "h264",
-    mbit_s: float = 45.0,
-    preset: str = "ultrafast",
-    threads: int = 1,
-) -> int:
+    path: Path, frames: Iterator[Planes], *, size_px: tuple[int, int], rate: Fraction = GOPRO_RATE,
+    codec: str = "h264", mbit_s: float = 45.0, preset: str = "ultrafast", threads: int = 1,
+) -> int:  # fmt: skip
     """Number of frames written to `path` (mp4), whole or not at all; frame i stands at `i/rate`."""
     count = 0
     with atomic_write(path) as target, av.open(str(target), "w", format="mp4") as container:

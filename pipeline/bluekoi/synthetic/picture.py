@@ -145,14 +145,9 @@ def _shadow(planes: Planes, stage: Stage, parts: Sequence[Part], depth_m: float)
 
 
 def draw_robot(
-    planes: Planes,
-    stage: Stage,
-    poses: np.ndarray,
-    *,
-    robot: Robot,
-    head_length_m: float,
-    floor_m: float,
-) -> None:
+    planes: Planes, stage: Stage, poses: np.ndarray, *, robot: Robot, head_length_m: float, floor_m:
+    float,
+) -> None:  # fmt: skip
     """Draw the robot averaged over its poses `(sub-frames, 5)`, in place, its shadow below it."""
     markers = stage.conditions.markers
     parts = [robot_parts(robot, head_length_m, pose, markers=markers) for pose in poses]

@@ -5,6 +5,7 @@ from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
 from .series import condition, study_series, trial_series
 from .stability import growth_per_s
+from .steady_errors import steady_errors
 
 __all__ = [
     "Tuned",
@@ -15,6 +16,7 @@ __all__ = [
     "downsampled",
     "growth_per_s",
     "simulations",
+    "steady_errors",
     "study_series",
     "table_1",
     "table_2",

@@ -100,14 +100,9 @@ class Tuned:
 
 
 def tune(
-    series: Sequence[Series],
-    free: Sequence[Free] | None = None,
-    *,
-    base: Float | None = None,
-    noise: Noise | None = None,
-    start: dict[str, float] | None = None,
-    min_share: float = MIN_SHARE,
-) -> Tuned:
+    series: Sequence[Series], free: Sequence[Free] | None = None, *, base: Float | None = None,
+    noise: Noise | None = None, start: dict[str, float] | None = None, min_share: float = MIN_SHARE,
+) -> Tuned:  # fmt: skip
     """Joint fit of the free numbers (default: the six coefficients); without `noise` that too.
 
     min_share: share of the naive variance below which none is stated, however well trials agree.
@@ -128,14 +123,9 @@ def tune(
 
 
 def _first_fit(
-    kernel: Kernel,
-    series: Sequence[Series],
-    base: Float,
-    free: Sequence[Free],
-    *,
-    noise: Noise,
+    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], *, noise: Noise,
     start: dict[str, float] | None,
-) -> Fit:
+) -> Fit:  # fmt: skip
     """The fit from `start`; where the model runs away there, from smaller and smaller numbers."""
     slots = kernel.system.slot
     given = start or {}

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..integrate import LANES, compiled
+from ..fitting import Series
+from ..integrate import LANES, Kernel, compiled
 from ..integrate.batch import propagate
 from ..model import constants, plates, simulate
-from ..study import Setup
+from ..study import Setup, Study
+from .joint import Tuned
 
 SPAN_S = 0.02
 STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
@@ -101,3 +103,24 @@ def _range(growth_json: Mapping[str, Any]) -> str:
     if growth_json["interval_95"] is None:
         return ""
     return " (95 %: {:+.1f} to {:+.1f} per second)".format(*growth_json["interval_95"])
+
+
+GROWTH = 6.0
+"""Small differences may grow by e^6 = 400 over a segment: from 0.1 mm to 40 mm."""
+MIN_HORIZON_S = 1.0
+
+
+def predictability_horizon_s(
+    study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Series]
+) -> float:
+    """Time in which small differences grow by e^`GROWTH` in straight swimming, s."""
+    times = [np.inf]
+    flap = {s.group: float(s.inputs[-1, 1]) for s in series}
+    values = tuned.trial_values(kernel, series)
+    for group, hz in flap.items():
+        point = next(v for s, v in zip(series, values, strict=True) if s.group == group)
+        coefficients, effects = kernel.system.named_values(point)
+        growth = growth_per_s(coefficients, setup=study.setup, flap_hz=hz, effects=effects)
+        if growth > 0:
+            times.append(GROWTH / growth)
+    return max(MIN_HORIZON_S, min(times))

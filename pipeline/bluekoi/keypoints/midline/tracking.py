@@ -129,14 +129,9 @@ def _neighbours(k: int, places: Sequence[Float | None], shape: Shape) -> list[Fl
 
 
 def _fit(
-    luma: Image,
-    k: int,
-    bodies: Sequence[Track],
-    places: Sequence[Float | None],
-    *,
-    arena: Arena,
+    luma: Image, k: int, bodies: Sequence[Track], places: Sequence[Float | None], *, arena: Arena,
     shape: Shape,
-) -> Fit | None:
+) -> Fit | None:  # fmt: skip
     """The k-th body's best fit, what the others cover left out."""
     body, expected, last = bodies[k], places[k], bodies[k].last()
     if expected is None or last is None:

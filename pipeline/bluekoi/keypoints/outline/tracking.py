@@ -80,15 +80,9 @@ def tolerance_px(scene: Scene) -> float:
 
 
 def fitted(
-    frame: Image,
-    scene: Scene,
-    shape: Shape,
-    start: Float,
-    reach: npt.NDArray[np.int64],
-    *,
-    width_px: float = 0.1,
-    known: Float | None = None,
-) -> Fit:
+    frame: Image, scene: Scene, shape: Shape, start: Float, reach: npt.NDArray[np.int64], *,
+    width_px: float = 0.1, known: Float | None = None,
+) -> Fit:  # fmt: skip
     """The template fitted to a frame from a starting pose, without its tail.
 
     width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.

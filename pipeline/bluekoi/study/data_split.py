@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..study import Study
+from .types import Study
 
 HELD_OUT_SHARE = 0.25
 

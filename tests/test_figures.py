@@ -22,9 +22,9 @@ from bluekoi.figures.drawing.missing_force import force_of_effects, missing_forc
 from bluekoi.figures.drawing.pool import body_points
 from bluekoi.figures.drawing.style import COLOURS, power_styles
 from bluekoi.figures.drawing.sweeps import (
+    fitted_powers,
     over_angle,
     radius,
-    tested_powers,
     with_extrapolated_powers,
 )
 from bluekoi.model import FLAP_HZ, TABLE_1, steady_turn
@@ -187,7 +187,7 @@ def test_units_stand_on_every_axis(whole):
 
 
 def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
-    row = tested_powers(whole)[100.0]
+    row = fitted_powers(whole)[100.0]
     model = radius(whole, row, 0.12, 45)
     seen = radius_of(100, 45, 0.12)
     assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
@@ -218,7 +218,7 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
         head_angle_rad=np.radians(30),
         flap_hz=FLAP_HZ[100],
     )[1]
-    assert over_angle(whole, tested_powers(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(
+    assert over_angle(whole, fitted_powers(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(
         expected
     )
     panel = figures.draw("fig6", whole).axes[1]

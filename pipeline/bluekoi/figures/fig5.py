@@ -14,7 +14,7 @@ from ..study import Trial
 from .drawing import groups
 from .drawing.circles import DASHES, circle, equal_axes, measured_arc
 from .drawing.style import BEFORE, MEASURED, panel_letter, placeholder
-from .drawing.sweeps import PowerFit, radius, simulate_from_rest, tested_powers
+from .drawing.sweeps import PowerFit, fitted_powers, radius, simulate_from_rest
 
 TITLE = "The paper's three tuning steps at each power"
 CAPTION = (
@@ -29,7 +29,7 @@ STEPS = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer hea
 
 def draw(campaign: Campaign) -> Figure:
     """Three panels per power."""
-    known, powers = tested_powers(campaign), groups.powers(campaign)
+    known, powers = fitted_powers(campaign), groups.powers(campaign)
     figure = Figure(figsize=(10.5, 3.1 * len(powers) + 0.4), layout="constrained")
     panels = figure.subplots(len(powers), 3, squeeze=False)
     for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):

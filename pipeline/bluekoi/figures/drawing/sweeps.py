@@ -45,7 +45,7 @@ class Sweep:
     high: Float
 
 
-def tested_powers(campaign: Campaign) -> dict[float, PowerFit]:
+def fitted_powers(campaign: Campaign) -> dict[float, PowerFit]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
     rows = [_tuned(float(power), entry) for power, entry in steps.items()]
@@ -57,7 +57,7 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
 
     Least-squares lines through all tested powers; a single tested power is not extrapolated.
     """
-    known = tested_powers(campaign)
+    known = fitted_powers(campaign)
     if len(known) < 2:
         return known
     added = [p for p in EXTENDED_PCT if p not in known]

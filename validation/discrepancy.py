@@ -28,7 +28,7 @@ from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
-from bluekoi.tuning import thin, tune
+from bluekoi.tuning import downsampled, tune
 
 RIDGE = 1e-9
 
@@ -36,7 +36,7 @@ RIDGE = 1e-9
 def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     """Cause -> kappa^2 of each of its forms, in the designs of a measured study's trials."""
     campaign = load_campaign(results, load_study(study), measured=True)
-    series = thin(campaign_series(campaign, campaign_flapping(campaign)))
+    series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
     kernel, baseline = compiled(plates()), tune(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
     model = fitted(problem, (), problem.noise, baseline.fit.by_label())

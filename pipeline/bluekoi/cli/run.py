@@ -121,9 +121,11 @@ def _returned(words: list[str]) -> int:
 
     Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed. A request to
     terminate (a supervisor's, `kill`) reaches this process alone and is handed on to Snakemake,
-    which ends after the jobs at work.
+    which ends after the jobs at work. Snakemake starts with Ctrl-C blocked and lifts that itself,
+    when it can take one (`start`).
     """
     stopped = 0
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     with subprocess.Popen(words) as running:  # noqa: S603
 
         def terminate(*_: object) -> None:
@@ -135,6 +137,7 @@ def _returned(words: list[str]) -> int:
         try:
             while True:
                 try:
+                    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
                     return stopped if running.wait() and stopped else running.returncode
                 except KeyboardInterrupt:
                     stopped = INTERRUPTED

@@ -1,7 +1,8 @@
 """Snakemake as `bluekoi run` starts it: Ctrl-C ends it in one line, whatever it is at.
 
-By itself it shows a traceback when it is interrupted while it plans, or when a thread of its own
-is still at work as it tears down.
+By itself it shows tracebacks when it is interrupted while it plans or closes an event loop, from
+its log, from its threads and from objects that it deletes. Here all of them are off from the moment
+of the interruption: they only report how Snakemake stops.
 """
 
 from __future__ import annotations
@@ -10,17 +11,51 @@ import logging
 import signal
 import sys
 import threading
+import warnings
 
 from ..errors import INTERRUPTED, STOPPED
+
+
+class Interruption:
+    """Handler of Ctrl-C: turns off all that Snakemake says, then raises KeyboardInterrupt.
+
+    taken: whether there was one.
+    """
+
+    def __init__(self) -> None:
+        self.taken = False
+        self._handlers: list[logging.Handler] = []
+        self._of_threads, self._of_deletions = threading.excepthook, sys.unraisablehook
+        threading.excepthook = lambda fault: None if self.taken else self._of_threads(fault)
+        sys.unraisablehook = lambda fault: None if self.taken else self._of_deletions(fault)
+        if signal.getsignal(signal.SIGINT) != signal.SIG_IGN:  # as in the background of a shell
+            signal.signal(signal.SIGINT, self)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # `bluekoi run` blocked it
+
+    def __call__(self, *_: object) -> None:
+        """Take one Ctrl-C.
+
+        Raises KeyboardInterrupt.
+        """
+        if not self.taken:
+            self.taken = True
+            self._handlers = list(logging.getLogger("snakemake.logging").handlers)
+            logging.disable()
+            warnings.simplefilter("ignore")
+        raise KeyboardInterrupt
+
+    def report(self) -> None:
+        """Print that the run was interrupted, unless the line of progress has."""
+        if not any(getattr(handler, "stopped", False) for handler in self._handlers):
+            sys.stderr.write(f"\n{STOPPED}\n")
 
 
 def main() -> None:
     """Run Snakemake on the words of the command line.
 
-    Raises SystemExit as Snakemake does, with 130 where it was interrupted.
+    Raises SystemExit as Snakemake does, with 130 where it was interrupted before all was done.
     """
-    of_threads = threading.excepthook
-    threading.excepthook = lambda fault: None if _already_reported() else of_threads(fault)
+    interruption = Interruption()
     logging.getLogger("snakemake.logging").addFilter(_is_no_announcement)
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
@@ -29,27 +64,16 @@ def main() -> None:
             snakemake()
         finally:  # all is done: a late Ctrl-C finds nothing to stop
             signal.signal(signal.SIGINT, signal.SIG_IGN)
-    except (KeyboardInterrupt, RuntimeError) as error:
-        # asyncio raises the latter where an interrupted event loop is closed while it runs
-        if isinstance(error, RuntimeError) and not _already_reported():
+    except BaseException as end:
+        if not interruption.taken or (isinstance(end, SystemExit) and end.code in (None, 0)):
             raise
-        if not _already_reported():
-            sys.stderr.write(f"\n{STOPPED}\n")
+        interruption.report()
         raise SystemExit(INTERRUPTED) from None
 
 
 def _is_no_announcement(record: logging.LogRecord) -> bool:
     """Whether a record is more than Snakemake's remark on its configuration file."""
     return not record.getMessage().startswith("Config file")
-
-
-def _already_reported() -> bool:
-    """Whether the line of progress has reported that the run was interrupted."""
-    return any(getattr(handler, "stopped", False) for handler in _snakemakes_handlers())
-
-
-def _snakemakes_handlers() -> list[logging.Handler]:
-    return logging.getLogger("snakemake.logging").handlers
 
 
 if __name__ == "__main__":

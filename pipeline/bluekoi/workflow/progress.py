@@ -175,7 +175,7 @@ class Progress(logging.Handler):
     def still(self) -> None:
         """Print what runs if nothing was printed for a while."""
         silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
-        if silent and self.timing.started:
+        if silent and self.timing.started and not self.stopped:
             self._line(self.timing.running(), now=True)
 
     def _line(self, name: str, *, now: bool) -> None:

@@ -38,7 +38,10 @@ def set_products(
     used, observations = out.shape[1], seen.shape[2]
     columns = np.zeros(used * CHUNK)
     for t in range(trials[0], trials[1]):
-        out[t], count = 0.0, 0
+        count = 0
+        for j in range(used):
+            for k in range(used):
+                out[t, j, k] = 0.0
         for row in range(seen.shape[1] * observations):
             i, o = row // observations, row % observations
             w, base = weight[t, i, o], observed[t, i, o, 0]
@@ -52,7 +55,8 @@ def set_products(
                 count = 0
         _add(columns, count, out[t])
         for j in range(used):
-            out[t, :j, j] = out[t, j, :j]
+            for k in range(j):
+                out[t, k, j] = out[t, j, k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
@@ -73,7 +77,9 @@ def set_whitened_products(  # noqa: PLR0917
     for t in range(trials[0], trials[1]):
         used, count = counts[t], 0
         own = observed[first[t] : first[t + 1]]
-        sums[:] = 0.0
+        for j in range(most):
+            for k in range(most):
+                sums[j, k] = 0.0
         for row in range(frames[t] * size):
             i, o = row // size, row % size
             if roots[t, i, o, o] != 0.0:

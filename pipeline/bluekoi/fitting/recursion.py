@@ -1,6 +1,7 @@
 """Kalman's recursion along a path whose matrices are known, compiled; shapes as in `linear`.
 
 Of the deviation from the path: d = A d, P = A P A' + Q, then each observation's correction.
+Arrays are filled by plain loops: an assignment to a slice takes half a second to compile.
 """
 
 from __future__ import annotations
@@ -41,9 +42,10 @@ def log_likelihoods(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
 @compiled
 def initialise(d, P, cov, tau, variance) -> None:  # type: ignore[no-untyped-def]
     """No deviation, and the covariance before the first frame."""
-    d[0] = 0.0
-    P[:] = cov
     for i in range(len(P)):
+        d[0, i] = 0.0
+        for k in range(len(P)):
+            P[i, k] = cov[i, k]
         P[i, i] = variance[i] if tau[i] > 0.0 else P[i, i]
 
 
@@ -92,7 +94,8 @@ def _carry(d, A, F, correction, level) -> None:  # type: ignore[no-untyped-def]
         for k in range(len(A)):
             total += A[i, k] * (d[0, k] - correction[k]) + (A[i, k] - F[i, k]) * level[k]
         d[1, i] = total
-    d[0] = d[1]
+    for i in range(len(A)):
+        d[0, i] = d[1, i]
 
 
 @compiled
@@ -100,7 +103,8 @@ def _spread(P, A, AP, variance, memory, dt) -> None:  # type: ignore[no-untyped-
     """P = A P A' + Q with Q = sigma^2 (1 - exp(-2 dt / tau)) of the random states."""
     a = len(A)
     for i in range(a):
-        AP[i] = 0.0
+        for k in range(a):
+            AP[i, k] = 0.0
         for j in range(a):
             for k in range(a):
                 AP[i, k] += A[i, j] * P[j, k]

@@ -44,12 +44,13 @@ def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
                 dt = times[t, k] - times[t, k - 1]
                 predict(d, P, A, AP, F[t, k], correction[t, k - 1], level[t, k - 1], tau, variance,
                         memory, dt)  # fmt: skip
-            predicted[k] = P
+            _copy(P, predicted[k])
             out[t] += update(d, P, PH, S, roots[k], errors[k], H[t, k], residual[t, k],
                              noise[t, k], scales)  # fmt: skip
-            after[k], filtered[k] = d[0], P
-        u[:], U[:] = 0.0, 0.0
-        by_variance[t], by_memory[t], by_scales[t] = 0.0, 0.0, 0.0
+            _copy(P, filtered[k])
+            for i in range(a):
+                after[k, i] = d[0, i]
+        _clear(u, U, by_variance[t], by_memory[t], by_scales[t])
         for k in range(counts[t] - 1, -1, -1):
             _before_frame(u[0], U, H[t, k], predicted[k], roots[k], errors[k], residual[t, k],
                           noise[t, k], by_scales[t], square, wide, tall, short)  # fmt: skip
@@ -57,7 +58,8 @@ def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
                 dt = times[t, k] - times[t, k - 1]
                 transition(A, F[t, k], tau, memory, dt)
                 _times_into(U, A, AP)
-                d[0] = after[k - 1] - correction[t, k - 1] + level[t, k - 1]
+                for i in range(a):
+                    d[0, i] = after[k - 1, i] - correction[t, k - 1, i] + level[t, k - 1, i]
                 _of_memories(u[0], U, AP, F[t, k], d[0], filtered[k - 1], tau, variance, memory,
                              dt, by_variance[t], by_memory[t])  # fmt: skip
                 _turned_times_into(A, AP, U)
@@ -65,6 +67,25 @@ def gradients(  # type: ignore[no-untyped-def]  # noqa: PLR0913, PLR0917
         for i in range(a):
             if tau[i] > 0.0:
                 by_variance[t, i] += U[i, i]
+
+
+@compiled
+def _copy(A, out) -> None:  # type: ignore[no-untyped-def]
+    for i in range(A.shape[0]):
+        for k in range(A.shape[1]):
+            out[i, k] = A[i, k]
+
+
+@compiled
+def _clear(u, U, by_variance, by_memory, by_scales) -> None:  # type: ignore[no-untyped-def]
+    """All 0; u[1] is workspace."""
+    for i in range(len(U)):
+        u[0, i], by_variance[i], by_memory[i] = 0.0, 0.0, 0.0
+        for k in range(len(U)):
+            U[i, k] = 0.0
+    for o in range(len(by_scales)):
+        for p in range(len(by_scales)):
+            by_scales[o, p] = 0.0
 
 
 @compiled
@@ -93,11 +114,12 @@ def _turned_times_into(A, B, out) -> None:  # type: ignore[no-untyped-def]
 @compiled
 def _turned(A, u) -> None:  # type: ignore[no-untyped-def]
     """u[0] = A' u[0]; u[1] is workspace."""
-    u[1] = 0.0
-    for i in range(len(A)):
-        for k in range(len(A)):
+    for k in range(len(A)):
+        u[1, k] = 0.0
+        for i in range(len(A)):
             u[1, k] += A[i, k] * u[0, i]
-    u[0] = u[1]
+    for k in range(len(A)):
+        u[0, k] = u[1, k]
 
 
 @compiled

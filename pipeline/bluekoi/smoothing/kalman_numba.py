@@ -2,6 +2,7 @@
 
 The same recursions as `kalman_filterpy`, proved equal in the tests; the smoother is the modified
 Bryson-Frazier form, which inverts only the innovation covariance.
+Slices are filled by plain loops, which compile in a third of the time.
 Sources: Bierman, Automatica 9 (1973) 503; Kailath, Sayed, Hassibi, Linear Estimation, 10.2.
 """
 
@@ -61,8 +62,12 @@ def _pattern(F):  # type: ignore[no-untyped-def]
     for k in range(n):
         for e in range(d * d):
             used[e] |= entries[k, e] != 0.0
-    at = np.flatnonzero(used)
-    return at // d, at % d
+    rows, columns, count = np.empty(d * d, np.int64), np.empty(d * d, np.int64), 0
+    for e in range(d * d):
+        if used[e]:
+            rows[count], columns[count] = e // d, e % d
+            count += 1
+    return rows[:count], columns[:count]
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -70,9 +75,10 @@ def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
     """State x <- F x, P <- F P F' + Q in place; work: (rows, columns, two (d, d), one (d,))."""
     rows, columns, half, full, new = work
     d = len(x)
-    half[:] = 0.0
-    full[:] = 0.0
-    new[:] = 0.0
+    for i in range(d):
+        new[i] = 0.0
+        for m in range(d):
+            half[i, m] = full[i, m] = 0.0
     for e in range(len(rows)):
         i, j = rows[e], columns[e]
         f = F[i, j]
@@ -107,9 +113,10 @@ def _inverse(S):  # type: ignore[no-untyped-def]
 def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
     p, d = H.shape
-    HP[:] = 0.0
     for q in range(p):
         y[q] = z[q]
+        for m in range(d):
+            HP[q, m] = 0.0
         for i in range(d):
             h = H[q, i]
             if h != 0.0:
@@ -137,6 +144,18 @@ def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
+def _copy(values, out):  # type: ignore[no-untyped-def]
+    for i in range(len(values)):
+        out[i] = values[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _copy_rows(values, out):  # type: ignore[no-untyped-def]
+    for i in range(len(values)):
+        _copy(values[i], out[i])
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     n, p, d = H.shape
     size = n if keep else 1
@@ -144,17 +163,19 @@ def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untype
     Sis, ys = np.zeros((size, p, p)), np.zeros((size, p))
     rows, columns = _pattern(F)
     work = (rows, columns, np.empty((d, d)), np.empty((d, d)), np.empty(d))
-    squares = np.full(n, np.nan)
+    squares = np.empty(n)
     x, P, total = x0.copy(), P0.copy(), 0.0
     HP, S, y = np.empty((p, d)), np.empty((p, p)), np.empty(p)
     for k in range(n):
         if k:
             _predict(F[k], Q[k], x, P, work)
         if keep:
-            xp[k], Pp[k] = x, P
+            _copy(x, xp[k])
+            _copy_rows(P, Pp[k])
+        squares[k] = np.nan
         if not used[k]:
             continue
-        S[:] = R[k]
+        _copy_rows(R[k], S)
         _innovation(H[k], x, P, z[k], S, y, HP)
         Si, det = _inverse(S)
         square = 0.0
@@ -164,7 +185,8 @@ def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untype
         squares[k] = square
         total += min(square, gate) + np.log(det) + p * LOG_2_PI
         if keep:
-            Sis[k], ys[k] = Si, y
+            _copy(y, ys[k])
+            _copy_rows(Si, Sis[k])
         if square <= gate:
             _correct(x, P, HP, Si, y)
     return total, squares, xp, Pp, Sis, ys
@@ -179,13 +201,32 @@ def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # n
     for k in range(n - 1, -1, -1):
         if used[k]:
             HS = H[k].T @ Sis[k]
-            C = np.eye(d) - (Pp[k] @ HS) @ H[k]
-            g = C.T @ g - HS @ ys[k]
-            G = HS @ H[k] + C.T @ (G @ C)
-        xs[k] = xp[k] - Pp[k] @ g
-        Ps[k] = Pp[k] - Pp[k] @ (G @ Pp[k])
-        Ps[k] = 0.5 * (Ps[k] + Ps[k].T)
+            C = (Pp[k] @ HS) @ H[k]
+            for i in range(d):
+                for m in range(d):
+                    C[i, m] = (1.0 if i == m else 0.0) - C[i, m]
+            g, G = C.T @ g, C.T @ (G @ C)
+            _add(HS @ ys[k], HS @ H[k], g, G)
+        _smooth(Pp[k] @ g, Pp[k] @ (G @ Pp[k]), xp[k], Pp[k], xs[k], Ps[k])
         if k:
             g = F[k].T @ g
             G = F[k].T @ (G @ F[k])
     return xs, Ps
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add(Hy, HH, g, G):  # type: ignore[no-untyped-def]
+    """What one measurement adds to the adjoints: -H' S^-1 y to g, H' S^-1 H to G."""
+    for i in range(len(g)):
+        g[i] -= Hy[i]
+        for m in range(len(g)):
+            G[i, m] += HH[i, m]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _smooth(Pg, PGP, xp, Pp, x, P):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+    """Fill x = xp - Pp g and the symmetric part of P = Pp - Pp G Pp."""
+    for i in range(len(x)):
+        x[i] = xp[i] - Pg[i]
+        for m in range(i + 1):
+            P[i, m] = P[m, i] = 0.5 * ((Pp[i, m] - PGP[i, m]) + (Pp[m, i] - PGP[m, i]))

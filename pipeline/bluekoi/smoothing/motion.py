@@ -35,7 +35,8 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     """
     n, d = len(dt), 5 if hz > 0 else 3
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
-    F[0] = np.eye(d)
+    for i in range(d):
+        F[0, i, i] = 1.0
     for k in range(1, n):
         _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
         if hz > 0:
@@ -53,7 +54,8 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
     """
     n, d = len(dt), 10 if hz > 0 else 6
     F, Q = np.zeros((n, d, d)), np.zeros((n, d, d))
-    F[0] = np.eye(d)
+    for i in range(d):
+        F[0, i, i] = 1.0
     for k in range(1, n):
         _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
         half = 0.5 * (theta[k] - theta[k - 1])

@@ -9,7 +9,9 @@
 
 from pathlib import Path
 
-from bluekoi.workflow.begin import begin_run, follow, preload, shell_prefix, without_rate_limit
+from bluekoi.workflow.begin import begin_run, shell_prefix, without_rate_limit
+from bluekoi.workflow.preload import preload
+from bluekoi.workflow.progress import follow
 
 
 configfile: Path(workflow.basedir) / "config/default.yaml"

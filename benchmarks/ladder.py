@@ -30,7 +30,7 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import source
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.conditions import LADDER, conditions
+from bluekoi.synthetic.conditions import LADDER
 from bluekoi.synthetic.design import ladder_design
 
 MEDIAN_PX = 0.3
@@ -135,7 +135,7 @@ def rendered(
     """Study folder of a step, rendered where it is not there yet; with coloured dots or without."""
     study = folder / f"{step}{'-dots' * dots}-{size}-{seed}-{seconds:g}"
     if not (study / "truth.sha256").exists():
-        state = conditions(step, size_px=SIZES[size])
+        state = replace(LADDER[step], size_px=SIZES[size])
         state = replace(state, markers=state.markers or dots)
         design = ladder_design(state, seed, longest_s=seconds)
         render_study(design, study, truth_of(study), workers=2)

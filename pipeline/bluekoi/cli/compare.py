@@ -70,20 +70,14 @@ def table_lines(found: Sequence[Difference], *, everything: bool) -> Iterator[st
 
 def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
     """Write the table, and the figure as png and pdf."""
-    import csv  # noqa: PLC0415
-    import io  # noqa: PLC0415
-
     from ..comparison import draw  # noqa: PLC0415
-    from ..files import atomic_write, write_text  # noqa: PLC0415
+    from ..files import atomic_write, write_rows  # noqa: PLC0415
 
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    writer.writerows(
+    rows = (
         [d.section, d.name, d.first, d.second, _number(d.difference), _number(d.sigmas)]
         for d in found
     )
-    write_text(out / "comparison.csv", text.getvalue())
+    write_rows(out / "comparison.csv", [COLUMNS, *rows])
     labels = [run.folder.name or str(run.folder.resolve().name) for run in runs]
     if labels[0] == labels[1]:
         labels = [str(run.folder) for run in runs]

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-STUDY_FILES = ("study.yaml", "trials.csv", "truth.sha256", "truth.json")
+TRUTH_FILES = ("truth.sha256", "truth.json")
 
 
 def refuse_study_files(study: Path, outputs: Iterable[Path | None]) -> None:
@@ -17,10 +17,7 @@ def refuse_study_files(study: Path, outputs: Iterable[Path | None]) -> None:
     written = [path for path in outputs if path is not None and path.exists()]
     if not written:
         return
-    loaded = load_study(study)
-    logs = (loaded.motor_path(trial) for trial in loaded.trials)
-    sources = (path for trial in loaded.trials for path in loaded.paths(trial))
-    own = [study / name for name in STUDY_FILES] + [*sources, *(log for log in logs if log)]
+    own = [*load_study(study).files(), *(study / name for name in TRUTH_FILES)]
     for path in written:
         if any(file.exists() and os.path.samefile(path, file) for file in own):
             expected, remedy = "another file to write to", "Nothing was written."

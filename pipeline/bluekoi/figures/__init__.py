@@ -9,11 +9,9 @@ Code shared by several figures is in `drawing`.
 
 from __future__ import annotations
 
-import csv
 import pkgutil
 from collections.abc import Mapping
 from importlib import import_module
-from io import StringIO
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,7 +23,7 @@ from matplotlib.figure import Figure
 
 from ..campaign import Campaign, load_campaign
 from ..errors import input_error, nearest
-from ..files import atomic_write, write_text
+from ..files import atomic_write, write_rows
 from .drawing.extraction import Point, extract
 from .drawing.style import RC_PARAMS, placeholder_figure
 
@@ -95,10 +93,7 @@ def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str
         metadata["Comment"] = reason
     with matplotlib.rc_context(RC_PARAMS):
         _print(figure, Path(path_png), Path(path_pdf), metadata)
-    rows = [Point._fields, *extract(figure)]
-    text = StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    write_text(Path(path_png).with_suffix(".csv"), text.getvalue())
+    write_rows(Path(path_png).with_suffix(".csv"), [Point._fields, *extract(figure)])
 
 
 def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str, str]) -> None:

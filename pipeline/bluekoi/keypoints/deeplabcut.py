@@ -44,6 +44,12 @@ def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -
     return _with_covariance(found, sidecar) if sidecar.is_file() else found
 
 
+def read_detections(path: Path, trial: Trial) -> Keypoints:
+    """Keypoints that `write` wrote: of the part to use, under our names."""
+    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
+    return read(path, whole)
+
+
 def read_any(path: Path, fps: float) -> Keypoints:
     """Every part that a keypoint file holds, named `part` or `individual/part`."""
     return all_keypoints(read_table(Path(path)), fps=fps)

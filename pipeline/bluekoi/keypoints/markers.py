@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ..data import PARTS, Frame, Keypoints
+from ..data import PARTS, Float, Frame, Keypoints
 from ..errors import input_error
 from ..study import Setup, Trial
 from .dots.spread import hidden_variances, typical_variances
@@ -22,7 +22,6 @@ from .dots.unmixing import coverage_centroid
 from .outline.plane import Plane, plane_of
 
 COLOUR = True
-Float = npt.NDArray[np.float64]
 HUE_WIDTH_DEG = 20.0
 MIN_SATURATION = 70.0
 MIN_VALUE = 45.0

@@ -12,10 +12,10 @@ import numpy as np
 from ..camera.corners import pool_camera
 from ..camera.pool import PoolCamera, project
 from ..campaign import Campaign
-from ..data import Float, Frame, Keypoints, Track
+from ..data import Float, Frame, Track
 from ..footage import frames, open_recording
 from ..footage.writing import encoder
-from ..keypoints.deeplabcut import read
+from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
     AFTER,
@@ -47,7 +47,8 @@ def trial_overlay(
     study, trial = campaign.study, campaign.study.trial(trial_id)
     footage, size = _footage(study, trial)
     camera = pool_camera(study.setup, size)
-    found = _keypoints(Path(results) / "keypoints" / f"{trial_id}.csv", trial)
+    path = Path(results) / "keypoints" / f"{trial_id}.csv"
+    found = read_detections(path, trial) if path.is_file() else None
     track = campaign.tracks[trial_id]
     columns = campaign.model_columns(trial_id)
     scene = Scene(
@@ -132,13 +133,6 @@ def _footage(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
     return iter(frames(recording, colour=True)), recording.size_px
-
-
-def _keypoints(path: Path, trial: Trial) -> Keypoints | None:
-    if not path.is_file():
-        return None
-    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
-    return read(path, whole, {})
 
 
 def _label(trial: Trial) -> str:

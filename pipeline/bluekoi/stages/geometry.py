@@ -17,7 +17,7 @@ from ..camera.whole_length import WHOLE_LENGTH, systematic_share, whole_lengths
 from ..data import Positions
 from ..errors import InputError
 from ..files import read_json, write_json
-from ..keypoints.deeplabcut import read
+from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial, load_study
 from ..study.depth import usable_depth_m
 from .layout import Layout
@@ -118,11 +118,8 @@ def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
 def _placed(
     camera: PoolCamera, trials: list[Trial], layout: Layout, depth_m: float
 ) -> list[Positions]:
-    def place(trial: Trial) -> Positions:
-        whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
-        return map_keypoints(camera, read(layout.keypoints(trial.trial_id), whole, {}), depth_m)
-
-    return [place(trial) for trial in trials]
+    found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
+    return [map_keypoints(camera, one, depth_m) for one in found]
 
 
 def _evidence(check: GeometryCheck) -> dict[str, Any]:

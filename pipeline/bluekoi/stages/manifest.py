@@ -7,7 +7,7 @@ import json
 import os
 import platform
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,6 @@ from .freshness import trial_row
 
 RUN = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
-CHUNK_BYTES = 2**20
 
 
 def write_manifest(study: Path, results: Path) -> None:
@@ -60,18 +59,10 @@ def _version(name: str) -> str:
         return "not installed"
 
 
-def input_files(study: Study) -> list[Path]:
-    """study.yaml, trials.csv and every recording, keypoint file and motor log, each once."""
-    logs = (study.motor_path(trial) for trial in study.trials)
-    sources = (path for trial in study.trials for path in study.paths(trial))
-    own = (study.root / "study.yaml", study.root / "trials.csv")
-    return list(dict.fromkeys([*own, *sources, *(log for log in logs if log)]))
-
-
 def _hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
     known = _cached(cache)
     found: dict[str, dict[str, Any]] = {}
-    for path in (p for p in input_files(study) if p.is_file()):
+    for path in (p for p in study.files() if p.is_file()):
         state = path.stat()
         name = os.path.relpath(path, study.root)
         stamp = [state.st_size, state.st_mtime_ns]
@@ -91,13 +82,5 @@ def _cached(cache: Path) -> Mapping[str, Any]:
 
 def sha256(path: Path) -> str:
     """Hash of a file's content, hexadecimal."""
-    digest = hashlib.sha256()
     with path.open("rb") as content:
-        for chunk in _chunks(content):
-            digest.update(chunk)
-    return digest.hexdigest()
-
-
-def _chunks(content: Any) -> Iterable[bytes]:
-    while chunk := content.read(CHUNK_BYTES):
-        yield chunk
+        return hashlib.file_digest(content, "sha256").hexdigest()

@@ -11,10 +11,10 @@ import numpy as np
 from ..camera.corners import pool_camera
 from ..camera.pool import PoolCamera, map_keypoints
 from ..camera.uncertainty import calibration_at
-from ..data import Flapping, Keypoints, Positions, Steady, Track, write_pose, write_track
+from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
-from ..keypoints.deeplabcut import read
+from ..keypoints.deeplabcut import read_detections
 from ..motor import (
     beat_lag,
     clock_ratio,
@@ -62,7 +62,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         return detection
     size = detection.get("size_px")
     camera = pool_camera(study.setup, (size[0], size[1]) if size else None)
-    found = _detections(layout.keypoints(trial.trial_id), trial)
+    found = read_detections(layout.keypoints(trial.trial_id), trial)
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     flapping = flapping_of(study, trial, positions)
@@ -123,12 +123,6 @@ def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
         "a path that a swimming robot can have",
         "Check fps, start_s and end_s in trials.csv, and the keypoints of this trial.",
     )
-
-
-def _detections(path: Path, trial: Trial) -> Keypoints:
-    """Keypoints as the stage before wrote them: our names, already cut to the part to use."""
-    whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
-    return read(path, whole, {})
 
 
 def _doubted(steady: Steady, flapping: Flapping) -> Steady:

@@ -6,12 +6,10 @@ Not among the files of the camera: detection would run again whenever one of tho
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from ..data import Float
 from ..errors import input_error
 from .setup import Setup
-
-Float = npt.NDArray[np.float64]
 
 
 def setup_in_film_pixels(

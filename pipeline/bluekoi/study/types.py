@@ -147,3 +147,10 @@ class Study(Section):
     def motor_path(self, trial: Trial) -> Path | None:
         """Absolute path of a trial's motor log, where it has one."""
         return self.root / trial.motor_log if trial.motor_log else None
+
+    def files(self) -> list[Path]:
+        """Every file that the study consists of: study.yaml, trials.csv, sources, motor logs."""
+        own = [self.root / "study.yaml", self.root / "trials.csv"]
+        own += [path for trial in self.trials for path in self.paths(trial)]
+        own += [log for trial in self.trials if (log := self.motor_path(trial))]
+        return list(dict.fromkeys(own))

@@ -10,15 +10,6 @@ import numpy as np
 
 from bluekoi.synthetic.laws import Robot
 
-__all__ = [
-    "KEYPOINTS",
-    "Part",
-    "disc",
-    "keypoints",
-    "robot_parts",
-    "tail_angles",
-]
-
 KEYPOINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 HALF_WIDTH_M = 0.034

@@ -1,8 +1,6 @@
 """Whole studies on disk: study.yaml, trials.csv, videos, motor logs, and the truth apart."""
 
-import csv
-import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
 from multiprocessing import get_context
@@ -12,7 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from bluekoi.files import atomic_write, read_json, write_json, write_text
+from bluekoi.files import atomic_write, read_json, write_json, write_rows, write_text
 from bluekoi.synthetic.design import Design
 from bluekoi.synthetic.encode import write_video
 from bluekoi.synthetic.film import frames_of, visible
@@ -27,24 +25,6 @@ from bluekoi.synthetic.trial import (
     solve_trial,
     summary,
 )
-
-__all__ = [
-    "render_study",
-    "render_trial",
-    "study_contents",
-    "study_truth",
-    "trial_truth",
-    "write_motor",
-    "write_study_files",
-    "write_study_truth",
-    "write_truth",
-]
-
-Progress = Callable[[str, int, int], None]
-
-
-def _silent(*_: object) -> None:
-    return None
 
 
 def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
@@ -138,15 +118,13 @@ def write_study_files(design: Design, folder: Path, *, source: str, fps: float |
     """Write study.yaml and trials.csv; `source` is e.g. `videos/{}.mp4`, `fps` for keypoints."""
     write_text(folder / "study.yaml", yaml.safe_dump(study_contents(design), sort_keys=False))
     header = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header + (["fps"] if fps else []))
+    rows: list[list[Any]] = [header + (["fps"] if fps else [])]
     for plan in design.plans:
         name = plan.trial_id
         row = [name, source.format(name), plan.power_pct, plan.head_angle_deg]
         row += [plan.head_length_m, f"motor/{name}.csv"]
-        writer.writerow(row + ([f"{fps:.5f}"] if fps else []))
-    write_text(folder / "trials.csv", text.getvalue())
+        rows.append(row + ([f"{fps:.5f}"] if fps else []))
+    write_rows(folder / "trials.csv", rows)
 
 
 def write_study_truth(design: Design, truth_folder: Path) -> None:
@@ -161,14 +139,12 @@ def render_study(
     truth_folder: Path,
     *,
     workers: int = 2,
-    progress: Progress = _silent,
 ) -> None:
     """Render a whole study to a folder; its truth goes elsewhere."""
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     names = [plan.trial_id for plan in design.plans]
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        jobs = {pool.submit(render_trial, design, n, folder, truth_folder): n for n in names}
-        for done, job in enumerate(as_completed(jobs), start=1):
+        jobs = [pool.submit(render_trial, design, n, folder, truth_folder) for n in names]
+        for job in as_completed(jobs):
             job.result()
-            progress(jobs[job], done, len(names))
     write_study_truth(design, truth_folder)

@@ -3,10 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from bluekoi.errors import input_error, nearest
-
-__all__ = ["LADDER", "Conditions", "conditions"]
-
 
 @dataclass(frozen=True)
 class Conditions:
@@ -85,12 +81,3 @@ LADDER: Mapping[str, Conditions] = {
     "nudged": replace(MIDDLE, nudge_at_s=1.5),
     "markers": replace(MIDDLE, markers=True),
 }
-
-
-def conditions(
-    step: str, *, size_px: tuple[int, int] = (1920, 1080), codec: str = "h264"
-) -> Conditions:
-    """A step of the detection ladder by name, at a picture size and codec."""
-    if step not in LADDER:
-        raise input_error("conditions", "step", step, "a known step", nearest(step, LADDER))
-    return replace(LADDER[step], size_px=size_px, codec=codec)

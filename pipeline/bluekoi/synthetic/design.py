@@ -8,8 +8,6 @@ from bluekoi.synthetic.conditions import MIDDLE, Conditions
 from bluekoi.synthetic.laws import Coefficients, Tank, bare_tank
 from bluekoi.synthetic.optics import Camera, gopro_like
 
-__all__ = ["TABLE_1", "Design", "Plan", "bare_design", "demo_design", "ladder_design"]
-
 FLAP_HZ: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
 TABLE_1: Mapping[int, Coefficients] = {
     50: Coefficients(C_Da=0.3, C_Md=0.145),

@@ -6,8 +6,6 @@ import numpy as np
 
 from bluekoi.synthetic.body import Part, disc
 
-__all__ = ["BAR_HEIGHT_M", "HAND_HEIGHT_M", "OTHER_HEIGHT_M", "bar", "hand", "other_body"]
-
 BAR_HEIGHT_M = 0.30
 HAND_HEIGHT_M = 0.06
 OTHER_HEIGHT_M = -0.02

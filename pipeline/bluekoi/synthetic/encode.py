@@ -10,8 +10,6 @@ import numpy as np
 from bluekoi.files import atomic_write
 from bluekoi.synthetic.picture import Planes
 
-__all__ = ["GOPRO_RATE", "write_video"]
-
 GOPRO_RATE = Fraction(30000, 1001)
 GROUP = 15
 ENCODERS = {"h264": ("libx264", "x264-params"), "hevc": ("libx265", "x265-params")}

@@ -25,8 +25,6 @@ from bluekoi.synthetic.picture import (
 from bluekoi.synthetic.scene import Scene, build_scene
 from bluekoi.synthetic.trial import Trial, camera_at, generator
 
-__all__ = ["frames_of", "visible"]
-
 
 @lru_cache(maxsize=3)
 def _scene(camera: Camera, caustics: float, pool: tuple[float, float, float], seed: int) -> Scene:

@@ -8,8 +8,6 @@ import numpy as np
 
 from bluekoi.synthetic.optics import Camera, project
 
-__all__ = ["Patch", "add_glare", "lamps"]
-
 
 @dataclass(frozen=True)
 class Patch:

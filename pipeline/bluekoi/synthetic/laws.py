@@ -9,21 +9,6 @@ from dataclasses import dataclass, replace
 
 from bluekoi.synthetic.water import Eddy
 
-__all__ = [
-    "Coefficients",
-    "Fin",
-    "Recoil",
-    "Robot",
-    "Run",
-    "Situation",
-    "Tank",
-    "aerodynamic_arm",
-    "bare_tank",
-    "fin_load",
-    "plate_load",
-    "thrust",
-]
-
 
 @dataclass(frozen=True)
 class Robot:

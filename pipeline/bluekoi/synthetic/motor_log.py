@@ -1,15 +1,11 @@
 """What the potentiometer on the motor shaft would have written."""
 
-import csv
-import io
 from pathlib import Path
 
 import numpy as np
 
-from bluekoi.files import write_text
+from bluekoi.files import write_rows
 from bluekoi.synthetic.tank import Motion
-
-__all__ = ["STEP_S", "motor_angles", "write_motor_log"]
 
 STEP_S = 0.005
 DEAD_ZONE_DEG = (336.0, 360.0)
@@ -34,8 +30,5 @@ def motor_angles(motion: Motion, duration_s: float, rng: np.random.Generator) ->
 
 def write_motor_log(path: Path, rows: np.ndarray) -> None:
     """Write `time_s,angle_deg` rows as csv."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["time_s", "angle_deg"])
-    writer.writerows([f"{t:.3f}", f"{angle:.4f}"] for t, angle in rows)
-    write_text(path, text.getvalue())
+    cells = ([f"{t:.3f}", f"{angle:.4f}"] for t, angle in rows)
+    write_rows(path, [["time_s", "angle_deg"], *cells])

@@ -9,18 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-__all__ = [
-    "Camera",
-    "gopro_like",
-    "looking_down",
-    "nudged",
-    "pool_corners",
-    "project",
-    "resized",
-    "surface_point",
-    "to_pool",
-]
-
 Matrix3 = tuple[tuple[float, float, float], ...]
 
 

@@ -14,8 +14,6 @@ from bluekoi.synthetic.optics import Camera, project
 from bluekoi.synthetic.raster import paint, straight_pixels
 from bluekoi.synthetic.scene import FLOOR_RGB, Scene, to_yuv
 
-__all__ = ["Planes", "Stage", "add_light", "add_noise", "draw", "draw_robot", "noise_tiles"]
-
 SHADOW_SHIFT_M = 0.05 - 0.035j
 NOISE_MARGIN_PX = 256
 

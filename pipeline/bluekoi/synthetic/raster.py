@@ -5,8 +5,6 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["paint", "straight_pixels"]
-
 
 @njit(cache=True)
 def _cell_walk(acc: np.ndarray, row: int, x0: float, x1: float, dy: float) -> None:

@@ -8,8 +8,6 @@ import numpy as np
 
 from bluekoi.synthetic.optics import Camera, to_pool
 
-__all__ = ["FLOOR_RGB", "Scene", "build_scene", "to_yuv"]
-
 RIM_M = 0.055
 CAUSTIC_FRAMES = 120
 CAUSTIC_STEP_PX = 8

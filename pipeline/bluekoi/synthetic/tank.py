@@ -25,8 +25,6 @@ from bluekoi.synthetic.laws import (
 )
 from bluekoi.synthetic.water import current
 
-__all__ = ["Motion", "recoil_of", "simulate", "steady_turn"]
-
 
 @dataclass(frozen=True)
 class Motion:

@@ -15,19 +15,6 @@ from bluekoi.synthetic.optics import Camera, nudged, project, resized
 from bluekoi.synthetic.tank import Motion, simulate, steady_turn
 from bluekoi.synthetic.water import draw_eddies
 
-__all__ = [
-    "Trial",
-    "camera_at",
-    "frame_truth",
-    "generator",
-    "mean_path",
-    "pixels_of",
-    "place_in_pool",
-    "solve_trial",
-    "summary",
-    "time_until_wall",
-]
-
 HEADINGS = 72
 CHECK_STEP_S = 0.05
 STEADY_SHARE = 0.3

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Eddy", "current", "draw_eddies"]
-
 
 @dataclass(frozen=True)
 class Eddy:

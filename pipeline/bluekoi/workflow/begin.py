@@ -16,21 +16,8 @@ from ..stages.manifest import RUN
 from .client import COMMAND
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
-from .preload import Preloaded, preload
-from .progress import Progress, follow
 from .provenance import PACKAGE, fingerprint
 from .settings import check_settings
-
-__all__ = [
-    "Plan",
-    "Preloaded",
-    "Progress",
-    "begin_run",
-    "follow",
-    "preload",
-    "shell_prefix",
-    "without_rate_limit",
-]
 
 
 def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:

@@ -16,7 +16,6 @@ import shutil
 import signal
 import socket
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -26,7 +25,7 @@ from pathlib import Path
 
 from .client import END_OF_REQUEST
 from .provenance import PACKAGE
-from .stage_call import end_with_parent, run_stage
+from .stage_call import in_fork, run_stage
 
 LONGEST = 2**20
 COMPILING = b"compiling (once on a machine, half a minute)\n"
@@ -154,25 +153,6 @@ class Server:
                 job.connection.close()
                 del self.running[pid]
                 os.kill(pid, signal.SIGKILL)
-
-
-def in_fork(work: Callable[[], int]) -> None:
-    """End this process, a fork, with the exit code that `work` returns."""
-    code = 1
-    try:
-        signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        end_with_parent()
-        code = work()
-    except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else 1
-    except BaseException:  # whatever it is, this process must end here
-        traceback.print_exc()
-    finally:
-        with suppress(OSError):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(code)
 
 
 def _work(job: Job) -> int:

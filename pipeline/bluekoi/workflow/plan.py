@@ -234,11 +234,8 @@ def check_results_name(results: Path) -> None:
 
 def _check_apart(study: Study, results: Path) -> None:
     """Raises: InputError where results would be written among, or over, files of the study."""
-    logs = (study.motor_path(trial) for trial in study.trials)
-    own = [study.root / "study.yaml", *(p for t in study.trials for p in study.paths(t)),
-           *(log for log in logs if log)]  # fmt: skip
     here = results.resolve()
-    for path in own:
+    for path in study.files():
         for at in (path.absolute(), path.resolve()):
             if at.is_relative_to(here) and at.relative_to(here).parts[0] in (*FOLDERS, at.name):
                 raise input_error(

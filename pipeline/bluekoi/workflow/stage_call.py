@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ..errors import InputError, printable
 from ..files import write_json, write_text
@@ -106,20 +106,30 @@ def _forks_safely() -> bool:
 
 
 def _forked(function: Stage, options: argparse.Namespace, **more: Any) -> int:
-    if pid := os.fork():
-        code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
-        return code if code >= 0 else 128 - code
+    if not (pid := os.fork()):
+        in_fork(lambda: _run(function, options, **more))
+    code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    return code if code >= 0 else 128 - code
+
+
+def in_fork(work: Callable[[], int]) -> NoReturn:
+    """End this process, a fork, with the exit code that `work` returns."""
     code = 1
     try:
+        signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         end_with_parent()
-        code = _run(function, options, **more)
+        code = work()
     except InputError as error:
         sys.stderr.write(printable(str(error)) + "\n")
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 1
     except BaseException:  # whatever it is, this process must end here
         traceback.print_exc()
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
         os._exit(code)
 
 

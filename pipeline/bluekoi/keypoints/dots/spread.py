@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 from scipy.ndimage import median_filter
 
+from ...data import Float
 from ...data.quality import confident
 from ..files.noise import white_noise_px
 
-Float = npt.NDArray[np.float64]
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 TREND_FRAMES = 31
 MIN_FRAMES = 20

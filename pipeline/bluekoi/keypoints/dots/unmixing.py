@@ -7,7 +7,8 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-Float = npt.NDArray[np.float64]
+from ...data import Float
+
 INSIDE, OUTSIDE, BACKGROUND_RING = 0.5, 1.7, (1.8, 2.6)
 UNMIXINGS = 3
 NOISE_GREY_LEVELS = 3.0

@@ -11,15 +11,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from ...errors import input_error
 from .literals import literal
 from .safe_h5 import member, open_h5, strings
 from .table import Table, assemble, frame_numbers
 
 COORDS = ("x", "y", "likelihood")
-Float = npt.NDArray[np.float64]
 
 
 def read_h5(path: Path) -> Table:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from math import comb
 
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from ...data.quality import confident
 
-Float = npt.NDArray[np.float64]
 ORDERS = (6, 2, 4, 8, 10)
 MIN_PX = 0.05
 UNKNOWN_PX = 2.0

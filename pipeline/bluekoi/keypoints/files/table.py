@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
-from ...data import PARTS, Keypoints
+from ...data import PARTS, Float, Keypoints
 from ...errors import input_error, nearest
 from .noise import white_noise_px
 
-Float = npt.NDArray[np.float64]
 Column = tuple[str, str]
 LARGEST_PX = 1e6
 LARGEST_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1

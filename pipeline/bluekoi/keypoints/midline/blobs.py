@@ -10,12 +10,12 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from ...data import Float
 from ..outline.background import Image, grey_level_quantiles, noise_level
 from ..outline.plane import Plane
 from ..outline.search import pool_mask
 from .curve import JOINTS, REFERENCE, Image32, basis
 
-Float = npt.NDArray[np.float64]
 SELDOM = 0.1
 MIN_CHANGE, NOISE_FACTOR = 16.0, 5.0
 FINEST_PX = 96.0

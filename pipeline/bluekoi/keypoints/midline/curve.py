@@ -17,9 +17,9 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from ...data import Float
 from ..outline.posefit import horner, jacobian
 
-Float = npt.NDArray[np.float64]
 Image32 = npt.NDArray[np.float32]
 Maps = tuple[Float, Float, Float]
 """Coefficients and scale of the plane's map to pixels; and the cut: factor, left, top."""

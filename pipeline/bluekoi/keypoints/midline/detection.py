@@ -6,9 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from ...data import Frame, Keypoints
+from ...data import Float, Frame, Keypoints
 from ...study import Robot, Trial
 from ..outline.plane import Plane
 from .blobs import Arena, arena_of, blobs, cut
@@ -17,7 +16,6 @@ from .learning import learn
 from .outcome import arcs_of, keypoints_of, total_length
 from .tracking import follow
 
-Float = npt.NDArray[np.float64]
 SAMPLES = 25
 MIN_EXPLAINED_VARIANCE, MIN_SEEN, MIN_SHARE_OF_FRAMES = 0.9, 8, 0.8
 BENT_RAD, BENT_QUANTILE = 0.12, 0.75

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from ..outline.background import Image
 from ..outline.template import median_seen
 from .blobs import Arena, Blob, Cut, blobs, cut, pose_from_midline, poses_of
@@ -23,7 +23,6 @@ from .curve import (
     straightened_picture,
 )
 
-Float = npt.NDArray[np.float64]
 ROUNDS = 4
 MAX_BODIES = 40
 USUAL_LENGTH = (0.7, 1.3)

@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from ...data import PARTS, Keypoints
+from ...data import PARTS, Float, Keypoints
 from ...study import Robot, Trial
 from ..outline.outcome import likelihood_of_support
 from ..outline.plane import in_body_lengths
@@ -16,7 +15,6 @@ from .blobs import Arena
 from .curve import REFERENCE, Shape, arcs, basis, stations
 from .track import Fit, Track
 
-Float = npt.NDArray[np.float64]
 FLOOR_PX = 0.03
 LENGTH_STD = 0.02
 """Share of the length by which its ends may be misplaced; grows from the reference outwards."""

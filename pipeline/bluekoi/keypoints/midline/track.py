@@ -6,11 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from .curve import MIN_SEEN
 
-Float = npt.NDArray[np.float64]
 LOST_FRAMES, RECENT = 8, 25
 
 

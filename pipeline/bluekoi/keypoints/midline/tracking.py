@@ -10,16 +10,14 @@ from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Float, Frame
 from ..outline.background import Image
 from .blobs import Arena, Blob, Cut, blobs, cut, poses_of
 from .curve import ACROSS, JOINTS, MIN_SEEN, Shape, midline
 from .learning import fitted
 from .track import LOST_FRAMES, Fit, Track
 
-Float = npt.NDArray[np.float64]
 MIN_SUPPORT, SCORE_DROP = 0.5, 0.05
 TURN_COST, MOVE_COST = 0.1, 0.1
 REACH, REACH_LOST, MAX_REACH = 0.8, 0.25, 2.5

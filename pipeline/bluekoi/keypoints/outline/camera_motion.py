@@ -9,11 +9,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Float, Frame
 from .background import Image
 from .plane import Plane
 
-Float = npt.NDArray[np.float64]
 PATCH, MAX_SHIFT = 0.1, 0.05
 """Half a patch and the farthest shift, as shares of the pool's shorter side."""
 BLUR_PX = 1.5

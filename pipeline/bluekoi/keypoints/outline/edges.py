@@ -14,7 +14,8 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-Float = npt.NDArray[np.float64]
+from ...data import Float
+
 Image = npt.NDArray[np.uint8]
 Pictures = tuple[Image, Image]
 

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Float, Frame
 from ...study import Robot, Trial
 from .search import Blob, blobs, poses_of
 from .stations import measured_stations, without_biased
@@ -21,7 +20,6 @@ from .template import (
 )
 from .tracking import Fit, Scene, fitted, is_plausible_blob, search_lengths_px
 
-Float = npt.NDArray[np.float64]
 ROUNDS = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
 AREA = 0.16
 GOOD_SUPPORT = 0.9

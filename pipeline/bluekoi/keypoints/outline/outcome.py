@@ -8,12 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ...data import PARTS, Keypoints
+from ...data import PARTS, Float, Keypoints
 from .template import Template
 from .tracking import Fit, Scene
 from .variance import usual_covariance
 
-Float = npt.NDArray[np.float64]
 FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
 SHAPE_SUPPORT_RANGE = (0.25, 0.55)
 BEND_RAD = 0.07

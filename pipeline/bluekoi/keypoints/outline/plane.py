@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import cv2
 import numba
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from ...study import Camera, Robot, Setup
 
-Float = npt.NDArray[np.float64]
 DEGREES = (5, 7, 9, 11)
 """Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""
 NEAR_PX = 0.05

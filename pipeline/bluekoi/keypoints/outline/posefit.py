@@ -8,9 +8,9 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from ...data import Float
 from .edges import Pictures, edge_offset
 
-Float = npt.NDArray[np.float64]
 Shape = tuple[Float, Float, npt.NDArray[np.int64], Float]
 EXTRA_STEPS = 5
 SETTLED_PX = 0.1

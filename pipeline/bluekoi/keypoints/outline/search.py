@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from ...data import Float
 from .plane import Plane
 from .template import Template
 
-Float = npt.NDArray[np.float64]
 Image = npt.NDArray[np.uint8]
 MARGIN_PX = 1.08
 MIN_RELATIVE_STRENGTH = 0.4

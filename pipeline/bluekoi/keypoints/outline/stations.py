@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Float, Frame
 from .edges import bilinear_at
 from .posefit import Shape, measure_edge_offsets
 from .template import CORE_STATIONS, HEAD_STATIONS, Template, median_seen, station_contrast
 from .tracking import Fit, Scene
 
-Float = npt.NDArray[np.float64]
 INSIDE_PX = (2.5, 4.5)
 SMEARED_SHARE = 0.04
 MIN_SAMPLES = 16

@@ -6,11 +6,10 @@ import math
 
 import numba
 import numpy as np
-import numpy.typing as npt
 
+from ...data import Float
 from .edges import MIN_CONTRAST, Pictures, bilinear
 
-Float = npt.NDArray[np.float64]
 SWEEP_RAD = 1.1
 RAYS = 31
 TURN_RAD = 0.5

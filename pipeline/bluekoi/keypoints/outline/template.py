@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from ...data import Float
 from ...study import Robot, Trial
 from .plane import in_body_lengths
 from .posefit import Shape
 
-Float = npt.NDArray[np.float64]
 HEAD, CORE = 0, 1
 MIDDLE = 0.55
 CORE_STATIONS = 36

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from ...data import Frame
+from ...data import Float, Frame
 from .background import Image
 from .edges import HALF_PX
 from .plane import Plane
@@ -19,7 +19,6 @@ from .tail_detection import tail_length, trace
 from .template import Template
 from .variance import VarianceStatistics, covariance_kernels, variance_statistics
 
-Float = npt.NDArray[np.float64]
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MAX_BEND = 0.7

@@ -18,9 +18,9 @@ from itertools import product
 
 import numba
 import numpy as np
-import numpy.typing as npt
 
-Float = npt.NDArray[np.float64]
+from ...data import Float
+
 PATCH, DRIFT_LENGTH = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
 CLIPPED = 9.0

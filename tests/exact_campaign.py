@@ -179,6 +179,11 @@ def searched(base: Campaign) -> Campaign:
         },
         "mismatch_detail": {
             "forces": forces,
+            "partial_residuals": {"linear_yaw_damping": {
+                name: {"x": one.yaw_rate_rad_s[::10].tolist(),
+                       "y": (-0.02 * one.yaw_rate_rad_s[::10]).tolist()}
+                for name, one in base.tracks.items()
+            }},
             "coefficients": {"before": reported, "after": {**reported, **damping}},
         },
     })  # fmt: skip

@@ -351,7 +351,7 @@ def test_extraction_covers_lines_error_bars_bars_bands_and_maps():
     assert [(p.x, p.y, p.value) for p in found if p.panel == 2] == [(1, 0.5, 9)]
 
 
-def test_the_law_of_a_cause_is_drawn_with_its_band_through_the_missing_force(whole):
+def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals(whole):
     figure = figures.draw("mismatch_laws", whole)
     found = extract(figure)
     assert "linear yaw damping" in texts(figure)

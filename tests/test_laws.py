@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.fitting import Free, missing_force
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.laws import OWN, bins, cause_laws
+from bluekoi.mismatch.laws import OWN, PARTS, bins, cause_laws, partial_residuals
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
 from bluekoi.tuning.joint import downsampled, tune
@@ -20,8 +20,8 @@ N_R = 0.02
 
 
 @pytest.fixture(scope="module")
-def laws():
-    """Laws of a model with a damping N_r = 0.02 +- 0.001 N m s put into it."""
+def model():
+    """Trials of the bare model; a model with a damping N_r = 0.02 +- 0.001 N m s put into it."""
     wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
     series = downsampled(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
     free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
@@ -34,7 +34,12 @@ def laws():
     trials = {p.name: Trial(trial_id=p.name, source="a.csv", power_pct=100, fps=30.0,
                             head_angle_deg=p.angle_deg, head_length_m=p.head_length_m)
               for p in wanted}  # fmt: skip
-    return cause_laws(kernel, series, forces, found, trials)
+    return kernel, series, forces, found, trials
+
+
+@pytest.fixture(scope="module")
+def laws(model):
+    return cause_laws(*model)
 
 
 def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(laws):
@@ -46,6 +51,19 @@ def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(
     half = 0.5 * (law["high"] - law["low"])
     fast = np.abs(law["x"]) > 0.5
     assert half[fast] == pytest.approx(1.96 * 0.001 * np.abs(law["x"][fast]), rel=0.1)
+
+
+def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(model, laws):
+    _, series, _, found, _ = model
+    loose = replace(found.noise, disturbance=10 * found.noise.disturbance)
+    points = partial_residuals(*model, laws=laws, noise=loose)["linear_yaw_damping"]
+    assert points.keys() == {one.name for one in series}
+    assert {len(one["x"]) for one in points.values()} == {PARTS}
+    # At the ends of a trial the smoother knows less and draws forces to zero.
+    x, y = (np.concatenate([one[k][2:-2] for one in points.values()]) for k in "xy")
+    turning = np.abs(x) > 0.5
+    assert turning.sum() == 2 * (PARTS - 4)
+    assert np.abs(y[turning]).max() < 0.3 * N_R * np.abs(x[turning]).min()
 
 
 def test_variables_of_effects_are_known_or_none():

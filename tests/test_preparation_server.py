@@ -12,8 +12,12 @@ import cv2
 import numpy as np
 import pytest
 
+from bluekoi.data import Keypoints
 from bluekoi.footage import encode
+from bluekoi.preparation.draft import Draft
+from bluekoi.preparation.draft_check import draft_study
 from bluekoi.preparation.prefill import study_files
+from bluekoi.preparation.preview import preview_trial
 from bluekoi.preparation.server import SetupServer
 
 ROBOT = {"mass_kg": "0.68", "yaw_inertia_kg_m2": "0.0095", "body_length_m": "0.331",
@@ -146,6 +150,24 @@ def test_the_preview_says_why_nothing_is_found(server):
     assert job["state"] == "done", job
     assert job["result"]["found"] == 0
     assert "nothing differs from the background" in job["result"]["remarks"][0]
+
+
+def test_the_preview_names_a_head_angle_of_the_wrong_sign(folder, monkeypatch):
+    class Detector:
+        @staticmethod
+        def detect(frames, setup, trial):
+            n, sure = len(list(frames())), 1.0 if trial.head_angle_deg == -20 else 0.0
+            return Keypoints(np.arange(n) / 30, ("head_tip",), np.full((n, 1, 2), 100.0),
+                             np.full((n, 1), sure), np.zeros((n, 1, 2, 2)))  # fmt: skip
+
+    monkeypatch.setattr("bluekoi.preparation.preview.source", lambda name: Detector)
+    for angle, said in (("20", "with head_angle_deg -20 the robot is found"),
+                        ("30", "does not fit the stated lengths"), ("-20", None)):  # fmt: skip
+        row = {"trial_id": "S", "source": "p50_phi20.mp4", "power_pct": "50",
+               "head_angle_deg": angle, "head_length_m": "0.12"}  # fmt: skip
+        study = draft_study(Draft(VALUES, [row]), folder)
+        remarks = preview_trial(study, "S").remarks
+        assert (said in remarks[0]) if said else remarks == ()
 
 
 def test_a_lens_taken_from_a_file(server, folder):

@@ -119,14 +119,17 @@ def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
         page.step("robot")
         for name, value in ROBOT.items():
             page.type(f"robot.{name}", value)
-        page.step("trials")
-        page.tab.evaluate(f"{PASTE}({json.dumps(chr(10).join(['50' + chr(9) + '0', '50	30']))})")
-        page.until("!document.querySelector('#trials-table [aria-invalid=true]')")
-        page.step("preview")
-        page.click("preview-all")
-        page.until(
-            "document.getElementById('preview-said').textContent.startsWith('The robot')", 200
-        )
+        for angles, seen in (("0 -30", "with head_angle_deg 30 the robot is found"), ("0 30", "")):
+            page.step("trials")
+            cells = "\n".join(f"50\t{angle}" for angle in angles.split())
+            page.tab.evaluate(f"{PASTE}({json.dumps(cells)})")
+            page.until("!document.querySelector('#trials-table [aria-invalid=true]')")
+            page.step("preview")
+            page.click("preview-all")
+            page.until(
+                "document.getElementById('preview-said').textContent.startsWith('The robot')", 200
+            )
+            assert seen in page.text("preview-list")
         assert "2 of 2 videos" in page.text("preview-said")
         page.step("robot")
         page.click("robot-place")
@@ -162,6 +165,9 @@ def test_at_390_px_nothing_is_wider_than_the_page_and_corners_move_by_keys(video
                            "m.store.values['camera.pool_corners_px'])"))  # fmt: skip
         assert np.subtract(after, before)[0] == pytest.approx([1, -1], abs=0.02)
         assert np.abs(np.subtract(after, before)[1:]).max() < 0.01
+        drawn = "document.querySelector('.frame > svg polyline').getAttribute('points')"
+        magnified = "document.querySelector('.magnifier svg polyline').getAttribute('points')"
+        assert page.tab.evaluate(magnified) == page.tab.evaluate(drawn)
         for step in ("pool", "camera", "robot", "trials", "preview", "run"):
             page.step(step)
             time.sleep(0.5)

@@ -10,21 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign
-from ..data import Float
-from .drawing.missing_force import CHANNELS, LABELS, NAMES, missing_forces, variable
+from .drawing.missing_force import LABELS, NAMES
 from .drawing.style import AFTER, panel_letter
 
 TITLE = "Estimated law of each cause"
 CAPTION = (
-    "Effect of each identified cause over the variable that it depends on, with its 95 % band. "
-    "Dots, where the search reports the missing force: its mean within equal parts of a trial. "
-    "They include the forces of all other causes in that channel."
+    "Force or moment of each identified cause over the variable that it depends on, with the 95 % "
+    "band of its parameters. Dots, one for each eighth of a trial: partial residuals, that is the "
+    "force which the model with all causes still lacks plus the force of this cause. Where they "
+    "leave the line beyond their scatter, the form of the law is wrong."
 )
 NEEDS = ("mismatch",)
 COLUMNS = 3
-PARTS = 8
-"""Parts of a trial that are averaged for the dots."""
-FORCE_UNITS = ("N", "N m")
 
 
 def unavailable(campaign: Campaign) -> str:
@@ -46,24 +43,24 @@ def laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
 def draw(campaign: Campaign) -> Figure:
     """A panel for each cause with a law."""
     found = laws(campaign)
+    residuals = (campaign.mismatch_detail or {}).get("partial_residuals") or {}
     rows = -(-len(found) // COLUMNS)
     columns = min(COLUMNS, len(found))
     figure = Figure(figsize=(4.2 * columns + 0.6, 3.4 * rows), layout="constrained")
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     for i, (axes, (name, law)) in enumerate(zip(panels, found.items(), strict=False)):
         panel_letter(axes, "ABCDEFGHI"[i % 9])
-        _law(axes, campaign, law)
+        _law(axes, law, residuals.get(name) or {})
         axes.set_title(name.replace("_", " "))
     for axes in panels[len(found) :]:
         axes.axis("off")
     return figure
 
 
-def _law(axes: Axes, campaign: Campaign, law: Mapping[str, Any]) -> None:
+def _law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[str, Any]]) -> None:
     name, channel = str(law.get("variable", "")), str(law.get("channel", ""))
     x, y = np.asarray(law["x"], dtype=float), np.asarray(law["y"], dtype=float)
-    if law.get("y_unit") in FORCE_UNITS and channel in CHANNELS:
-        _dots(axes, campaign, name, CHANNELS.index(channel))
+    _dots(axes, points)
     low, high = (np.asarray(law.get(k) or [], dtype=float) for k in ("low", "high"))
     if len(low) == len(high) == len(x):
         axes.fill_between(x, low, high, color=AFTER, alpha=0.2, lw=0, label="95 % band")
@@ -75,18 +72,12 @@ def _law(axes: Axes, campaign: Campaign, law: Mapping[str, Any]) -> None:
     axes.legend(loc="best")
 
 
-def _dots(axes: Axes, campaign: Campaign, name: str, channel: int) -> None:
-    label: str | None = "missing force, parts of trials"
-    for one in missing_forces(campaign).values():
-        if one.trial_id not in campaign.steady:
+def _dots(axes: Axes, points: Mapping[str, Mapping[str, Any]]) -> None:
+    """Partial residuals of a cause, trial by trial."""
+    label: str | None = "model's residual + this cause, parts of trials"
+    for trial_id, one in points.items():
+        x, y = (np.asarray(one.get(k) or [], dtype=float) for k in ("x", "y"))
+        if not len(x) or len(x) != len(y):
             continue
-        x = _means(variable(campaign, one, name))
-        if not np.isfinite(x).all():
-            continue
-        axes.plot(x, _means(one.force[:, channel]) / 1000, "o", ms=3, mew=0, color="#5b6570",
-                  alpha=0.6, label=label, gid=one.trial_id)  # fmt: skip
+        axes.plot(x, y, "o", ms=3, mew=0, color="#5b6570", alpha=0.6, label=label, gid=trial_id)
         label = None
-
-
-def _means(values: Float) -> Float:
-    return np.array([part.mean() for part in np.array_split(values, min(PARTS, len(values)))])

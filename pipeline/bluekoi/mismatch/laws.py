@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from ..fitting import MissingForce, Series, added_force, slots_by_name
+from ..fitting import MissingForce, Noise, Series, added_force, missing_force, slots_by_name
 from ..integrate import Kernel
 from ..study import Trial
 from ..tuning import Tuned
@@ -18,6 +18,8 @@ from ..tuning.joint import Z_95
 from .locate import CHANNELS, covariates
 
 BINS, MIN_IN_BIN = 15, 3
+PARTS = 8
+"""Parts of a trial over which its partial residuals are averaged."""
 UNITS = ("N", "N", "N m")
 OWN: Mapping[str, tuple[str, ...]] = {
     "angle of attack": ("angle_of_attack_rad",),
@@ -70,6 +72,41 @@ def cause_laws(
     names = dict.fromkeys(f.name.split(".")[0] for f in tuned.fit.free if "." in f.name)
     found = {name: _law(kernel, series, tuned, name, over) for name in names}
     return {name: law for name, law in found.items() if law}
+
+
+def partial_residuals(
+    kernel: Kernel,
+    series: Sequence[Series],
+    forces: Sequence[MissingForce],
+    tuned: Tuned,
+    trials: Mapping[str, Trial],
+    *,
+    laws: Mapping[str, Mapping[str, Any]],
+    noise: Noise,
+) -> dict[str, dict[str, dict[str, Float]]]:
+    """Cause -> trial -> `x` and `y` (parts,): what the law of the cause is held against.
+
+    y is the partial residual: the force that the model with all causes still lacks, smoothed with
+    the random forces of `noise`, plus the cause's own force. x is the variable of the law. Both are
+    means over equal parts of a trial.
+    """
+    left = missing_force(kernel, series, tuned.trial_values(kernel, series), noise)
+    known = covariates(series, forces, trials)
+    ends = np.cumsum([len(one.times) for one in series])[:-1]
+    found: dict[str, dict[str, dict[str, Float]]] = {}
+    for name, law in laws.items():
+        channel = CHANNELS.index(law["channel"])
+        own = np.split(_force(kernel, series, tuned, name, tuned.fit.values)[:, channel], ends)
+        found[name] = {
+            rest.name: {"x": _part_means(over[law["variable"]]),
+                        "y": _part_means(rest.force[:, channel] + push)}
+            for rest, over, push in zip(left, known, own, strict=True)
+        }  # fmt: skip
+    return found
+
+
+def _part_means(values: Float) -> Float:
+    return np.array([part.mean() for part in np.array_split(values, min(PARTS, len(values)))])
 
 
 def _law(

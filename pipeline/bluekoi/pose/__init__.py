@@ -175,7 +175,7 @@ def _nothing_usable(positions: Positions, xy: Float) -> Exception:
         "",
         f"{seen} of {len(positions.time_s)} frames at likelihood {CONFIDENT} or more, never enough",
         "frames with head_tip and two of hinge, core_center, tail_base",
-        "In a film: is head_angle_deg of the right sign (core minus head direction, "
-        "counter-clockwise positive), and is the robot whole, apart from the floor in brightness, "
-        "and alone in view? In a keypoint file: map other names under `bodyparts:` in study.yaml.",
+        "In a film: is head_angle_deg of the right sign (positive where the head points to the "
+        "robot's right), and is the robot whole, apart from the floor in brightness, and alone in "
+        "view? In a keypoint file: map other names under `bodyparts:` in study.yaml.",
     )

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from ..data import CONFIDENT, Float, Frame
+from ..data import CONFIDENT, Float, Frame, Keypoints
 from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source
-from ..study import Study
+from ..study import Study, Trial
 from ..study.filmed import setup_in_film_pixels
 
 FRAMES = 20
+FEW = 0.5
+"""Share of the frames below which the preview looks for a reason."""
 
 
 @dataclass(frozen=True)
@@ -85,14 +87,43 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     height, width = some[0].luma.shape
     setup = setup_in_film_pixels(study.setup, (width, height), trial.source)
-    found = detector.detect(lambda: some, setup, trial)
+
+    def detect(trial: Trial) -> Keypoints:
+        return detector.detect(lambda: some, setup, trial)
+
+    found = detect(trial)
     return Preview(
         trial_id=trial_id,
         time_s=found.time_s,
         names=found.names,
         xy_px=found.xy_px,
         likelihood=found.likelihood.min(axis=1),
-        remarks=found.remarks,
+        remarks=(*found.remarks, *_doubt(found, trial, detect)),
         size_px=(width, height),
         consecutive=trial.start_px is not None,
+    )
+
+
+def _confident(found: Keypoints) -> int:
+    return int(np.sum(found.likelihood.min(axis=1) >= CONFIDENT))
+
+
+def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints]) -> tuple[str, ...]:
+    """Why a body that was drawn is hardly ever found with confidence; empty where it is found, or
+    where there is none and the detector says why.
+    """
+    count = len(found.time_s)
+    if _confident(found) >= FEW * count or not np.isfinite(found.xy_px).any():
+        return ()
+    if angle := trial.head_angle_deg:
+        mirrored = _confident(detect(trial.model_copy(update={"head_angle_deg": -angle})))
+        if mirrored >= FEW * count:
+            return (
+                f"with head_angle_deg {-angle:g} the robot is found in {mirrored} of {count} "
+                f"frames: is the sign of {angle:g} wrong? It is positive where the head points "
+                "to the robot's right",
+            )
+    return (
+        "a body is there, but it does not fit the stated lengths and head angle: compare the drawn "
+        "points with the robot; check head_length_m and head_angle_deg of the trial",
     )

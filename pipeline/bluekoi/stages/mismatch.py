@@ -22,7 +22,7 @@ from ..fitting import Series, free_runs
 from ..integrate import compiled
 from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
-from ..mismatch.laws import cause_laws
+from ..mismatch.laws import cause_laws, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..model import plates
 from ..motor import clock_delay
@@ -75,10 +75,12 @@ def mismatch(study: Path, results: Path) -> None:
     detail = details_json(found)
     for name in factors.keys() & detail["forces"].keys():
         detail["forces"][name]["time_s"] = detail["forces"][name]["time_s"] / factors[name].value
+    trials = {trial.trial_id: trial for trial in loaded.trials}
+    along = (kernel, downsampled(series), found.forces, found.extended, trials)
+    laws = cause_laws(*along)
+    detail["partial_residuals"] = partial_residuals(*along, laws=laws, noise=found.baseline.noise)
     write_json(results / "mismatch_detail.json", detail)
     content = mismatch_json(found, loaded, series)
-    trials = {trial.trial_id: trial for trial in loaded.trials}
-    laws = cause_laws(kernel, downsampled(series), found.forces, found.extended, trials)
     for cause in content["causes"]:
         if cause["name"] in laws:
             cause["law"] = laws[cause["name"]]

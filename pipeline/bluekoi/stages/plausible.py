@@ -84,7 +84,7 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
     mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= HEAD_ANGLE_DEG / 2
-    convention = "head_angle_deg is core minus head direction, counter-clockwise positive."
+    convention = "head_angle_deg is positive where the head points to the robot's right."
     remedy = (
         f"The sign is the other one: write head_angle_deg {-trial.head_angle_deg:g} if the head "
         f"turned to that side. {convention} If it did not, the picture is mirrored: are x and y "

@@ -65,13 +65,13 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     found = read_detections(layout.keypoints(trial.trial_id), trial)
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
-    flapping = flapping_of(study, trial, positions)
     try:
         pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
         raise _without_pose(study, trial) from error
     if wrong := implausible(study, trial, positions, pose):
         raise InputError(wrong)
+    flapping = flapping_of(study, trial, positions)
     try:
         track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
         steady = _doubted(steady_state(track, flapping, trial.head_angle_rad), flapping)

@@ -30,7 +30,8 @@ class Trial(Section):
     power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = key("Motor power.", "%")
     head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = key(
         "Commanded head angle phi: direction of the core minus direction of the head, "
-        "counter-clockwise positive seen from above.",
+        "counter-clockwise positive seen from above: positive where the head points to the "
+        "robot's right.",
         "deg",
     )
     head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = key(
@@ -44,7 +45,8 @@ class Trial(Section):
     )
     motor_log: str | None = key(
         "Csv file `time_s,angle_deg` with the shaft angle every few ms; time 0 is the first frame "
-        "of the recording. One turn is one tail beat.",
+        "of the recording. One turn is one tail beat. Without it and `flap_hz`, the frequency is "
+        "that of the tail in the video.",
         "",
         None,
     )

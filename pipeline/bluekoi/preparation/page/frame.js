@@ -92,7 +92,10 @@ export class FrameView {
 
   toStudy([u, v]) { const s = this.scale(); return [(u - (s - 1) / 2) / s, (v - (s - 1) / 2) / s]; }
 
-  draw(...parts) { this.lines.replaceChildren(...parts.flat()); }
+  draw(...parts) {
+    this.lines.replaceChildren(...parts.flat());
+    if (!this.magnifier.hidden) this.magnify(this.magnified);
+  }
 
   // A button over the frame that stands for a point in frame pixels, moved by pointer or arrow keys.
   handle(label, at, { square = false, moved, ended }) {
@@ -103,8 +106,8 @@ export class FrameView {
       handle.at = [Math.min(Math.max(u, -0.2 * this.size[0]), 1.2 * this.size[0]),
         Math.min(Math.max(v, -0.2 * this.size[1]), 1.2 * this.size[1])];
       this.place(handle);
-      this.magnify(handle);
       moved(handle.at);
+      this.magnify(handle);
     };
     button.addEventListener("pointerdown", (event) => {
       button.setPointerCapture(event.pointerId);
@@ -147,10 +150,15 @@ export class FrameView {
     button.classList.toggle("at-top", share[1] < 0.1);
   }
 
-  magnify({ at }) {
-    const box = this.magnifier, width = box.clientWidth || 176;
+  // In the middle of the frame, or beside it for a point there: never over another corner.
+  magnify(handle) {
+    const box = this.magnifier, { at } = handle;
+    this.magnified = handle;
     box.hidden = false;
-    box.classList.toggle("at-right", at[0] < 0.5 * this.size[0]);
+    const width = box.clientWidth, per = this.frame.clientWidth / this.size[0];
+    const near = at.every((x, k) => Math.abs(x - this.size[k] / 2) * per < 0.9 * width);
+    box.classList.toggle("at-right", near && at[0] < 0.5 * this.size[0]);
+    box.classList.toggle("at-left", near && at[0] >= 0.5 * this.size[0]);
     box.style.backgroundSize = `${this.size[0] * ZOOM}px ${this.size[1] * ZOOM}px`;
     const place = (k) => width / 2 - (at[k] + 0.5) * ZOOM;
     box.style.backgroundPosition = `${place(0)}px ${place(1)}px`;

@@ -63,7 +63,7 @@ async function refit() {
   table();
   if (!corners()) {
     said.className = "";
-    said.textContent = "Drag the four corners (or move them with the arrow keys) to where they belong.";
+    said.textContent = "Drag the four circles (or move them with the arrow keys) to the corners of the pool. They stay in the order (0,0), (L,0), (L,W), (0,W), counter-clockwise; any corner may be (0,0) if the next one lies along the pool's length.";
     fit = null;
     draw();
     return;
@@ -109,7 +109,10 @@ function verdict() {
   const whole = fit.suggested_px.every((p) => p[0] !== null);
   said.className = fit.confirmed ? "good" : "bad";
   if (fit.confirmed) said.textContent = `The edges confirm these corners (off by ${off.toFixed(1)} px at most).`;
-  else if (whole && !fit.doubts.length) said.textContent = `The edges meet ${off.toFixed(1)} px from the farthest corner given: look at the magenta circles, then use them or keep yours.`;
+  else if (whole && !fit.doubts.length) {
+    said.className = "next";
+    said.textContent = `The edges were found; they meet ${off.toFixed(1)} px from the farthest corner given. Do the magenta circles sit on the pool's corners? Then press "Use the fitted corners".`;
+  }
   else said.textContent = `The edges are not certain: ${fit.doubts.join("; ") || "see below"}. Trust your eyes, with the magnifier.`;
   id("pool-use").disabled = !whole;
   id("pool-inner").hidden = fit.inner_rim_px.some((p) => p[0] === null);

@@ -10,7 +10,7 @@ const id = (name) => document.getElementById(name);
 let view, com, toward, waiting, asked = 0;
 
 // Top view with the nose to the right, a side view of the head, and the sign of the head angle.
-const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-label="Robot seen from above, nose to the right: body length from nose to caudal base, head length from nose to hinge, centre of mass behind the hinge, tail behind the caudal base. Positive head angle: the head turns clockwise seen from above.">
+const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-label="Robot seen from above, nose to the right: body length from nose to caudal base, head length from nose to hinge, centre of mass behind the hinge, tail behind the caudal base. Positive head angle: the head points to the robot's right seen from above.">
 <text x="8" y="18">From above, nose to the right</text>
 <path d="M600 110 Q540 84 420 90 L420 130 Q540 136 600 110Z" fill="#cfe3f1" stroke="#1c2630"/>
 <path d="M412 88 Q260 84 130 102 L130 118 Q260 136 412 132Z" fill="#e6ecf0" stroke="#1c2630"/>
@@ -31,7 +31,7 @@ const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-labe
 <path d="M500 300 H360" stroke="#1c2630" stroke-width="6"/><path d="M500 300 L590 352" stroke="#0072b2" stroke-width="8"/>
 <path class="dim" d="M500 300H610" stroke-dasharray="5 4"/><path d="M572 300 A72 72 0 0 1 562 336" fill="none" stroke="#b34700" stroke-width="2"/>
 <text x="398" y="290">core</text><text x="548" y="372">head</text><text x="578" y="324">+ angle</text>
-<text x="320" y="388">positive: head turned clockwise</text>
+<text x="320" y="388">positive: head to the robot's right</text>
 </svg>`;
 
 function ready() {

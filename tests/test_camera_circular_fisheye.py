@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from bluekoi.camera.boards import Board, View
 from bluekoi.camera.bundle import fit_lens
-from bluekoi.camera.calibrate import best_model, calibrate_pictures, camera_section
+from bluekoi.camera.calibrate import best_model, calibrate_files, camera_section
 from bluekoi.camera.image_circle import ImageCircle, image_circle
 from bluekoi.camera.lens import Lens
 from bluekoi.camera.lens_selection import lens_implausibilities
@@ -71,12 +71,12 @@ def rendered(turn: np.ndarray, shift: np.ndarray, rng: np.random.Generator) -> n
     return np.clip(small + rng.normal(0, 2, small.shape), 0, 255).astype(np.uint8)
 
 
-def test_a_circular_fisheye_is_calibrated_and_its_image_circle_reported():
+def test_a_circular_fisheye_is_calibrated_and_its_image_circle_reported(tmp_path):
     rng = np.random.default_rng(3)
-    pictures = [(f"picture {i}", rendered(*placed(rng), rng)) for i in range(14)]
-    found = calibrate_pictures(
-        pictures, pattern="9x6", square_mm=25, board="chessboard", model="fisheye"
-    )
+    paths = [tmp_path / f"{i}.png" for i in range(14)]
+    for path in paths:
+        cv2.imwrite(str(path), rendered(*placed(rng), rng))
+    found = calibrate_files(paths, model="fisheye", out=tmp_path / "camera.yaml")
     assert found.circle.center_px == pytest.approx(CENTRE, abs=1.0)
     assert found.circle.radius_px == pytest.approx(RADIUS, abs=1.5)
     assert found.lens.matrix[0, 0] == pytest.approx(FOCAL, rel=0.005)

@@ -63,9 +63,3 @@ def test_points_past_the_fold_and_behind_are_not_seen():
     edge = 955 + 1130 * monotonic_radius(lens) * (1 - 0.3 * monotonic_radius(lens) ** 2)
     seen = directions(lens, np.array([[edge + 5, 542.0], [edge - 5, 542.0]]))
     assert np.isnan(seen[:, 0]).tolist() == [True, False]
-
-
-def test_scaled_lens_sees_the_same_ray_through_the_scaled_pixel():
-    lens = Lens("fisheye", MATRIX, np.array(HERO11_WIDE), (1920, 1080))
-    doubled = grid() * 2 + 0.5
-    assert np.allclose(directions(lens.scaled(2), doubled), directions(lens, grid()), atol=1e-12)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from ..data import Float
 from ..errors import Finding, InputError, input_error
 from ..files import write_text
-from .boards import Grey, View, read_board
+from .boards import View, read_board
 from .calibration_picture import draw_calibration
 from .focal_groups import two_focal_lengths
 from .image_circle import ImageCircle
@@ -65,14 +65,13 @@ class Calibration:
 
 def calibrate_files(
     images: Sequence[str | Path], *, pattern: str = "9x6", square_mm: float = 25.0, board: str =
-    "chessboard", model: str = "auto", out: str | Path = "camera.yaml", picture: str | Path | None =
-    None,
+    "chessboard", model: str = "auto", out: str | Path = "camera.yaml",
 ) -> Calibration:  # fmt: skip
     """Calibration written to `out` as a camera section for study.yaml, with a picture beside it.
 
     images: photographs or videos of the board, or a single lens-profile json. pattern: inner
     corners, `9x6`. model: auto, pinhole or fisheye; auto takes the least error on views held out.
-    picture: coverage and residuals, by default `out` with the ending .png.
+    The picture shows coverage and residuals; its name is `out` with the ending .png.
 
     Raises: InputError with every reason why the calibration cannot be right.
     """
@@ -89,7 +88,7 @@ def calibrate_files(
     best, candidates = best_model(found.views, model, found.size_px, found.circle)
     result = _result(best, candidates, found)
     target = Path(out)
-    draw_calibration(picture or target.with_suffix(".png"), best, candidates, found.circle)
+    draw_calibration(target.with_suffix(".png"), best, candidates, found.circle)
     write_text(target, camera_section(result))
     return result
 
@@ -117,9 +116,9 @@ def best_model(
     return best, candidates
 
 
-def from_profile(path: str | Path, size_px: tuple[int, int] | None = None) -> Calibration:
+def from_profile(path: str | Path) -> Calibration:
     """Calibration as a lens-profile json states it, scaled to `size_px` where given."""
-    lens, rms, count = read_profile(path, size_px)
+    lens, rms, count = read_profile(path)
     remark = (
         "from a lens profile made with another camera of this type: good for a start; calibrate "
         "your own for measurements"
@@ -159,15 +158,6 @@ def camera_section(result: Calibration) -> str:
         f"  distortion: [{', '.join(f'{x:.8g}' for x in lens.distortion)}]",
     ]
     return "\n".join(lines) + "\n"
-
-
-def calibrate_pictures(
-    pictures: Iterable[tuple[str, Grey]], *, pattern: str, square_mm: float, board: str, model: str
-) -> Calibration:
-    """Calibration from grey pictures handed in, such as `pictures.from_frames(...)`."""
-    found = find_views(pictures, read_board(pattern, square_mm, board))
-    best, candidates = best_model(found.views, model, found.size_px, found.circle)
-    return _result(best, candidates, found)
 
 
 def _result(best: LensCandidate, candidates: list[LensCandidate], found: BoardViews) -> Calibration:

@@ -12,7 +12,6 @@ import cv2
 import numpy as np
 
 from ..data import Float
-from ..study.filmed import zoom
 
 MODELS = ("pinhole", "fisheye")
 STEP = 1e-7
@@ -43,11 +42,6 @@ class Lens:
         growing = np.diff(image) > 0
         end = len(growing) if np.all(growing) else int(np.argmin(growing))
         return radius[: end + 1], image[: end + 1]
-
-    def scaled(self, factor: float) -> Lens:
-        """The same lens on a picture `factor` times as large (pixel centres at whole numbers)."""
-        width, height = (round(factor * side) for side in self.size_px)
-        return Lens(self.model, zoom(factor) @ self.matrix, self.distortion, (width, height))
 
 
 def parameters(lens: Lens) -> Float:

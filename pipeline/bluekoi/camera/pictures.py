@@ -9,7 +9,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..data import Frame
 from ..errors import input_error
 from .boards import Board, Grey, View, find_board
 from .image_circle import ImageCircle, image_circle
@@ -29,12 +28,6 @@ def grey_pictures(paths: Iterable[str | Path]) -> Iterator[tuple[str, Grey]]:
             yield from _frames(path)
         else:
             yield path.name, _photograph(path)
-
-
-def from_frames(frames: Iterable[Frame]) -> Iterator[tuple[str, Grey]]:
-    """Name and grey picture of frames that are already decoded."""
-    for frame in frames:
-        yield f"frame {frame.index}", frame.luma
 
 
 @dataclass(frozen=True)

@@ -13,18 +13,13 @@ from .lens import Lens
 from .lens_selection import lens_implausibilities
 
 STRETCHED = ("superview", "hyperview", "super", "hyper")
-SAME_SHAPE = 0.005
 
 
-def read_profile(
-    path: str | Path, size_px: tuple[int, int] | None = None
-) -> tuple[Lens, float, int]:
+def read_profile(path: str | Path) -> tuple[Lens, float, int]:
     """Lens of a profile, its stated corner error in px and number of pictures.
 
-    size_px: the recording's size; the lens is scaled to it where the shape is the same.
-
     Raises: InputError for a file that is no profile, a lens mode that stretches the picture
-    (SuperView, HyperView), a digital lens, or another shape of picture.
+    (SuperView, HyperView), or a digital lens.
     """
     content = read_json(path)
     try:
@@ -47,12 +42,7 @@ def read_profile(
             Finding(str(path), "", reason, "a lens that can be right", "Take another profile.")
             for reason in wrong
         )
-    if size_px is None or size_px == size:
-        return lens, rms, count
-    ratio = size_px[0] / size[0]
-    if abs(size_px[1] / size[1] / ratio - 1) > SAME_SHAPE:
-        raise _other_shape(path, size, size_px)
-    return lens.scaled(ratio), rms * ratio, count
+    return lens, rms, count
 
 
 def _missing(error: Exception) -> str:
@@ -80,13 +70,3 @@ def _refuse_stretched(path: str | Path, content: dict[str, Any]) -> None:
                 "a Wide or Linear mode in OpenCV's fisheye model",
                 "Record in Linear or Wide, without stabilisation, and calibrate that mode.",
             )
-
-
-def _other_shape(path: str | Path, size: tuple[int, int], wanted: tuple[int, int]) -> InputError:
-    return input_error(
-        path,
-        "calib_dimension",
-        f"{size[0]} x {size[1]}, but the recording has {wanted[0]} x {wanted[1]}",
-        "a profile of the same shape of picture",
-        "Take the profile of the recording's own aspect ratio.",
-    )

@@ -33,9 +33,7 @@ def rays_to_depth(origin: Float, direction: Float, depth_m: Float, index: float)
     return above + bent[:, :2] * (np.maximum(depth_m, 0.0) / -bent[:, 2])[:, None]
 
 
-def air_path_share(
-    across_m: Float, height_m: float, depth_m: Float, index: float, *, steps: int = 60
-) -> Float:
+def air_path_share(across_m: Float, height_m: float, depth_m: Float, index: float) -> Float:
     """Share (n,) of the horizontal way from camera to point that light goes in air.
 
     Root of s/sqrt(s^2 + H^2) - n (r - s)/sqrt((r - s)^2 + D^2), which grows with s in [0, r]:
@@ -44,7 +42,7 @@ def air_path_share(
     """
     low, high = np.zeros_like(across_m), across_m.copy()
     s = across_m * height_m / (height_m + depth_m / index)
-    for _ in range(steps):
+    for _ in range(60):
         rest = across_m - s
         air, water = np.hypot(s, height_m), np.hypot(rest, depth_m)
         with np.errstate(divide="ignore", invalid="ignore"):

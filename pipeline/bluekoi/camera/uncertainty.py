@@ -8,34 +8,27 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from .lens import lens_of, parameters
 from .plane import four_point_homography
 from .pool import PoolCamera, project, to_pool
 from .resection import pose_near
 
 
-def calibration_modes(
-    camera: PoolCamera, uv_px: Float, depth_m: float | Float, *, lens_std: Float | None = None
-) -> Float:
+def calibration_modes(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
     """Shifts (n, 2, k), m, of places, one column for each independent error of the calibration.
 
     The covariance of places i and j from the calibration is modes[i] @ modes[j].T: it does not
     average out over frames, unlike the detections' own. Errors: the two coordinates of each pool
-    corner (`camera.corner_std_px`), and, where `lens_std` gives standard deviations of fx, fy, cx,
-    cy and the distortion (`Calibration.lens_std`), each of those with the pose fitted again to
-    first order.
+    corner (`camera.corner_std_px`), the pose fitted again to first order.
     """
     uv = np.asarray(uv_px, dtype=float).reshape(-1, 2)
     place = to_pool(camera, uv, depth_m)
-    modes = [to_pool(c, uv, depth_m) - place for c in _neighbours(camera, lens_std)]
+    modes = [to_pool(c, uv, depth_m) - place for c in _neighbours(camera)]
     return np.stack(modes, axis=2)
 
 
-def calibration_covariance(
-    camera: PoolCamera, uv_px: Float, depth_m: float | Float, *, lens_std: Float | None = None
-) -> Float:
+def calibration_covariance(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
     """Covariance (n, 2, 2), m2, of each place from the calibration alone."""
-    modes = calibration_modes(camera, uv_px, depth_m, lens_std=lens_std)
+    modes = calibration_modes(camera, uv_px, depth_m)
     return np.asarray(modes @ np.swapaxes(modes, 1, 2))
 
 
@@ -45,22 +38,13 @@ def calibration_at(camera: PoolCamera, xy_m: Float, depth_m: float) -> Float:
     return calibration_covariance(camera, project(camera, below), depth_m)
 
 
-def _neighbours(camera: PoolCamera, lens_std: Float | None) -> Iterator[PoolCamera]:
+def _neighbours(camera: PoolCamera) -> Iterator[PoolCamera]:
     """Cameras one standard deviation away, one for each independent error."""
     for corner in range(4):
         for axis in range(2):
             moved = camera.corners_px.copy()
             moved[corner, axis] += camera.corner_std_px
             yield _refitted(replace(camera, corners_px=moved))
-    if camera.lens is None or lens_std is None:
-        return
-    state = parameters(camera.lens)
-    for i, std in enumerate(lens_std):
-        if np.isfinite(std) and std > 0:
-            changed = state.copy()
-            changed[i] += std
-            lens = lens_of(changed, camera.lens.model, camera.lens.size_px)
-            yield _refitted(replace(camera, lens=lens))
 
 
 def _refitted(camera: PoolCamera) -> PoolCamera:

@@ -78,6 +78,14 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     return out
 
 
+def with_criterion(problem: Problem, model: FittedSet, criterion: str) -> Fitted:
+    """A set with its numbers fitted to all trials by one criterion."""
+    if criterion == PREDICTION_ERRORS:
+        return Fitted(model, model.fit, criterion)
+    found = by_both_criteria(problem, model)
+    return next((f for f in found if f.criterion == criterion), found[0])
+
+
 def folds_of(series: Sequence[Series]) -> list[list[str]]:
     """Conditions in up to six folds."""
     conditions = sorted({s.condition for s in series})
@@ -118,7 +126,7 @@ def errors_of_sets(
                 rows = errors.setdefault(found.criterion, [])
                 rows += segment_errors(model, local, found, own, horizon_s)
         best = min(errors, key=lambda k: _total(errors[k]))
-        out.append((best, _rms(model, errors[best])))
+        out.append((best, errors_of(model, errors[best])))
     return out
 
 
@@ -190,12 +198,12 @@ def segment_errors(
     return [run.observed - part.seen for run, part in zip(runs, parts, strict=True)]
 
 
-def _rms(model: Model, errors: Sequence[Float]) -> dict[str, float]:
-    """Root mean squares by observation, and of the place in the plane."""
-    rows = np.concatenate(errors) if errors else np.full((1, len(model.observations)), np.nan)
-    mean = np.array([float(np.mean(c[~np.isnan(c)] ** 2)) if (~np.isnan(c)).any() else np.nan
-                     for c in rows.T])  # fmt: skip
+def errors_of(model: Model, errors: Sequence[Float]) -> dict[str, float]:
+    """Root mean squares of errors (frames, observations) by name, and of a place in the plane."""
     names = [o.name for o in model.observations]
+    columns = np.concatenate([np.empty((0, len(names))), *errors]).T
+    known = [column[~np.isnan(column)] for column in columns]
+    mean = [float(np.mean(column**2)) if len(column) else np.nan for column in known]
     out = {f"{n}_rmse": float(np.sqrt(m)) for n, m in zip(names, mean, strict=True)}
     if model.path:
         out["path_rmse"] = float(np.sqrt(sum(mean[names.index(n)] for n in model.path)))
@@ -221,4 +229,4 @@ def noise_floor(
         made = parametric_bootstrap(problem.kernel, series, values, [found.noise] * len(series),
                                     starts, rng)  # fmt: skip
         rows += segment_errors(model, problem, whole, made, horizon_s)
-    return _rms(model, rows)
+    return errors_of(model, rows)

@@ -30,9 +30,9 @@ from .comparison import (
     PREDICTION_ERRORS,
     Fitted,
     HeldOut,
-    by_both_criteria,
     errors_of_sets,
     held_out,
+    with_criterion,
 )
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
@@ -134,8 +134,8 @@ def explain(
     return Explanation(
         ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
-        with_criterion(ready, bare.model, errors.fitted_to[0]),
-        with_criterion(ready, best.model, errors.fitted_to[1]), tuple(own), tuple(base), best,
+        with_criterion(problem, bare.model, errors.fitted_to[0]),
+        with_criterion(problem, best.model, errors.fitted_to[1]), tuple(own), tuple(base), best,
         errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
         tuple(_compared(ready, visited, tuple(one), test, errors.stretch_s) for one in compare),
     )  # fmt: skip
@@ -176,14 +176,6 @@ def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
     held = [i.held for i in ready.model.inputs]
     return [at_rate(series_of(ready.model, ready.assembly, t, ready.scales), ready.rate_hz, held)
             for t in trials]  # fmt: skip
-
-
-def with_criterion(ready: Prepared, model: FittedSet, criterion: str) -> Fitted:
-    """A set with its numbers fitted to all trials by one criterion."""
-    if criterion == PREDICTION_ERRORS:
-        return Fitted(model, model.fit, criterion)
-    found = by_both_criteria(ready.problem, model)
-    return next((f for f in found if f.criterion == criterion), found[0])
 
 
 def verdict_of(model: Model, named: Sequence[Named], unexplained: float) -> str:

@@ -6,6 +6,8 @@ import hashlib
 import importlib.util
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
@@ -48,26 +50,28 @@ def _run(path: Path) -> ModuleType:
         raise input_error(path, "", "a file that python cannot load", "a python file")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
-    sys.path.insert(0, str(path.parent))
-    try:
+    with _importing(path, path.parent):
         spec.loader.exec_module(module)
-    except InputError:
-        raise
-    except Exception as error:
-        del sys.modules[name]
-        raise input_error(path, _line(error, path), f"{type(error).__name__}: {error}",
-                          "a file that runs") from None  # fmt: skip
-    finally:
-        sys.path.remove(str(path.parent))
     return module
 
 
 def _imported(path: Path, root: Path) -> ModuleType:
     """A module of a package whose parent folder is `root`."""
     name = ".".join(path.relative_to(root).with_suffix("").parts)
+    with _importing(path, root):
+        module = importlib.import_module(name)
+    if Path(str(module.__file__)).resolve() != path:
+        raise input_error(path, "", f"another module of the name {name}: {module.__file__}",
+                          "a package of a name of its own")  # fmt: skip
+    return module
+
+
+@contextmanager
+def _importing(path: Path, root: Path) -> Iterator[None]:
+    """With a folder on the import path; an error in the file names the file and its line."""
     sys.path.insert(0, str(root))
     try:
-        module = importlib.import_module(name)
+        yield
     except InputError:
         raise
     except Exception as error:
@@ -75,10 +79,6 @@ def _imported(path: Path, root: Path) -> ModuleType:
                           "a file that runs") from None  # fmt: skip
     finally:
         sys.path.remove(str(root))
-    if Path(str(module.__file__)).resolve() != path:
-        raise input_error(path, "", f"another module of the name {name}: {module.__file__}",
-                          "a package of a name of its own")  # fmt: skip
-    return module
 
 
 def _line(error: Exception, path: Path) -> str:

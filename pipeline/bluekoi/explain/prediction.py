@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..data import Float
-from ..engine import Problem
 from ..engine.naming import UNEXPLAINED
 from ..fitting import Noise, Series, filter_series, free_runs
 from ..fitting.filtering import with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
-from .comparison import PREDICTION_ERRORS, Fitted, by_both_criteria, folds_of, refitted
+from .comparison import PREDICTION_ERRORS, Fitted, errors_of, folds_of, refitted, with_criterion
 from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, validated_trials
@@ -97,19 +96,15 @@ def predict_left_out(found: Explanation, *, known_s: float = KNOWN_S) -> Predict
         rest = replace(problem, series=tuple(s for s in series if s.condition not in fold))
         own = [s for s in series if s.condition in fold]
         for name, one in (("baseline", found.baseline), ("extended", found.extended)):
-            again = _again(rest, one) if rest.series else one
+            again = one
+            if rest.series:
+                again = with_criterion(rest, refitted(rest, one.model), one.criterion)
             for start, known in ((START_FITTED, np.inf), (START_ESTIMATED, known_s)):
                 every = runs.setdefault((name, start), {})
                 every |= {r.trial: r for r in _runs(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
     measured = [_measures(model, s, s.seen) for s in series]
     return Predicted(ordered, measured, known_s, (), ())
-
-
-def _again(problem: Problem, one: Fitted) -> Fitted:
-    """The same set, fitted to other trials by the same criterion."""
-    both = by_both_criteria(problem, refitted(problem, one.model))
-    return next((f for f in both if f.criterion == one.criterion), both[0])
 
 
 def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: float) -> list[Run]:
@@ -125,7 +120,7 @@ def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: fl
     out = []
     for s, y in zip(series, observed, strict=True):
         later = ~is_known(s, known_s) if np.isfinite(known_s) else np.ones(len(y), dtype=bool)
-        errors = errors_of(model, (y - s.seen)[later])
+        errors = errors_of(model, [(y - s.seen)[later]])
         out.append(Run(s.name, s.times, y, s.seen, errors, _measures(model, s, y)))
     return out
 
@@ -152,18 +147,6 @@ def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: 
     ]
     observed, _ = propagate(kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None])
     return observed[:, 0, :, 0]
-
-
-def errors_of(model: Model, error: Float) -> dict[str, float]:
-    """Root mean squares of errors (frames, observations) by name, and of a place in the plane."""
-    known = ~np.isnan(error)
-    mean = [float(np.mean(c[k] ** 2)) if k.any() else np.nan
-            for c, k in zip(error.T, known.T, strict=True)]  # fmt: skip
-    names = [o.name for o in model.observations]
-    out = {f"{n}_rmse": float(np.sqrt(m)) for n, m in zip(names, mean, strict=True)}
-    if model.path:
-        out["path_rmse"] = float(np.sqrt(sum(mean[names.index(n)] for n in model.path)))
-    return out
 
 
 def _measures(model: Model, series: Series, observed: Float) -> dict[str, float]:

@@ -62,7 +62,7 @@ def prepare(
     kernel = compiled(assembly.system)
     base, free = assembly.system.values({}), coefficients_of(model, trials)
     series = all_series(model, assembly, trials, scales, rate)
-    noise = first_noise(kernel, series, base, free)
+    noise = first_noise(kernel, series, base)
     step = longest_step_s(max_rate_per_s(kernel, series, base, noise=noise, names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
@@ -140,9 +140,7 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
     return block_rate_hz([t.times for t in trials], rate)
 
 
-def first_noise(
-    kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free]
-) -> Noise:
+def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise:
     """Initial estimate of the random part: the likeliest of `FORCE_GUESSES` for random forces,
     errors that last as large as the stated ones.
     """
@@ -153,8 +151,6 @@ def first_noise(
     slots = disturbance_slots(kernel)
     std = np.sqrt(np.median([np.diagonal(s.noise, axis1=1, axis2=2).mean(axis=0)
                              for s in series], axis=0))  # fmt: skip
-    start = [f for f in free if np.isnan(base[kernel.system.slot[f.name]])]
-    assert not start
     points = [trial_values(kernel, base, (), np.zeros(0), s.group) for s in series]
 
     def noise(size: float) -> Noise:

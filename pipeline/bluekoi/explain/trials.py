@@ -231,9 +231,9 @@ def start_of_trial(
     return mean, np.diag(std**2)
 
 
-def level_and_slope(times: Float, values: Float, samples: int = 8) -> tuple[float, float]:
+def level_and_slope(times: Float, values: Float) -> tuple[float, float]:
     """Value and slope at the first time, by a line through the first known samples."""
-    known = np.flatnonzero(np.isfinite(values))[:samples]
+    known = np.flatnonzero(np.isfinite(values))[:8]
     slope, level = np.polyfit(times[known] - times[0], values[known], 1)
     return float(level), float(slope)
 

@@ -158,8 +158,6 @@ class _Fit:
     hz_std: float
     tau_s: float
     drift: float
-    drift_std: float
-    spread_rad: float
 
 
 def _fit(time_s: Float, phase_rad: Float) -> _Fit:
@@ -171,12 +169,10 @@ def _fit(time_s: Float, phase_rad: Float) -> _Fit:
     gain = len(time_s) / plain[3] * np.log(plain[1] / best[1])
     value, _, std, _, tau = best if gain > chdtri(2, 1e-4) else plain
     drift = _regress(time_s, phase_rad, tau, drift=True)
-    spread = float(np.sqrt(min(plain[1], best[1]) / len(time_s)))
     sagging = abs(drift[0][-1]) > 5 * drift[2][-1] and abs(drift[0][-1]) > 0.003 * abs(value[0])
     if sagging:
         value, std = drift[0], drift[2]
-    change, change_std = (drift[0][-1], drift[2][-1]) if sagging else (0.0, 0.0)
-    return _Fit(value[0], std[0], tau, change, change_std, spread)
+    return _Fit(value[0], std[0], tau, drift[0][-1] if sagging else 0.0)
 
 
 def _regress(

@@ -17,14 +17,13 @@ class FileFacts:
     """One row of trials.csv as its files are.
 
     text: duration, frame rate, picture size and motor frequency in words, or why a file cannot be
-    read (`readable` is False then). size_px: of a video, (width, height).
+    read. size_px: of a video, (width, height).
     """
 
     trial_id: str
     source: str
     text: str
     size_px: tuple[int, int] | None = None
-    readable: bool = True
 
 
 def file_facts(folder: Path, rows: Sequence[Mapping[str, str]]) -> list[FileFacts]:
@@ -47,7 +46,7 @@ def _facts(folder: Path, row: Mapping[str, str]) -> FileFacts:
         if log := row.get("motor_log"):
             parts.append(f"{log}: {flapping_from_log(folder / log).flap_hz:.3g} Hz")
     except InputError as error:
-        return FileFacts(name, source, f"cannot be used: {error.findings[0].found}", None, False)
+        return FileFacts(name, source, f"cannot be used: {error.findings[0].found}")
     return FileFacts(name, source, "; ".join(parts), size)
 
 

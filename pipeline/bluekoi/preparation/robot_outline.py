@@ -18,14 +18,13 @@ class RobotOutline:
     """Pixels of the robot's parts as a camera sees them.
 
     head: (2, 2) nose and hinge. core: (2, 2) hinge and caudal base. tail: (2, 2) caudal base and
-    tail tip. com: (2,). px_per_m: at the centre of mass.
+    tail tip. com: (2,).
     """
 
     head: Float
     core: Float
     tail: Float
     com: Float
-    px_per_m: float
 
 
 def robot_outline(
@@ -51,7 +50,6 @@ def robot_outline(
     nose = hinge + (head_length_m or robot.head_length_m) * head
     base = com - robot.com_to_tail_base_m * core
     tip = base - robot.tail_length_m * core
-    points = np.array([nose, hinge, base, tip, com, com + 0.01 * core])
+    points = np.array([nose, hinge, base, tip, com])
     px = project(over, np.column_stack([points, np.full(len(points), -depth)]))
-    scale = float(np.hypot(*(px[5] - px[4]))) / 0.01
-    return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4], scale)
+    return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4])

@@ -18,7 +18,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ..outline.posefit import horner, jacobian
+from ..outline.edges import bilinear as inner_bilinear
+from ..outline.plane import horner
+from ..outline.posefit import jacobian
 
 Image32 = npt.NDArray[np.float32]
 Maps = tuple[Float, Float, Float]
@@ -130,11 +132,7 @@ def bilinear(image: Image32, u: float, v: float) -> float:
     height, width = image.shape
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
         return math.nan
-    x, y = int(u), int(v)
-    fx, fy = u - x, v - y
-    top = image[y, x] * (1 - fx) + image[y, x + 1] * fx
-    low = image[y + 1, x] * (1 - fx) + image[y + 1, x + 1] * fx
-    return top * (1 - fy) + low * fy
+    return inner_bilinear(image, u, v)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...data import PARTS, Float, Keypoints
 from ...study import Robot, Trial
-from ..outline.outcome import likelihood_of_support
+from ..outline.outcome import jump_factors, likelihood_of_support
 from ..outline.plane import in_body_lengths
 from .blobs import Arena
 from .curve import REFERENCE, Shape, arcs, basis, stations
@@ -62,9 +62,11 @@ def keypoints_of(
         arc = 1 - arc if backwards else arc
         xy[where], cov[where] = _points(fits, arena, shape, arc)
         each = np.array([_likelihood(one, backwards=backwards) for one in fits])
+        poses = [one.pose if one else None for one in track.fits]
+        jumps = jump_factors(times, poses, JUMP * shape.length_bl, JUMP_RAD)
         height, width = arena.background.shape
         each *= ((xy[where] > 0) & (xy[where] < [width - 1, height - 1])).all(axis=2)
-        likelihood[where] = each * _jumps(times, track.fits, shape)[where, None]
+        likelihood[where] = each * jumps[where, None]
     late = np.array(times) >= track.doubtful_s
     likelihood[late] = np.minimum(likelihood[late], DOUBTFUL)
     if late.any():
@@ -145,18 +147,3 @@ def _likelihood(one: Fit, *, backwards: bool) -> Float:
     )
     parts = np.array([thirds[own].min() for own in PARTS_OF_KEYPOINT])
     return likelihood_of_support(whole) * likelihood_of_support(seen, SEEN_SHARE_RANGE) * parts
-
-
-def _jumps(times: Sequence[float], fits: Sequence[Fit | None], shape: Shape) -> Float:
-    """Factor (frames,) that falls where a lone frame lies off the line between its neighbours."""
-    factor = np.ones(len(fits))
-    for i in range(1, len(fits) - 1):
-        before, one, after = fits[i - 1], fits[i], fits[i + 1]
-        if before is None or one is None or after is None:
-            continue
-        share = (times[i] - times[i - 1]) / (times[i + 1] - times[i - 1])
-        off = one.pose - before.pose - share * (after.pose - before.pose)
-        jumped = math.hypot(off[0], off[1]) > JUMP * shape.length_bl
-        turned = abs(math.remainder(off[2], 2 * math.pi)) > JUMP_RAD
-        factor[i] = 0.2 if jumped or turned else 1.0
-    return factor

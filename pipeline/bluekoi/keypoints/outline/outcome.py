@@ -46,7 +46,8 @@ def keypoints_of(
     if known:
         xy[where], cov[where] = _points(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
-        jumps = _jumps(times, fits)
+        poses = [one.pose if one else None for one in fits]
+        jumps = jump_factors(times, poses, JUMP_BL, JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
         known_shape = likelihood_of_support(head, SHAPE_SUPPORT_RANGE)
         each = np.array([_likelihood(one, bend) for one in known])
@@ -164,19 +165,21 @@ def likelihood_of_support(
     return min(max((support - between[0]) / (between[1] - between[0]), 0.0), 1.0)
 
 
-def _jumps(times: Sequence[float], fits: Sequence[Fit | None]) -> Float:
-    """Factor (frames,) that falls where the hinge jumps both to and from a frame.
+def jump_factors(
+    times: Sequence[float], poses: Sequence[Float | None], max_move: float, max_turn: float
+) -> Float:
+    """Factor (frames,) that falls where a body jumps both to and from a frame.
 
-    A lone frame that lies off the line between its neighbours by more than a body can accelerate.
+    A lone pose (x, y, heading, ...) that lies off the line between its neighbours by more than a
+    body can accelerate.
     """
-    factor = np.ones(len(fits))
-    for i in range(1, len(fits) - 1):
-        before, one, after = fits[i - 1], fits[i], fits[i + 1]
-        if before is None or one is None or after is None:
+    factor = np.ones(len(poses))
+    for i in range(1, len(poses) - 1):
+        before, here, after = poses[i - 1], poses[i], poses[i + 1]
+        if before is None or here is None or after is None:
             continue
         share = (times[i] - times[i - 1]) / (times[i + 1] - times[i - 1])
-        between = before.pose + share * (after.pose - before.pose)
-        off = math.hypot(*(one.pose - between)[:2])
-        turned = abs(math.remainder(one.pose[2] - between[2], 2 * math.pi))
-        factor[i] = 0.2 if off > JUMP_BL or turned > JUMP_RAD else 1.0
+        off = here - before - share * (after - before)
+        turned = abs(math.remainder(off[2], 2 * math.pi))
+        factor[i] = 0.2 if math.hypot(off[0], off[1]) > max_move or turned > max_turn else 1.0
     return factor

@@ -112,22 +112,29 @@ def _fit(source: Float, target: Float, scale: Float, degree: int) -> Float:
     return coefficients
 
 
-@numba.njit(cache=True)
-def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Float:
-    """Polynomial of coefficients (2, d + 1, d + 1) at points (n, 2), by Horner's rule."""
+@numba.njit(cache=True, error_model="numpy")
+def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[float, float]:
+    """Polynomials of coefficients (2, d + 1, d + 1) at one point, by Horner's rule."""
     degree = coefficients.shape[1] - 1
+    x = (px - scale[0, 0]) / scale[1, 0]
+    y = (py - scale[0, 1]) / scale[1, 1]
+    u, v = 0.0, 0.0
+    for i in range(degree, -1, -1):
+        inner_u, inner_v = 0.0, 0.0
+        for j in range(degree - i, -1, -1):
+            inner_u = inner_u * y + coefficients[0, i, j]
+            inner_v = inner_v * y + coefficients[1, i, j]
+        u = u * x + inner_u
+        v = v * x + inner_v
+    return u, v
+
+
+@numba.njit(cache=True, error_model="numpy")
+def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Float:
+    """As `horner`, at points (n, 2)."""
     out = np.empty((points.shape[0], 2))
     for k in range(points.shape[0]):
-        x = (points[k, 0] - scale[0, 0]) / scale[1, 0]
-        y = (points[k, 1] - scale[0, 1]) / scale[1, 1]
-        for c in range(2):
-            total = 0.0
-            for i in range(degree, -1, -1):
-                inner = 0.0
-                for j in range(degree - i, -1, -1):
-                    inner = inner * y + coefficients[c, i, j]
-                total = total * x + inner
-            out[k, c] = total
+        out[k] = horner(coefficients, scale, points[k, 0], points[k, 1])
     return out
 
 

@@ -10,28 +10,12 @@ import numpy.typing as npt
 
 from ...data import Float
 from .edges import Pictures, edge_offset
+from .plane import horner
 
 Shape = tuple[Float, Float, npt.NDArray[np.int64], Float]
 EXTRA_STEPS = 5
 SETTLED_PX = 0.1
 SETTLED_RAD = 0.001
-
-
-@numba.njit(cache=True, error_model="numpy")
-def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[float, float]:
-    """Pixels of one point in the plane."""
-    degree = coefficients.shape[1] - 1
-    x = (px - scale[0, 0]) / scale[1, 0]
-    y = (py - scale[0, 1]) / scale[1, 1]
-    u, v = 0.0, 0.0
-    for i in range(degree, -1, -1):
-        inner_u, inner_v = 0.0, 0.0
-        for j in range(degree - i, -1, -1):
-            inner_u = inner_u * y + coefficients[0, i, j]
-            inner_v = inner_v * y + coefficients[1, i, j]
-        u = u * x + inner_u
-        v = v * x + inner_v
-    return u, v
 
 
 @numba.njit(cache=True, error_model="numpy")

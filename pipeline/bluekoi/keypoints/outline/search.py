@@ -142,12 +142,6 @@ def poses_of(blob: Blob, template: Template, head_angle_rad: float) -> list[Floa
 
 def _axis(outline: Float) -> tuple[Float, float]:
     """Centre of area (2,) and direction [rad] of the long axis of a closed outline."""
-    x, y = outline.T - outline.mean(axis=0)[:, None]
-    nx, ny = np.roll(x, -1), np.roll(y, -1)
-    cross = x * ny - nx * y
-    area = cross.sum() / 2 or 1e-12
-    cx, cy = ((x + nx) * cross).sum() / (6 * area), ((y + ny) * cross).sum() / (6 * area)
-    xx = ((x * x + x * nx + nx * nx) * cross).sum() / (12 * area) - cx * cx
-    yy = ((y * y + y * ny + ny * ny) * cross).sum() / (12 * area) - cy * cy
-    xy = ((x * ny + 2 * x * y + 2 * nx * ny + nx * y) * cross).sum() / (24 * area) - cx * cy
-    return outline.mean(axis=0) + np.array([cx, cy]), 0.5 * math.atan2(2 * xy, xx - yy)
+    m = cv2.moments((outline - outline.mean(axis=0)).astype(np.float32))
+    centre = np.array([m["m10"], m["m01"]]) / (m["m00"] or 1e-12)
+    return outline.mean(axis=0) + centre, 0.5 * math.atan2(2 * m["mu11"], m["mu20"] - m["mu02"])

@@ -121,9 +121,7 @@ def length_of(robot: Robot, trial: Trial) -> float:
     return in_body_lengths(robot, robot.body_length_m + trial.head_length_m - robot.head_length_m)
 
 
-def first_template(
-    robot: Robot, trial: Trial, half_width_bl: float, skin: float, core_shape: float = 1.7
-) -> Template:
+def first_template(robot: Robot, trial: Trial, half_width_bl: float, skin: float) -> Template:
     """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
     head_bl = in_body_lengths(robot, trial.head_length_m)
     core_bl = length_of(robot, trial) - head_bl
@@ -138,7 +136,7 @@ def first_template(
         angles=angles,
         radii=_egg(angles, head_bl, half_width_bl),
         along=-share * core_bl,
-        half=end + (half_width_bl - end) * (1 - share**core_shape),
+        half=end + (half_width_bl - end) * (1 - share**1.7),
         head_skin=np.full((2, HEAD_STATIONS), skin),
         core_skin=np.full((2, CORE_STATIONS), skin),
         joint_bl=1.22 * half_width_bl,

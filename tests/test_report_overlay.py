@@ -93,6 +93,7 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
 def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
     path = tmp_path / "T02.mp4"
     count, first_s = trial_overlay(base, "T02", tmp_path, path)
+    assert not (tmp_path / "keypoints").exists()
     with av.open(str(path)) as film:
         stream = film.streams.video[0]
         pictures = [frame.to_ndarray(format="bgr24") for frame in film.decode(video=0)]

@@ -62,6 +62,8 @@ def _example(
     axes.plot(track.x_m, track.y_m, color="#20262e", lw=1, zorder=6, gid=trial.trial_id)
     draw_robots(axes, campaign.study.setup.robot, trial.head_length_m, track)
     axes.set_title(f"{kind} {trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°")
+    axes.text(0.06, 0.91, "robot: head orange, core grey", transform=axes.transAxes, va="top",
+              fontsize=6.5, color="0.35")  # fmt: skip
 
 
 def _path_length_m(campaign: Campaign, trial: Trial) -> float:

@@ -41,7 +41,7 @@ def draw(campaign: Campaign) -> Figure:
             axis.set_title(f"{power:g} %, {step}")
     lines = [
         Line2D([], [], color=MEASURED, label="data"),
-        Line2D([], [], color=BEFORE, ls="--", label="simulation"),
+        Line2D([], [], color=BEFORE, ls="--", label="simulation (sim.)"),
     ]
     figure.legend(handles=lines, loc="outside upper right", ncols=2)
     return figure
@@ -113,7 +113,7 @@ def _model(
     if not np.isfinite(found):
         return "\nsimulation: no turn"
     axes.plot(*circle(found).T, color=BEFORE, ls="--")
-    return f"\nsimulation {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
+    return f"\nsim. {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 
 def _labels(axes: Axes, labels: Iterable[str]) -> None:

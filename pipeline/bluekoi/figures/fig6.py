@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from ..campaign import Campaign
 from ..data import Float
@@ -35,6 +38,7 @@ NEEDS = ("tracks", "steady", "coefficients")
 ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
 TIMES_S = np.arange(151) / 30.0
+UNTESTED = "#e6eaed"
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -52,9 +56,18 @@ def draw(campaign: Campaign) -> Figure:
     _speeds(axes[0], campaign, rows, styles)
     _angles(axes[1], campaign, rows, styles)
     _lengths(axes[2], campaign, rows, styles)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    handles = [*axes[0].get_legend_handles_labels()[0], *_key()]
+    figure.legend(handles=handles, loc="outside upper center", ncols=(len(handles) + 1) // 2)
     return figure
+
+
+def _key() -> list[Artist]:
+    """Legend entries of what is not a power."""
+    return [
+        Line2D([], [], color="0.35", marker="o", ls="", label="measured mean"),
+        Patch(color="0.35", alpha=0.15, label="95 % interval of the model"),
+        Patch(color=UNTESTED, label="untested range"),
+    ]
 
 
 def _styles(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Style]:
@@ -131,7 +144,7 @@ def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> Non
     low, high = (min(tested), max(tested)) if tested else (span[1], span[1])
     for left, right in ((span[0], low), (high, span[1])):
         if right > left:
-            axes.axvspan(left, right, color="#eceff1", zorder=0)
+            axes.axvspan(left, right, color=UNTESTED, zorder=0)
     axes.set_ylim(bottom=0)
 
 

@@ -111,7 +111,7 @@ def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     axes.set_xscale("log")
     axes.set_xlim(1, AXIS_HEADROOM * max(10.0, *gains))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel("reduction in chi-squared by this source alone")
+    axes.set_xlabel("reduction in chi-squared\n(at the bars: rms length change)")
 
 
 def _readable(name: str) -> str:

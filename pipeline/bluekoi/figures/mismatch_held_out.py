@@ -19,14 +19,14 @@ CAPTION = (
     "with the identified causes (after, blue). Dotted: noise floor, the error of the extended "
     "model on trials simulated by itself with the estimated process and measurement noise; no "
     "model can be expected to do better. (B) Their paths in the pool; numbers: rms distance to "
-    "the measured path, mm."
+    "the measured path."
 )
 HELD_OUT = "Trials that no fit used."
 ONE_MODEL_TITLE = "Held-out trials: errors of the model"
 ONE_MODEL_CAPTION = (
     "No cause was identified, so there is one model. (A) Its errors; dotted: noise floor, the "
     "error of the model on trials simulated by itself with the estimated noise. (B) Their paths "
-    "in the pool; numbers: rms distance to the measured path, mm."
+    "in the pool; numbers: rms distance to the measured path."
 )
 FITTED_TRIALS_CAPTION = (
     "The study is too small to hold trials out: these trials were fitted, so smaller errors do "
@@ -96,7 +96,7 @@ def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
             axes.annotate("diverges", (place, 0), xytext=(0, 6), ha="center", rotation=90,
                           textcoords="offset points", fontsize=8, color=model.colour)  # fmt: skip
         elif math.isfinite(value):
-            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, 2), ha="center",
+            axes.annotate(f"{value:.3g}", (place, value), xytext=(0, 3), ha="center",
                           textcoords="offset points", fontsize=8, bbox=TEXT_BOX)  # fmt: skip
     floor = noise_floor_m(campaign)
     if key == "path_rmse_m" and floor is not None:

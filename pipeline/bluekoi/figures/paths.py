@@ -17,7 +17,7 @@ CAPTION = (
     "Each panel shows the pool from above. Black: measured path of the centre of mass, dot at its "
     "start. Orange, dashed: baseline model with one coefficient set for all trials, started from "
     "the fitted initial state. Blue: model with the identified causes, if there are any. Numbers: "
-    "rms distance to the measured path, mm. Large studies show the 60 trials with the largest "
+    "rms distance to the measured path. Large studies show the 60 trials with the largest "
     "error of the baseline."
 )
 NEEDS = ("tracks",)

@@ -90,7 +90,7 @@ async function drawPanels(target, id) {
     target.append(div);
     const shown = new Set();
     const traces = [...artists.values()].flatMap((points) => traceOf(points, shown));
-    await Plotly.newPlot(div, ...withSharedAxes(traces, layoutOf(head, shown.size > 0)), CONFIG);
+    await Plotly.newPlot(div, ...withSharedAxes(traces, layoutOf(head, shown.size)), CONFIG);
     div.on("plotly_click", ({ points: [point] }) => {
       const trial = point.data.meta;
       if (trial) location.hash = `trial-${trial}`;
@@ -114,10 +114,12 @@ function withSharedAxes(traces, layout) {
   if (sizes.length) layout.coloraxis = { colorscale: "RdBu", cmin: -limit, cmax: limit, colorbar: { thickness: 10 } };
   return [traces, layout];
 }
-function layoutOf(head, legend) {
+// The legend below gets a row for each entry, so that it never takes the height of the plot.
+function layoutOf(head, entries) {
   const equal = head.equal_scales === "True" ? { scaleanchor: "x", scaleratio: 1 } : {};
-  return { title: { text: head.title, font: { size: 13 }, x: 0, xanchor: "left" }, font: FONT, height: 360, hovermode: "closest",
-    margin: { l: 60, r: 20, t: 40, b: 50 }, showlegend: legend, legend: { orientation: "h", y: -0.25 },
+  return { title: { text: head.title, font: { size: 13 }, x: 0, xanchor: "left" }, font: FONT, height: 340 + 22 * entries, hovermode: "closest",
+    margin: { l: 60, r: 20, t: 40, b: 50 + 22 * entries }, showlegend: entries > 0,
+    legend: { orientation: "v", x: 0, yref: "container", y: 0, yanchor: "bottom" },
     xaxis: titled(head.x_label), yaxis: { ...titled(head.y_label), ...equal } };
 }
 const value = (text) => text === "" ? null : Number.isNaN(Number(text)) ? text : Number(text);

@@ -99,7 +99,8 @@ video.addEventListener("error", () => {
   if (!video.getAttribute("src") || video.hidden) return;
   video.hidden = true;
   part("no-video").hidden = false;
-  part("no-video").textContent = `The video file ${video.getAttribute("src")} is not beside this page.`;
+  part("no-video").textContent = video.src.startsWith("blob:") ? "This browser cannot play the video (mp4, H.264)."
+    : `The video file ${video.getAttribute("src")} is not beside this page, or this browser cannot play it.`;
 });
 video.addEventListener("loadedmetadata", () => { video.currentTime = now.time - Number(video.dataset.start); });
 const hasVideo = () => !video.hidden && video.readyState > 0;
@@ -145,8 +146,9 @@ function readout() {
   const row = (cells) => { const one = document.createElement("tr"); one.append(...cells); return one; };
   const text = (quantity, columns) => {
     const [value, std] = [quantity.of(columns)?.[i], quantity.std?.(columns)?.[i]];
-    const digits = quantity.unit === "°" || quantity.unit === "mm" ? 1 : 3;
     if (value === null || value === undefined) return "–";
+    const usual = quantity.unit === "°" || quantity.unit === "mm" ? 1 : 3;
+    const digits = std ? Math.min(4, Math.max(usual, Math.ceil(-Math.log10(1.96 * std)))) : usual;
     return value.toFixed(digits) + (std ? ` ± ${(1.96 * std).toFixed(digits)}` : "") + ` ${quantity.unit}`;
   };
   const body = READOUT.map((quantity) => row([cell(quantity.name, "th"), ...kinds.map((k) => cell(text(quantity, now.data[k])))]));
@@ -183,7 +185,7 @@ async function draw() {
   }));
   const layout = { font: FONT, height: 110 * shown.length + 90, uirevision: now.id, hovermode: "x unified",
     margin: { l: 64, r: 10, t: 10, b: 40 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
-    xaxis: { ...titled("time (s)"), range: [first(), last()], anchor: axis(shown.length - 1) }, shapes: [] };
+    xaxis: { ...titled("time (s)"), unifiedhovertitle: { text: "time %{x:.2f} s" }, range: [first(), last()], anchor: axis(shown.length - 1) }, shapes: [] };
   shown.forEach((quantity, k) => {
     const top = 1 - k / shown.length;
     layout[k ? `yaxis${k + 1}` : "yaxis"] = { ...titled(`${quantity.name}<br>(${quantity.unit})`), domain: [top - 0.88 / shown.length, top] };

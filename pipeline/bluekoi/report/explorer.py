@@ -15,7 +15,7 @@ MAX_POINTS = 2000
 """Longer trials are thinned to this many points."""
 RESOLUTION = {
     "time_s": 1e-4, "x_m": 1e-4, "y_m": 1e-4, "speed_m_s": 1e-4, "speed_m_s_std": 1e-5,
-    "heading_rad": 1e-3, "head_angle_rad": 1e-3, "yaw_rate_rad_s": 1e-3,
+    "heading_rad": 1e-3, "head_angle_rad": 1e-4, "yaw_rate_rad_s": 1e-4,
     "yaw_rate_rad_s_std": 1e-4,
 }  # fmt: skip
 """Columns shown, and the resolution to which they are stored (far below their uncertainty)."""

@@ -47,8 +47,8 @@ def trial_overlay(
     study, trial = campaign.study, campaign.study.trial(trial_id)
     footage, size = _footage(study, trial)
     camera = pool_camera(study.setup, size)
-    path = Path(results) / "keypoints" / f"{trial_id}.csv"
-    found = read_detections(path, trial) if path.is_file() else None
+    seen = Path(results) / "keypoints" / f"{trial_id}.csv"
+    found = read_detections(seen, trial) if seen.is_file() else None
     track = campaign.tracks[trial_id]
     columns = campaign.model_columns(trial_id)
     scene = Scene(

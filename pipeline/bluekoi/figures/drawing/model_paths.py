@@ -12,6 +12,9 @@ from ...campaign import Campaign
 from .pool import draw_pool
 from .style import AFTER, BASELINE_NAME, BEFORE, EXTENDED_NAME, MEASURED
 
+MEASURED_WIDTH = 2.8
+"""So wide that the measured path shows beneath a model that follows it."""
+
 
 class Model(NamedTuple):
     """A model as drawn: name in mismatch.json, prefix of its columns, style and labels."""
@@ -36,20 +39,20 @@ def models(campaign: Campaign) -> tuple[Model, ...]:
 def legend(campaign: Campaign) -> list[Line2D]:
     """Legend entries of the measured path and of each model."""
     entries = [Line2D([], [], color=m.colour, ls=m.dash, label=m.name) for m in models(campaign)]
-    return [Line2D([], [], color=MEASURED, label="measured"), *entries]
+    return [Line2D([], [], color=MEASURED, lw=MEASURED_WIDTH, label="measured"), *entries]
 
 
 def draw_paths(axes: Axes, campaign: Campaign, trial_id: str, *, labels: bool) -> None:
-    """Paths of a trial in the pool; numbers: rms path error of each model, mm."""
+    """Paths of a trial in the pool; numbers: rms path error of each model."""
     draw_pool(axes, campaign.study, labels=labels)
     track, columns = campaign.tracks[trial_id], campaign.model_columns(trial_id)
-    axes.plot(track.x_m, track.y_m, color=MEASURED, lw=1.4, gid=trial_id)
+    axes.plot(track.x_m, track.y_m, color=MEASURED, lw=MEASURED_WIDTH, gid=trial_id)
     axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
     known = [model for model in models(campaign) if f"{model.prefix}_x_m" in columns]
     for i, model in enumerate(known):
         x, y = columns[f"{model.prefix}_x_m"], columns[f"{model.prefix}_y_m"]
         axes.plot(x, y, color=model.colour, ls=model.dash, lw=1.1, gid=trial_id)
         error = 1000 * campaign.path_rmse_m(trial_id, model.prefix)
-        text = f"{error:.1f}" if math.isfinite(error) else "diverges"
+        text = f"{error:.1f} mm" if math.isfinite(error) else "diverges"
         axes.text(0.95, 0.06 + 0.12 * i, text, color=model.colour, ha="right", fontsize=7,
                   transform=axes.transAxes)  # fmt: skip

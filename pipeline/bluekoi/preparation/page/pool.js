@@ -105,12 +105,14 @@ async function refit() {
 }
 
 function verdict() {
+  id("pool-use").classList.remove("main");
   const said = id("pool-fit"), off = Math.max(...fit.off_px.map((x) => x ?? 0));
   const whole = fit.suggested_px.every((p) => p[0] !== null);
   said.className = fit.confirmed ? "good" : "bad";
   if (fit.confirmed) said.textContent = `The edges confirm these corners (off by ${off.toFixed(1)} px at most).`;
   else if (whole && !fit.doubts.length) {
     said.className = "next";
+    id("pool-use").classList.add("main");
     said.textContent = `The edges were found; they meet ${off.toFixed(1)} px from the farthest corner given. Do the magenta circles sit on the pool's corners? Then press "Use the fitted corners".`;
   }
   else said.textContent = `The edges are not certain: ${fit.doubts.join("; ") || "see below"}. Trust your eyes, with the magnifier.`;

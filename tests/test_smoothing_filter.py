@@ -9,8 +9,8 @@ from scipy.linalg import expm
 from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
 from bluekoi.smoothing.grid import filter_grid
-from bluekoi.smoothing.kalman_filterpy import filter_and_smooth, rauch_tung_striebel
-from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
+from bluekoi.smoothing.kalman_filterpy import _filter, _step, filter_and_smooth
+from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, Smoothed
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
 from bluekoi.smoothing.quasi_newton import minimise
@@ -34,6 +34,21 @@ def chain_of(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     H = planar_measurement(truth.heading, hz)
     P0 = np.diag([1.0] * 2 + [0.3] * 4 + [1e-5] * (d - 6))
     return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
+
+
+def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> Smoothed:
+    """The same by filterpy's own smoother, for chains whose process noise is not singular.
+
+    Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
+    """
+    n, _, d = model.H.shape
+    kf = _filter(model)
+    means, covs = np.empty((n, d)), np.empty((n, d, d))
+    for k in range(n):
+        _step(kf, model, k, bool(used[k]))
+        means[k], covs[k] = kf.x, kf.P
+    x, P, _, _ = kf.rts_smoother(means, covs, list(model.F), list(model.Q))
+    return Smoothed(np.asarray(x), np.asarray(P))
 
 
 @pytest.mark.parametrize("recoil", [True, False])

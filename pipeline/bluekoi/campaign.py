@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
-from .files import read_json
+from .files import optional_json, read_json
 from .steady import read_steady
 from .study import Study, Trial
 from .study.depth import study_with_depth
@@ -136,7 +136,7 @@ def load_campaign(
     ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)
     table = root / "steady.csv"
     steady = read_steady(table) if table.is_file() else {}
-    geometry = _optional(root / "geometry.json")
+    geometry = optional_json(root / "geometry.json")
     found = Campaign(
         study=study_with_depth(study, geometry),
         tracks=_per_trial(root / "tracks", ids, ".csv", read_track),
@@ -149,9 +149,9 @@ def load_campaign(
         return found
     return replace(
         found,
-        coefficients=_optional(root / "coefficients.json") or {},
-        mismatch=_optional(root / "mismatch.json"),
-        mismatch_detail=_optional(root / "mismatch_detail.json"),
+        coefficients=optional_json(root / "coefficients.json") or {},
+        mismatch=optional_json(root / "mismatch.json"),
+        mismatch_detail=optional_json(root / "mismatch_detail.json"),
         simulations=_simulations(root, ids),
     )
 
@@ -161,10 +161,6 @@ def _per_trial(
 ) -> dict[str, T]:
     paths = {name: folder / f"{name}{suffix}" for name in ids}
     return {name: read(path) for name, path in paths.items() if path.is_file()}
-
-
-def _optional(path: Path) -> dict[str, Any] | None:
-    return read_json(path) if path.is_file() else None
 
 
 def _simulations(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:

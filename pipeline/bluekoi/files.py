@@ -92,6 +92,11 @@ def read_json(path: str | Path) -> dict[str, Any]:
     return content
 
 
+def optional_json(path: str | Path) -> dict[str, Any] | None:
+    """As `read_json`; None where there is no such file."""
+    return read_json(path) if Path(path).is_file() else None
+
+
 def to_json_types(value: Any) -> Any:
     """`value` with numpy types, tuples and paths turned into json's own; NaN and inf to None."""
     if isinstance(value, Mapping):
@@ -103,6 +108,15 @@ def to_json_types(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return str(value) if isinstance(value, Path) else value
+
+
+def flattened(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Entries of a nested mapping as (`a.b.c`, value)."""
+    if isinstance(value, Mapping) and value:
+        for key, entry in value.items():
+            yield from flattened(entry, f"{prefix}.{key}".lstrip("."))
+    else:
+        yield prefix, value
 
 
 def _cannot_write(path: Path, error: OSError) -> Exception:

@@ -20,7 +20,7 @@ EXTRAS = {
     "snakemake-executor-plugin-slurm": (
         "runs on a Slurm cluster",
         "pip install snakemake-executor-plugin-slurm",
-    ),
+    )
 }
 """What a run can do without: what it is for, and how to get it."""
 Verdict = tuple[bool, str]

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..data import Steady
 from ..errors import input_error
-from ..files import read_json
+from ..files import flattened, read_json
 from ..steady import read_steady
 
 MIN_PROBABILITY = 0.02
@@ -158,20 +158,14 @@ def _finite(value: float) -> float | None:
 def _settings(first: Run, second: Run) -> Iterator[Difference]:
     for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
                          ("setting", "settings"), ("version", "versions")):  # fmt: skip
-        a, b = (dict(_flat(run.manifest.get(key) or {})) for run in (first, second))
+        a, b = ({name: MISSING if value in (None, {}, []) else str(value)
+                 for name, value in flattened(run.manifest.get(key) or {})}
+                for run in (first, second))  # fmt: skip
         for name in dict.fromkeys([*a, *b]):
             if a.get(name, MISSING) != b.get(name, MISSING):
                 yield Difference(section, name, a.get(name, MISSING), b.get(name, MISSING))
     if (a_code := first.manifest.get("code")) != (b_code := second.manifest.get("code")):
         yield Difference("version", "code", str(a_code or MISSING), str(b_code or MISSING))
-
-
-def _flat(value: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
-    if isinstance(value, Mapping) and value:
-        for key, entry in value.items():
-            yield from _flat(entry, f"{prefix}.{key}".lstrip("."))
-    else:
-        yield prefix, MISSING if value in (None, {}, []) else str(value)
 
 
 def _inputs(first: Run, second: Run) -> Iterator[Difference]:

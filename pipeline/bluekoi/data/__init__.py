@@ -2,46 +2,11 @@
 
 types: frames, keypoints, positions, pose, track, flapping, steady state; frozen and checked
 columns: numeric columns as csv
-quality: which points and frames count
+quality: which points and frames count, how many samples count as one
 motion: poses/ID.csv and tracks/ID.csv
 """
 
 from .columns import read_columns, write_columns
-from .motion import POSE_COLUMNS, TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
+from .motion import TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
 from .quality import CONFIDENT, confident, poorly_seen
-from .types import (
-    PARTS,
-    Flapping,
-    Float,
-    Frame,
-    Keypoints,
-    Pose,
-    Positions,
-    Steady,
-    Track,
-    check_shapes,
-)
-
-__all__ = [
-    "CONFIDENT",
-    "PARTS",
-    "POSE_COLUMNS",
-    "TRACK_COLUMNS",
-    "Flapping",
-    "Float",
-    "Frame",
-    "Keypoints",
-    "Pose",
-    "Positions",
-    "Steady",
-    "Track",
-    "check_shapes",
-    "confident",
-    "poorly_seen",
-    "read_columns",
-    "read_pose",
-    "read_track",
-    "write_columns",
-    "write_pose",
-    "write_track",
-]
+from .types import PARTS, Flapping, Float, Frame, Keypoints, Pose, Positions, Steady, Track

@@ -1,4 +1,4 @@
-"""Which points and frames are used: one rule for all stages.
+"""Which points and frames are used, and how many samples count as one: one rule for all stages.
 
 A point counts where its likelihood is at least `CONFIDENT`, the cut-off that DeepLabCut uses, or
 not stated (NaN). A frame whose standard deviation is `POORLY_SEEN` times the usual one of its trial
@@ -26,3 +26,13 @@ def confident(likelihood: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 def poorly_seen(variance: Float, usual: Float | float) -> npt.NDArray[np.bool_]:
     """Where a variance, of any shape, exceeds the usual one by too much, or is unknown (NaN)."""
     return np.asarray(~(variance <= POORLY_SEEN**2 * np.asarray(usual)))
+
+
+def correlation_time(residual: Float) -> float:
+    """Samples that count as one: 1 + 2 sum of the autocorrelation up to its first zero."""
+    n = len(residual)
+    centred = residual - residual.mean()
+    power = np.abs(np.fft.rfft(centred, 2 * n)) ** 2
+    acf = np.fft.irfft(power)[:n] / max(float(centred @ centred), 1e-300)
+    stop = int(np.argmax(acf <= 0)) if np.any(acf <= 0) else n
+    return float(np.clip(1 + 2 * acf[1 : max(stop, 1)].sum(), 1.0, n / 4))

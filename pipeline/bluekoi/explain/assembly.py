@@ -21,7 +21,7 @@ from ..integrate.kernel import load_source
 from .model import OBSERVE, Cause, Model, arguments, channels_of, variables_of
 
 FORCES, ERRORS = "random_force", "lasting_error"
-CONSTANT, TIME = "constant", "t"
+CONSTANT = "constant"
 STRENGTH_BOUND = 50.0
 """Bounds of a residual term's strength, in units of the typical force."""
 

@@ -26,14 +26,7 @@ from ..engine.search import score
 from ..errors import Finding, InputError, nearest
 from ..fitting import Series
 from .checks import checked_model
-from .comparison import (
-    PREDICTION_ERRORS,
-    Fitted,
-    HeldOut,
-    errors_of_sets,
-    held_out,
-    with_criterion,
-)
+from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, errors_of_sets, held_out, with_criterion
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
 from .preparation import Prepared, converged_step, prepare, runs_away

@@ -185,11 +185,7 @@ def _averages(axes: Axes, means: list[Mean], styles: dict[float, Style], at: lis
 
 
 def _singles(
-    axes: Axes,
-    campaign: Campaign,
-    trials: list[Trial],
-    styles: dict[float, Style],
-    at: list[float],
+    axes: Axes, campaign: Campaign, trials: list[Trial], styles: dict[float, Style], at: list[float]
 ) -> None:
     for x, trial in zip(at, trials, strict=True):
         radius_m = campaign.steady[trial.trial_id].radius_m

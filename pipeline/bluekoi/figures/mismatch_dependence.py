@@ -66,9 +66,7 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _pairs(
-    campaign: Campaign,
-) -> tuple[list[tuple[str, str]], dict[tuple[str, str], float]]:
+def _pairs(campaign: Campaign) -> tuple[list[tuple[str, str]], dict[tuple[str, str], float]]:
     """Channel and variable of each panel, and their explained shares.
 
     The last panel is reserved for the default variable of the first cause's channel.

@@ -6,7 +6,7 @@ encode(path, ...)                       an H.264 video that any browser plays
 """
 
 from .reading import frames
-from .recording import Recording, open_recording
-from .writing import Encoder, encode
+from .recording import open_recording
+from .writing import encode
 
-__all__ = ["Encoder", "Recording", "encode", "frames", "open_recording"]
+__all__ = ["encode", "frames", "open_recording"]

@@ -15,6 +15,7 @@ CONTAINER_BOXES = (b"moov", b"udta", b"trak", b"mdia", b"edts")
 TOP_LEVEL_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot", b"uuid")
 LARGEST_HEADER = 64 * 2**20
 DEEPEST = 8
+NESTED = 0
 
 
 @dataclass(frozen=True)
@@ -102,13 +103,18 @@ def _trimmed(inner: dict[str, bytes]) -> float:
 
 def _gopro(body: bytes) -> dict[str, str]:
     """Text settings of a GPMF block by their four-letter key, those of all devices joined."""
-    found: dict[str, str] = {}
+    return {
+        key.decode("latin-1"): value.split(b"\0")[0].decode("latin-1").strip()
+        for key, kind, value in gpmf_items(body, into_nested=True)
+        if kind == ord("c")
+    }
+
+
+def gpmf_items(body: bytes, *, into_nested: bool = False) -> Iterator[tuple[bytes, int, bytes]]:
+    """Key, type and value of each item of a GPMF block; what is in nested ones on its own too."""
     at = 0
     while at + 8 <= len(body):
         key, kind, size, repeat = struct.unpack(">4sBBH", body[at : at + 8])
         length = size * repeat
-        if kind == ord("c"):
-            text = body[at + 8 : at + 8 + length].split(b"\0")[0]
-            found[key.decode("latin-1")] = text.decode("latin-1").strip()
-        at += 8 if kind == 0 else 8 + (length + 3) // 4 * 4
-    return found
+        yield key, kind, body[at + 8 : at + 8 + length]
+        at += 8 if into_nested and kind == NESTED else 8 + (length + 3) // 4 * 4

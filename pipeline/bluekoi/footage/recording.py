@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path
 
 from ..errors import InputError, input_error
@@ -174,10 +175,7 @@ def _same_kind(paths: tuple[Path, ...], probes: list[Probe]) -> None:
 
 def _offsets(probes: list[Probe]) -> tuple[float, ...]:
     """Start of each chapter: the sum of the durations of those before it."""
-    starts = [0.0]
-    for found in probes[:-1]:
-        starts.append(starts[-1] + found.duration_s)
-    return tuple(starts)
+    return tuple(accumulate((p.duration_s for p in probes[:-1]), initial=0.0))
 
 
 def _check_part(recording: Recording, probes: list[Probe]) -> None:

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from .boxes import NESTED, gpmf_items
 from .probe import opened
 
 HANDLER = "GoPro MET"
 LARGEST_PAYLOAD = 2**20
-NESTED = 0
 
 
 def camera_seconds(path: Path) -> float | None:
@@ -51,7 +51,7 @@ def _stamps(path: Path, entry: Any) -> dict[str, int]:
     found = {}
     for device in _nested(body, b"DEVC"):
         for stream in _nested(device, b"STRM"):
-            items = {key: value for key, _, value in _items(stream)}
+            items = {key: value for key, _, value in gpmf_items(stream)}
             if len(items.get(b"STMP", b"")) == 8:
                 name = items.get(b"STNM", b"").decode("latin-1")
                 found[name] = struct.unpack(">Q", items[b"STMP"])[0]
@@ -59,14 +59,4 @@ def _stamps(path: Path, entry: Any) -> dict[str, int]:
 
 
 def _nested(body: bytes, wanted: bytes) -> Iterator[bytes]:
-    return (value for key, kind, value in _items(body) if key == wanted and kind == NESTED)
-
-
-def _items(body: bytes) -> Iterator[tuple[bytes, int, bytes]]:
-    """Key, type and value of each item: 4 + 1 + 1 + 2 bytes of header, values in fours of bytes."""
-    at = 0
-    while at + 8 <= len(body):
-        key, kind, size, repeat = struct.unpack(">4sBBH", body[at : at + 8])
-        length = size * repeat
-        yield key, kind, body[at + 8 : at + 8 + length]
-        at += 8 + (length + 3) // 4 * 4
+    return (value for key, kind, value in gpmf_items(body) if key == wanted and kind == NESTED)

@@ -4,16 +4,4 @@ from ..vectors import prefer_widest
 from .kernel import LANES, Kernel, compiled, kernel_folder
 from .system import Effect, Parameter, Stage, System, effect_from_module
 
-__all__ = [
-    "LANES",
-    "Effect",
-    "Kernel",
-    "Parameter",
-    "Stage",
-    "System",
-    "compiled",
-    "effect_from_module",
-    "kernel_folder",
-]
-
 prefer_widest()

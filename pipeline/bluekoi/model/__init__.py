@@ -7,26 +7,4 @@ from .residual import STATE_VARIABLES
 from .residual import channels as residual_channels
 from .residual import groups as residual_groups
 from .residual import sources as residual_sources
-from .simulation import Simulation, Tank, constants, simulate, simulate_at, steady_turn
-
-__all__ = [
-    "COEFFICIENTS",
-    "FLAP_HZ",
-    "OBSERVATIONS",
-    "STATE_VARIABLES",
-    "TABLE_1",
-    "TABLE_2_PCT",
-    "UNIT_READING",
-    "Simulation",
-    "Tank",
-    "constants",
-    "effect_names",
-    "is_residual",
-    "plates",
-    "residual_channels",
-    "residual_groups",
-    "residual_sources",
-    "simulate",
-    "simulate_at",
-    "steady_turn",
-]
+from .simulation import Simulation, constants, simulate, simulate_at, steady_turn

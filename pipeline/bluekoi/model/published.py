@@ -9,14 +9,7 @@ UNIT_READING = (
 FLAP_HZ = {50: 2.37, 75: 4.02, 100: 5.82}
 
 TABLE_1: dict[int, dict[str, float]] = {
-    power: {
-        "C_T": 4.5e-3,
-        "C_D0": 0.5,
-        "C_Da": c_da,
-        "C_La": 3.14,
-        "C_Ma": 0.1,
-        "C_Md": c_md,
-    }
+    power: {"C_T": 4.5e-3, "C_D0": 0.5, "C_Da": c_da, "C_La": 3.14, "C_Ma": 0.1, "C_Md": c_md}
     for power, c_da, c_md in ((50, 0.3, 0.145), (75, 2.5, 0.130), (100, 4.0, 0.104))
 }
 """Table I by power, %: C_T [m2], C_D0, C_Da, C_La [1], C_Ma [m], C_Md [kg m2]."""

@@ -3,21 +3,4 @@
 from .compare import common_ratio, compare, flapping_given, has_other_clock
 from .delay import clock_delay
 from .log import flapping_from_log, read_log
-from .shaft import Shaft, shaft_motion
-from .tailbeat import beat_lag, clock_ratio, tail_beat, tail_excursion
-
-__all__ = [
-    "Shaft",
-    "beat_lag",
-    "clock_delay",
-    "clock_ratio",
-    "common_ratio",
-    "compare",
-    "flapping_from_log",
-    "flapping_given",
-    "has_other_clock",
-    "read_log",
-    "shaft_motion",
-    "tail_beat",
-    "tail_excursion",
-]
+from .tailbeat import beat_lag, clock_ratio, tail_beat

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ..data import Flapping, Float, read_columns
+from ..data.quality import correlation_time
 from ..errors import input_error
 from .shaft import Shaft, shaft_motion
 
@@ -201,16 +202,6 @@ def _regress(
     total = float(residual @ residual)
     std = np.sqrt(np.diag(inverse) * total / freedom * inflation)
     return value, total, std, inflation, tau_s
-
-
-def correlation_time(residual: Float) -> float:
-    """Samples that count as one: 1 + 2 sum of the autocorrelation up to its first zero."""
-    n = len(residual)
-    centred = residual - residual.mean()
-    power = np.abs(np.fft.rfft(centred, 2 * n)) ** 2
-    acf = np.fft.irfft(power)[:n] / max(float(centred @ centred), 1e-300)
-    stop = int(np.argmax(acf <= 0)) if np.any(acf <= 0) else n
-    return float(np.clip(1 + 2 * acf[1 : max(stop, 1)].sum(), 1.0, n / 4))
 
 
 def _notes(fit: _Fit, shaft: Shaft) -> list[str]:

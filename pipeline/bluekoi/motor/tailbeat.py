@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..data import Flapping, Float, Pose, Positions, confident
-from .log import correlation_time
+from ..data.quality import correlation_time
 from .shaft import wrapped
 
 TAIL = ("tail_tip", "tail_base", "core_center")

@@ -8,14 +8,4 @@ Candidate measurement errors add to these stages: one file each in `measurement/
 """
 
 from .equations import CLOCK, OBSERVATIONS, OBSERVE
-from .view import NEVER_S, View, constant_names, view_of
-
-__all__ = [
-    "CLOCK",
-    "NEVER_S",
-    "OBSERVATIONS",
-    "OBSERVE",
-    "View",
-    "constant_names",
-    "view_of",
-]
+from .view import View, constant_names, view_of

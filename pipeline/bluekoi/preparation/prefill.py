@@ -177,11 +177,7 @@ def _id(source: str, taken: Sequence[str]) -> str:
     """A trial_id of the file's name, with that of its folder or a number where it is taken."""
     path = Path(source.split(";", maxsplit=1)[0])
     own = _plain(path.stem)
-    names = [
-        own,
-        _plain(f"{path.parent.name}_{own}"),
-        *(f"{own}_{k}" for k in range(2, MAX_FILES)),
-    ]
+    names = [own, _plain(f"{path.parent.name}_{own}"), *(f"{own}_{k}" for k in range(2, MAX_FILES))]
     lower = {name.casefold() for name in taken}
     return next(name for name in names if name.casefold() not in lower)
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import base64
 import io
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from jinja2 import Environment, StrictUndefined
-from markupsafe import Markup
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -30,6 +27,7 @@ from ..figures.drawing.style import AFTER, BEFORE, MEASURED, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
 from .findings import HEADINGS
+from .page import rendered
 
 MAX_TRIALS = 4
 
@@ -41,14 +39,12 @@ def write_explanation(found: Explanation, predicted: Predicted | None, path: Pat
 
 def explanation_page(found: Explanation, predicted: Predicted | None = None) -> str:
     """Text of the page."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
     held, heading = found.held_out, HEADINGS[found.verdict]
     if found.named:
         heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
     samples = sum(len(s.times) for s in found.prepared.series)
-    return environment.from_string(_text("explanation.html")).render(
+    return rendered(
+        "explanation.html",
         name=found.model.name,
         summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
         kind=found.verdict,
@@ -63,7 +59,6 @@ def explanation_page(found: Explanation, predicted: Predicted | None = None) -> 
         coefficients=coefficient_rows(found),
         prediction=_prediction(found, predicted),
         picture=_uri(trials_figure(found)),
-        css=Markup(_text("page.css")),  # noqa: S704  our own file
     )
 
 
@@ -108,7 +103,3 @@ def _uri(figure: Figure) -> str:
         FigureCanvasAgg(figure)
         figure.savefig(buffer, format="png", dpi=130, metadata={"Software": None})
     return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode("ascii")
-
-
-def _text(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")

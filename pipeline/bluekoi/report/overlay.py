@@ -13,8 +13,7 @@ from ..camera.corners import pool_camera
 from ..camera.pool import PoolCamera, project
 from ..campaign import Campaign
 from ..data import Float, Frame, Track
-from ..footage import frames, open_recording
-from ..footage.writing import encoder
+from ..footage import encode, frames, open_recording
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
@@ -74,26 +73,31 @@ def write_overlay(
     source: frames with colour, or times [s] for the empty pool. Each frame is repeated until the
     time of the next one; of frames within one frame period, the first is used.
     """
-    scale = WIDTH_PX / scene.size_px[0]
-    height = 2 * round(scale * scene.size_px[1] / 2)
+    height = 2 * round(WIDTH_PX / scene.size_px[0] * scene.size_px[1] / 2)
+    pictures = _pictures(scene, source, (WIDTH_PX, height), fps)
+    return encode(path, pictures, fps=fps, size=(WIDTH_PX, height + STRIP_PX), crf=CRF)
+
+
+def _pictures(
+    scene: Scene, source: Iterable[Frame | float], size: tuple[int, int], fps: float
+) -> Iterator[Picture]:
+    """Pictures at a steady rate; one that is missing is that before it."""
     count, first = 0, np.nan
     picture: Picture | None = None
-    with encoder(path, fps=fps, size=(WIDTH_PX, height + STRIP_PX), crf=CRF) as out:
-        for one in source:
-            time_s = one.time_s if isinstance(one, Frame) else float(one)
-            first = time_s if count == 0 else first
-            place = round((time_s - first) * fps)
-            while picture is not None and count < place:
-                out.write(picture)
-                count += 1
-            if place < count:
-                continue
-            picture = annotated_frame(
-                _background(one, scene, (WIDTH_PX, height)), scene, time_s, scale
-            )
-            out.write(picture)
+    for one in source:
+        time_s = one.time_s if isinstance(one, Frame) else float(one)
+        first = time_s if count == 0 else first
+        place = round((time_s - first) * fps)
+        while picture is not None and count < place:
+            yield picture
             count += 1
-    return count
+        if place < count:
+            continue
+        picture = annotated_frame(
+            _background(one, scene, size), scene, time_s, size[0] / scene.size_px[0]
+        )
+        yield picture
+        count += 1
 
 
 def frame_rate(time_s: Float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
@@ -37,16 +38,10 @@ def write_report(
     write_text(path, page(campaign, shown, videos))
 
 
-def page(
-    campaign: Campaign,
-    shown: Sequence[Picture],
-    videos: Mapping[str, Clip],
-) -> str:
+def page(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip]) -> str:
     """Text of the page."""
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.from_string(_text("page.html")).render(
+    return rendered(
+        "page.html",
         name=campaign.study.root.name or "study",
         summary=findings.summary(campaign),
         verdict=findings.verdict(campaign),
@@ -75,11 +70,19 @@ def page(
         cards=trial_cards(campaign, videos),
         settings=settings(campaign),
         versions=versions(),
-        css=Markup(_text("page.css")),  # noqa: S704  our own file
         js=Markup('"use strict";\n' + "\n".join(map(_text, SCRIPTS))),  # noqa: S704  our own files
         plotly=plotting_library(),
         pool=campaign.study.setup.pool,
     )
+
+
+def rendered(template: str, **values: Any) -> str:
+    """A template of this folder, with the page's style."""
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    css = Markup(_text("page.css"))  # noqa: S704  our own file
+    return environment.from_string(_text(template)).render(css=css, **values)
 
 
 def _text(name: str) -> str:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
 
 from ..campaign import Campaign
+from ..files import flattened
 
 PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", "numba", "filterpy",
             "matplotlib")  # fmt: skip
@@ -29,12 +28,3 @@ def _version(name: str) -> str:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
-
-
-def flattened(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Entries of a nested mapping as (`a.b.c`, value)."""
-    if isinstance(value, Mapping) and value:
-        for key, entry in value.items():
-            yield from flattened(entry, f"{prefix}.{key}".lstrip("."))
-    else:
-        yield prefix, value

@@ -21,12 +21,7 @@ def joint(campaign: Campaign) -> list[Row]:
     return [
         Row(
             name,
-            (
-                estimate(cell),
-                _naive(cell),
-                unit(str(cell.get("unit", ""))),
-                _determined(cell),
-            ),
+            (estimate(cell), _naive(cell), unit(str(cell.get("unit", ""))), _determined(cell)),
             not cell.get("determined", True),
         )
         for name, cell in cells.items()

@@ -15,7 +15,7 @@ def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> Smoothed:
 
     used: (n,) measurements that count; the others are gaps (`update(None)`). State and measurements
     are one-dimensional, the form that is right in filterpy 1.4 and 2.0 alike. filterpy's own
-    `rts_smoother` gives the same (`rauch_tung_striebel`), but inverts the predicted covariance,
+    `rts_smoother` gives the same, but inverts the predicted covariance,
     which a motion without process noise makes singular.
     """
     n, p, d = model.H.shape
@@ -28,21 +28,6 @@ def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> Smoothed:
         if used[k]:
             inverses[k], innovations[k] = kf.SI, kf.y
     return backward(model, used, means=means, covs=covs, inverses=inverses, innovations=innovations)
-
-
-def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> Smoothed:
-    """The same by filterpy's own smoother, for chains whose process noise is not singular.
-
-    Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
-    """
-    n, _, d = model.H.shape
-    kf = _filter(model)
-    means, covs = np.empty((n, d)), np.empty((n, d, d))
-    for k in range(n):
-        _step(kf, model, k, bool(used[k]))
-        means[k], covs[k] = kf.x, kf.P
-    x, P, _, _ = kf.rts_smoother(means, covs, list(model.F), list(model.Q))
-    return Smoothed(np.asarray(x), np.asarray(P))
 
 
 def _filter(model: LinearGaussianModel) -> KalmanFilter:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..files import read_json
+from ..files import optional_json
 from ..study import Setup
 from ..study.depth import with_depth
 from .layout import Layout
@@ -10,5 +10,4 @@ from .layout import Layout
 
 def keypoint_depth(setup: Setup, layout: Layout) -> float:
     """Depth to use, m, by `study.depth`; before geometry.json is there, without an estimate."""
-    geometry = read_json(layout.geometry) if layout.geometry.is_file() else None
-    return with_depth(setup, geometry).robot.keypoint_depth_m
+    return with_depth(setup, optional_json(layout.geometry)).robot.keypoint_depth_m

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..camera.scale_warning import scale_warning
-from ..files import read_json, write_json
+from ..files import optional_json, read_json, write_json
 from ..motor.swimming import study_warnings
 from ..study import load_study
 from .layout import Layout, remove
@@ -26,7 +26,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     ids = [trial.trial_id for trial in load_study(study).trials]
     statuses = {name: read_json(layout.status(name)) for name in ids}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
-    geometry, mismatch = (_optional(results / f"{n}.json") for n in ("geometry", "mismatch"))
+    geometry, mismatch = (optional_json(results / f"{n}.json") for n in ("geometry", "mismatch"))
     warnings = [*study_warnings(statuses), *scale_warning(geometry, mismatch)]
     remove([done])
     write_manifest(study, results)
@@ -34,10 +34,6 @@ def outcome(study: Path, results: Path) -> list[str]:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(ids), "all_good": True, "warnings": warnings})
     return []
-
-
-def _optional(path: Path) -> dict[str, Any]:
-    return read_json(path) if path.is_file() else {}
 
 
 def failure_reason(status: Mapping[str, Any]) -> str:

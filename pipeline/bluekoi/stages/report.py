@@ -21,9 +21,5 @@ def report(study: Path, results: Path) -> None:
         for name in figures.names()
     }
     write_report(
-        campaign,
-        figures_text,
-        results / "figures",
-        results / "overlays",
-        Layout(results).report,
+        campaign, figures_text, results / "figures", results / "overlays", Layout(results).report
     )

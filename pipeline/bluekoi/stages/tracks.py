@@ -15,14 +15,7 @@ from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
-from ..motor import (
-    beat_lag,
-    clock_ratio,
-    compare,
-    flapping_from_log,
-    flapping_given,
-    tail_beat,
-)
+from ..motor import beat_lag, clock_ratio, compare, flapping_from_log, flapping_given, tail_beat
 from ..motor.swimming import REMEDY, implausible_numbers, swimming_numbers
 from ..pose import rigid_pose
 from ..smoothing import smooth_with_noise_ratio

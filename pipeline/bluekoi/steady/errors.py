@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
+from ..data.quality import correlation_time
 
 
 def error_length(std: Float, rate_std: Float) -> float:
@@ -29,10 +30,7 @@ def scatter_cov(time_s: Float, residual: Float, parameters: int) -> Float:
     """Covariance (n, n) of the residual: its variance, alike over its own correlation time."""
     n = len(residual)
     centred = residual - residual.mean()
-    lags = np.array([centred[k:] @ centred[: n - k] for k in range(n // 2)])
-    acf = lags / max(float(lags[0]), 1e-300)
-    stop = int(np.argmax(acf <= 0)) if np.any(acf <= 0) else len(acf)
-    samples = float(np.clip(1 + 2 * acf[1 : max(stop, 1)].sum(), 1.0, n / 4))
+    samples = correlation_time(residual)
     freedom = max(n / samples - parameters, 1.0) * samples
     length = samples * float(np.median(np.diff(time_s))) / np.sqrt(2 * np.pi)
     deviation = np.full(n, np.sqrt(float(centred @ centred) / freedom))

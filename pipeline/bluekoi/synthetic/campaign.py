@@ -98,10 +98,7 @@ def study_contents(design: Design) -> dict[str, Any]:
     length, width = tank.pool_m
     return {
         "pool": {"length_m": length, "width_m": width, "depth_m": design.pool_depth_m},
-        "water": {
-            "density_kg_m3": tank.density_kg_m3,
-            "refractive_index": camera.index_water,
-        },
+        "water": {"density_kg_m3": tank.density_kg_m3, "refractive_index": camera.index_water},
         "robot": asdict(tank.robot),
         "camera": {
             "model": camera.lens,
@@ -133,13 +130,7 @@ def write_study_truth(design: Design, truth_folder: Path) -> None:
     write_json(truth_folder / "truth.json", study_truth(design, trials))
 
 
-def render_study(
-    design: Design,
-    folder: Path,
-    truth_folder: Path,
-    *,
-    workers: int = 2,
-) -> None:
+def render_study(design: Design, folder: Path, truth_folder: Path, *, workers: int = 2) -> None:
     """Render a whole study to a folder; its truth goes elsewhere."""
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     names = [plan.trial_id for plan in design.plans]

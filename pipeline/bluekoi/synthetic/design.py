@@ -1,6 +1,5 @@
 """Which trials a study has, under which laws, filmed how."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -105,8 +104,3 @@ def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) 
         Plan("T03", 100, -45.0, 0.175, longest_s),
     )
     return replace(demo_design(seed), name="ladder", plans=plans, conditions=state)
-
-
-def head_angle_rad(plan: Plan) -> float:
-    """The plan's head angle in radians."""
-    return math.radians(plan.head_angle_deg)

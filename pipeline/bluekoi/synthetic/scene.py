@@ -75,10 +75,7 @@ def floor_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.n
 
 def ground_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.ndarray:
     """Reflectance of what surrounds the pool, `(y, x)` at 4 mm, from `-AROUND_M` on."""
-    shape = (
-        round((pool_m[1] + 2 * AROUND_M) * 250),
-        round((pool_m[0] + 2 * AROUND_M) * 250),
-    )
+    shape = (round((pool_m[1] + 2 * AROUND_M) * 250), round((pool_m[0] + 2 * AROUND_M) * 250))
     y, x = np.mgrid[: shape[0], : shape[1]]
     slabs = ((x % 125 < 2) | (y % 125 < 2)).astype(np.float32)
     return 1.0 + 0.10 * _mottle(rng, shape, (1, 4, 30)) - 0.25 * slabs

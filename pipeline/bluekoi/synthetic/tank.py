@@ -14,15 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from bluekoi.synthetic.laws import (
-    Recoil,
-    Run,
-    Situation,
-    Tank,
-    fin_load,
-    plate_load,
-    thrust,
-)
+from bluekoi.synthetic.laws import Recoil, Run, Situation, Tank, fin_load, plate_load, thrust
 from bluekoi.synthetic.water import current
 
 

@@ -3,24 +3,6 @@
 from .joint import Tuned, coefficient_cell, coefficient_table, downsampled, tune
 from .paper_steps import three_steps
 from .results import coefficients, simulations, table_1, table_2
-from .series import condition, study_series, trial_series
+from .series import study_series, trial_series
 from .stability import growth_per_s
 from .steady_errors import steady_errors
-
-__all__ = [
-    "Tuned",
-    "coefficient_cell",
-    "coefficient_table",
-    "coefficients",
-    "condition",
-    "downsampled",
-    "growth_per_s",
-    "simulations",
-    "steady_errors",
-    "study_series",
-    "table_1",
-    "table_2",
-    "three_steps",
-    "trial_series",
-    "tune",
-]

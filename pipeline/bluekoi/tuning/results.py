@@ -65,12 +65,7 @@ def coefficients(
 
 
 def straight_swimming(
-    study: Study,
-    steps: Mapping[str, Any],
-    joint: Tuned,
-    draws: Float,
-    *,
-    series: Sequence[Series],
+    study: Study, steps: Mapping[str, Any], joint: Tuned, draws: Float, *, series: Sequence[Series]
 ) -> dict[str, Any]:
     """Growth of a small turn at each power, and over draws of the fit where it is fastest.
 

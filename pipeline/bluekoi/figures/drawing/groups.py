@@ -94,9 +94,7 @@ def radius_means(campaign: Campaign) -> tuple[Mean, ...]:
 
 
 def _means(
-    campaign: Campaign,
-    trials: Iterable[Trial],
-    read: Callable[[Steady], tuple[float, float]],
+    campaign: Campaign, trials: Iterable[Trial], read: Callable[[Steady], tuple[float, float]]
 ) -> tuple[Mean, ...]:
     groups: dict[tuple[float, float, float], list[Steady]] = {}
     for trial in trials:

@@ -12,12 +12,7 @@ from ...data import Float, Frame
 from ...study import Robot, Trial
 from .search import Blob, blobs, poses_of
 from .stations import measured_stations, without_biased
-from .template import (
-    Template,
-    first_template,
-    length_of,
-    with_learned_stations,
-)
+from .template import Template, first_template, length_of, with_learned_stations
 from .tracking import Fit, Scene, fitted, is_plausible_blob, search_lengths_px
 
 ROUNDS = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)

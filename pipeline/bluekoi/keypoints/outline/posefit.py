@@ -34,11 +34,7 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
 
 @numba.njit(cache=True, error_model="numpy")
 def measure_edge_offsets(
-    pictures: Pictures,
-    maps: tuple[Float, Float],
-    shape: Shape,
-    pose: Float,
-    reach: int,
+    pictures: Pictures, maps: tuple[Float, Float], shape: Shape, pose: Float, reach: int
 ) -> tuple[Float, Float]:
     """Edge offsets (n,) [px, NaN where not seen] and their derivatives (n, 5).
 

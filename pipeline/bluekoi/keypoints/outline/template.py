@@ -22,7 +22,6 @@ MIDDLE = 0.55
 CORE_STATIONS = 36
 HEAD_STATIONS = 25
 CORE_END = 0.03
-WIDEST = 2.6
 
 
 @dataclass(frozen=True)

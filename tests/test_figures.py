@@ -19,7 +19,6 @@ from bluekoi.figures.drawing import groups
 from bluekoi.figures.drawing.circles import circle, measured_arc
 from bluekoi.figures.drawing.extraction import extract
 from bluekoi.figures.drawing.missing_force import force_of_effects, missing_forces, variable
-from bluekoi.figures.drawing.pool import body_points
 from bluekoi.figures.drawing.style import COLOURS, power_styles
 from bluekoi.figures.drawing.sweeps import (
     fitted_powers,
@@ -229,7 +228,7 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
 
 def test_the_robot_is_drawn_with_its_measures(whole):
     robot = whole.study.setup.robot
-    nose, hinge, com, tail = body_points(robot, 0.12, np.array([1.0, 0.5, 0.0, np.pi / 2]))
+    nose, hinge, com, tail = robot.body_points(0.12, np.array([1.0, 0.5]), 0.0, np.pi / 2)
     assert com == pytest.approx([1.0, 0.5])
     assert hinge == pytest.approx([1.04, 0.5])
     assert nose == pytest.approx([1.04, 0.38])  # head points along heading - head angle

@@ -147,14 +147,11 @@ def _position(campaign: Campaign, trial_id: str, track: Track) -> Float:
     import numpy as np  # noqa: PLC0415
 
     robot, trial = campaign.study.setup.robot, campaign.study.trial(trial_id)
-    core = np.column_stack([np.cos(track.heading_rad), np.sin(track.heading_rad)])
-    theta = track.heading_rad - track.head_angle_rad
-    head = np.column_stack([np.cos(theta), np.sin(theta)])
-    center = np.column_stack([track.x_m, track.y_m])
-    hinge = center + robot.hinge_to_com_m * core
-    tip = hinge + trial.head_length_m * head
-    tail = center - robot.com_to_tail_base_m * core
-    return np.stack([tip, hinge, center, tail], axis=2)
+    centre, angles = (
+        np.column_stack([track.x_m, track.y_m]),
+        (track.heading_rad, track.head_angle_rad),
+    )
+    return robot.body_points(trial.head_length_m, centre, *angles).swapaxes(1, 2)
 
 
 def _write_coefficients(content: Mapping[str, Any], path: Path) -> None:

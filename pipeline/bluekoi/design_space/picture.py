@@ -81,15 +81,9 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
 
 def _bodies(run: Simulation, marks: Float, setup: Setup, head_length_m: float) -> list[Float]:
     """Lines (3, 2) from nose over hinge to tail base at some frames."""
-    robot = setup.robot
-    out = []
-    for k in marks:
-        centre, psi, theta = run.state[k, :2], run.heading_rad[k], run.state[k, 2]
-        core, head = (np.array([np.cos(a), np.sin(a)]) for a in (psi, theta))
-        hinge = centre + robot.hinge_to_com_m * core
-        tail = centre - robot.com_to_tail_base_m * core
-        out.append(np.array([hinge + head_length_m * head, hinge, tail]))
-    return out
+    psi, theta = run.heading_rad[marks], run.state[marks, 2]
+    points = setup.robot.body_points(head_length_m, run.state[marks, :2], psi, psi - theta)
+    return list(points[:, [0, 1, 3]])
 
 
 def save(figure: Figure, path: str | Path) -> None:

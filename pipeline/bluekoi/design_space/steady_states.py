@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compiled
-from ..integrate.batch import propagate
+from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates
 from ..study import Setup
 
@@ -74,7 +74,7 @@ def _steady_motion(
         compiled(system),
         np.zeros((blocks, len(system.all_states), LANES)),
         lanes,
-        np.repeat(np.repeat(fixed, parts, axis=0)[:, :, None], LANES, axis=2),
+        in_lanes(np.repeat(fixed, parts, axis=0)),
         times=np.tile([0.0, CHECK_S, SETTLE_S], (blocks, 1)),
         inputs=np.repeat(np.repeat(inputs, parts, axis=0)[:, None], 3, axis=1),
         keep_states=True,

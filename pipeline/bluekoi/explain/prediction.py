@@ -11,8 +11,8 @@ from ..data import Float
 from ..engine.naming import UNEXPLAINED
 from ..fitting import Noise, Series, filter_series, free_runs
 from ..fitting.filtering import with_noise
-from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
+from ..integrate import Kernel
+from ..integrate.batch import in_lanes, propagate
 from .comparison import PREDICTION_ERRORS, Fitted, errors_of, folds_of, refitted, with_criterion
 from .explanation import Explanation, test_series
 from .model import Model
@@ -141,10 +141,8 @@ def forecast(kernel: Kernel, one: Series, values: Float, noise: Noise, known_s: 
     beginning = replace(one, seen=np.where(known[:, None], one.seen, np.nan))
     states = filter_series(kernel, beginning, values, noise).predicted
     count, full = len(one.times), with_noise(kernel, values, noise)
-    lanes = [
-        np.repeat(rows[:, :, None], LANES, axis=2)
-        for rows in (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
-    ]
+    rows = (states, np.tile(full, (count, 1)), np.tile(one.constants, (count, 1)))
+    lanes = [in_lanes(row) for row in rows]
     observed, _ = propagate(kernel, *lanes, times=one.times[:, None], inputs=one.inputs[:, None])
     return observed[:, 0, :, 0]
 

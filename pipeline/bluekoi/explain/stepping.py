@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import FilterResults, Noise, Series, filter_all
 from ..integrate import LANES, Kernel
-from ..integrate.batch import propagate
+from ..integrate.batch import in_lanes, propagate
 
 MOMENT_S, DIFFERENCE = 1e-6, 1e-4
 MAX_STATES = 200
@@ -42,13 +42,14 @@ def jacobians(
     """Slopes (frames, own states, own states) of the rates of change by the model's own states."""
     own = len(kernel.system.states)
     out = np.zeros((len(frames), own, own))
+    fixed = [in_lanes(np.tile(row, (len(frames), 1))) for row in (values, one.constants)]
     for first in range(0, own, LANES - 1):
         columns = range(first, min(own, first + LANES - 1))
-        lanes = np.repeat(states[:, :, None], LANES, axis=2)
+        lanes = in_lanes(states)
         for lane, k in enumerate(columns, start=1):
             lanes[:, k, lane] += DIFFERENCE
         _, after = propagate(
-            kernel, lanes, _tiled(values, len(frames)), _tiled(one.constants, len(frames)),
+            kernel, lanes, *fixed,
             times=one.times[frames, None] + np.array([0.0, MOMENT_S]), keep_states=True,
             inputs=np.repeat(one.inputs[frames, None], 2, axis=1), step_s=1.0,
         )  # fmt: skip
@@ -56,10 +57,6 @@ def jacobians(
         for lane, k in enumerate(columns, start=1):
             out[:, :, k] = moved[:, :, lane] / (DIFFERENCE * MOMENT_S)
     return out
-
-
-def _tiled(vector: Float, count: int) -> Float:
-    return np.repeat(np.repeat(vector[None, :, None], count, axis=0), LANES, axis=2)
 
 
 def longest_step_s(rate_per_s: float) -> float:

@@ -66,9 +66,14 @@ def propagate(
     return observed, states
 
 
-def run_in_threads(run: Callable[[int, int], Any], count: int, min_count: int = 4) -> None:
+def in_lanes(rows: Float) -> Float:
+    """Rows (..., n) for every lane, (..., n, LANES)."""
+    return np.repeat(rows[..., None], LANES, axis=-1)
+
+
+def run_in_threads(run: Callable[[int, int], Any], count: int) -> None:
     """Call `run(first, last)` over 0..count in as many threads as there are cores to use."""
-    workers = min(thread_count(), max(1, count // min_count))
+    workers = min(thread_count(), max(1, count // 4))
     edges = [count * part // workers for part in range(workers + 1)]
     threaded_map(lambda ends: run(*ends), list(itertools.pairwise(edges)))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compiled
-from ..integrate.batch import STEP_S, propagate
+from ..integrate.batch import STEP_S, in_lanes, propagate
 from ..observation import View
 from ..study import Pool, Robot, Water
 from .plates import CONSTANTS, plates
@@ -118,8 +118,8 @@ def simulate_at(
     _, states = propagate(
         kernel,
         state,
-        np.repeat(values[None, :, None], LANES, axis=2),
-        np.repeat(trial_constants[None, :, None], LANES, axis=2),
+        in_lanes(values[None]),
+        in_lanes(trial_constants[None]),
         times=times[None],
         inputs=inputs[None],
         keep_states=True,

@@ -43,13 +43,9 @@ def robot_outline(
     over = camera_of_setup(camera, pool, refractive_index, depth_m=depth)
     com, toward = to_pool(over, np.array([com_px, toward_px]), depth)
     heading_rad = math.atan2(*(toward - com)[::-1])
+    length = head_length_m or robot.head_length_m
+    nose, hinge, _, base = robot.body_points(length, com, heading_rad, head_angle_rad)
     core = np.array([math.cos(heading_rad), math.sin(heading_rad)])
-    turned = heading_rad - head_angle_rad
-    head = np.array([math.cos(turned), math.sin(turned)])
-    hinge = com + robot.hinge_to_com_m * core
-    nose = hinge + (head_length_m or robot.head_length_m) * head
-    base = com - robot.com_to_tail_base_m * core
-    tip = base - robot.tail_length_m * core
-    points = np.array([nose, hinge, base, tip, com])
+    points = np.array([nose, hinge, base, base - robot.tail_length_m * core, com])
     px = project(over, np.column_stack([points, np.full(len(points), -depth)]))
     return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4])

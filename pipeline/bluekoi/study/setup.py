@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.config import JsonDict
 
+from ..data import Float
 from .rules import camera_problems, raise_problems, robot_problems, setup_problems
 
 
@@ -124,6 +126,16 @@ class Robot(Section):
     def com_to_tail_base_m(self) -> float:
         """Distance from the centre of mass back to the caudal base on the core axis, m."""
         return self.body_length_m - self.head_length_m - self.hinge_to_com_m
+
+    def body_points(
+        self, head_length_m: float, centre_m: Float, heading_rad: Any, head_angle_rad: Any
+    ) -> Float:
+        """Nose, hinge, centre of mass and caudal base (..., 4, 2), m, of centres (..., 2)."""
+        angles = (heading_rad, heading_rad - head_angle_rad)
+        core, head = (np.stack([np.cos(a), np.sin(a)], axis=-1) for a in angles)
+        hinge = centre_m + self.hinge_to_com_m * core
+        base = centre_m - self.com_to_tail_base_m * core
+        return np.stack([hinge + head_length_m * head, hinge, centre_m, base], axis=-2)
 
 
 class Camera(Section):

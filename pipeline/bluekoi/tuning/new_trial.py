@@ -9,8 +9,8 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Series, normal_equations
-from ..integrate import LANES, Kernel, compiled
-from ..integrate.batch import propagate
+from ..integrate import Kernel, compiled
+from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates
 from ..observation import view_of
 from ..study import Setup
@@ -118,12 +118,6 @@ def _imagined(
 
 def _simulated(kernel: Kernel, series: Series, tuned: Tuned) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
-    observed, _ = propagate(
-        kernel,
-        np.repeat(series.mean[None, :, None], LANES, axis=2),
-        np.repeat(values[None, :, None], LANES, axis=2),
-        np.repeat(series.constants[None, :, None], LANES, axis=2),
-        times=series.times[None],
-        inputs=series.inputs[None],
-    )
+    lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
+    observed, _ = propagate(kernel, *lanes, times=series.times[None], inputs=series.inputs[None])
     return np.ascontiguousarray(observed[0, :, :, 0])

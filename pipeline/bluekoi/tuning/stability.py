@@ -9,7 +9,7 @@ import numpy as np
 
 from ..fitting import Series
 from ..integrate import LANES, Kernel, compiled
-from ..integrate.batch import propagate
+from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates, simulate
 from ..study import Setup, Study
 from .joint import Tuned
@@ -42,8 +42,8 @@ def growth_per_s(
     _, states = propagate(
         kernel,
         state,
-        np.repeat(values[None, :, None], LANES, axis=2),
-        np.repeat(constants(setup, head)[None, :, None], LANES, axis=2),
+        in_lanes(values[None]),
+        in_lanes(constants(setup, head)[None]),
         times=np.array([[0.0, SPAN_S]]),
         inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
         keep_states=True,

@@ -11,10 +11,9 @@ from matplotlib.axes import Axes
 from ...campaign import Campaign
 from ...data import Steady
 from ...study import Trial
+from ...tuning.paper_steps import is_straight
 from .style import Style
 
-STRAIGHT_DEG = 3.0
-"""Head angles below this count as straight."""
 TRUSTED_QUALITIES = ("good", "straight")
 
 
@@ -54,11 +53,6 @@ def head_name(campaign: Campaign, head_length_m: float) -> str:
 def is_one_x(campaign: Campaign, trial: Trial) -> bool:
     """Whether a trial used the 1x head."""
     return abs(trial.head_length_m - campaign.study.setup.robot.head_length_m) < 1e-6
-
-
-def is_straight(trial: Trial) -> bool:
-    """Whether the head angle is below STRAIGHT_DEG."""
-    return abs(trial.head_angle_deg) < STRAIGHT_DEG
 
 
 def straights(campaign: Campaign) -> tuple[Trial, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign import Campaign
 from ...data import Float, Track
 from ...integrate import LANES, compiled
-from ...integrate.batch import propagate
+from ...integrate.batch import in_lanes, propagate
 from ...model import constants, is_residual, plates
 
 CHANNELS = ("surge", "sway", "yaw")
@@ -158,7 +158,7 @@ def _rates(campaign: Campaign, one: MissingForce, models: list[Float]) -> tuple[
         kernel,
         state,
         np.repeat(values[None], n, axis=0),
-        np.repeat(np.repeat(fixed[None, :, None], LANES, axis=2), n, axis=0),
+        in_lanes(np.tile(fixed, (n, 1))),
         times=one.motion[:, 6:] + np.array([[0.0, DERIVATIVE_STEP_S]]),
         inputs=np.tile(inputs, (n, 2, 1)),
         keep_states=True,

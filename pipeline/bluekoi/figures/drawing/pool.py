@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from ...data import Float, Track
+from ...data import Track
 from ...study import Robot, Study
 
 
@@ -25,18 +25,6 @@ def draw_pool(axes: Axes, study: Study, *, labels: bool = True) -> None:
         axes.set_ylabel("y (m)")
 
 
-def body_points(robot: Robot, head_length_m: float, pose: Float) -> Float:
-    """Nose, hinge, centre of mass, caudal base, (4, 2), m, from (x, y, heading, head angle)."""
-    x, y, heading, head_angle = pose
-    along = np.array([np.cos(heading), np.sin(heading)])
-    head = np.array([np.cos(heading - head_angle), np.sin(heading - head_angle)])
-    com = np.array([x, y])
-    hinge = com + robot.hinge_to_com_m * along
-    return np.array(
-        [hinge + head_length_m * head, hinge, com, com - robot.com_to_tail_base_m * along]
-    )
-
-
 def draw_robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) -> None:
     """The robot as two plates along a track, 1.25 body lengths apart."""
     apart = 1.25 * (robot.body_length_m + head_length_m - robot.head_length_m)
@@ -45,8 +33,9 @@ def draw_robots(axes: Axes, robot: Robot, head_length_m: float, track: Track) ->
     )
     for distance in np.arange(0.0, distance_m[-1], apart):
         i = int(np.searchsorted(distance_m, distance))
-        pose = (track.x_m[i], track.y_m[i], track.heading_rad[i], track.head_angle_rad[i])
-        points = body_points(robot, head_length_m, np.array(pose))
+        centre = np.array([track.x_m[i], track.y_m[i]])
+        angles = track.heading_rad[i], track.head_angle_rad[i]
+        points = robot.body_points(head_length_m, centre, *angles)
         axes.plot(*points[1:].T, color="#7c8894", lw=2.6, solid_capstyle="round", zorder=3)
         axes.plot(*points[:2].T, color="#e08214", lw=2.6, solid_capstyle="round", zorder=4)
         axes.plot(*points[2], marker="o", ms=2.2, color="white", zorder=5)

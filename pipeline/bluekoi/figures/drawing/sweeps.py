@@ -12,7 +12,7 @@ from ...campaign import Campaign
 from ...data import Float
 from ...design_space import Condition, steady_states
 from ...integrate import LANES, compiled
-from ...integrate.batch import propagate
+from ...integrate.batch import in_lanes, propagate
 from ...model import Simulation, constants, plates, simulate
 
 DRAWS, MIN_DRAWS = LANES - 1, 5
@@ -85,7 +85,7 @@ def speed_from_rest(campaign: Campaign, row: PowerFit, times: Float) -> Sweep:
     lanes = _values(row)[:LANES]
     short = LANES - len(lanes)
     values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
-    fixed = np.repeat(constants(campaign.study.setup, head)[None, :, None], LANES, axis=2)
+    fixed = in_lanes(constants(campaign.study.setup, head)[None])
     system = plates()
     _, states = propagate(
         compiled(system), np.zeros((1, len(system.all_states), LANES)), values, fixed,

@@ -6,10 +6,28 @@ import csv
 from dataclasses import replace
 from pathlib import Path
 
-from bluekoi.synthetic.design import bare_design
+from bluekoi.synthetic.design import Design, numbered_plans
+from bluekoi.synthetic.laws import Coefficients, Tank, bare_tank
 from validation.tracking import keypoint_study
 
+TABLE_1 = {
+    50: Coefficients(C_Da=0.3, C_Md=0.145),
+    75: Coefficients(C_Da=2.5, C_Md=0.130),
+    100: Coefficients(C_Da=4.0, C_Md=0.104),
+}
 PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degrees, -45 degrees
+
+
+def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
+    """12 trials of the paper's bare model in still water; Table I per power if asked.
+
+    With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
+    """
+    settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
+    plans = numbered_plans((50, 75, 100), settings)
+    at = TABLE_1 if table_1 else {}
+    name = "table_1" if table_1 else "bare"
+    return Design(name, plans, bare_tank(Tank()), seed, coefficients_at=at)
 
 
 def small_study(folder: Path) -> Path:

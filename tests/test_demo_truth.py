@@ -24,9 +24,10 @@ from scipy.stats import t as student
 from bluekoi.data import Steady
 from bluekoi.steady import read_steady
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.design import Plan, bare_design, demo_design
+from bluekoi.synthetic.design import Plan, demo_design
 from bluekoi.synthetic.laws import Coefficients
 from bluekoi.synthetic.trial import solve_trial
+from studies import bare_design
 
 pytestmark = pytest.mark.long
 PLANS = {plan.trial_id: plan for plan in demo_design().plans}

@@ -43,10 +43,10 @@ from bluekoi.stages.mismatch import (
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
-from bluekoi.synthetic.design import bare_design
 from bluekoi.tuning import downsampled, tune
 from bluekoi.tuning.identify import profiles
 from measured import Measured, measured
+from studies import bare_design
 
 
 def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:

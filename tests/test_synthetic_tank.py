@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.synthetic.design import FLAP_HZ, TABLE_1
+from bluekoi.synthetic.design import FLAP_HZ
 from bluekoi.synthetic.laws import Fin, Run, Tank, aerodynamic_arm, bare_tank
 from bluekoi.synthetic.tank import simulate, steady_turn
 from bluekoi.synthetic.water import current, draw_eddies
+from studies import TABLE_1
 
 BARE = bare_tank(Tank())
 STILL = Tank(recoil=None)

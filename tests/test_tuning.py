@@ -9,7 +9,6 @@ from scipy.stats import t as student
 from bluekoi.data import Pose
 from bluekoi.model import TABLE_1
 from bluekoi.smoothing import smooth
-from bluekoi.synthetic.design import bare_design
 from bluekoi.tuning import (
     coefficients,
     simulations,
@@ -20,6 +19,7 @@ from bluekoi.tuning import (
     tune,
 )
 from measured import Measured, measured
+from studies import bare_design
 
 TRUTH = {"C_T": 4.5e-3, "C_D0": 0.5, "C_La": 3.14, "C_Ma": 0.1}
 

@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from ..errors import input_error
+from ..study import VIDEO_SUFFIXES
 from .boards import Board, Grey, View, find_board
 from .image_circle import ImageCircle, image_circle
 
-VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v")
 MAX_VIDEO_FRAMES = 80
 NEW_VIEW_SHARE = 0.03
 

@@ -80,11 +80,10 @@ def fit_angle(
     H[:, 0, 0] = 1.0
     H[:, 0, 3:4] = 1.0
 
-    def matrices(noise: Float) -> tuple[Float, Float]:
-        F, Q = heading_matrices(noise, grid.dt_s, flap_hz, nominal)
-        return F, Q
-
-    return _fit(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
+    return _fit(
+        data, grid, H, lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, nominal),
+        resting=resting, coloured=coloured, near=near,
+    )  # fmt: skip
 
 
 def fit_position(
@@ -98,12 +97,11 @@ def fit_position(
     data = measured(xy, cov, grid)
     nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
 
-    def matrices(noise: Float) -> tuple[Float, Float]:
-        F, Q = planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta)
-        return F, Q
-
-    H = planar_measurement(known.theta, flap_hz)
-    return _fit(data, grid, H, matrices, resting=resting, coloured=coloured, near=near)
+    return _fit(
+        data, grid, planar_measurement(known.theta, flap_hz),
+        lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta),
+        resting=resting, coloured=coloured, near=near,
+    )  # fmt: skip
 
 
 def cost_if_moving(fitted: FittedModel) -> float:

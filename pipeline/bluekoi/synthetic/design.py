@@ -1,18 +1,14 @@
 """Which trials a study has, under which laws, filmed how."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 from bluekoi.synthetic.conditions import MIDDLE, Conditions
-from bluekoi.synthetic.laws import Coefficients, Tank, bare_tank
+from bluekoi.synthetic.laws import Coefficients, Tank
 from bluekoi.synthetic.optics import Camera, gopro_like
 
 FLAP_HZ: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
-TABLE_1: Mapping[int, Coefficients] = {
-    50: Coefficients(C_Da=0.3, C_Md=0.145),
-    75: Coefficients(C_Da=2.5, C_Md=0.130),
-    100: Coefficients(C_Da=4.0, C_Md=0.104),
-}
 LONGEST_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
 
 
@@ -53,18 +49,6 @@ class Design:
         return {plan.trial_id: plan for plan in self.plans}[trial_id]
 
 
-def _plans(
-    powers: tuple[int, ...],
-    settings: tuple[tuple[float, float], ...],
-    longest_s: Mapping[int, float],
-) -> tuple[Plan, ...]:
-    rows = [(power, angle, head) for power in powers for angle, head in settings]
-    return tuple(
-        Plan(f"T{number:02d}", power, angle, head, longest_s[power])
-        for number, (power, angle, head) in enumerate(rows, start=1)
-    )
-
-
 FULL = (
     (0.0, 0.12),
     (0.0, 0.12),
@@ -77,23 +61,19 @@ FULL = (
 )
 
 
+def numbered_plans(
+    powers: Iterable[int], settings: Iterable[tuple[float, float]]
+) -> tuple[Plan, ...]:
+    """A plan for each power at each setting (head angle [deg], head length [m]): T01, T02, ..."""
+    rows = enumerate(product(powers, settings), start=1)
+    return tuple(Plan(f"T{n:02d}", power, *each, LONGEST_S[power]) for n, (power, each) in rows)
+
+
 def demo_design(seed: int = 11) -> Design:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
     tank = Tank(yaw_damping_n_m_s=0.03)
-    plans = _plans((50, 75, 100), FULL, LONGEST_S)
+    plans = numbered_plans((50, 75, 100), FULL)
     return Design("demo", plans, tank, seed, water_rms_m_s=0.001)
-
-
-def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
-    """12 trials of the paper's bare model in still water; Table I per power if asked.
-
-    With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
-    """
-    settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
-    plans = _plans((50, 75, 100), settings, LONGEST_S)
-    at = TABLE_1 if table_1 else {}
-    name = "table_1" if table_1 else "bare"
-    return Design(name, plans, bare_tank(Tank()), seed, coefficients_at=at)
 
 
 def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> Design:

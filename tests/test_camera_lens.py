@@ -63,3 +63,13 @@ def test_points_past_the_fold_and_behind_are_not_seen():
     edge = 955 + 1130 * monotonic_radius(lens) * (1 - 0.3 * monotonic_radius(lens) ** 2)
     seen = directions(lens, np.array([[edge + 5, 542.0], [edge - 5, 542.0]]))
     assert np.isnan(seen[:, 0]).tolist() == [True, False]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", ["barrel", "rational"])
+@pytest.mark.parametrize("far", [1e40, 1e80, 1e150, np.nan])
+def test_pixels_beyond_all_numbers_have_no_direction_and_warn_of_nothing(name, far):
+    lens = Lens("pinhole", MATRIX, np.array(PINHOLES[name], dtype=float), (1920, 1080))
+    found = directions(lens, np.array([[far, 500.0], [300.0, 300.0]]))
+    assert np.all(np.isnan(found[0]))
+    assert np.all(np.isfinite(found[1]))

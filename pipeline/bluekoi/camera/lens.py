@@ -177,8 +177,8 @@ def _slope(lens: Lens, plane: Float) -> Float:
         step[axis] = STEP
         change = distorted(lens, plane + step) - distorted(lens, plane - step)
         slope[:, :, axis] = change / (2 * STEP)
-    flat = np.abs(np.linalg.det(slope)) < 1e-9
-    slope[flat | ~np.isfinite(slope).all(axis=(1, 2))] = np.eye(2)
+    slope[~np.isfinite(slope).all(axis=(1, 2))] = np.eye(2)  # of pixels beyond all numbers
+    slope[np.abs(np.linalg.det(slope)) < 1e-9] = np.eye(2)
     return slope
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 
 import pytest
@@ -309,7 +310,10 @@ VALUES = st.recursive(
 
 
 @settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=100,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    derandomize="BLUEKOI_FUZZ" not in os.environ,
 )
 @given(section=st.sampled_from(["pool", "water", "robot", "camera", "bodyparts"]), data=st.data())
 def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
@@ -324,6 +328,18 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
         places = (section, "robot.") if section in ("pool", "water") else (section,)
         sound = all(f.where.startswith(places) or not f.where for f in caught.findings)
     assert sound
+
+
+@pytest.mark.parametrize("key", ["body_length_m", "tail_length_m"])
+def test_a_length_whose_powers_are_no_numbers_is_read_or_a_fault(tmp_path, key):
+    content = changed()
+    content["robot"][key] = 1e200
+    write(tmp_path, yaml.safe_dump(content, allow_unicode=True))
+    if key == "body_length_m":
+        with pytest.raises(InputError, match="a robot shorter than the pool"):
+            load_study(tmp_path)
+    else:
+        assert load_study(tmp_path).setup.robot.tail_length_m == 1e200
 
 
 def test_one_trial_is_read_without_checking_the_others(tmp_path):

@@ -54,8 +54,9 @@ def setup_problems(setup: Setup) -> list[Problem]:
     """A robot that does not fit its pool, or is heavier than any: mostly other units than SI."""
     pool, robot = setup.pool, setup.robot
     length = robot.body_length_m
-    cube = setup.water.density_kg_m3 * length**3
-    rod = robot.mass_kg * (0.5 * (length + robot.tail_length_m)) ** 2
+    half = 0.5 * (length + robot.tail_length_m)
+    cube = setup.water.density_kg_m3 * length * length * length  # infinite where `**` would raise
+    rod = robot.mass_kg * half * half
     limits = (
         ("body_length_m", pool.length_m, f"a robot shorter than the pool ({pool.length_m:g} m)"),
         ("head_span_m", length, f"a head less high than the robot is long ({length:g} m)"),

@@ -12,6 +12,28 @@ from bluekoi.synthetic.design import demo_design
 from measured import Measured, measured
 
 ROOT = Path(__file__).resolve().parents[1]
+LONGEST = (
+    "test_any_study", "test_keypoints_silhouette", "test_workflow", "test_camera_calibrate",
+    "test_finder", "test_camera_corner_fit", "test_explain", "test_engine", "test_cli",
+    "test_bad_input", "test_camera_geometry", "test_figures", "test_tuning", "test_smoothing",
+)  # fmt: skip
+"""Files that take longest, first: no process of the suite is left with one of them at the end.
+
+The first compiles the model of the robot while the second, which needs none, keeps the other
+process at work.
+"""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """The order of the files is ours, not that of xdist, which begins with most tests."""
+    if hasattr(config.option, "loadscopereorder"):
+        config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Longest files first, the others as they come."""
+    place = {name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(place)))
 
 
 class Recordings:

@@ -24,7 +24,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 NEEDED = (
     "bluekoi/py.typed", "bluekoi/report/page.html", "bluekoi/report/page.css",
-    "bluekoi/report/explorer.js", "bluekoi/workflow/files/Snakefile",
+    "bluekoi/report/explorer.js", "bluekoi/report/charts.js", "bluekoi/preparation/page/index.html",
+    "bluekoi/preparation/page/main.js", "bluekoi/integrate/kernel_template.txt",
+    "bluekoi/workflow/files/Snakefile",
     "bluekoi/workflow/files/config/schema.yaml",
     "bluekoi/workflow/files/config/profiles/default/config.yaml",
 )  # fmt: skip

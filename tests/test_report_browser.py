@@ -175,6 +175,11 @@ def test_the_explorer_shows_the_values_of_the_track(page, browser):
     assert shown["x"] == f"{track.x_m[45]:.3f} m"
     assert shown["speed"].startswith(f"{track.speed_m_s[45]:.3f} ± 0.002")
     assert shown["yaw rate"].endswith(" rad/s")
+    assert tab.evaluate("document.getElementById('explorer-series').layout.xaxis"
+                        ".unifiedhovertitle.text") == "time %{x:.2f} s"  # fmt: skip
+    tab.evaluate("now.data.measured.speed_m_s_std.fill(1.4e-4); readout()")
+    shown = dict(tab.evaluate(cells))
+    assert shown["speed"] == f"{track.speed_m_s[45]:.4f} ± 0.0003 m/s"
     stored = tab.evaluate("now.data.measured.x_m")
     assert stored == pytest.approx(track.x_m.tolist(), abs=5.1e-5)
 
@@ -202,6 +207,10 @@ def test_a_click_in_an_interactive_figure_opens_the_trial(page, browser):
     tab = Tab(browser, page)
     tab.evaluate("document.querySelector('#figure-fig3 details').open = true")
     wait(tab, "document.querySelector('#figure-fig3 .panels').dataset.ready")
+    heights = (
+        "[...document.querySelectorAll('#figure-fig3 .chart')].map((c) => c._fullLayout._size.h)"
+    )
+    assert min(tab.evaluate(heights)) > 200  # the legend does not take the height of the plot
     trial = tab.evaluate("""(() => {
       const charts = [...document.querySelectorAll("#figure-fig3 .chart")];
       const chart = charts.find((one) => one.data.some((d) => d.meta));

@@ -110,7 +110,7 @@ def _confident(found: Keypoints) -> int:
 
 def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints]) -> tuple[str, ...]:
     """Why a body that was drawn is hardly ever found with confidence; empty where it is found, or
-    where there is none and the detector says why.
+    where the detector says why.
     """
     count = len(found.time_s)
     if _confident(found) >= FEW * count or not np.isfinite(found.xy_px).any():
@@ -123,6 +123,8 @@ def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints])
                 f"frames: is the sign of {angle:g} wrong? It is positive where the head points "
                 "to the robot's right",
             )
+    if found.remarks:
+        return ()
     return (
         "a body is there, but it does not fit the stated lengths and head angle: compare the drawn "
         "points with the robot; check head_length_m and head_angle_deg of the trial",

@@ -59,7 +59,8 @@ async function outline() {
     draw(found);
     const seen = Math.hypot(found.head[0][0] - found.core[1][0], found.head[0][1] - found.core[1][1]) * view.scale();
     id("robot-said").className = "";
-    id("robot-said").textContent = `Nose to caudal base: ${seen.toFixed(0)} px in this frame.`
+    id("robot-said").textContent = `Nose to caudal base: ${seen.toFixed(0)} px in this frame; `
+      + `centre of mass at (${x_px.toFixed(0)}, ${y_px.toFixed(0)}) px.`
       + (seen < 40 ? " Detection needs 40 px or more." : "");
   } catch (error) {
     id("robot-said").className = "bad";

@@ -28,7 +28,8 @@ from .drawing.style import AFTER, Style, panel_letter, placeholder, power_styles
 TITLE = "Variables that explain the missing force"
 CAPTION = (
     "Force missing from the baseline model over the variables that explain most of it in "
-    "conditions left out of the regression. Small dots: frames, by power; black: means with "
+    "conditions left out of the regression; percentages: share of all missing force, of the three "
+    "channels together. Small dots: frames, by power; black: means with "
     "standard deviations over trials; blue: force of the identified causes in the same motion. The "
     "first second of each trial, where the smoother has no resolution, is omitted. Without a "
     "significant dependence, each force is shown over the variable of the commonest cause."

@@ -17,9 +17,9 @@ TITLE = "Held-out trials: errors of the model before and after"
 CAPTION = (
     "Trials that no fit used. (A) Errors of the baseline model (before, orange) and of the model "
     "with the identified causes (after, blue). Dotted: noise floor, the error of the extended "
-    "model on trials simulated by itself with the estimated process and measurement noise; no "
-    "model can be expected to do better. (B) Their paths in the pool; numbers: rms distance to "
-    "the measured path."
+    "model on trials simulated by itself with the estimated process and measurement noise; an "
+    "error near or below it leaves nothing to explain. (B) Their paths in the pool; numbers: rms "
+    "distance to the measured path."
 )
 HELD_OUT = "Trials that no fit used."
 ONE_MODEL_TITLE = "Held-out trials: errors of the model"

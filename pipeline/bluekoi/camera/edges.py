@@ -108,9 +108,11 @@ def _most_voted(across: Float, along: Float, is_step: npt.NDArray[np.bool_]) -> 
     ends = np.arange(across[0, 0], across[0, -1], 1.0)
     votes = np.zeros((len(ends), len(ends)), dtype=np.int32)
     for row, place in zip(near, along, strict=True):
-        at = ends[:, None] * (1 - place) + ends * place
-        column = np.round((at - ends[0]) / STEP_PX).astype(np.intp)
-        votes += row[np.clip(column, 0, len(row) - 1)]
+        if row.any():
+            at = ends[:, None] * (1 - place) + ends * place
+            at -= ends[0]
+            at /= STEP_PX
+            votes += row.take(np.rint(at, out=at).astype(np.intp), mode="clip")
     first, second = np.unravel_index(np.argmax(votes), votes.shape)
     return np.array([ends[second] - ends[first], ends[first]])
 

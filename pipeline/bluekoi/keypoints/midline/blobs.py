@@ -79,19 +79,17 @@ def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
     least, low, usual, high, most = grey_level_quantiles(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
     noise = noise_level(samples, usual)
     level = max(MIN_CHANGE, NOISE_FACTOR * noise)
-    inside = pool_mask(usual.shape, plane.corners_px)
+    inside = pool_mask(usual.shape, plane.corners_px) > 0
     darker, brighter = (
-        float(away[(inside > 0) & (away > 2 * level)].sum(dtype=float))
+        float(away[inside & (away > 2 * level)].sum(dtype=float))
         for away in (usual - least, most - usual)
     )
     sign, rare = (1.0, high) if darker >= brighter else (-1.0, low)
     background = np.where(cv2.absdiff(rare, usual) > 2 * level, rare, usual)
-    change = np.concatenate(
-        [(sign * cv2.subtract(background, one, dtype=cv2.CV_16S))[inside > 0] for one in samples]
-    )
-    strong = change[change > 2 * level]
+    signed = [int(sign) * cv2.subtract(background, one, dtype=cv2.CV_16S) for one in samples]
+    strong = np.concatenate([change[inside & (change > 2 * level)] for change in signed])
     contrast = float(np.percentile(strong, 90)) if len(strong) else 2 * level
-    usual_grey = float(np.median(background[inside > 0]))
+    usual_grey = float(np.median(background[inside]))
     length_px = total_bl * plane.px_per_bl
     factor = max(1, int(length_px / FINEST_PX))
     level = max(level, 0.25 * contrast)

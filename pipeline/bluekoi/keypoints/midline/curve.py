@@ -184,6 +184,17 @@ def _row(
 
 
 @numba.njit(cache=True, error_model="numpy")
+def _add_station(score: Float, side: Float, meat: Float) -> None:
+    """Add a station's score to the side, its outer product to `meat`; the score is 0 again."""
+    for i in range(len(score)):
+        side[i] += score[i]
+        for j in range(len(score)):
+            meat[i, j] += score[i] * score[j]
+    for i in range(len(score)):
+        score[i] = 0.0
+
+
+@numba.njit(cache=True, error_model="numpy")
 def _equations(
     seen: tuple[Float, Float],
     line: tuple[Float, Float, Float],
@@ -207,7 +218,6 @@ def _equations(
         part = 3 * k // n
         hc, hs = math.cos(heading[k]), math.sin(heading[k])
         away = place[k] - pose[:2]
-        score[:] = 0.0
         if FRONT <= k < n - FRONT:
             whole += 1.0
             known += 1.0 if depth[k, ACROSS // 2] > tolerance else 0.0
@@ -226,15 +236,16 @@ def _equations(
             turned = along * half * (2.0 * a / (ACROSS - 1) - 1.0)
             force = (along * hc - across * hs, along * hs + across * hc, turned)
             _row(row, force, (away, bend[k], pose[2]), slopes[k])
-            score += weight * residual * row
             for i in range(count):
+                score[i] += weight * residual * row[i]
                 for j in range(i + 1):
                     information[i, j] += weight * row[i] * row[j]
-        side += score
-        meat += np.outer(score, score)
+        _add_station(score, side, meat)
     for i in range(count):
-        information[:i, i] = information[i, :i]
-    support[:3] = 1.0 - lost / np.maximum(held, 1e-9)
+        for j in range(i):
+            information[j, i] = information[i, j]
+    for part in range(3):
+        support[part] = 1.0 - lost[part] / max(held[part], 1e-9)
     support[3] = 1.0 - lost.sum() / max(held.sum(), 1e-9)
     support[4] = known / whole
     return information, side, meat, support, product / square
@@ -282,7 +293,8 @@ def fit(
         c, s = math.cos(pose[2]), math.sin(pose[2])
         pose[0] += c * step[0] - s * step[1]
         pose[1] += s * step[0] + c * step[1]
-        pose[2:] += step[2:]
+        for i in range(2, len(pose)):
+            pose[i] += step[i]
         gain = min(max(found, GAINS[0]), GAINS[1])
         settled = turn > 0 and np.abs(step).max() < MIN_STEP
     return pose, information, meat, support

@@ -134,7 +134,7 @@ def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Flo
     """As `horner`, at points (n, 2)."""
     out = np.empty((points.shape[0], 2))
     for k in range(points.shape[0]):
-        out[k] = horner(coefficients, scale, points[k, 0], points[k, 1])
+        out[k, 0], out[k, 1] = horner(coefficients, scale, points[k, 0], points[k, 1])
     return out
 
 

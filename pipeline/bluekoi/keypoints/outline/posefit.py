@@ -149,7 +149,8 @@ def fit_summary(
         if weight[i] > 0 and math.isfinite(offset[i]):
             row[0] = c * slope[i, 0] + s * slope[i, 1]
             row[1] = c * slope[i, 1] - s * slope[i, 0]
-            row[2:] = slope[i, 2:]
+            for a in range(2, 5):
+                row[a] = slope[i, a]
             for a in range(5):
                 for b in range(5):
                     information[a, b] += weight[i] * row[a] * row[b]
@@ -171,6 +172,7 @@ def _support(offset: Float, part: npt.NDArray[np.int64], limits: tuple[float, fl
             if size < limits[0]:
                 share[k] += 1
                 share[2] += 1
-    share[:3] /= np.maximum(count, 1.0)
+    for k in range(3):
+        share[k] /= max(count[k], 1.0)
     share[3] /= max(count[2], 1.0)
     return share

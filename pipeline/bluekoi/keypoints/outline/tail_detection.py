@@ -149,9 +149,11 @@ def _curve_length_px(bearings: Float, radius: float) -> float:
     for k in range(len(bearings)):
         r = 3.0 + k * STRIDE_PX
         x, y = r * math.cos(bearings[k] - middle), r * math.sin(bearings[k] - middle)
-        powers = np.array([x, x * x, x * x * x])
-        normal += np.outer(powers, powers)
-        side += y * powers
+        powers = (x, x * x, x * x * x)
+        for i in range(3):
+            side[i] += y * powers[i]
+            for j in range(3):
+                normal[i, j] += powers[i] * powers[j]
     a, b, c = np.linalg.solve(normal, side)
     end = radius * math.cos(bearings[-1] - middle)
     total, steps = 0.0, 40

@@ -65,12 +65,12 @@ def _clues(
 ) -> tuple[Float, Float, Float]:
     """Forms, expected, spread of `VarianceStatistics`."""
     rows, seen = _rows(found, heading, prior)
-    n, count = len(rows), len(known)
+    n, count, turned = len(rows), len(known), rows.T.copy()
     forms, expected = np.zeros(count), np.zeros((count, count))
     outer, carried = np.zeros((count, 11, 11)), np.zeros((count, n, 11))
     for k in range(count):
-        carried[k] = known[k] @ rows
-        outer[k] = rows.T.copy() @ carried[k]
+        np.dot(known[k], rows, carried[k])
+        np.dot(turned, carried[k], outer[k])
         forms[k] = outer[k, 10, 10]
     for j in range(count):
         for k in range(count):
@@ -93,11 +93,15 @@ def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tu
             seen[i], rows[i, 10] = 1.0, offset[i]
             rows[i, 0] = c * slope[i, 0] + s * slope[i, 1]
             rows[i, 1] = c * slope[i, 1] - s * slope[i, 0]
-            rows[i, 2:5] = slope[i, 2:]
-            normal += weight[i] * np.outer(rows[i, :5], rows[i, :5])
-    rows[:, 5:10] = rows[:, :5].copy() @ np.linalg.inv(normal)
+            for a in range(2, 5):
+                rows[i, a] = slope[i, a]
+            for a in range(5):
+                for b in range(5):
+                    normal[a, b] += weight[i] * (rows[i, a] * rows[i, b])
+    gain = rows[:, :5].copy() @ np.linalg.inv(normal)
     for i in range(len(offset)):
-        rows[i, 5:10] *= seen[i] * weight[i]
+        for a in range(5):
+            rows[i, 5 + a] = gain[i, a] * (seen[i] * weight[i])
     return rows, seen
 
 

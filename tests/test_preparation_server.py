@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import subprocess
 import threading
 import time
 from pathlib import Path
@@ -12,6 +13,8 @@ import cv2
 import numpy as np
 import pytest
 
+from bluekoi.cli.run import run
+from bluekoi.cli.setup import run_command
 from bluekoi.data import Keypoints
 from bluekoi.footage import encode
 from bluekoi.preparation.draft import Draft
@@ -168,6 +171,16 @@ def test_the_preview_names_a_head_angle_of_the_wrong_sign(folder, monkeypatch):
         study = draft_study(Draft(VALUES, [row]), folder)
         remarks = preview_trial(study, "S").remarks
         assert (said in remarks[0]) if said else remarks == ()
+
+
+def test_a_run_from_the_page_is_that_of_the_command(tmp_path):
+    words = run_command(tmp_path / "lab", tmp_path / "out")
+    assert words[1:5] == ["-P", "-m", "bluekoi", "run"]
+    given = run.make_context("run", words[5:]).params
+    assert (given["study"], given["results"]) == (str(tmp_path / "lab"), tmp_path / "out")
+    missing = subprocess.run(words, check=False, capture_output=True, text=True, cwd=tmp_path)
+    assert missing.returncode == 1
+    assert "no such folder" in missing.stderr
 
 
 def test_a_lens_taken_from_a_file(server, folder):

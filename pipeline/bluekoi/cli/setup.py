@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import signal
+import sys
 import webbrowser
 from pathlib import Path
 
 import click
 
 from .named import Named
-from .run import command
+
+
+def run_command(study: Path, results: Path) -> list[str]:
+    """The command of a run from the page: `bluekoi run`, with its exit codes."""
+    return [sys.executable, "-P", "-m", "bluekoi", "run", str(study), "--results", str(results)]
 
 
 @click.command()
@@ -35,7 +40,7 @@ def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
     read_draft(study)
     folder = results or Path("results") / study.resolve().name
     try:
-        server = SetupServer(study, folder, command(str(study), folder, "all", ()), port=port)
+        server = SetupServer(study, folder, run_command(study, folder), port=port)
     except OSError as error:
         raise input_error("--port", "", f"port {port}: {error.strerror or error}", "a free port",
                           "Leave --port out to take one.") from error  # fmt: skip

@@ -39,7 +39,8 @@ function shown(state) {
   const step = lines.map((one) => one.match(/^\[(\d+)\/(\d+)\]/)).filter(Boolean).pop();
   id("run-progress").hidden = !running;
   if (step) id("run-progress").value = Number(step[1]) / Number(step[2]);
-  const ended = { 0: "The run is complete.", 3: "The run is complete, but some trials went wrong: see above and the report." }[state.exit_code]
+  const ended = { 0: "The run is complete.", 3: "The run is complete, but some trials went wrong: see above and the report.",
+    143: "The run was stopped; what is done is kept. Save and run continues it." }[state.exit_code]
     ?? `The run ended with an error (exit code ${state.exit_code}): see the lines.`;
   id("run-said").textContent = running ? `Running${step ? `: ${step[1]} of ${step[2]}` : " …"}` : state.begun ? ended : "";
   id("run-report").hidden = !state.report || running;

@@ -7,10 +7,12 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from exact_campaign import campaign, searched
 
 from bluekoi import figures
+from bluekoi.camera.plane import plane_camera
 from bluekoi.campaign import Campaign
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
@@ -157,6 +159,18 @@ def test_a_fit_that_determines_no_coefficient_gives_a_warning(found):
     coefficients = {**found.coefficients, "joint": {"coefficients": open_}}
     unsure = Campaign(**{**found.__dict__, "coefficients": coefficients})
     assert "determine none of the model's coefficients" in warnings(unsure)[0]
+
+
+def test_a_camera_without_calibration_is_a_warning_once_with_its_error(found):
+    corners = np.array([[370.0, 970], [1600, 925], [1580, 170], [340, 210]])
+    pool = np.array([[0.0, 0, 0], [2.6, 0, 0], [2.6, 1.6, 0], [0, 1.6, 0]])
+    camera = plane_camera(corners, pool, 1.333, (1920, 1080))
+    statuses = {name: {"ok": True, "remarks": ["1 frame rejected", *camera.remarks]}
+                for name in ("T01", "T02")}  # fmt: skip
+    base = Campaign(**{**found.__dict__, "geometry": None, "statuses": statuses})
+    (warning,) = warnings(base)
+    assert warning == camera.remarks[0]
+    assert " mm from an action camera's distortion: calibrate the camera" in warning
 
 
 def test_files_of_excluded_trials_are_named_from_the_study_folder(tmp_path):

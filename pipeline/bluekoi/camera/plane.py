@@ -17,6 +17,8 @@ LOWEST_HEIGHT_M = 1.0
 GRID = 15
 FOCAL_SHARES = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
 MAX_ERROR_SHARE = 0.04
+WITHOUT_MATRIX = "camera without a matrix"
+"""Beginning of the remark on such a camera."""
 
 
 def plane_camera(
@@ -43,7 +45,7 @@ def plane_camera(
         homography=to_plane,
         bound_m=depth + lens,
         remarks=(
-            "camera without a matrix: mapped by homography from the pool corners alone, so "
+            f"{WITHOUT_MATRIX}: mapped by homography from the pool corners alone, so "
             "refraction, the keypoints' depth and lens distortion are not corrected; places may "
             f"be off by up to {1000 * depth:.0f} mm from depth ({1000 * depth_m:.0f} mm, "
             f"camera {LOWEST_HEIGHT_M:g} m up) and {1000 * lens:.0f} mm from an action camera's "

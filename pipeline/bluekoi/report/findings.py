@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ..camera.plane import WITHOUT_MATRIX
 from ..camera.scale_warning import scale_warning
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
@@ -74,8 +75,10 @@ def verdict(campaign: Campaign) -> dict[str, str]:
 
 
 def warnings(campaign: Campaign) -> list[str]:
-    """Warnings on clocks and speeds, of the search, and one if no coefficient is determined."""
-    found = study_warnings(campaign.statuses)
+    """Warnings on clocks and speeds, on a camera without calibration, of the search, and one if no
+    coefficient is determined.
+    """
+    found = study_warnings(campaign.statuses) + _without_calibration(campaign)
     found += scale_warning(campaign.geometry, campaign.mismatch)
     found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
@@ -85,6 +88,13 @@ def warnings(campaign: Campaign) -> list[str]:
             "reliable. Look for a trial with wrong data, and see the section Coefficients."
         )
     return found
+
+
+def _without_calibration(campaign: Campaign) -> list[str]:
+    """The remark of the trials that were mapped without a camera matrix, once."""
+    remarks = {text for one in campaign.statuses.values() for text in one.get("remarks") or []}
+    found = sorted(text for text in remarks if text.startswith(WITHOUT_MATRIX))
+    return [_sentence(text) for text in found[-1:]]
 
 
 def _known_causes() -> set[str]:

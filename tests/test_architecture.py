@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -126,6 +128,27 @@ def test_files_are_short_enough_to_read_in_one_go():
         if len(path.read_text().splitlines()) > 300
     }
     assert long == {}
+
+
+def test_compiled_functions_are_declared_by_the_njit_that_knows_the_vectors():
+    direct = re.compile(r"^(?:import numba|from numba import .*\bnjit\b)", re.M)
+    found = {path.name for path in PACKAGE.rglob("*.py") if direct.search(path.read_text())}
+    assert found == {"vectors.py"}
+
+
+def test_all_modules_compile_for_the_same_vectors():
+    """Else what one stage has compiled is compiled again for the next."""
+    program = (
+        "import importlib, sys; importlib.import_module('bluekoi.' + sys.argv[1]);"
+        "from numba.core.registry import cpu_target as t;"
+        "print(t.target_context.codegen().magic_tuple())"
+    )
+    said = {
+        subprocess.run([sys.executable, "-c", program, module], capture_output=True, text=True,
+                       check=True).stdout
+        for module in ("synthetic.raster", "keypoints.silhouette", "smoothing", "mismatch")
+    }  # fmt: skip
+    assert len(said) == 1
 
 
 def test_every_file_of_the_package_is_installed_with_it():

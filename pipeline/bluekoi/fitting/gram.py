@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from ..data import Float
+from ..vectors import njit
 
 CHUNK = 64
 """Observations gathered before their products are summed: sums along rows become vectors."""

@@ -7,7 +7,8 @@ Arrays are filled by plain loops: an assignment to a slice takes half a second t
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from ..vectors import njit
 
 HALF_LOG_2PI = 0.9189385332046727
 FAST = {"reassoc", "contract", "nsz", "arcp"}

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 from ..errors import input_error
-from ..vectors import prefer_widest
 from .channels import KnownMotion, cost_if_moving, fit_angle, fit_position
 from .gaps import with_calibrated_gaps
 from .grid import Grid, filter_grid
@@ -20,7 +19,6 @@ from .noise_fit import FittedModel
 from .nominal_motion import rough_speed
 from .speed import speed_and_std
 
-prefer_widest()
 MIN_FRAMES = 8
 MIN_GAIN_MOVING = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion; in

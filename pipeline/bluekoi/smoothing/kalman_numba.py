@@ -8,10 +8,10 @@ Sources: Bierman, Automatica 9 (1973) 503; Kailath, Sayed, Hassibi, Linear Estim
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from ..data import Float
+from ..vectors import njit
 from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
 
 LOG_2_PI = float(np.log(2 * np.pi))
@@ -54,7 +54,7 @@ def backward(
     return Smoothed(*_backward(model.F, model.H, means, covs, inverses, innovations, used))
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _pattern(F):  # type: ignore[no-untyped-def]
     """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
     n, d, _ = F.shape
@@ -70,7 +70,7 @@ def _pattern(F):  # type: ignore[no-untyped-def]
     return rows[:count], columns[:count]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
     """State x <- F x, P <- F P F' + Q in place; work: (rows, columns, two (d, d), one (d,))."""
     rows, columns, half, full, new = work
@@ -96,7 +96,7 @@ def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
             P[i, m] = full[i, m] + Q[i, m]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _inverse(S):  # type: ignore[no-untyped-def]
     """Inverse and determinant of a 1 x 1 or 2 x 2 matrix."""
     out = np.empty_like(S)
@@ -109,7 +109,7 @@ def _inverse(S):  # type: ignore[no-untyped-def]
     return out, det
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill HP = H P, S = H P H' + R (R is in S already) and y = z - H x."""
     p, d = H.shape
@@ -129,7 +129,7 @@ def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: 
                 S[q, r] += HP[q, i] * H[r, i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
     """State x <- x + K y, P <- P - K H P with K = (H P)' S^-1."""
     p, d = HP.shape
@@ -143,19 +143,19 @@ def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
                 P[i, m] -= g * HP[r, m]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _copy(values, out):  # type: ignore[no-untyped-def]
     for i in range(len(values)):
         out[i] = values[i]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _copy_rows(values, out):  # type: ignore[no-untyped-def]
     for i in range(len(values)):
         _copy(values[i], out[i])
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     n, p, d = H.shape
     size = n if keep else 1
@@ -192,7 +192,7 @@ def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untype
     return total, squares, xp, Pp, Sis, ys
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Adjoints g, G backwards in time; x = xp - Pp g, P = Pp - Pp G Pp."""
     n, _, d = H.shape
@@ -214,7 +214,7 @@ def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # n
     return xs, Ps
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _add(Hy, HH, g, G):  # type: ignore[no-untyped-def]
     """What one measurement adds to the adjoints: -H' S^-1 y to g, H' S^-1 H to G."""
     for i in range(len(g)):
@@ -223,7 +223,7 @@ def _add(Hy, HH, g, G):  # type: ignore[no-untyped-def]
             G[i, m] += HH[i, m]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _smooth(Pg, PGP, xp, Pp, x, P):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill x = xp - Pp g and the symmetric part of P = Pp - Pp G Pp."""
     for i in range(len(x)):

@@ -16,16 +16,16 @@ Source of the exact discretisation: Bar-Shalom, Li, Kirubarajan, Estimation, 200
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from ..data import Float
+from ..vectors import njit
 
 RECOIL_MEMORY_BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats."""
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     """F, Q (n, 5, 5) of an angle: angle, rate, acceleration, recoil and its quadrature.
 
@@ -44,7 +44,7 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     return F, Q
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-def]
     """F, Q (n, 10, 10): x, y, surge, sway, their accelerations, recoil in surge and sway.
 
@@ -69,7 +69,7 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
     return F, Q
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _mean_motion(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
     """Fill the blocks of the m = 1 or 2 coordinates, order p (m), v (m), a (m)."""
     m = 1 if len(F) in (3, 5) else 2
@@ -93,7 +93,7 @@ def _mean_motion(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
         Q[v, a] = Q[a, v] = qa * dt**2 / 2
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
     """Turn what drives x and y from the body into the pool frame."""
     for column in (2, 4):
@@ -110,7 +110,7 @@ def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
     Q[0, 1] = Q[1, 0] = c * s * (along - across)
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _recoil(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     keep = np.exp(-dt * hz / RECOIL_MEMORY_BEATS)
     c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import cv2
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
+from ...vectors import njit
 from ..outline.background import Image, grey_level_quantiles, noise_level
 from ..outline.plane import Plane
 from ..outline.search import pool_mask
@@ -167,7 +167,7 @@ def _blob(own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: C
                 float(weight.mean()), thicker)  # fmt: skip
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def distances(own: npt.NDArray[np.bool_]) -> Float:
     """Distance within a connected mask from one of its two ends; its border is empty."""
     height, width = own.shape

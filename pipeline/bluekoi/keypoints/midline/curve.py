@@ -13,11 +13,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
+from ...vectors import njit
 from ..outline.edges import bilinear as inner_bilinear
 from ..outline.plane import horner
 from ..outline.posefit import jacobian
@@ -90,7 +90,7 @@ def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
     return pose[:2] + at[:-1] - at[-1], pose[2] + basis(arc) @ pose[3:]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
     """Midline (n, 2), headings (n,), and d midline / d bending (n, JOINTS, 2) of all stations."""
     n, joints = bend.shape
@@ -126,7 +126,7 @@ def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float
     return place, heading, slope
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def bilinear(image: Image32, u: float, v: float) -> float:
     """Bilinear value; NaN outside."""
     height, width = image.shape
@@ -135,7 +135,7 @@ def bilinear(image: Image32, u: float, v: float) -> float:
     return inner_bilinear(image, u, v)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def straightened_picture(
     picture: tuple[Image32, Image32, Maps],
     pose: Float,
@@ -164,7 +164,7 @@ def straightened_picture(
     return change, depth
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _row(
     row: Float, force: tuple[float, float, float], at: tuple[Float, Float, float], slopes: Float
 ) -> None:
@@ -183,7 +183,7 @@ def _row(
         row[3 + j] = fx * slopes[j, 0] + fy * slopes[j, 1] - turned * bend[j]
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _add_station(score: Float, side: Float, meat: Float) -> None:
     """Add a station's score to the side, its outer product to `meat`; the score is 0 again."""
     for i in range(len(score)):
@@ -194,7 +194,7 @@ def _add_station(score: Float, side: Float, meat: Float) -> None:
         score[i] = 0.0
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _equations(
     seen: tuple[Float, Float],
     line: tuple[Float, Float, Float],
@@ -251,7 +251,7 @@ def _equations(
     return information, side, meat, support, product / square
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _step(information: Float, side: Float, pose: Float) -> Float:
     """Change of the pose in body axes; bending tied to none, the more the higher its order."""
     normal, right = information.copy(), side.copy()
@@ -266,7 +266,7 @@ def _step(information: Float, side: Float, pose: Float) -> Float:
     return step / max(1.0, largest)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def fit(
     picture: tuple[Image32, Image32, Maps],
     tables: tuple[Float, Float, Float, Float],

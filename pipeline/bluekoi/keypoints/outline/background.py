@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import cv2
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from ...data import Frame
+from ...vectors import njit
 
 Image = npt.NDArray[np.uint8]
 STRIP_ROWS = 32
@@ -63,7 +63,7 @@ def grey_level_quantiles(images: Sequence[Image], *shares: float) -> npt.NDArray
     return out
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _sorted(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """The stack (n, height, width) itself, sorted along its first axis.
 

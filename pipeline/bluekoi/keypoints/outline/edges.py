@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
+from ...vectors import njit
 
 Image = npt.NDArray[np.uint8]
 Pictures = tuple[Image, Image]
@@ -23,7 +23,7 @@ MIN_CONTRAST = 12.0
 HALF_PX = 3
 
 
-@numba.njit(cache=True, error_model="numpy", inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def bilinear(image: Image, u: float, v: float) -> float:
     """Bilinear value of a picture; the caller makes sure that it lies inside."""
     x, y = int(u), int(v)
@@ -33,7 +33,7 @@ def bilinear(image: Image, u: float, v: float) -> float:
     return top * (1 - fy) + low * fy
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def bilinear_at(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
     """Values (n,) of a picture at places (n, 2) px; NaN where not wanted."""
     values = np.full(len(places), math.nan)
@@ -43,7 +43,7 @@ def bilinear_at(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> F
     return values
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def edge_offset(
     pictures: Pictures, place: tuple[float, float, float, float], skin: float, lines: Float
 ) -> float:
@@ -88,7 +88,7 @@ def edge_offset(
     return at + total - 0.5 - reach
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _step(seen: Float, clear: Float, skin: float) -> int:
     """First sample outside, of the step from covered to clear that fits best."""
     count = len(seen)
@@ -109,7 +109,7 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
     return at
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _shine(seen: Float, at: int, skin: float) -> float:
     """Brightness of the body just inside against what was learned: the light is on it too."""
     total, count = 0.0, 0
@@ -121,7 +121,7 @@ def _shine(seen: Float, at: int, skin: float) -> float:
     return min(max(total / (count * skin), 0.75), 1.33)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _gain(seen: Float, clear: Float, at: int) -> float:
     """Brightness of the floor just outside against the background's."""
     a, b = 0.0, 0.0

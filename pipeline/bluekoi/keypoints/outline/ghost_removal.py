@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import cv2
-import numba
 import numpy as np
 import numpy.typing as npt
 
+from ...vectors import njit
 from .background import STRIP_ROWS, Image, without_static_robot
 from .learning import LearnedTemplate
 from .template import Template
@@ -115,7 +115,7 @@ def _layers(masks: Sequence[tuple[Cut, Image]], strip: Cut) -> npt.NDArray[np.ui
     return layers
 
 
-@numba.njit(cache=True)
+@njit(cache=True)
 def _write_unhidden_median(
     stack: npt.NDArray[np.uint8], hidden: npt.NDArray[np.uint8], floor: Image
 ) -> None:

@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import cv2
-import numba
 import numpy as np
 
 from ...data import Float
 from ...study import Camera, Robot, Setup
+from ...vectors import njit
 
 DEGREES = (5, 7, 9, 11)
 """Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""
@@ -112,7 +112,7 @@ def _fit(source: Float, target: Float, scale: Float, degree: int) -> Float:
     return coefficients
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[float, float]:
     """Polynomials of coefficients (2, d + 1, d + 1) at one point, by Horner's rule."""
     degree = coefficients.shape[1] - 1
@@ -129,7 +129,7 @@ def horner(coefficients: Float, scale: Float, px: float, py: float) -> tuple[flo
     return u, v
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def evaluate_polynomial(coefficients: Float, scale: Float, points: Float) -> Float:
     """As `horner`, at points (n, 2)."""
     out = np.empty((points.shape[0], 2))

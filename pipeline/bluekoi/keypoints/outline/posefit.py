@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
+from ...vectors import njit
 from .edges import Pictures, edge_offset
 from .plane import horner
 
@@ -18,7 +18,7 @@ SETTLED_PX = 0.1
 SETTLED_RAD = 0.001
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
     """d(u, v)/d(x, y), px per body length, at a point in the plane."""
     e = 0.03
@@ -32,7 +32,7 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
     return out
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def measure_edge_offsets(
     pictures: Pictures, maps: tuple[Float, Float], shape: Shape, pose: Float, reach: int
 ) -> tuple[Float, Float]:
@@ -75,7 +75,7 @@ def measure_edge_offsets(
     return offset, slope
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def robust_width(offset: Float) -> float:
     """Robust width of the offsets about 0, px, at least 0.1."""
     seen = np.abs(offset[np.isfinite(offset)])
@@ -84,7 +84,7 @@ def robust_width(offset: Float) -> float:
     return max(0.1, 1.4826 * np.median(seen))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def fit(
     pictures: Pictures,
     maps: tuple[Float, Float],
@@ -129,7 +129,7 @@ def fit(
     return here, offset - wider, weight, slope
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def fit_summary(
     found: tuple[Float, Float, Float],
     part: npt.NDArray[np.int64],
@@ -157,7 +157,7 @@ def fit_summary(
     return information, _support(offset, part, limits)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _support(offset: Float, part: npt.NDArray[np.int64], limits: tuple[float, float]) -> Float:
     """Share of head, core and all points that support the template, and nearness (4,)."""
     share = np.zeros(4)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 
 from ...data import Float
+from ...vectors import njit
 from .edges import MIN_CONTRAST, Pictures, bilinear
 
 SWEEP_RAD = 1.1
@@ -22,7 +22,7 @@ an arc, and as much again as the line may have bent.
 """
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def trace(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
 ) -> tuple[Float, float, float, tuple[float, float, float]]:
@@ -85,7 +85,7 @@ def trace(
     )
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def tail_length(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
 ) -> float:
@@ -133,13 +133,13 @@ def tail_length(
     return math.nan
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _clear_of_border(pictures: Pictures, u: float, v: float) -> bool:
     height, width = pictures[0].shape
     return BORDER_PX < u < width - BORDER_PX and BORDER_PX < v < height - BORDER_PX
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _curve_length_px(bearings: Float, radius: float) -> float:
     """Length [px] of a line of which the bearings are known along its distance from the base, out
     to a radius: a cubic about its own direction.
@@ -164,7 +164,7 @@ def _curve_length_px(bearings: Float, radius: float) -> float:
     return total * end / steps
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _first_bearing(
     pictures: Pictures, base: Float, back_rad: float, radius: float, skin: float
 ) -> float:
@@ -184,7 +184,7 @@ def _first_bearing(
     return best
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _bearing(
     pictures: Pictures, base: Float, polar: tuple[float, float], skin: float
 ) -> tuple[float, float, float]:
@@ -206,7 +206,7 @@ def _bearing(
     return (moment / weight if weight > 0 else angle), most, width
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
     depth = bilinear(pictures[1], u, v) - skin

@@ -16,10 +16,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
-import numba
 import numpy as np
 
 from ...data import Float
+from ...vectors import njit
 
 PATCH, DRIFT_LENGTH = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
@@ -59,7 +59,7 @@ def variance_statistics(
     return VarianceStatistics(*_clues(found, heading, np.diag(prior), known))
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _clues(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
@@ -81,7 +81,7 @@ def _clues(
     return forms, expected, outer[:, 5:10, 5:10].copy()
 
 
-@numba.njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tuple[Float, Float]:
     """Rows (n, 11) of X in body axes, A' and r, all 0 where not seen; and seen (n,), 1 or 0."""
     offset, weight, slope = found
@@ -105,7 +105,7 @@ def _rows(found: tuple[Float, Float, Float], heading: float, prior: Float) -> tu
     return rows, seen
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath=True)
+@njit(cache=True, error_model="numpy", fastmath=True)
 def _kernel_products(one: Float, other: Float, seen: Float) -> float:
     """tr(K_j K_k) over the points seen."""
     total = 0.0

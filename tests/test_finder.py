@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bluekoi import smoothing
+from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.camera.displacement import lens_strength
 from bluekoi.data import Flapping
 from bluekoi.errors import InputError
@@ -21,6 +23,7 @@ from bluekoi.fitting import (
     smooth,
 )
 from bluekoi.integrate import compiled
+from bluekoi.keypoints.deeplabcut import read
 from bluekoi.mismatch import (
     Found,
     find_mismatch,
@@ -29,8 +32,10 @@ from bluekoi.mismatch import (
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.results_json import details_json, mismatch_json
+from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.mismatch.sentences import sentence
 from bluekoi.model import plates
+from bluekoi.pose import rigid_pose
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD,
@@ -38,12 +43,13 @@ from bluekoi.stages.mismatch import (
     rigid_evidence,
     with_clock,
     with_delay,
+    with_motor_start,
     with_nose_distance,
     with_rigid_distances,
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
-from bluekoi.tuning import downsampled, tune
+from bluekoi.tuning import downsampled, trial_series, tune
 from bluekoi.tuning.identify import profiles
 from measured import Measured, measured
 from studies import bare_design
@@ -369,6 +375,35 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
     assert stated == pytest.approx(STATED_FREQUENCY_STD, rel=0.1)  # as STUDY.md says: of its log
 
 
+def test_what_motor_logs_show_of_their_start_is_one_measurement_shared_by_the_trials() -> None:
+    """Lost times of 70 and 90 ms, as a formula describes a motor to 20 %; nothing without logs."""
+    none = np.zeros(1)
+    series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(8)]
+    beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2),
+                              drift_per_s=0.0) for i, s in enumerate(series)}  # fmt: skip
+    shown = with_motor_start(series, beats, fitted=8)
+    value, std = np.array([s.evidence["lost_time"] for s in shown]).T
+    assert value == pytest.approx(0.08)
+    assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
+    assert shown[0].evidence["frequency_drift"] == pytest.approx((0.0, 3e-4 * 8**0.5))
+    without = {s.name: Flapping(4.0, 0.0, "flap_hz") for s in series}
+    assert with_motor_start(series, without, fitted=8) == series
+
+
+def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_start(
+    bare: Measured,
+) -> None:
+    one = bare.study.trials[0]
+    found = read(bare.study.paths(one)[0], one, {})
+    setup = bare.study.setup
+    positions = map_keypoints(pool_camera(setup), found, setup.robot.keypoint_depth_m)
+    pose = rigid_pose(positions, setup.robot, one.head_length_m)
+    late = replace(bare.flapping[one.trial_id], start_s=0.5)
+    series = trial_series(one, setup, pose, smoothing.smooth(pose, late.flap_hz), late)
+    assert series.times[0] == pytest.approx(0.5, abs=0.05)
+    assert series.constants[plates().constants.index("t_start")] == 0.5
+
+
 def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Measured) -> None:
     """Lags of a log 0.25 s ahead: one auxiliary measurement of one parameter."""
     hz = {s.name: float(s.inputs[-1, 1]) for s in bare.series}
@@ -413,3 +448,17 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
 def first_seen(series: Series) -> np.ndarray:
     """Where the keypoint was seen first (2,)."""
     return series.seen[np.isfinite(series.seen[:, 0])][0, :2]
+
+
+def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
+    demo: tuple[Measured, Found],
+) -> None:
+    """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
+    m, found = demo
+    problems = [
+        robot_problem(compiled(plates()), m.series[:2], found.baseline, displaced=(),
+                      by_homography=plane, progress=lambda _: None)
+        for plane in (True, False)
+    ]  # fmt: skip
+    allowed = [p.tolerances.get("scale_error.length_error") for p in problems]
+    assert allowed == [pytest.approx(0.04 / (1.333 * 1.5), rel=0.05), None]

@@ -80,6 +80,41 @@ def test_spin_up_gives_the_final_rate_and_shows_over_time(tmp_path):
     assert any("spins up" in remark for remark in found.remarks)
 
 
+def log_of(path, t, hz_of_t, *, rest_deg=40.0, seed=9):
+    """A log of a shaft that rests at `rest_deg` and turns at hz(t), read to half a degree."""
+    turns = np.concatenate([[0.0], np.cumsum(0.5 * (hz_of_t[1:] + hz_of_t[:-1]) * np.diff(t))])
+    read = rest_deg + 360 * turns + np.random.default_rng(seed).normal(0, 0.5, len(t))
+    return flapping_from_log(write_log(path / "m.csv", t, read % 360))
+
+
+@pytest.mark.parametrize("hz", [2.4, 5.8])
+@pytest.mark.parametrize("lead", [0.0, 0.4, 0.9])
+@pytest.mark.parametrize(("form", "lost"), [("at once", 0.0), ("first order", 0.08),
+                                            ("ramp", 0.1), ("s-curve", 0.1)])  # fmt: skip
+def test_a_log_shows_when_the_motor_starts_and_what_its_spin_up_costs(
+    tmp_path, form, lost, lead, hz
+):
+    t = np.arange(0, 6, 0.005)
+    z = np.clip((t - lead) / 0.2, 0.0, 1.0)
+    rate = {
+        "at once": np.where(t >= lead, 1.0, 0.0),
+        "first order": 1.0 - np.exp(-np.maximum(t - lead, 0.0) / 0.08),
+        "ramp": z,
+        "s-curve": z * z * (3 - 2 * z),
+    }[form]
+    found = log_of(tmp_path, t, hz * rate)
+    assert found.start_s == pytest.approx(lead, abs=0.06)
+    assert found.start_s + found.lost_time_s == pytest.approx(lead + lost, abs=0.005)
+    assert found.drift_per_s == pytest.approx(0.0, abs=2e-4)
+
+
+def test_a_log_shows_the_drift_of_the_frequency(tmp_path):
+    t = np.arange(0, 8, 0.005)
+    found = log_of(tmp_path, t, 4.0 * (1 - 0.004 * t))
+    assert found.drift_per_s == pytest.approx(-0.004, rel=0.05)
+    assert found.lost_time_s == pytest.approx(0.0, abs=0.002)
+
+
 def test_falling_battery_is_reported_and_the_mean_rate_taken(tmp_path):
     t, a = shaft_log(np.random.default_rng(5), hz=4.0, sag=0.05)
     found = flapping_from_log(write_log(tmp_path / "m.csv", t, a))

@@ -151,7 +151,9 @@ class Flapping:
     high; NaN where no beat is seen. video_hz: the former where the ratio is near 1. agrees: the
     ratio is 1 within 3 sigma. phase_rad: the shaft's phase at `time_s`, rising. beat_lag_rad: by
     how much the tail beat in the video is behind the log's shaft at the same time, (-pi, pi], NaN
-    where it is unknown.
+    where it is unknown. start_s: start of the motor after that of the log; lost_time_s: time that
+    its spin-up costs; drift_per_s: relative change of frequency per second after that; NaN where no
+    log shows them.
     """
 
     flap_hz: float
@@ -166,6 +168,9 @@ class Flapping:
     ratio_std: float = float("nan")
     beat_lag_rad: float = float("nan")
     beat_lag_std_rad: float = float("nan")
+    start_s: float = float("nan")
+    lost_time_s: float = float("nan")
+    drift_per_s: float = float("nan")
     agrees: bool = True
     remarks: tuple[str, ...] = ()
 

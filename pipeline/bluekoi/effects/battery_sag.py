@@ -3,12 +3,14 @@
     dT = -k T (1 - exp(-w t)) / w,  t since the start of the trial
 
 The loss is -k t T at first (always, if w = 0) and approaches -k T / w, as a voltage settles under
-load.
+load. Thrust goes with f^2, so that a motor log shows half of it as a frequency that falls.
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
 ch. 2).
 """
 
 from __future__ import annotations
+
+import math
 
 from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
@@ -25,6 +27,17 @@ PARAMETERS = (
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles",
               spread=0.3, symbol="w"),
 )  # fmt: skip
+
+
+MIDDLE_S = 3.0  # of a usual trial
+
+
+def frequency_drift(k: float, w: float) -> float:
+    """Relative change of the flapping frequency per second (1/s) in the middle of a trial."""
+    return -0.5 * k * math.exp(-w * MIDDLE_S)
+
+
+EVIDENCE = {"frequency_drift": frequency_drift}
 
 
 def thrust(

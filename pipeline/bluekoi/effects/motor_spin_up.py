@@ -4,7 +4,8 @@
     z = max(1 - t / (2 tau), 0),  t since the start
 
 w = 0 is a first-order motor. w = 1 is a motor with a controller, which reaches full frequency after
-2 tau: by a linear ramp (q = 0) or a soft start (q = 1).
+2 tau: by a linear ramp (q = 0) or a soft start (q = 1). In all these forms the tail is behind a
+motor that starts at once by k tau beats per Hz, which a motor log shows (`motor/start.py`).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """
@@ -34,10 +35,19 @@ PARAMETERS = (
 )  # fmt: skip
 
 
+def lost_time(k: float, tau: float) -> float:
+    """Time (s) that the spin-up costs."""
+    return k * tau
+
+
+EVIDENCE = {"lost_time": lost_time}
+
+
 def drive(
-    t: float, flap_hz: float, k: float, tau: float, w: float, q: float
+    t: float, t_start: float, flap_hz: float, k: float, tau: float, w: float, q: float
 ) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    z = max(1.0 - 0.5 * t / tau, 0.0)
+    since = max(t - t_start, 0.0)
+    z = max(1.0 - 0.5 * since / tau, 0.0)
     ramp = z + q * (z * z * (3.0 - 2.0 * z) - z)
-    return 0.0, -flap_hz * k * ((1.0 - w) * exponential(-t / tau) + w * ramp)
+    return 0.0, -flap_hz * k * ((1.0 - w) * exponential(-since / tau) + w * ramp)

@@ -65,17 +65,15 @@ def candidates_of(
     names: Sequence[str],
     priors: Priors,
     terms: Mapping[str, Sources] | None = None,
-    groups: Mapping[str, tuple[str, ...]] | None = None,
 ) -> tuple[Candidate, ...]:
     """Candidates by effect name; an effect of kind `residual` without forms of its own gives one
-    candidate a strength, or a group of strengths.
+    candidate a strength.
 
     terms: residual term -> channels and variables; those of other candidates are their effects'.
-    groups: name -> residual terms that are one candidate.
     """
     effects = [system.effect(name) for name in names]
     unlisted = [c for e in effects if e.kind == RESIDUAL
-                for c in _residual_candidates(e, terms or {}, groups or {})]  # fmt: skip
+                for c in _residual_candidates(e, terms or {})]  # fmt: skip
     share = priors.unlisted / max(len(unlisted), 1)
     out = [replace(c, prior=share) for c in unlisted]
     for effect in effects:
@@ -92,22 +90,13 @@ def _numbers(effect: Effect) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
     return tuple(labels[: effect.strengths]), tuple(labels[effect.strengths :])
 
 
-def _residual_candidates(
-    effect: Effect, terms: Mapping[str, Sources], groups: Mapping[str, tuple[str, ...]]
-) -> list[Candidate]:
+def _residual_candidates(effect: Effect, terms: Mapping[str, Sources]) -> list[Candidate]:
     """Candidates of a residual effect; their prior is set by how many there are."""
     strengths, forms = _numbers(effect)
     if forms or len(strengths) == 1:
         return [Candidate(effect.name, RESIDUAL, strengths, forms, 0.0, sources_of(effect))]
-    grouped = {label for labels in groups.values() for label in labels}
-    sets = {s.name: (s.name,) for s in strengths if s.name not in grouped}
-    own = {name: labels for name, labels in groups.items()
-           if labels[0].split(".", 1)[0] == effect.name}  # fmt: skip
-    return [
-        Candidate(name, RESIDUAL, tuple(map(Free, labels)), (), 0.0,
-                  frozenset().union(*(terms.get(n, sources_of(effect)) for n in labels)))
-        for name, labels in (sets | own).items()
-    ]  # fmt: skip
+    return [Candidate(s.name, RESIDUAL, (s,), (), 0.0, terms.get(s.name, sources_of(effect)))
+            for s in strengths]  # fmt: skip
 
 
 def sources_of(effect: Effect) -> Sources:

@@ -16,7 +16,6 @@ from ..data import Float
 from ..fitting import Free
 from ..fitting.normal import (
     Normal,
-    aux_measurement_terms,
     difference_step,
     marginal_products,
     prior_terms,
@@ -24,6 +23,7 @@ from ..fitting.normal import (
     trial_effect_stds,
 )
 from ..fitting.predictions import ParameterChange, whitened_products
+from ..fitting.side_measurements import side_measurement_terms
 from ..integrate import System
 from .candidates import Candidate, parameter
 from .problem import Problem
@@ -116,14 +116,14 @@ def _products(
         whitened_products(kernel, model.passes, points, more, model.noise),
         trial_effect_stds(kernel, points, model.noise),
     )
-    side = aux_measurement_terms(kernel, problem.series, frees, points)
+    information, score, side = side_measurement_terms(kernel, problem.series, frees, points)
     p = len(model.fit.free)
     known = prior_terms(kernel, model.fit.free, model.fit.values, len(points))
-    hessian, gradient = products[:, 1:, 1:] + side.hessian, products[:, 1:, 0] + side.gradient
+    hessian, gradient = products[:, 1:, 1:] + information, products[:, 1:, 0] + score
     hessian[:, :p, :p] += known.hessian
     gradient[:, :p] += known.gradient
     likelihood = (model.passes.log_lik_const - 0.5 * products[:, 0, 0] + constant
-                  + side.log_likelihood + known.log_likelihood)  # fmt: skip
+                  + side + known.log_likelihood)  # fmt: skip
     return Normal(hessian, gradient, likelihood)
 
 

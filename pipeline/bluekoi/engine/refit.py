@@ -179,25 +179,42 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
 def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
-    The first estimate has two starting points, random forces as estimated before and small ones:
-    what a law explains must not stay random. With a single round, the likelier of them alone.
+    Two starting points, random forces as estimated before and small ones under which the numbers
+    are fitted anew: what a law explains must not stay random, and the numbers that were fitted
+    beside large random forces may leave it random. With a single round, the likelier noise alone.
     """
-    starts: tuple[Noise, ...] = (model.noise, quiet(problem, model.noise))
-    points = _points(problem, model)
     if most == 1:
-        starts = (_likelier(problem, points, starts),)
-    for _ in range(most):
-        found = [_estimated(problem, points, start, near=start is model.noise) for start in starts]
-        best = _likelier(problem, points, found)
-        again = fitted(problem, model.causes, best, model.fit.by_label(), passes=1,
-                       free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
-        gain = again.log_likelihood - model.log_likelihood
-        model = again if gain > 0 else model
         points = _points(problem, model)
-        starts = (model.noise,)
-        if gain < LEAST_GAIN:
+        start = _likelier(problem, points, (model.noise, quiet(problem, model.noise)))
+        return _round(problem, model, start, near=start is model.noise)
+    best = model
+    for k, begin in enumerate((model, _beneath(problem, model))):
+        first = _round(problem, begin, begin.noise, near=k == 0)
+        best = max(best, first, key=lambda m: m.log_likelihood)
+    for _ in range(most - 1):
+        again = _round(problem, best, best.noise, near=True)
+        if again.log_likelihood - best.log_likelihood < LEAST_GAIN:
             break
-    return model
+        best = again
+    return best
+
+
+def _beneath(problem: Problem, model: FittedSet) -> FittedSet:
+    """A set fitted under small random forces."""
+    return fitted(problem, model.causes, quiet(problem, model.noise), model.fit.by_label(),
+                  passes=1, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+
+
+def _round(problem: Problem, model: FittedSet, start: Noise, *, near: bool) -> FittedSet:
+    """Noise estimated from a start at a set's numbers, and the numbers fitted under it; the set as
+    it was where that is not likelier.
+    """
+    if not model.usable:
+        return model
+    noise = _estimated(problem, _points(problem, model), start, near=near)
+    again = fitted(problem, model.causes, noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+    return max(model, again, key=lambda m: m.log_likelihood)
 
 
 def _points(problem: Problem, model: FittedSet) -> list[Float]:

@@ -32,8 +32,9 @@ REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
-CLOSE = 12.0
-"""Sets e^12 times less probable than the best have no share worth a further fit."""
+CLOSE = 40.0
+"""Sets e^40 times less probable than the best are not fitted further: noise estimated in one round
+costs a set up to that much."""
 QUIET_REFITS = 2
 """How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
@@ -86,20 +87,32 @@ class Visited:
         return max(self.sets.values(), key=lambda s: s.log_posterior)
 
     def add(
-        self, causes: Sequence[str], near: FittedSet, start: dict[str, float] | None = None
+        self,
+        causes: Sequence[str],
+        near: FittedSet,
+        start: dict[str, float] | None = None,
+        *,
+        anew: bool = False,
     ) -> Scored | None:
-        """Fit a set, begun at another's values, under its own noise; None where it runs away."""
+        """Fit a set, begun at another's values and noise, under its own noise; None where it runs
+        away. anew: also a set that has been fitted, whose better fit stays.
+        """
         key = frozenset(causes)
-        if key in self.sets:
-            return self.sets[key]
+        before = self.sets.get(key)
+        if before is not None and not anew:
+            return before
         self.problem.progress(" + ".join(causes) or "baseline")
         known = {**near.fit.by_label(), **(start or {})}
         for cause in key - near.key:
             known |= likeliest_start(self.problem, near, cause)
         model = fitted(self.problem, causes, near.noise, known, predictor=None)
         if not model.usable:
-            return None
-        self.sets[key] = score(self.problem, own_noise(self.problem, model, most=1))
+            return before
+        found = score(self.problem, own_noise(self.problem, model, most=1))
+        if before is None or found.log_posterior > before.log_posterior:
+            self.sets[key] = found
+            self.full.pop(key, None)
+            self.converged.discard(key)
         return self.sets[key]
 
     def converge(self) -> None:
@@ -267,8 +280,8 @@ def _further(visited: Visited, scored: Scored, count: int) -> None:
 
 
 def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
-    """Fit the most promising further causes by the expansion under small random forces: what the
-    random forces of a set explain by themselves shows no gain under its own noise.
+    """Fit the most promising further causes by the expansion under small random forces, and begin
+    there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
     problem = visited.problem
     model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
@@ -278,4 +291,4 @@ def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
     expansion = expanded(problem, model)
     found = proposals(problem, expansion, allowed(problem, scored.causes))
     for _, name in found[:QUIET_REFITS]:
-        visited.add((*scored.causes, name), scored.model, expansion.starts.get(name))
+        visited.add((*scored.causes, name), model, expansion.starts.get(name), anew=True)

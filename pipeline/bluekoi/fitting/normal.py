@@ -9,18 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from ..data import Float
-from ..integrate import Kernel, System
+from ..integrate import Kernel
 from .filtering import FilterResults, filter_all
 from .predictions import ParameterChange, whitened_products
 from .series import Free, Noise, Series
-
-NO_INFORMATION = (0.0, np.inf)
-"""A side measurement without information."""
+from .side_measurements import side_measurement_terms
 
 
 @dataclass(frozen=True)
@@ -80,12 +77,12 @@ def normal_equations(
         whitened_products(kernel, passes, points, changes, noise),
         trial_effect_stds(kernel, points, noise),
     )
-    side = aux_measurement_terms(kernel, series, free, points)
+    information, score, side = side_measurement_terms(kernel, series, free, points)
     known = prior_terms(kernel, free, values, len(series))
     return Normal(
-        products[:, 1:, 1:] + side.hessian + known.hessian,
-        products[:, 1:, 0] + side.gradient + known.gradient,
-        passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side.log_likelihood
+        products[:, 1:, 1:] + information + known.hessian,
+        products[:, 1:, 0] + score + known.gradient,
+        passes.log_lik_const - 0.5 * products[:, 0, 0] + constant + side
         + known.log_likelihood,
     )  # fmt: skip
 
@@ -143,37 +140,6 @@ def prior_terms(kernel: Kernel, free: Sequence[Free], values: Float, trials: int
         np.tile(precision * off, (trials, 1)),
         np.full(trials, -0.5 * float(precision @ off**2)),
     )
-
-
-def aux_measurement_terms(
-    kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
-) -> Normal:
-    """Side measurements as further prediction errors: each effect says what it predicts."""
-    n, p = len(series), len(free)
-    hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
-    slots = np.array([slots_by_name(kernel)[f.name] for f in free], dtype=int)
-    own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
-    for name in sorted({name for s in series for name in s.evidence}):
-        stated = np.array([s.evidence.get(name, NO_INFORMATION) for s in series])
-        std = stated[:, 1]
-        weights = aux_measurement_weights(kernel.system, name)
-        error = (stated[:, 0] - np.array(points) @ weights) / std
-        rows = weights[slots] * own / std[:, None]
-        hessian += rows[:, :, None] * rows[:, None, :]
-        gradient += rows * error[:, None]
-        known = np.isfinite(std)
-        logl[known] -= 0.5 * error[known] ** 2 + np.log(std[known]) + 0.5 * np.log(2 * np.pi)
-    return Normal(hessian, gradient, logl)
-
-
-@lru_cache(maxsize=64)
-def aux_measurement_weights(system: System, name: str) -> Float:
-    """A side measurement as a sum over parameters (parameters,)."""
-    weights = np.zeros(len(system.parameters))
-    for effect in system.effects:
-        for parameter, weight in effect.evidence.get(name, {}).items():
-            weights[system.slot[f"{effect.name}.{parameter}"]] += weight
-    return weights
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -74,8 +74,9 @@ class Effect:
     its form.
     hooks: stage name -> function whose outputs are added there. states: names of states of its
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
-    measurements -> parameter -> how many times that they change by. starts: strengths from which
-    fits begin, where one start may lead astray.
+    measurements -> parameter -> how many times that they change by, or a function of parameters,
+    asked for as by hooks, that predicts them. starts: strengths from which fits begin, where one
+    start may lead astray.
     """
 
     name: str
@@ -88,21 +89,27 @@ class Effect:
     variables: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     rates: Function | None = None
-    evidence: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    evidence: Mapping[str, Mapping[str, float] | Function] = field(default_factory=dict)
     confused_with: tuple[str, ...] = ()
     regime: str = ""
     strengths: int = 1
     starts: tuple[float, ...] = ()
 
     @cached_property
+    def informs(self) -> dict[str, tuple[str, ...]]:
+        """Side measurement -> the parameters that its prediction depends on, in its order."""
+        names = {p.argument: p.name for p in self.parameters}
+        return {name: tuple(names[a] for a in inspect.signature(by).parameters)
+                if callable(by) else tuple(by) for name, by in self.evidence.items()}  # fmt: skip
+
+    @cached_property
     def nuisance(self) -> dict[str, set[str]]:
-        """Parameter that acts on no stage -> the auxiliary measurements that determine it."""
+        """Parameter that acts on no stage -> the side measurements that determine it."""
         functions = [*self.hooks.values(), *([self.rates] if self.rates else [])]
         acting = {name for f in functions for name in inspect.signature(f).parameters}
-        informative = {p: {n for n, by in self.evidence.items() if p in by}
-                for by in self.evidence.values() for p in by}  # fmt: skip
-        own = {p.name: p.argument for p in self.parameters}
-        return {p: names for p, names in informative.items() if own[p] not in acting}
+        silent = {p.name for p in self.parameters if p.argument not in acting}
+        informed = sorted({p for by in self.informs.values() for p in by} & silent)
+        return {p: {name for name, by in self.informs.items() if p in by} for p in informed}
 
 
 @dataclass(frozen=True, eq=False)

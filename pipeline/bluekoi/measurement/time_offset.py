@@ -1,6 +1,7 @@
 """Recordings that do not start together.
 
-The motion starts d after the video, with full thrust. A video that starts during the motion has no
+The motion starts d after the video, or after the start that the motor log shows, with full
+thrust. A video that starts during the motion has no
 effect, since each trial's initial state is free. A motor log whose clock is e ahead of the video is
 visible only in the phase of the tail beat (`motor/delay.py`).
 Source: own statement.
@@ -29,7 +30,10 @@ PARAMETERS = (
 STARTS = (0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3)
 
 
-def thrust(t: float, rho: float, A: float, f: float, C_T: float, d: float) -> tuple[float]:
+def thrust(
+    t: float, t_start: float, rho: float, A: float, f: float, C_T: float, d: float
+) -> tuple[float]:
     """Thrust that is not there yet (N); nothing where d is 0."""
-    late = smooth_step(t * 10.0 + 0.5) - smooth_step((t - d) * 10.0 + 0.5)
+    since = t - t_start
+    late = smooth_step(since * 10.0 + 0.5) - smooth_step((since - d) * 10.0 + 0.5)
     return (-C_T * 0.5 * rho * A * f * f * late,)

@@ -110,7 +110,9 @@ def find_mismatch(
     test = [s for s in series if s.name in held_out] or list(series)
     baseline = tune(train) if displaced else baseline
     searched = [s for s in coarse if s.name not in held_out]
-    problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress)
+    camera = study.setup.camera
+    problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
+                            by_homography=camera is not None and camera.matrix is None)  # fmt: skip
     visited = search(problem, baseline.fit.by_label())
     problem = visited.problem
     found = posterior(problem, list(visited.sets.values()), discounted=True)

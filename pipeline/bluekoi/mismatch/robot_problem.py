@@ -10,7 +10,7 @@ import numpy as np
 from ..engine import Priors, Problem, candidates_of
 from ..fitting import Series, TrialEffect
 from ..integrate import Kernel
-from ..model import STATE_VARIABLES, residual_groups, residual_sources
+from ..model import STATE_VARIABLES, residual_sources
 from ..tuning import Tuned
 from .camera_displacement import CAMERA_SHIFT, TAIL_FACTOR, CameraDisplacement
 
@@ -36,6 +36,9 @@ TOLERANCES = {
     * float(np.hypot(1 / CORE_LABEL_DISTANCE_M, 1 / HEAD_LABEL_DISTANCE_M)),
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
+HOMOGRAPHY_SCALE = {"scale_error.length_error": 0.02}
+"""A homography from the pool's corners puts keypoints on the water's plane: those d below appear
+too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
 KINDS = ("physics", "measurement", "residual")
 
 
@@ -45,12 +48,14 @@ def robot_problem(
     baseline: Tuned,
     *,
     displaced: Sequence[CameraDisplacement],
+    by_homography: bool = False,
     progress: Callable[[str], None],
 ) -> Problem:
     """`Problem` of a campaign.
 
     displaced: camera displacements found; only with them is `camera_shift` a candidate. Their
-    moments were chosen from many, which lowers its prior probability.
+    moments were chosen from many, which lowers its prior probability. by_homography: whether the
+    camera has no matrix, so that the keypoints' depth is not corrected.
     """
     system = kernel.system
     names = [e.name for e in system.effects
@@ -64,9 +69,9 @@ def robot_problem(
         series=tuple(series),
         base=baseline.base,
         coefficients=baseline.fit.free,
-        candidates=candidates_of(system, names, priors, residual_sources(), residual_groups()),
+        candidates=candidates_of(system, names, priors, residual_sources()),
         noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
-        tolerances=TOLERANCES,
+        tolerances=TOLERANCES | (HOMOGRAPHY_SCALE if by_homography else {}),
         state_variables=STATE_VARIABLES,
         progress=progress,
     )

@@ -1,36 +1,73 @@
-"""A residual drag that rises or falls about one speed.
+"""Forces that rise or fall about one speed: residual terms with a speed and a width of their own.
 
-    dX = -h (1/2 rho A) V u / (1 + ((V - c) / w)^2)^2
+    surge  dX = -h (1/2 rho A) V u R      sway  dY = h R      yaw  dN = h R,
+    R = 1 / (1 + ((V - c) / w)^2)^2
 
-as where waves of the robot and of the pool's walls meet.
+as where waves of the robot and of the pool's walls meet, or where the flow separates on one side.
 Source: own statement.
 """
 
 from __future__ import annotations
 
-from ..integrate.system import Parameter
+from collections.abc import Callable
+
+from ..integrate import Effect, Parameter
 
 KIND = "residual"
-CHANNELS = ("surge",)
-VARIABLES = ("speed",)
-STATEMENT = "The drag rises or falls about one speed."
+Force = tuple[float, float, float]
 SPEEDS = (0.15, 0.2, 0.26, 0.42, 0.53)
 NARROW = 0.05
 """Other speeds are tried with this width: tries of several shapes go together, one by one."""
-PARAMETERS = (
-    Parameter("added_drag", "1", 0.1, -5.0, 5.0,
-              "drag coefficient added at that speed, of the head plate", symbol="h"),
+SHAPE = (
     Parameter("centre_speed", "m/s", 0.33, 0.05, 1.0, "speed of the largest change",
               tries=SPEEDS, symbol="c"),
     Parameter("width", "m/s", 0.07, 0.03, 0.25, "width in speed",
               tries=(NARROW,) * len(SPEEDS), symbol="w"),
 )  # fmt: skip
+STRENGTHS = {
+    "surge": Parameter("added_drag", "1", 0.1, -5.0, 5.0,
+                       "drag coefficient added at that speed, of the head plate", symbol="h"),
+    "sway": Parameter("force", "N", 0.01, -1.0, 1.0, "force at that speed", symbol="h"),
+    "yaw": Parameter("moment", "N m", 0.001, -1.0, 1.0, "moment at that speed", symbol="h"),
+}  # fmt: skip
 
 
-def force(
-    rho: float, A: float, uc: float, V: float, h: float, c: float, w: float
-) -> tuple[float, float, float]:
-    """Surge, sway (N) and yaw (N m)."""
+def hump(V: float, c: float, w: float) -> float:
+    """R of the equation above."""
     q = (V - c) / w
     e = 1.0 + q * q
-    return -h * 0.5 * rho * A * V * uc / (e * e), 0.0, 0.0
+    return 1.0 / (e * e)
+
+
+def surge_near_speed(
+    rho: float, A: float, uc: float, V: float, h: float, c: float, w: float
+) -> Force:
+    """Surge force (N)."""
+    return -h * 0.5 * rho * A * V * uc * hump(V, c, w), 0.0, 0.0
+
+
+def sway_near_speed(V: float, h: float, c: float, w: float) -> Force:
+    """Sway force (N)."""
+    return 0.0, h * hump(V, c, w), 0.0
+
+
+def yaw_near_speed(V: float, h: float, c: float, w: float) -> Force:
+    """Yaw moment (N m)."""
+    return 0.0, 0.0, h * hump(V, c, w)
+
+
+def _effect(force: Callable[..., Force]) -> Effect:
+    channel = force.__name__.split("_", maxsplit=1)[0]
+    return Effect(
+        name=force.__name__,
+        kind=KIND,
+        statement=f"A {channel} force rises or falls about one speed.",
+        parameters=(STRENGTHS[channel], *SHAPE),
+        hooks={"force": force},
+        module=__name__,
+        channels=(channel,),
+        variables=("speed",),
+    )
+
+
+EFFECTS = tuple(_effect(force) for force in (surge_near_speed, sway_near_speed, yaw_near_speed))

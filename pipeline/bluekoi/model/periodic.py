@@ -1,9 +1,10 @@
-"""Forces periodic in time or along the pool: residual terms with a wave number of their own.
+"""Forces periodic in time, along the pool or with heading: residual terms with a wave number.
 
-    F = s sin Wz + c cos Wz,   z = t since the start, x or y from the pool's corner
+    F = s sin Wz + c cos Wz,   z = t since the start, x or y from the pool's corner, psi - q phi
 
 in one channel each, as of a supply that oscillates about its voltage, water that sloshes after the
-release, or a standing wave.
+release, a standing wave, or a magnet that meets steel. The heading is that of the core (q = 0) or
+of the head plate (q = 1).
 Source: any periodic function, to first order (Fourier).
 """
 
@@ -20,6 +21,8 @@ RATES = (1.2, 1.7, 2.2, 2.7, 3.2, 3.8, 4.4, 5.1, 5.9)
 """rad/s: neighbours differ by half a cycle in the 6 s of a usual trial."""
 WAVE_NUMBERS = (2.4, 3.4, 4.6, 6.2, 8.0)
 """rad/m: from one wave in the pool's length to one in half its width."""
+HARMONICS = (1.0, 2.0, 3.0, 4.0)
+"""Waves in a full turn."""
 
 
 def wave(z: float, s: float, c: float, W: float) -> float:
@@ -73,26 +76,52 @@ def yaw_along_y(y: float, s: float, c: float, W: float) -> Force:
     return 0.0, 0.0, wave(y, s, c, W)
 
 
+def surge_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+    """Surge force (N)."""
+    return wave(psi - q * phi, s, c, W), 0.0, 0.0
+
+
+def sway_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+    """Sway force (N)."""
+    return 0.0, wave(psi - q * phi, s, c, W), 0.0
+
+
+def yaw_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: float) -> Force:
+    """Yaw moment (N m)."""
+    return 0.0, 0.0, wave(psi - q * phi, s, c, W)
+
+
+WAVES = {
+    "with_time": ("time", "rad/s", RATES),
+    "along_x": ("place", "rad/m", WAVE_NUMBERS),
+    "along_y": ("place", "rad/m", WAVE_NUMBERS),
+    "with_heading": ("heading", "1", 2 * HARMONICS),
+}
+"""Ending of a term's name -> the variable of its force, unit of W, and values tried."""
+OF_CORE_THEN_HEAD = len(HARMONICS) * (0.0,) + len(HARMONICS) * (1.0,)
+OF_HEAD = Parameter("of_head", "1", 0.0, 0.0, 1.0, "heading of the core (0) or of the head (1)",
+                    tries=OF_CORE_THEN_HEAD, symbol="q")  # fmt: skip
+
+
 def _effect(force: Callable[..., Force]) -> Effect:
-    channel, variable = force.__name__.split("_", maxsplit=1)
-    in_time = variable == "with_time"
+    channel, ending = force.__name__.split("_", maxsplit=1)
+    variable, rate_unit, tries = WAVES[ending]
     unit, size = ("N m", 0.001) if channel == "yaw" else ("N", 0.01)
-    tries = RATES if in_time else WAVE_NUMBERS
     return Effect(
         name=force.__name__,
         kind=KIND,
-        statement=f"A {channel} force rises and falls {variable.replace('_', ' ')}.",
+        statement=f"A {channel} force rises and falls {ending.replace('_', ' ')}.",
         parameters=(
             Parameter("sine_amplitude", unit, size, -1.0, 1.0, "s above", symbol="s"),
             Parameter("cosine_amplitude", unit, size, -1.0, 1.0, "c above", symbol="c"),
-            Parameter("wave_number", "rad/s" if in_time else "rad/m", tries[len(tries) // 2],
-                      0.8 * tries[0], 1.2 * tries[-1], "frequency or wave number", tries=tries,
-                      symbol="W"),
+            Parameter("wave_number", rate_unit, tries[len(tries) // 2], 0.8 * tries[0],
+                      1.2 * tries[-1], "frequency or wave number", tries=tries, symbol="W"),
+            *((OF_HEAD,) if variable == "heading" else ()),
         ),
         hooks={"force": force},
         module=__name__,
         channels=(channel,),
-        variables=("time" if in_time else "place",),
+        variables=(variable,),
         strengths=2,
     )  # fmt: skip
 
@@ -101,6 +130,7 @@ EFFECTS = tuple(
     _effect(force)
     for force in (
         surge_with_time, sway_with_time, yaw_with_time, surge_along_x, sway_along_x, yaw_along_x,
-        surge_along_y, sway_along_y, yaw_along_y,
+        surge_along_y, sway_along_y, yaw_along_y, surge_with_heading, sway_with_heading,
+        yaw_with_heading,
     )
 )  # fmt: skip

@@ -39,7 +39,7 @@ STAGES = (observation.CLOCK, *DYNAMICS, observation.OBSERVE)
 STATES = ("x", "y", "psi", "u", "v", "r")
 CONSTANTS = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
-    "l_tail", "L_pool", "W_pool", "psi0",
+    "l_tail", "L_pool", "W_pool", "psi0", "t_start",
 )  # fmt: skip
 """Constants of the equations of motion; those of the observation model follow them."""
 INPUTS = ("head_angle", "flap_hz")
@@ -54,13 +54,13 @@ def effect_names(package: object = effects) -> tuple[str, ...]:
 @lru_cache(maxsize=1)
 def all_effects() -> tuple[Effect, ...]:
     """Random water and tracking errors, residual terms, physical effects, measurement causes."""
-    modules = [disturbance, tracking_error, residual, hump] + [
+    modules = [disturbance, tracking_error, residual] + [
         import_module(f"{package.__name__}.{name}")
         for package in (effects, measurement)
         for name in effect_names(package)
     ]
     found = tuple(effect_from_module(module, STAGES) for module in modules)
-    return (*found, *periodic.EFFECTS)
+    return (*found, *hump.EFFECTS, *periodic.EFFECTS)
 
 
 def is_residual(label: str) -> bool:

@@ -1,15 +1,15 @@
 """A force without a physical statement: a sum of simple terms in the motion and the place.
 
     surge: t + u + u^3 + f u + r^2 + v^2 + t u^2 + f^2 sin^2 phi + f + f^3 + (x + y) u^2
-           + (R(2.5) + R(3.5) + R(4.5)) f^2 + sin k psi + cos k psi, k = 1, 2, 3
+           + (R(2.5) + R(3.5) + R(4.5)) f^2
     sway:  v + v |v| + u v + u r + r + r |r| + f^2 sin phi + u^2 sin phi + 1 + f^2 + e + t
-           + x + y + sin k psi + cos k psi
+           + x + y
     yaw:   r + v + u v + u r + v |v| + u^2 sin phi + f^2 sin phi + V^2 sin 4 alpha + 1 + f
-           + e + sin k psi + cos k psi + t + x + y
+           + e + t + x + y
     pool:  spring (-x, -y) + x (1, 0) + y (0, 1) + strain (x, -y) + swirl (-y, x)
 
 each term with a strength of its own, x and y from the middle of the pool, alpha the angle of attack
-of the head, psi the core's heading, e = exp(-t / 2 s), and the humps
+of the head, e = exp(-t / 2 s), and the humps
 R(c) = 1 / (1 + ((f - c) / 0.6 Hz)^2)^2 over the frequency (`hump` has one over the speed). Fitted
 where a mismatch fits none of the named causes: it models the force and says where it acts.
 """
@@ -58,11 +58,7 @@ TERMS = {
     "yaw_sin4alpha": ("N s2/m", "angle of attack"),
     "yaw_constant": ("N m", "side"),
     "yaw_f": ("N m s", "side"),
-    "yaw_sin2psi": ("N m", "heading"),
-    "yaw_cos2psi": ("N m", "heading"),
     "yaw_early": ("N m", "early"),
-    "yaw_sinpsi": ("N m", "heading"),
-    "yaw_cospsi": ("N m", "heading"),
     "pool_spring": ("N/m", "place"),
     "pool_x": ("N", "current"),
     "pool_y": ("N", "current"),
@@ -72,23 +68,9 @@ TERMS = {
     "sway_t": ("N/s", "time"),
     "sway_x": ("N/m", "place"),
     "sway_y": ("N/m", "place"),
-    "sway_sinpsi": ("N", "heading"),
-    "sway_cospsi": ("N", "heading"),
     "yaw_t": ("N m/s", "time"),
     "yaw_x": ("N", "place"),
     "yaw_y": ("N", "place"),
-    "surge_sinpsi": ("N", "heading"),
-    "surge_cospsi": ("N", "heading"),
-    "surge_sin2psi": ("N", "heading"),
-    "surge_cos2psi": ("N", "heading"),
-    "surge_sin3psi": ("N", "heading"),
-    "surge_cos3psi": ("N", "heading"),
-    "sway_sin2psi": ("N", "heading"),
-    "sway_cos2psi": ("N", "heading"),
-    "sway_sin3psi": ("N", "heading"),
-    "sway_cos3psi": ("N", "heading"),
-    "yaw_sin3psi": ("N m", "heading"),
-    "yaw_cos3psi": ("N m", "heading"),
 }
 """Term -> unit of its strength, and the variable that its force depends on."""
 STATE_VARIABLES = frozenset({"speed", "beat", "drift", "turn", "angle of attack", "head angle"})
@@ -106,16 +88,6 @@ def sources() -> dict[str, frozenset[tuple[str, str]]]:
             for name, (_, variable) in TERMS.items()}  # fmt: skip
 
 
-def groups() -> dict[str, tuple[str, ...]]:
-    """Name of a group -> its terms, as `residual.term`, that are one candidate: sine and cosine of
-    the heading, or of a multiple of it.
-    """
-    sines = [name for name in TERMS if "_sin" in name and name.endswith("psi")]
-    return {f"residual.{name.replace('_sin', '_heading_')}":
-            (f"residual.{name}", f"residual.{name.replace('_sin', '_cos')}")
-            for name in sines}  # fmt: skip
-
-
 def channels(term: str) -> tuple[str, ...]:
     """Channels in which a term acts."""
     channel = term.split("_", maxsplit=1)[0]
@@ -123,22 +95,18 @@ def channels(term: str) -> tuple[str, ...]:
 
 
 def force(
-    t: float, f: float, x: float, y: float, uc: float, vc: float, r: float, uh: float, vh: float, V:
-    float, sphi: float, cpsi: float, spsi: float, L_pool: float, W_pool: float, surge_u: float,
-    surge_u3: float, surge_fu: float, surge_r2: float, surge_v2: float, surge_t_u2: float,
-    surge_f2_sin2phi: float, surge_f: float, surge_f3: float, surge_x_u2: float, surge_y_u2: float,
-    surge_f2_near_2p5Hz: float, surge_f2_near_3p5Hz: float, surge_f2_near_4p5Hz: float, sway_v:
-    float, sway_v_absv: float, sway_uv: float, sway_ur: float, sway_r: float, sway_r_absr: float,
-    sway_f2_sinphi: float, sway_u2_sinphi: float, sway_constant: float, sway_f2: float, sway_early:
-    float, yaw_r: float, yaw_v: float, yaw_uv: float, yaw_ur: float, yaw_v_absv: float,
-    yaw_u2_sinphi: float, yaw_f2_sinphi: float, yaw_sin4alpha: float, yaw_constant: float, yaw_f:
-    float, yaw_sin2psi: float, yaw_cos2psi: float, yaw_early: float, yaw_sinpsi: float, yaw_cospsi:
-    float, pool_spring: float, pool_x: float, pool_y: float, pool_strain: float, pool_swirl: float,
-    surge_t: float, sway_t: float, sway_x: float, sway_y: float, sway_sinpsi: float, sway_cospsi:
-    float, yaw_t: float, yaw_x: float, yaw_y: float, surge_sinpsi: float, surge_cospsi: float,
-    surge_sin2psi: float, surge_cos2psi: float, surge_sin3psi: float, surge_cos3psi: float,
-    sway_sin2psi: float, sway_cos2psi: float, sway_sin3psi: float, sway_cos3psi: float, yaw_sin3psi:
-    float, yaw_cos3psi: float,
+    t: float, f: float, x: float, y: float, uc: float, vc: float, r: float, uh: float, vh:
+    float, V: float, sphi: float, cpsi: float, spsi: float, L_pool: float, W_pool: float,
+    surge_u: float, surge_u3: float, surge_fu: float, surge_r2: float, surge_v2: float,
+    surge_t_u2: float, surge_f2_sin2phi: float, surge_f: float, surge_f3: float, surge_x_u2:
+    float, surge_y_u2: float, surge_f2_near_2p5Hz: float, surge_f2_near_3p5Hz: float,
+    surge_f2_near_4p5Hz: float, sway_v: float, sway_v_absv: float, sway_uv: float, sway_ur:
+    float, sway_r: float, sway_r_absr: float, sway_f2_sinphi: float, sway_u2_sinphi: float,
+    sway_constant: float, sway_f2: float, sway_early: float, yaw_r: float, yaw_v: float, yaw_uv:
+    float, yaw_ur: float, yaw_v_absv: float, yaw_u2_sinphi: float, yaw_f2_sinphi: float,
+    yaw_sin4alpha: float, yaw_constant: float, yaw_f: float, yaw_early: float, pool_spring:
+    float, pool_x: float, pool_y: float, pool_strain: float, pool_swirl: float, surge_t: float,
+    sway_t: float, sway_x: float, sway_y: float, yaw_t: float, yaw_x: float, yaw_y: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
     jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
@@ -167,8 +135,6 @@ def force(
         + resonance * f * f
         + surge_t * t
     )
-    sin2, cos2 = 2.0 * spsi * cpsi, cpsi * cpsi - spsi * spsi
-    sin3, cos3 = sin2 * cpsi + cos2 * spsi, cos2 * cpsi - sin2 * spsi
     Y = (
         sway_v * vc
         + sway_v_absv * vc * abs(vc)
@@ -184,12 +150,6 @@ def force(
         + sway_t * t
         + sway_x * mx
         + sway_y * my
-        + sway_sinpsi * spsi
-        + sway_cospsi * cpsi
-        + sway_sin2psi * sin2
-        + sway_cos2psi * cos2
-        + sway_sin3psi * sin3
-        + sway_cos3psi * cos3
     )
     N = (
         yaw_r * r
@@ -202,23 +162,9 @@ def force(
         + yaw_sin4alpha * wave
         + yaw_constant
         + yaw_f * f
-        + yaw_sin2psi * sin2
-        + yaw_cos2psi * cos2
-        + yaw_sin3psi * sin3
-        + yaw_cos3psi * cos3
         + yaw_early * fading
-        + yaw_sinpsi * spsi
-        + yaw_cospsi * cpsi
         + yaw_t * t
         + yaw_x * mx
         + yaw_y * my
     )
-    X_heading = (
-        surge_sinpsi * spsi
-        + surge_cospsi * cpsi
-        + surge_sin2psi * sin2
-        + surge_cos2psi * cos2
-        + surge_sin3psi * sin3
-        + surge_cos3psi * cos3
-    )
-    return X + X_heading + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N
+    return X + px * cpsi + py * spsi, Y - px * spsi + py * cpsi, N

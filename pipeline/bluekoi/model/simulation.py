@@ -49,11 +49,13 @@ class Tank(Protocol):
 
 
 def constants(
-    setup: Tank, head_length_m: float, *, heading_rad: float = 0.0, view: View | None = None
-) -> Float:
+    setup: Tank, head_length_m: float, *, heading_rad: float = 0.0, start_s: float = 0.0,
+    view: View | None = None,
+) -> Float:  # fmt: skip
     """Constants of one trial in the order of `plates().constants`, (constants,).
 
-    heading_rad: at the start. view: how the trial is seen; without, no measurement errors.
+    heading_rad: at the start. start_s: when the motor starts. view: how the trial is seen;
+    without, no measurement errors.
     """
     robot, pool = setup.robot, setup.pool
     values = {
@@ -72,6 +74,7 @@ def constants(
         "L_pool": pool.length_m,
         "W_pool": pool.width_m,
         "psi0": heading_rad,
+        "t_start": start_s,
     }
     return np.array([*(values[name] for name in CONSTANTS), *astuple(view or View())])
 

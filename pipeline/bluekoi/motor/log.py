@@ -12,6 +12,7 @@ from ..data import Flapping, Float, read_columns
 from ..data.quality import correlation_time
 from ..errors import input_error
 from .shaft import Shaft, shaft_motion
+from .start import motor_start
 
 COLUMNS = ("time_s", "angle_deg")
 MIN_TURNS = 1.5
@@ -60,6 +61,7 @@ def flapping_from_log(path: str | Path) -> Flapping:
             "trials.csv instead of motor_log.",
         )
     notes = (*remarks, *_notes(fit, shaft))
+    begin = motor_start(shaft, last, float(np.sign(fit.hz)))
     return Flapping(
         flap_hz=abs(fit.hz),
         flap_hz_std=fit.hz_std,
@@ -68,6 +70,9 @@ def flapping_from_log(path: str | Path) -> Flapping:
         hz=np.abs(shaft.hz),
         phase_rad=np.sign(fit.hz)
         * np.interp(shaft.center_s, shaft.time_s[shaft.good], shaft.phase_rad[shaft.good]),
+        start_s=begin.start_s,
+        lost_time_s=begin.lost_time_s,
+        drift_per_s=begin.drift_per_s,
         remarks=notes,
     )
 

@@ -36,6 +36,9 @@ from .tuning import campaign_flapping, campaign_series
 
 STATED_FREQUENCY_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
 UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
+LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
+DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
+MOTOR_LAW_STD = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
 WHOLE_SCALE_OUTCOMES = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
 """Outcomes of the geometry check in which its scale is that of the whole picture."""
 STRAIGHT = ("nothing", "scale_error")
@@ -59,7 +62,7 @@ def mismatch(study: Path, results: Path) -> None:
     campaign, flapping, factors = in_true_time(campaign, campaign_flapping(campaign))
     series = with_clock(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
-    series = with_delay(series, flapping, fitted=fitted)
+    series = with_motor_start(with_delay(series, flapping, fitted=fitted), flapping, fitted=fitted)
     series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
     series = with_nose_distance(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
@@ -128,6 +131,27 @@ def with_delay(
     if found is None:
         return list(series)
     shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
+    return [replace(s, evidence=s.evidence | shared) for s in series]
+
+
+def with_motor_start(
+    series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
+) -> list[Series]:
+    """Series with what the motor logs say of spin-up and sag as evidence, each one measurement
+    shared by the `fitted` trials: the mean of the logs, as certain as they agree, and no better
+    than a cause's formula describes a motor.
+    """
+    beats = [flapping[s.name] for s in series]
+    shared = {}
+    for name, values, least in (
+        ("lost_time", [b.lost_time_s for b in beats], LOST_TIME_STD_S),
+        ("frequency_drift", [b.drift_per_s for b in beats], DRIFT_STD_PER_S),
+    ):
+        known = np.array(values)[np.isfinite(values)]
+        if len(known):
+            mean, scatter = float(known.mean()), float(known.std())
+            std = np.sqrt(least**2 + (MOTOR_LAW_STD * mean) ** 2 + scatter**2 / len(known))
+            shared[name] = (mean, float(std) * max(fitted, 1) ** 0.5)
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 

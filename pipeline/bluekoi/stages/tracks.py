@@ -172,5 +172,6 @@ def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
 
 def _flapping_json(flapping: Flapping) -> dict[str, Any]:
     names = ("flap_hz", "flap_hz_std", "source", "video_hz", "video_hz_std", "ratio", "ratio_std",
-             "beat_lag_rad", "beat_lag_std_rad", "agrees")  # fmt: skip
+             "beat_lag_rad", "beat_lag_std_rad", "start_s", "lost_time_s", "drift_per_s",
+             "agrees")  # fmt: skip
     return {name: getattr(flapping, name) for name in names}

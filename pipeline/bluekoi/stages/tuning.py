@@ -80,6 +80,9 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
             ratio_std=_or_nan(f.get("ratio_std")),
             beat_lag_rad=_or_nan(f.get("beat_lag_rad")),
             beat_lag_std_rad=_or_nan(f.get("beat_lag_std_rad")),
+            start_s=_or_nan(f.get("start_s")),
+            lost_time_s=_or_nan(f.get("lost_time_s")),
+            drift_per_s=_or_nan(f.get("drift_per_s")),
             agrees=bool(f["agrees"]),
         )
         for i, f in found.items()

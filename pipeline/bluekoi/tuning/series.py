@@ -37,12 +37,15 @@ def trial_series(
     trial: Trial, setup: Setup, pose: Pose, track: Track, flapping: Flapping
 ) -> Series:
     """One trial: poses without the tail-beat recoil, outliers and frames that were hardly seen, and
-    what was commanded.
+    what was commanded, from the start of the motor on.
 
     The head angle of a trial counts as one observation of `SERVO_STD_RAD`, spread over its frames:
     its error is the servo's and the keypoints', the same in every frame.
     """
-    first, last = track.time_s[0] - 1e-6, track.time_s[-1] + 1e-6
+    started = float(np.nan_to_num(flapping.start_s))
+    started = started if started < 0.5 * track.time_s[-1] else 0.0
+    first = max(track.time_s[0], pose.time_s[0] + started) - 1e-6
+    last = track.time_s[-1] + 1e-6
     inside = (pose.time_s >= first) & (pose.time_s <= last)
     times = pose.time_s[inside]
     seen = _without_recoil(pose.values[inside], times, track)
@@ -60,7 +63,9 @@ def trial_series(
         condition=condition(trial),
         times=times - pose.time_s[0],
         inputs=np.tile([trial.head_angle_rad, flapping.flap_hz], (len(times), 1)),
-        constants=constants(setup, trial.head_length_m, heading_rad=start[2], view=view_of(setup)),
+        constants=constants(
+            setup, trial.head_length_m, heading_rad=start[2], start_s=started, view=view_of(setup)
+        ),
         seen=seen,
         noise=noise,
         mean=np.concatenate([start, np.zeros(len(plates().all_states) - 6)]),

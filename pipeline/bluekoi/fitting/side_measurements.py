@@ -1,0 +1,77 @@
+"""Side measurements: numbers measured beside the motion, such as a scale or a motor's lost time.
+
+Each is a further prediction error of its trial; the effects say what they predict (`EVIDENCE`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from ..data import Float
+from ..integrate import Kernel, System
+from ..integrate.system import Function
+from .series import Free, Series
+
+NO_INFORMATION = (0.0, np.inf)
+"""A side measurement without information."""
+STEP = 1e-4
+"""Difference by which slopes of predictions are taken, as a share of a parameter's range."""
+
+
+def side_measurement_terms(
+    kernel: Kernel, series: Sequence[Series], free: Sequence[Free], points: Sequence[Float]
+) -> tuple[Float, Float, Float]:
+    """Information (t, p, p), gradient (t, p) and log likelihood (t,) of the side measurements in
+    the free numbers; points: full parameter vectors of the trials.
+    """
+    n, p = len(series), len(free)
+    hessian, gradient, logl = np.zeros((n, p, p)), np.zeros((n, p)), np.zeros(n)
+    slots = np.array([kernel.system.slot[f.name] for f in free], dtype=int)
+    own = np.array([[f.group in (None, s.group) for f in free] for s in series]).reshape(n, p)
+    for name in sorted({name for s in series for name in s.evidence}):
+        value, std = np.array([s.evidence.get(name, NO_INFORMATION) for s in series]).T
+        found, slopes = predicted(kernel.system, name, np.array(points))
+        error = (value - found) / std
+        rows = slopes[:, slots] * own / std[:, None]
+        hessian += rows[:, :, None] * rows[:, None, :]
+        gradient += rows * error[:, None]
+        known = np.isfinite(std)
+        logl[known] -= 0.5 * error[known] ** 2 + np.log(std[known]) + 0.5 * np.log(2 * np.pi)
+    return hessian, gradient, logl
+
+
+def predicted(system: System, name: str, points: Float) -> tuple[Float, Float]:
+    """Prediction of a side measurement (t,) at parameters (t, parameters), and its slopes."""
+    weights = _weights(system, name)
+    value, slopes = points @ weights, np.tile(weights, (len(points), 1))
+    for effect in system.effects:
+        function = effect.evidence.get(name)
+        if callable(function):
+            slots = [system.slot[f"{effect.name}.{p}"] for p in effect.informs[name]]
+            at = points[:, slots]
+            value += _values(function, at)
+            for k, slot in enumerate(slots):
+                row = system.parameters[slot]
+                step = STEP * (row.upper - row.lower) * np.eye(len(slots))[k]
+                change = _values(function, at + step) - _values(function, at - step)
+                slopes[:, slot] += change / (2 * step[k])
+    return value, slopes
+
+
+def _values(function: Function, rows: Float) -> Float:
+    return np.array([function(*row) for row in rows])
+
+
+@lru_cache(maxsize=64)
+def _weights(system: System, name: str) -> Float:
+    """Linear part of a prediction as a sum over parameters (parameters,)."""
+    weights = np.zeros(len(system.parameters))
+    for effect in system.effects:
+        by = effect.evidence.get(name, {})
+        if not callable(by):
+            for parameter, weight in by.items():
+                weights[system.slot[f"{effect.name}.{parameter}"]] += weight
+    return weights

@@ -15,6 +15,7 @@ from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source, sources
 from bluekoi.keypoints.files.noise import white_noise_px
 from bluekoi.study import Trial
+from whole_files import read_whole
 
 
 def trial(**changes) -> Trial:
@@ -108,7 +109,7 @@ def test_of_several_animals_the_one_with_the_parts_is_taken(tmp_path):
     rows = [a + b[1:] for a, b in zip(ours, other, strict=True)]
     found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
     assert found.names == PARTS
-    assert deeplabcut.read_any(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
+    assert read_whole(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
 
 
 def test_of_two_robots_the_one_seen_most_is_taken_and_reported(tmp_path):
@@ -225,7 +226,7 @@ FILES = [
 @pytest.mark.recordings
 @pytest.mark.parametrize(("name", "frames", "parts"), FILES)
 def test_other_peoples_files_read_whole(recordings, name, frames, parts):
-    found = deeplabcut.read_any(recordings / name, 30.0)
+    found = read_whole(recordings / name, 30.0)
     assert found.xy_px.shape == (frames, parts, 2)
     assert np.all(found.likelihood[np.isnan(found.xy_px[..., 0])] == 0)
 
@@ -233,7 +234,7 @@ def test_other_peoples_files_read_whole(recordings, name, frames, parts):
 @pytest.mark.recordings
 def test_blank_first_row_of_a_real_file_is_kept(recordings):
     name = "dlc_csv/ethome_openfield_dlc_inference_example_missingdata.csv"
-    found = deeplabcut.read_any(recordings / name, 30.0)
+    found = read_whole(recordings / name, 30.0)
     assert found.time_s[0] == 0.0
     assert np.isnan(found.part("snout")[0]).all()
     assert np.isfinite(found.part("leftear")[0]).all()
@@ -242,7 +243,7 @@ def test_blank_first_row_of_a_real_file_is_kept(recordings):
 @pytest.mark.recordings
 def test_zebrafish_files_read(recordings):
     files = sorted((recordings / "zebrafish_kinematics" / "dlc").glob("*.csv"))
-    found = [deeplabcut.read_any(path, 1000.0) for path in files]
+    found = [read_whole(path, 1000.0) for path in files]
     assert len(found) == 7
     assert all(one.names == ("TS", "S1", "S2", "T1", "T2", "T3", "T4") for one in found)
 
@@ -252,7 +253,7 @@ def test_a_sleap_project_names_reader_and_export_where_it_cannot_be_read(tmp_pat
     path = tmp_path / "fish.slp"
     path.write_bytes(b"x")
     with pytest.raises(InputError, match=r"pip install sleap-io.*Export Analysis HDF5"):
-        deeplabcut.read_any(path, 30.0)
+        read_whole(path, 30.0)
 
 
 def test_a_sleap_project_is_read_through_sleaps_own_reader(tmp_path):
@@ -268,7 +269,7 @@ def test_a_sleap_project_is_read_through_sleaps_own_reader(tmp_path):
     ]  # fmt: skip
     path = tmp_path / "fish.slp"
     sleap_io.Labels(videos=[video], skeletons=[skeleton], labeled_frames=frames).save(str(path))
-    found = deeplabcut.read_any(path, 30.0)
+    found = read_whole(path, 30.0)
     assert found.names == ("nose", "hinge")
     np.testing.assert_allclose(found.xy_px, points, atol=1e-4)
     np.testing.assert_allclose(found.likelihood, 0.8, atol=1e-6)

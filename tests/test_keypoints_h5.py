@@ -17,6 +17,7 @@ from bluekoi.data import PARTS
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, sleap
 from bluekoi.keypoints.files.literals import NotLiteral, literal
+from whole_files import read_whole
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"scorer\n"])
@@ -164,7 +165,7 @@ def test_sleap_without_a_track_is_reported(tmp_path):
 def test_csv_and_h5_of_the_same_network_agree(recordings):
     folder = recordings / "openfield_mouse" / "predictions"
     stem = "m3v1mp4DLC_resnet50_openfieldAug20shuffle1_30000"
-    a = deeplabcut.read_any(folder / f"{stem}.csv", 30.0)
-    b = deeplabcut.read_any(folder / f"{stem}.h5", 30.0)
+    a = read_whole(folder / f"{stem}.csv", 30.0)
+    b = read_whole(folder / f"{stem}.h5", 30.0)
     assert a.names == b.names == ("snout", "leftear", "rightear", "tailbase")
     np.testing.assert_allclose(a.xy_px, b.xy_px)

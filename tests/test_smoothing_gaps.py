@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Pose
-from bluekoi.keypoints.deeplabcut import read_any
 from bluekoi.smoothing import smooth, smooth_with_noise_ratio
 from bluekoi.smoothing.gaps import true_runs, with_calibrated_gaps
 from bluekoi.smoothing.kalman_numba import smoothed
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 from motions import Seen, circle, observe, times, wandering
+from whole_files import read_whole
 
 PX_M, FPS = 1e-3, 50.0
 """Of fish_film any scale will do; its frame rate is assumed."""
@@ -41,7 +41,7 @@ def larvae(recordings) -> list[Pose]:
     cov = np.diag([(1e-5) ** 2] * 2 + [1e-3, 1e-4])
     poses = []
     for path in sorted((recordings / "zebrafish_kinematics" / "dlc").glob("*.csv")):
-        found = read_any(path, 1000.0)
+        found = read_whole(path, 1000.0)
         at = [found.names.index(name) for name in ("TS", "S2")]
         snout, middle = (LARVA_M_PER_PX * found.xy_px[:, k] for k in at)
         heading = np.unwrap(np.arctan2(*(snout - middle).T[::-1]))

@@ -15,7 +15,7 @@ from ..files import atomic_write
 from ..study import Trial
 from .files.dlc_csv import read_csv
 from .files.dlc_h5 import read_h5
-from .files.table import Table, all_keypoints, to_keypoints
+from .files.table import Table, to_keypoints
 from .sleap import is_sleap, read_slp
 from .sleap import read_table as read_sleap
 
@@ -48,11 +48,6 @@ def read_detections(path: Path, trial: Trial) -> Keypoints:
     """Keypoints that `write` wrote: of the part to use, under our names."""
     whole = trial.model_copy(update={"start_s": None, "end_s": None, "fps": trial.fps or 30.0})
     return read(path, whole)
-
-
-def read_any(path: Path, fps: float) -> Keypoints:
-    """Every part that a keypoint file holds, named `part` or `individual/part`."""
-    return all_keypoints(read_table(Path(path)), fps=fps)
 
 
 def read_table(path: Path) -> Table:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import PARTS, Frame, Keypoints
+from ..data import PARTS, Frame, Keypoints, confident
 from ..errors import input_error
 from ..study import Setup, Trial
 from .midline import detection as midline
@@ -35,7 +35,7 @@ GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
 MIN_SUPPORT = 0.4
 GHOST_ROUNDS = 2
-MIN_LIKELIHOOD, RIGID_SHARE = 0.6, 0.9
+RIGID_SHARE = 0.9
 """A body is bending only if the rigid template fits fewer frames than the share `RIGID_SHARE`."""
 
 
@@ -58,7 +58,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
             [frame.time_s for frame in again()], (_why(samples, plane, setup, trial),)
         )
     found = _rigid(again, samples, plane, setup=setup, trial=trial)
-    if setup.detection.body == "auto" and _poor(found):
+    if setup.detection.body == "auto" and _likely_share(found) < RIGID_SHARE:
         bending = _bending(again, plane, setup, trial)
         return (
             found if bending is None or _likely_share(bending) < _likely_share(found) else bending
@@ -93,14 +93,9 @@ def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> 
     return f"No robot was found: {absence_reason(images, plane, length_of(setup.robot, trial))}"
 
 
-def _poor(found: Keypoints) -> bool:
-    """Whether the rigid template explains too few frames."""
-    return _likely_share(found) < RIGID_SHARE
-
-
 def _likely_share(found: Keypoints) -> float:
     """Share of the frames in which all points are likely."""
-    return float(np.mean(found.likelihood.min(axis=1) >= MIN_LIKELIHOOD))
+    return float(np.mean(confident(found.likelihood).all(axis=1)))
 
 
 def _bending(

@@ -171,22 +171,6 @@ def to_keypoints(
     found = ((part, _find(table, who, name)) for part, name in wanted.items())
     chosen = {part: i for part, i in found if i is not None}
     _check_parts(path, table, chosen, wanted)
-    return _keypoints(table, chosen, fps, part_s, (*table.remarks, *remarks))
-
-
-def all_keypoints(table: Table, *, fps: float) -> Keypoints:
-    """Keypoints of every column of a table, named `part` or `individual/part`."""
-    names = {(f"{who}/{part}" if who else part): i for i, (who, part) in enumerate(table.columns)}
-    return _keypoints(table, names, fps, (None, None), table.remarks)
-
-
-def _keypoints(
-    table: Table,
-    chosen: Mapping[str, int],
-    fps: float,
-    part_s: tuple[float | None, float | None],
-    remarks: tuple[str, ...],
-) -> Keypoints:
     time_s = table.frame / fps
     start, end = part_s
     inside = (time_s >= (start or 0.0) - 1e-9) & (time_s <= (np.inf if end is None else end) + 1e-9)
@@ -196,6 +180,7 @@ def _keypoints(
         [white_noise_px(xy[:, i], likelihood[:, i]) ** 2 for i in range(len(order))]
     )
     cov = np.where(np.isfinite(xy[..., :1, None]), variance[:, None, None] * np.eye(2), np.nan)
+    remarks = (*table.remarks, *remarks)
     return Keypoints(time_s[inside], tuple(chosen), xy, likelihood, cov, remarks)
 
 

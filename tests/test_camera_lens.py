@@ -4,7 +4,15 @@ import cv2
 import numpy as np
 import pytest
 
-from bluekoi.camera.lens import Lens, directions, monotonic_radius, pixels
+from bluekoi.camera.lens import (
+    Lens,
+    directions,
+    lens_of,
+    monotonic_radius,
+    parameters,
+    pixel_slopes,
+    pixels,
+)
 
 MATRIX = np.array([[1130.0, 0, 955], [0, 1128, 542], [0, 0, 1]])
 PINHOLES = {
@@ -53,6 +61,31 @@ def test_pinhole_agrees_with_opencv_forward():
     points = np.random.default_rng(1).uniform([-0.7, -0.4, 1], [0.7, 0.4, 1.1], (50, 3))
     theirs = cv2.projectPoints(points, np.zeros(3), np.zeros(3), MATRIX, distortion)[0]
     assert np.allclose(pixels(lens, points), theirs.reshape(-1, 2), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("model", "distortion"),
+    [*(("pinhole", PINHOLES[name]) for name in ("none", "barrel", "rational")),
+     ("fisheye", HERO11_WIDE)],
+)  # fmt: skip
+def test_slopes_of_pixels_are_those_of_central_differences(model, distortion):
+    lens = Lens(model, MATRIX, np.array(distortion, dtype=float), (1920, 1080))
+    points = np.random.default_rng(2).uniform([-0.6, -0.4, 0.8], [0.6, 0.4, 2.0], (40, 3))
+    by_lens, by_point = pixel_slopes(lens, points)
+    state, step = parameters(lens), 1e-6
+    for i, move in enumerate(step * np.eye(len(state))):
+        ends = [pixels(lens_of(state + s * move, model, lens.size_px), points) for s in (1, -1)]
+        assert by_lens[:, :, i] == pytest.approx((ends[0] - ends[1]) / (2 * step), abs=1e-5)
+    for i, move in enumerate(step * np.eye(3)):
+        change = pixels(lens, points + move) - pixels(lens, points - move)
+        assert by_point[:, :, i] == pytest.approx(change / (2 * step), abs=1e-5)
+
+
+def test_points_that_are_not_seen_have_no_slope():
+    lens = Lens("pinhole", MATRIX, np.array([-0.3, 0, 0, 0.0]), (1920, 1080))
+    by_lens, by_point = pixel_slopes(lens, np.array([[2.0, 0.0, 1.0], [0.0, 0.0, -1.0]]))
+    assert not by_lens.any()
+    assert not by_point.any()
 
 
 def test_points_past_the_fold_and_behind_are_not_seen():

@@ -11,10 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from ..data import Float
 from .boards import View
-from .lens import Lens, lens_of, pixels
+from .lens import Lens, lens_of, pixel_slopes, pixels
 
 UNSEEN_PX = -3000.0
-STEP = 1e-7
 
 
 @dataclass(frozen=True)
@@ -68,26 +67,14 @@ def residuals_px(state: Float, poses: Float, corners: Corners) -> Float:
 def _jacobian(state: Float, poses: Float, corners: Corners) -> Float:
     """Derivative (n, 2, p + 6) of modelled corners by the lens and by their view's pose.
 
-    The camera matrix and the chain rule from point to pose in closed form, the distortion and
-    d(pixel)/d(point) by forward differences. d(R b)/dw = -R [b]x J_r(w), J_r(w) = I
-    - (1 - cos t)/t^2 [w]x + (t - sin t)/t^3 [w]x^2, t = |w|: right Jacobian of SO(3).
+    d(R b)/dw = -R [b]x J_r(w), J_r(w) = I - (1 - cos t)/t^2 [w]x + (t - sin t)/t^3 [w]x^2, t = |w|:
+    right Jacobian of SO(3).
     """
     lens, points = lens_of(state, corners.model, corners.size_px), _in_camera(poses, corners)
-    image, size = pixels(lens, points), len(state)
-    slope = np.zeros((len(points), 2, size + 6))
-    slope[:, [0, 1], [0, 1]] = (image - state[2:4]) / state[:2]
-    slope[:, [0, 1], [2, 3]] = 1
-    for i in range(4, size):
-        changed = state.copy()
-        changed[i] += STEP
-        changed_lens = lens_of(changed, corners.model, corners.size_px)
-        slope[:, :, i] = (pixels(changed_lens, points) - image) / STEP
-    for i, step in enumerate(STEP * np.eye(3)):
-        slope[:, :, size + 3 + i] = (pixels(lens, points + step) - image) / STEP
+    by_lens, by_point = pixel_slopes(lens, points)
     rotations = Rotation.from_rotvec(poses[:, :3]).as_matrix()[corners.view]
     turning = -rotations @ _cross_matrix(corners.board_m) @ _right_jacobian(poses)[corners.view]
-    slope[:, :, size : size + 3] = slope[:, :, size + 3 :] @ turning
-    return np.nan_to_num(slope)
+    return np.concatenate([by_lens, by_point @ turning, by_point], axis=2)
 
 
 def _right_jacobian(poses: Float) -> Float:

@@ -70,6 +70,22 @@ def pixels(lens: Lens, points: Float) -> Float:
     return image
 
 
+def pixel_slopes(lens: Lens, points: Float) -> tuple[Float, Float]:
+    """Derivatives (n, 2, 4 + k) of `pixels` by the lens's parameters and (n, 2, 3) by the points.
+
+    By OpenCV, whose translation moves a point; 0 where a point is not seen.
+    """
+    fisheye, still = lens.model == "fisheye", np.zeros(3)
+    project = cv2.fisheye.projectPoints if fisheye else cv2.projectPoints
+    given = (points.reshape(-1, 1, 3), still, still, lens.matrix, lens.distortion)
+    slopes = project(*given)[1].reshape(len(points), 2, -1)
+    slopes[np.isnan(pixels(lens, points)).any(axis=1) | (points[:, 2] <= 0)] = 0.0
+    if fisheye:  # columns: focal lengths, centre, distortion, rotation, translation, skew
+        return slopes[:, :, :8], slopes[:, :, 11:14]
+    # columns: rotation, translation, focal lengths, centre, distortion
+    return slopes[:, :, 6:], slopes[:, :, 3:6]
+
+
 def directions(lens: Lens, uv_px: Float) -> Float:
     """Unit rays (n, 3) in the camera frame of pixels (n, 2); NaN where the model folds over.
 

@@ -122,10 +122,12 @@ def call(
         "x_hinge": 0.04, "x_tail": 0.171, "l_tail": 0.07, "L_pool": 2.6, "W_pool": 1.6,
         "x": 0.1, "y": 0.2,
         "t": 2.0, "psi": 7.0, "psi0": 0.0, "uc": u, "vc": v, "r": r, "rc": r, "rd": r,
-        "V": float(np.hypot(u, v)),
+        "V": float(np.hypot(u, v)), "cpsi": 1.0, "spsi": 0.0,
         "uh": u * cphi - v * sphi, "vh": u * sphi + v * cphi, "cphi": cphi, "sphi": sphi,
         "phi": 0.5, "T": 0.0,
-        "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0, "C_La": 3.0, "C_Ma": 0.1, "C_T": 0.0045,
+        "Xh": -u * abs(u), "Yh": -v * abs(v), "f": 4.0,
+        "C_La": 3.0, "C_Ma": 0.1, "C_Md": 0.12, "C_Da": 2.0,
+        "C_T": 0.0045, "x_cam": 1.3, "y_cam": 0.8,
     }  # fmt: skip
     known |= {p.argument: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
     known |= given
@@ -188,11 +190,11 @@ def test_a_soft_start_is_late_by_half_its_length_as_a_ramp_is() -> None:
     """Missing frequency summed over the start: tau times f, for a ramp and a smooth step."""
     spin_up, t = plates().effect("motor_spin_up").hooks["drive"], np.linspace(0, 1.2, 4001)
     for q in (0.0, 0.5, 1.0):
-        missing = np.array([spin_up(one, 0.0, 2.0, 1.0, 0.4, 1.0, q)[1] for one in t])
+        missing = np.array([spin_up(one, 0.0, 2.0, 1.0, 0.4, 1.0, q, 0.0)[1] for one in t])
         assert missing[0] == pytest.approx(-2.0)
         assert np.trapezoid(missing, t) == pytest.approx(-2.0 * 0.4, rel=1e-6)
-        late = np.array([spin_up(one + 0.7, 0.7, 2.0, 1.0, 0.4, 1.0, q)[1] for one in t])
-        assert late == pytest.approx(missing)  # a motor that starts 0.7 s after the recording
+        late = np.array([spin_up(one + 0.7, 0.5, 2.0, 1.0, 0.4, 1.0, q, 0.2)[1] for one in t])
+        assert late == pytest.approx(missing)  # 0.5 s after the recording, dead for 0.2 s
 
 
 def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences() -> None:
@@ -210,7 +212,8 @@ def test_side_measurements_predicted_by_functions_have_the_slopes_of_differences
     assert value[0] == pytest.approx(0.18)
     assert slopes[0, slot["motor_spin_up.missing_share"]] == pytest.approx(0.3)
     assert slopes[0, slot["motor_spin_up.time_constant"]] == pytest.approx(0.6)
-    assert np.count_nonzero(slopes) == 2
+    assert slopes[0, slot["motor_spin_up.dead_time"]] == pytest.approx(0.6)
+    assert np.count_nonzero(slopes) == 3
     assert predicted(system, "frequency_drift", point[None])[0][0] == pytest.approx(-0.02, rel=1e-3)
     assert predicted(system, "clock_ratio", point[None])[0][0] == 0.0
 
@@ -377,14 +380,15 @@ def test_crossflow_drag_of_a_deep_tail() -> None:
     assert added == pytest.approx([0.0, Y, -0.206 * Y])
 
 
-def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it() -> None:
+@pytest.mark.parametrize("b", [0.0, 0.4, 1.0])
+def test_the_eddy_turns_a_line_as_its_velocities_differ_along_it(b: float) -> None:
     eddy = plates().effect("pool_gyre").hooks["water"]
     place, psi, step = np.array([0.7, 1.1]), 0.6, 1e-6
     along, left = np.array([np.cos(psi), np.sin(psi)]), np.array([-np.sin(psi), np.cos(psi)])
-    ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5)[:2]
+    ahead, behind = (eddy(*(place + k * step * along), psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, 0.7)[:2]
                      for k in (1, -1))  # fmt: skip
     turning = (np.subtract(ahead, behind) / (2 * step)) @ left
-    assert eddy(*place, psi, 2.6, 1.6, 0.02, 1.0, 0.5)[2:] == pytest.approx(
+    assert eddy(*place, psi, 2.6, 1.6, 0.02, 1.0, 0.5, b, 0.7)[2:] == pytest.approx(
         (turning, 0.5 * turning), rel=1e-6
     )
 
@@ -393,3 +397,93 @@ def test_water_that_turns_with_the_robot_damps_nothing_and_meets_the_plate_at_it
     w, arm = 0.3, 0.1
     rc, rd, uh, vh = flow(arm, 0.4, 0.0, 0.0, w, 1.0, 0.0, 0.0, 0.0, w, w)[4:8]
     assert (rc, rd, uh, vh) == (0.0, 0.0, 0.0, -arm * w)  # r l itself the paper leaves out
+
+
+@pytest.mark.parametrize(("p", "q", "power"), [(0, 0, 1.0), (1, 0, 1.5), (0, 1, 1.0)])
+def test_yaw_damping_grows_with_its_power_of_the_yaw_rate(p, q, power) -> None:
+    damping, motion = plates().effect("linear_yaw_damping"), np.array([0.3, 0.0, 0.5])
+    slow = call(damping, "force", motion, p=p, q=q)[2]
+    assert slow == pytest.approx(-0.005 * 0.5)
+    fast = call(damping, "force", motion * np.array([1, 1, 2]), p=p, q=q)[2]
+    assert fast == pytest.approx(slow * 2**power)
+    ahead = call(damping, "force", motion * np.array([2, 1, 1]), p=p, q=q)[2]
+    assert ahead == pytest.approx(slow * (1 + q))
+
+
+def test_friction_of_stribeck_is_larger_at_rest_by_its_excess() -> None:
+    friction = plates().effect("coulomb_friction")
+    near, far = (call(friction, "force", np.array([u, 0.0, 0.0]), c=1e-3, s=0.5)[0]
+                 for u in (0.01, 1.0))  # fmt: skip
+    assert far == pytest.approx(-0.02, rel=1e-4)
+    assert near == pytest.approx(-0.02 * (1 + 0.5 * np.exp(-0.01)), rel=0.01)
+
+
+def test_crossflow_drag_that_falls_with_the_reynolds_number_has_the_power_three_halves() -> None:
+    drag = plates().effect("crossflow_drag")
+    low, high = (call(drag, "force", np.array([0.0, v, 0.0]), e=1.0)[1] for v in (0.1, 0.4))
+    assert high == pytest.approx(low * 4**1.5)
+    assert low == pytest.approx(call(drag, "force", np.array([0.0, 0.1, 0.0]))[1])
+
+
+def test_a_trim_moment_of_the_thrust_goes_with_the_beat_alone() -> None:
+    trim = plates().effect("trim_moment")
+    moments = [call(trim, "force", np.array([u, 0.0, 0.0]), w=1.0, f=f)[2]
+               for u, f in ((0.1, 3.5), (0.4, 3.5), (0.4, 7.0))]  # fmt: skip
+    assert moments == pytest.approx(0.045 * 1000 * 0.0083 * 0.001 * np.array([1, 1, 4]))
+
+
+def test_a_head_with_a_wrong_gain_or_play_errs_with_its_angle_or_side() -> None:
+    drive = plates().effect("head_angle_offset").hooks["drive"]
+    angles = np.radians([-35.0, 17.5, 35.0])
+    gain = [drive(a, 0.02, 1.0, 0.0)[0] for a in angles]
+    assert gain == pytest.approx([-0.02, 0.01, 0.02])
+    play = [drive(a, 0.02, 0.0, 1.0)[0] for a in angles]
+    assert play == pytest.approx([-0.02, 0.02, 0.02], rel=2e-3)
+
+
+def test_a_wake_that_fades_counts_by_its_age() -> None:
+    """Two turns at 1.047 rad/s: an age of 6 s; half of that rate and a decay of 1: half of it."""
+    wake, motion = plates().effect("wake_reentry"), np.array([0.3, 0.0, 2 * np.pi / 6])
+    given = {"psi": 4 * np.pi, "n_1": 1.0, "a": 1.0}
+    X = call(wake, "force", motion, **given)[0]
+    assert pytest.approx(0.5 * 1000 * 0.0083 * 0.2 * 0.09) == X
+    assert call(wake, "force", motion * [1, 0, 0.5], **given)[0] == pytest.approx(0.5 * X)
+    assert call(wake, "force", motion, **given, g=0.5)[0] == pytest.approx(1.5 * X)
+    assert call(wake, "force", motion * [0.5, 0, 1], **given, j=1.0)[0] == pytest.approx(0.5 * X)
+
+
+def test_a_robot_that_settles_has_sunk_by_its_first_rate_over_the_settling_rate() -> None:
+    seen = plates().effect("sinking").hooks["observe"]
+    late = seen(20.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1.0)
+    assert late == pytest.approx((-0.002, 0.0, 0.0, 0.0))
+    steady = seen(2.0, 2.3, 0.8, 1.3, 0.8, 0.002, 0.0, 1e-4)
+    assert steady[0] == pytest.approx(-0.004, rel=1e-3)
+
+
+def test_a_sheared_current_vanishes_at_one_wall_and_doubles_at_the_other() -> None:
+    current = plates().effect("uniform_current").hooks["water"]
+    across = [current(3.0, 1.3, y, 2.6, 1.6, 0.01, 0.0, 1.0, 0.0)[0] for y in (0.0, 0.8, 1.6)]
+    assert across == pytest.approx([0.0, 0.01, 0.02])
+    assert current(6.0, 1.3, 0.8, 2.6, 1.6, 0.01, 0.0, 0.0, -1.0)[0] == pytest.approx(0.0)
+
+
+def test_a_vortex_is_fastest_at_its_core_radius() -> None:
+    water = plates().effect("pool_gyre").hooks["water"]
+    speeds = [water(1.3 + r, 0.8, 0.0, 2.6, 1.6, 0.02, 0.0, 0.0, 1.0, 0.4)[1]
+              for r in (0.2, 0.4, 0.8)]  # fmt: skip
+    assert speeds == pytest.approx([0.016, 0.02, 0.016])
+
+
+def test_a_wall_that_sucks_pulls_across_a_robot_beside_it() -> None:
+    wall = plates().effect("wall_effect")
+    given = {"L_pool": 900.0, "W_pool": 900.0, "x": 450.0, "y": 0.1, "s": 0.1, "w": 0.0,
+             "cpsi": 1.0, "spsi": 0.0}  # fmt: skip
+    force = call(wall, "force", np.array([0.3, 0.0, 0.0]), **given, k=1.0, g=0.5, j=0.2)
+    near = 0.5 * 1000 * 0.0083 * np.exp(-1) * 0.09
+    assert pytest.approx((-near, -0.5 * near, -0.02 * near), rel=1e-4) == force
+
+
+def test_a_side_that_damps_more_adds_its_part_of_the_yaw_damping() -> None:
+    side = plates().effect("port_starboard_asymmetry")
+    left, right = (call(side, "force", np.array([0.0, 0.0, r]), n=2.0)[2] for r in (0.5, -0.5))
+    assert left == right == pytest.approx(0.05 * 2.0 * 0.12 * 0.25)

@@ -1,9 +1,10 @@
 """Thrust that falls during a trial.
 
-    dT = -k T (1 - exp(-w t)) / w,  t since the start of the trial
+    dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,  t since the start of the trial, f_1 = 3.5 Hz
 
 The loss is -k t T at first (always, if w = 0) and approaches -k T / w, as a voltage settles under
-load. Thrust goes with f^2, so that a motor log shows half of it as a frequency that falls.
+load; a motor that draws more loses more (e > 0). Thrust goes with f^2, so that a motor log shows
+half of it as a frequency that falls.
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
 ch. 2).
 """
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from ..integrate.branchless import exponential
+from ..integrate.branchless import exponential, power
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -26,6 +27,8 @@ PARAMETERS = (
               symbol="k"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the sag settles",
               spread=0.3, symbol="w"),
+    Parameter("load_exponent", "1", 0.0, 0.0, 3.0, "growth with the flapping frequency",
+              spread=1.0, symbol="e"),
 )  # fmt: skip
 
 
@@ -41,7 +44,8 @@ EVIDENCE = {"frequency_drift": frequency_drift}
 
 
 def thrust(
-    rho: float, A: float, f: float, t: float, C_T: float, k: float, w: float
+    rho: float, A: float, f: float, t: float, C_T: float, k: float, w: float, e: float
 ) -> tuple[float]:
     """Change of thrust (N)."""
-    return (-k * (1.0 - exponential(-w * t)) / w * C_T * 0.5 * rho * A * f * f,)
+    load = power(max(f, 1e-9) / 3.5, e)
+    return (-k * load * (1.0 - exponential(-w * t)) / w * C_T * 0.5 * rho * A * f * f,)

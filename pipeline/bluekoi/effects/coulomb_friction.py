@@ -1,14 +1,18 @@
 """A force against motion that hardly depends on speed.
 
-    F = -F_c v_hat        (smoothed below 0.02 m/s, so that it vanishes at rest)
+    F = -F_c (1 + s exp(-(V / V_s)^2)) v / sqrt(V^2 + c^2),  V_s = 0.1 m/s
 
-Source: own statement (a tether, the floor, or the surface film dragging on a buoyant robot).
+It vanishes at rest, smoothly below the speed c; a large c makes it rise gradually, as V / (V + c)
+does. s is the excess of static over sliding friction (Stribeck).
+Source: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), 1083, sec. 2 (Coulomb
+and Stribeck friction); here a tether, the floor, or the film on the surface.
 """
 
 from __future__ import annotations
 
 import math
 
+from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -17,10 +21,18 @@ VARIABLES = ("speed",)
 STATEMENT = "Something drags on the robot with nearly constant force, whatever its speed."
 REGIME = "lowest speeds: start-up and 50 % power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")
-PARAMETERS = (Parameter("F_c", "N", 0.02, 0.0, 1.0, "force"),)
+PARAMETERS = (
+    Parameter("F_c", "N", 0.02, 0.0, 1.0, "sliding friction"),
+    Parameter("onset_speed", "m/s", 0.02, 0.002, 0.2, "speed up to which it rises",
+              spread=0.03, symbol="c"),
+    Parameter("static_excess", "1", 0.0, 0.0, 3.0, "excess of static over sliding friction",
+              spread=0.5, symbol="s"),
+)  # fmt: skip
 
 
-def force(uc: float, vc: float, V: float, F_c: float) -> tuple[float, float, float]:
+def force(
+    uc: float, vc: float, V: float, F_c: float, c: float, s: float
+) -> tuple[float, float, float]:
     """Surge and sway (N)."""
-    s = -F_c / math.sqrt(V * V + 0.0004)
-    return s * uc, s * vc, 0.0
+    k = -F_c * (1.0 + s * exponential(-100.0 * V * V)) / math.sqrt(V * V + c * c)
+    return k * uc, k * vc, 0.0

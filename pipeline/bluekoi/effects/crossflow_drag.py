@@ -1,15 +1,19 @@
 """Sideways drag along core and tail, strip by strip.
 
-    dY = -1/2 rho C d_x (v + x r) |v + x r| dx,    N = integral x dY
+    dY = -1/2 rho C d_x w ((1 - e) |w| + e (|w| w_1)^(1/2)) dx,  w = v + x r,  w_1 = 0.1 m/s
+    N = integral x dY
 
 over the body from the hinge to the tail base (Gauss points of order 5), and over the tail behind it
 as one strip. The depth of the body goes from (1 + q) times the head's span at the hinge to (1 - q)
 times it at the tail base; the tail is w spans deep.
-Quadratic in the sideways speed: vanishes in straight swimming and without rotation.
+Quadratic in the sideways speed; the part e has the power 3/2, of a drag coefficient that falls with
+the Reynolds number. Vanishes in straight swimming and without rotation.
 Source: Hoerner (1965), ch. 3; Fossen (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
 """
 
 from __future__ import annotations
+
+import math
 
 from ..integrate.system import Parameter
 
@@ -31,25 +35,32 @@ PARAMETERS = (
               spread=0.3, symbol="q"),
     Parameter("tail_depth", "1", 0.0, 0.0, 3.0, "depth of the tail behind its base, in head spans",
               spread=0.5, symbol="w"),
+    Parameter("reynolds_share", "1", 0.0, 0.0, 1.0, "part that grows as the 1.5th power",
+              spread=0.3, symbol="e"),
 )  # fmt: skip
+
+
+def section(w: float, e: float) -> float:
+    """Drag of a section over w, per 1/2 rho C d (m/s)."""
+    return (1.0 - e) * abs(w) + e * math.sqrt(0.1 * abs(w))
 
 
 def force(
     rho: float, span: float, x_hinge: float, x_tail: float, l_tail: float, vc: float, rc: float, C:
-    float, q: float, w: float,
+    float, q: float, w: float, e: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Sway (N) and yaw (N m) from five strips between hinge and tail base, and one behind."""
     middle, half = 0.5 * (x_hinge - x_tail), 0.5 * (x_hinge + x_tail)
     k, ga, gb = -0.5 * rho * C * span * half, 0.9061798459386640, 0.5384693101056831
     xa, xb, xc, xd = middle - ga * half, middle - gb * half, middle + gb * half, middle + ga * half
     va, vb, vm, vd, ve = vc + xa * rc, vc + xb * rc, vc + middle * rc, vc + xc * rc, vc + xd * rc
-    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * abs(va)
-    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * abs(vb)
-    Ym = k * 0.5688888888888889 * vm * abs(vm)
-    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * abs(vd)
-    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * abs(ve)
+    Ya = k * (1.0 - ga * q) * 0.2369268850561891 * va * section(va, e)
+    Yb = k * (1.0 - gb * q) * 0.4786286704993665 * vb * section(vb, e)
+    Ym = k * 0.5688888888888889 * vm * section(vm, e)
+    Yd = k * (1.0 + gb * q) * 0.4786286704993665 * vd * section(vd, e)
+    Ye = k * (1.0 + ga * q) * 0.2369268850561891 * ve * section(ve, e)
     xt = -x_tail - 0.5 * l_tail
     vt = vc + xt * rc
-    Yt = -0.5 * rho * C * span * l_tail * w * vt * abs(vt)
+    Yt = -0.5 * rho * C * span * l_tail * w * vt * section(vt, e)
     N = xa * Ya + xb * Yb + middle * Ym + xc * Yd + xd * Ye + xt * Yt
     return 0.0, Ya + Yb + Ym + Yd + Ye + Yt, N

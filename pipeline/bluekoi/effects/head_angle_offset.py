@@ -1,11 +1,14 @@
 """A head that does not stand at the angle commanded.
 
-    phi = commanded + d
+    phi = commanded + d ((1 - g - b) + g commanded / phi_1 + b sign(commanded)),  phi_1 = 35 deg
 
-Source: own statement (servo horn or push rod set one notch off).
+A constant offset, a gain (the part g) or backlash (the part b), which leaves a turned head short.
+Source: own statement (servo horn or push rod set one notch off; length of the horn; play).
 """
 
 from __future__ import annotations
+
+import math
 
 from ..integrate.system import Parameter
 
@@ -20,9 +23,14 @@ REGIME = "all trials, to one side"
 CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),
+    Parameter("gain_share", "1", 0.0, 0.0, 1.0, "part in proportion to the angle",
+              spread=0.5, tries=(1.0, 0.0), symbol="g"),
+    Parameter("backlash_share", "1", 0.0, 0.0, 1.0, "part that has the sign of the angle",
+              spread=0.5, tries=(0.0, 1.0), symbol="b"),
 )  # fmt: skip
 
 
-def drive(d: float) -> tuple[float, float]:
+def drive(head_angle: float, d: float, g: float, b: float) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    return d, 0.0
+    side = head_angle / math.sqrt(head_angle * head_angle + 1e-4)
+    return d * (1.0 - g - b + g * head_angle / 0.6108652381980153 + b * side), 0.0

@@ -1,12 +1,17 @@
 """Yaw damping in proportion to the yaw rate.
 
-    N = -N_r r
+    N = -N_r r ((1 - p - q) + p (|r| / r_1)^(1/2) + q V / V_1),  r_1 = 0.5 rad/s, V_1 = 0.3 m/s
 
+The part p grows as r^(3/2), as skin friction of a laminar boundary layer on the turning body; the
+part q as V r, as the lift that turning gives to sections of a body that swims ahead.
 Vanishes without rotation; against the quadratic term C_Md it weighs most in slow turns.
-Source: Fossen (2011), sec. 6.4 (linear damping, potential and skin friction).
+Source: Fossen (2011), sec. 6.4 (linear damping, potential and skin friction); Schlichting and
+Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman (1977), sec. 7.9 (lift of a slender body).
 """
 
 from __future__ import annotations
+
+import math
 
 from ..integrate.system import Parameter
 
@@ -19,9 +24,16 @@ STATEMENT = (
 )
 REGIME = "turns; weighs most at low yaw rate and low power"
 CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
-PARAMETERS = (Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 1 rad/s"),)
+PARAMETERS = (
+    Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 0.5 rad/s and 0.3 m/s over 0.5 rad/s"),
+    Parameter("laminar_share", "1", 0.0, 0.0, 1.0, "part that grows as r^1.5",
+              spread=0.3, symbol="p"),
+    Parameter("speed_share", "1", 0.0, 0.0, 1.0, "part that grows as V r",
+              spread=0.3, symbol="q"),
+)  # fmt: skip
 
 
-def force(rc: float, N_r: float) -> tuple[float, float, float]:
+def force(rc: float, V: float, N_r: float, p: float, q: float) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    return 0.0, 0.0, -N_r * rc
+    form = 1.0 + p * (math.sqrt(2.0 * abs(rc)) - 1.0) + q * (V / 0.3 - 1.0)
+    return 0.0, 0.0, -N_r * rc * form

@@ -1,11 +1,12 @@
 """A motor that takes time to reach its speed.
 
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
-    z = max(1 - t / (2 tau), 0),  t since the start
+    z = max(1 - t / (2 tau), 0),  t since the start, 0 during the dead time t_d
 
 w = 0 is a first-order motor. w = 1 is a motor with a controller, which reaches full frequency after
 2 tau: by a linear ramp (q = 0) or a soft start (q = 1). In all these forms the tail is behind a
-motor that starts at once by k tau beats per Hz, which a motor log shows (`motor/start.py`).
+motor that starts at once by k (tau + t_d) beats per Hz, which a motor log shows
+(`motor/start.py`).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """
@@ -32,22 +33,24 @@ PARAMETERS = (
               symbol="w"),
     Parameter("ramp_smoothness", "1", 0.0, 0.0, 1.0, "0: linear ramp, 1: smooth step",
               spread=0.4, symbol="q"),
+    Parameter("dead_time", "s", 0.0, 0.0, 1.0, "time in which the frequency does not rise",
+              spread=0.1, symbol="t_d"),
 )  # fmt: skip
 
 
-def lost_time(k: float, tau: float) -> float:
+def lost_time(k: float, tau: float, t_d: float) -> float:
     """Time (s) that the spin-up costs."""
-    return k * tau
+    return k * (tau + t_d)
 
 
 EVIDENCE = {"lost_time": lost_time}
 
 
 def drive(
-    t: float, t_start: float, flap_hz: float, k: float, tau: float, w: float, q: float
+    t: float, t_start: float, flap_hz: float, k: float, tau: float, w: float, q: float, t_d: float
 ) -> tuple[float, float]:
     """Change of head angle (rad) and flapping frequency (Hz)."""
-    since = max(t - t_start, 0.0)
+    since = max(t - t_start - t_d, 0.0)
     z = max(1.0 - 0.5 * since / tau, 0.0)
     ramp = z + q * (z * z * (3.0 - 2.0 * z) - z)
     return 0.0, -flap_hz * k * ((1.0 - w) * exponential(-since / tau) + w * ramp)

@@ -1,7 +1,14 @@
 """One eddy that fills the pool.
 
 Stream function sin(pi x / L) sin(pi y / W), so that no water crosses the walls; G is the largest
-speed along the long walls. Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4.
+speed along the long walls. The part b is a vortex about the middle of the pool instead, with the
+azimuthal velocity
+
+    v = 2 G (r / a) / (1 + (r / a)^2),  largest at the radius a of its core
+
+which turns as a solid body where a is large. Source: Batchelor, An Introduction to Fluid Dynamics
+(1967), sec. 7.4 (cell); Scully, MIT ASRL TR 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1
+(vortex).
 """
 
 from __future__ import annotations
@@ -27,12 +34,17 @@ PARAMETERS = (
               "share of the water's rotation that acts on core and head", spread=0.4, symbol="g"),
     Parameter("damping_share", "1", 0.2, 0.0, 1.5, "share of it relative to which yaw is damped",
               spread=0.4, symbol="d"),
+    Parameter("vortex_share", "1", 0.0, 0.0, 1.0, "part that is a vortex about the middle",
+              spread=0.5, symbol="b"),
+    Parameter("core_radius", "m", 0.6, 0.15, 3.0, "radius of the vortex's largest speed",
+              spread=0.4, symbol="a"),
 )  # fmt: skip
 
 
 def water(
-    x: float, y: float, psi: float, L_pool: float, W_pool: float, G: float, g: float, d: float
-) -> tuple[float, float, float, float]:
+    x: float, y: float, psi: float, L_pool: float, W_pool: float,
+    G: float, g: float, d: float, b: float, a: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
     """Velocity of the water in the pool frame (m/s) and its turning of a line along psi (rad/s).
 
     The line e = (cos psi, sin psi) with n to its left turns at n . (e . grad) w, of which a body
@@ -43,5 +55,15 @@ def water(
     s, c = sin_cos(psi)
     aspect = W_pool / L_pool
     stretch, up, right = cx * cy / L_pool, sx * sy / W_pool, aspect * sx * sy / L_pool
-    turning = G * math.pi * (s * s * up + c * c * right - 2.0 * s * c * stretch)
-    return G * sx * cy, -G * aspect * cx * sy, g * turning, d * turning
+    cell = math.pi * (s * s * up + c * c * right - 2.0 * s * c * stretch)
+    dx, dy = x - 0.5 * L_pool, y - 0.5 * W_pool
+    e = 1.0 + (dx * dx + dy * dy) / (a * a)
+    rate, along = 2.0 / (a * e), dx * c + dy * s
+    vortex = rate - 2.0 * rate / (a * a * e) * along * along
+    turning = G * (cell + b * (vortex - cell))
+    return (
+        G * (sx * cy + b * (-rate * dy - sx * cy)),
+        G * (-aspect * cx * sy + b * (rate * dx + aspect * cx * sy)),
+        g * turning,
+        d * turning,
+    )

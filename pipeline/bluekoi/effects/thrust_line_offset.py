@@ -3,7 +3,8 @@
     N = T d (sin(phi) + w (phi - sin(phi)))
 
 The head's mass swings to one side with phi, and with it the centre of mass: with sin(phi) about a
-hinge (w = 0); w is the part that grows with phi itself, as of a body that bends along an arc.
+hinge (w = 0); w is the part that grows with phi itself, as of a body that bends along an arc. A
+jet that follows the turned body (sin 2 phi) has a w below 0, up to 45 degrees.
 Vanishes with the head straight. Source: rigid-body statics; MODEL equations place T through the
 centre of mass.
 """
@@ -21,8 +22,8 @@ CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
 PARAMETERS = (
     Parameter("offset", "m", 0.003, -0.05, 0.05,
               "of the line of thrust at a head angle of 90 degrees", symbol="d"),
-    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part that grows with the angle, not its sine",
-              spread=0.4, tries=(0.8,), symbol="w"),
+    Parameter("linear_share", "1", 0.0, -4.0, 4.0, "part that grows with the angle, not its sine",
+              spread=1.5, symbol="w"),
 )  # fmt: skip
 
 

@@ -1,9 +1,10 @@
 """A robot that is not quite symmetric.
 
-    N = 1/2 rho A c V0^2 (V / V0)^(2 p),   V0 = 0.3 m/s
+    N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-p = 1 is an asymmetric hull; a misaligned thrust or tail has a smaller p.
-Vanishes at rest; turns a robot with a straight head, always to the same side.
+p = 1 is an asymmetric hull. The part w goes with the thrust, of which a misaligned tail turns a
+share. Vanishes without motion and beat; turns a robot with a straight head, always to the same
+side.
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """
 
@@ -25,9 +26,14 @@ PARAMETERS = (
               "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),
     Parameter("speed_dependence", "1", 1.0, 0.1, 1.5, "growth with speed squared",
               spread=0.3, symbol="p"),
+    Parameter("thrust_share", "1", 0.0, 0.0, 1.0, "part that goes with the thrust",
+              spread=0.4, symbol="w"),
 )  # fmt: skip
 
 
-def force(rho: float, A: float, V: float, c: float, p: float) -> tuple[float, float, float]:
+def force(
+    rho: float, A: float, f: float, V: float, c: float, p: float, w: float
+) -> tuple[float, float, float]:
     """Yaw moment alone (N m)."""
-    return 0.0, 0.0, 0.045 * rho * A * c * power(max(V, 1e-9) / 0.3, 2.0 * p)
+    hull, beat = power(max(V, 1e-9) / 0.3, 2.0 * p), f / 3.5
+    return 0.0, 0.0, 0.045 * rho * A * c * (hull + w * (beat * beat - hull))

@@ -1,6 +1,10 @@
 """Water that moves evenly through the pool.
 
-    w = (c_x, c_y) everywhere; all forces depend on the velocity relative to it.
+    w = (c_x (1 + a eta), c_y (1 + a xi)) (1 + b (t - 3 s) / 3 s)
+
+All forces depend on the velocity relative to it. xi = 2 x / L - 1 and eta = 2 y / W - 1
+are 0 in the middle of the pool and 1 at its walls: a is the shear across the current. b is how much
+the current grows, or settles, during a trial.
 
 Source: Fossen (2011), sec. 8.3 (relative velocity in an irrotational current).
 """
@@ -22,9 +26,18 @@ STRENGTHS = 2
 PARAMETERS = (
     Parameter("c_x", "m/s", 0.005, -0.3, 0.3, "current along the pool's x"),
     Parameter("c_y", "m/s", 0.005, -0.3, 0.3, "current along the pool's y"),
-)
+    Parameter("shear", "1", 0.0, -1.0, 1.0, "change of the current from the middle to a wall",
+              spread=0.3, symbol="a"),
+    Parameter("growth", "1", 0.0, -1.0, 1.0, "change of the current in 3 s",
+              spread=0.3, symbol="b"),
+)  # fmt: skip
 
 
-def water(c_x: float, c_y: float) -> tuple[float, float, float, float]:
-    """Velocity of the water in the pool frame (m/s); it does not turn (rad/s)."""
-    return c_x, c_y, 0.0, 0.0
+def water(
+    t: float, x: float, y: float, L_pool: float, W_pool: float,
+    c_x: float, c_y: float, a: float, b: float,
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """Velocity of the water in the pool frame (m/s); its turning (rad/s) is left out."""
+    now = 1.0 + b * (t - 3.0) / 3.0
+    xi, eta = 2.0 * x / L_pool - 1.0, 2.0 * y / W_pool - 1.0
+    return now * c_x * (1.0 + a * eta), now * c_y * (1.0 + a * xi), 0.0, 0.0

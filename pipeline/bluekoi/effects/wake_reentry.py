@@ -1,14 +1,17 @@
 """Coming round into its own wake.
 
 After a full circle the robot swims in water that it has set in motion: the drag changes by the
-share -k, smoothly between 0.9 and 1.1 turns. Vanishes in straight runs and short arcs.
-Source: own statement; momentum wake behind a self-propelled body (Tennekes and Lumley, A First
-Course in Turbulence (1972), sec. 4.4).
+share -k, smoothly from n_1 - b/2 to n_1 + b/2 turns, and by g times as much again with each
+further turn. Where the wake fades, it counts by its age 2 pi / |r| as (age / 6 s)^-a. The part j
+acts as moving water does, with the speed and not with its square. Vanishes in straight runs and
+short arcs.
+Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
+self-propelled body) and 4.2 (a wake that fades with its age).
 """
 
 from __future__ import annotations
 
-from ..integrate.branchless import smooth_step
+from ..integrate.branchless import power, smooth_step
 from ..integrate.system import Parameter
 
 KIND = "physics"
@@ -20,13 +23,26 @@ CONFUSED_WITH = ("battery_sag", "sinking")
 PARAMETERS = (
     Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
               "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
+    Parameter("entry_turns", "1", 1.0, 0.7, 1.4, "turns after which it meets its wake",
+              spread=0.1, symbol="n_1"),
+    Parameter("entry_width", "1", 0.2, 0.05, 1.0, "turns over which the change grows",
+              spread=0.2, symbol="b"),
+    Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "further change with each further turn",
+              spread=0.4, symbol="g"),
+    Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "decay of the wake with its age",
+              spread=0.5, symbol="a"),
+    Parameter("linear_share", "1", 0.0, 0.0, 1.0, "part in proportion to the speed",
+              spread=0.5, symbol="j"),
 )  # fmt: skip
 
 
 def force(
-    rho: float, A: float, psi: float, psi0: float, uc: float, vc: float, V: float, k: float
-) -> tuple[float, float, float]:
+    rho: float, A: float, psi: float, psi0: float, uc: float, vc: float, rc: float, V: float,
+    k: float, n_1: float, b: float, g: float, a: float, j: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
     turns = abs(psi - psi0) / 6.283185307179586
-    s = 0.5 * rho * A * k * smooth_step((turns - 0.9) / 0.2) * V
+    entered = smooth_step((turns - n_1) / b + 0.5) * (1.0 + g * max(turns - n_1, 0.0))
+    age = power(max(0.954929658551372 * abs(rc), 1e-3), a)
+    s = 0.5 * rho * A * k * entered * age * (V + j * (0.3 - V))
     return s * uc, s * vc, 0.0

@@ -1,9 +1,12 @@
 """Water held up between the body and a wall.
 
-    D grows by k ((1 - w) exp(-d / s) + w / (1 + (d / s)^2)) for each wall at distance d
+    D grows by k near(d),  near = (1 - w) exp(-d / s) + w / (1 + (d / s)^2), for each wall at d
+    and a force g k near(d) 1/2 rho A V^2 pulls towards it, with the moment that j in place of g
+    has at 0.1 m ahead of the centre of mass
 
 The part w falls with the square of the distance, like the effect of an image behind the wall in two
-dimensions. Vanishes away from walls.
+dimensions; g is the suction of such an image and j what turns the robot towards it. Vanishes away
+from walls.
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
 
@@ -13,7 +16,7 @@ from ..integrate.branchless import exponential
 from ..integrate.system import Parameter
 
 KIND = "physics"
-CHANNELS = ("surge", "sway")
+CHANNELS = ("surge", "sway", "yaw")
 VARIABLES = ("place",)
 STATEMENT = "Close to a wall of the pool the robot is slowed."
 REGIME = "within some 0.3 m of a wall"
@@ -25,21 +28,28 @@ PARAMETERS = (
               spread=0.06, symbol="s"),
     Parameter("wide_share", "1", 0.0, 0.0, 1.0, "part that falls as distance squared",
               spread=0.4, symbol="w"),
+    Parameter("suction_share", "1", 0.0, -5.0, 5.0, "pull towards a wall over the added drag",
+              spread=0.4, symbol="g"),
+    Parameter("moment_share", "1", 0.0, -5.0, 5.0, "moment towards a wall over that of the drag",
+              spread=0.4, symbol="j"),
 )  # fmt: skip
 
 
+def near(d: float, w: float) -> float:
+    """Effect of a wall at the distance d, in decay lengths."""
+    steep = exponential(-d)
+    return steep + w * (1.0 / (1.0 + d * d) - steep)
+
+
 def force(
-    rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, uc: float, vc: float, V:
-    float, k: float, s: float, w: float,
+    rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, cpsi: float, spsi:
+    float, uc: float, vc: float, V: float, k: float, s: float, w: float, g: float, j: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Surge and sway (N)."""
-    left, right = max(x, 0.0) / s, max(L_pool - x, 0.0) / s
-    low, high = max(y, 0.0) / s, max(W_pool - y, 0.0) / s
-    steep = exponential(-left) + exponential(-right) + exponential(-low) + exponential(-high)
-    wide = (
-        1.0 / (1.0 + left * left) + 1.0 / (1.0 + right * right)
-        + 1.0 / (1.0 + low * low) + 1.0 / (1.0 + high * high)
-    )  # fmt: skip
-    near = steep + w * (wide - steep)
-    drag = -0.5 * rho * A * k * near * V
-    return drag * uc, drag * vc, 0.0
+    """Surge and sway (N) and yaw (N m)."""
+    left, right = near(max(x, 0.0) / s, w), near(max(L_pool - x, 0.0) / s, w)
+    low, high = near(max(y, 0.0) / s, w), near(max(W_pool - y, 0.0) / s, w)
+    q = 0.5 * rho * A * k * V
+    drag = -q * (left + right + low + high)
+    px, py = q * V * (right - left), q * V * (high - low)
+    ahead, across = px * cpsi + py * spsi, py * cpsi - px * spsi
+    return drag * uc + g * ahead, drag * vc + g * across, 0.1 * j * across

@@ -1,8 +1,10 @@
 """Drag of the waves that a robot close to the surface makes.
 
-    D = -k V^4 ((1 - w) + w (V / V_1)^2) v_hat,  V_1 = 0.4 m/s
+    D = -k V^4 ((1 - w) + w (V / V_1)^2) (1 + g R(V)) v_hat,  V_1 = 0.4 m/s
+    R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2
 
-It rises faster than speed squared below the hull speed; w is the part that grows as V^6. The part h
+It rises faster than speed squared below the hull speed; w is the part that grows as V^6. Waves of
+bow and stern that reinforce each other give it a hump at the speed V_c, of the height g. The part h
 acts at the head plate, a distance l ahead of the centre of mass, the rest at the centre of mass.
 
 Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
@@ -28,12 +30,17 @@ PARAMETERS = (
               spread=0.4, tries=(0.8,), symbol="w"),
     Parameter("head_share", "1", 0.0, 0.0, 1.0, "part of it that acts at the head",
               spread=0.5, symbol="h"),
+    Parameter("hump_height", "1", 0.0, -0.8, 5.0, "further drag at the hump",
+              spread=0.5, symbol="g"),
+    Parameter("hump_speed", "m/s", 0.4, 0.1, 1.0, "speed of the hump", spread=0.1, symbol="V_c"),
 )  # fmt: skip
 
 
 def force(
-    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float
+    l: float, uc: float, vc: float, V: float, k: float, w: float, h: float, g: float, V_c: float
 ) -> tuple[float, float, float]:
     """Surge and sway (N) and yaw (N m)."""
-    s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V)
+    z = (V - V_c) / 0.08
+    e = 1.0 + z * z
+    s = -k * V * V * V * ((1.0 - w) + 6.25 * w * V * V) * (1.0 + g / (e * e))
     return s * uc, s * vc, h * l * s * vc

@@ -176,19 +176,23 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     return own_noise(problem, plain, most=2)
 
 
-def own_noise(problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS) -> FittedSet:
+def own_noise(
+    problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS, two_starts: bool = True
+) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Two starting points, random forces as estimated before and small ones under which the numbers
     are fitted anew: what a law explains must not stay random, and the numbers that were fitted
-    beside large random forces may leave it random. With a single round, the likelier noise alone.
+    beside large random forces may leave it random. With a single round, the likelier noise alone;
+    two_starts False: of a set whose second start has been tried, the first alone.
     """
     if most == 1:
         points = _points(problem, model)
         start = _likelier(problem, points, (model.noise, quiet(problem, model.noise)))
         return _round(problem, model, start, near=start is model.noise)
     best = model
-    for k, begin in enumerate((model, _beneath(problem, model))):
+    begins = (model, _beneath(problem, model)) if two_starts else (model,)
+    for k, begin in enumerate(begins):
         first = _round(problem, begin, begin.noise, near=k == 0)
         best = max(best, first, key=lambda m: m.log_likelihood)
     for _ in range(most - 1):

@@ -32,8 +32,8 @@ REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
-CLOSE = 40.0
-"""Sets e^40 times less probable than the best are not fitted further: noise estimated in one round
+CLOSE = 20.0
+"""Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
 costs a set up to that much."""
 QUIET_REFITS = 2
 """How many are refitted that would be most probable if random forces were small."""
@@ -152,7 +152,7 @@ def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
                    free=model.fit.free, discrepancy=left)  # fmt: skip
     if not again.usable:
         return scored
-    other = score(problem, own_noise(problem, again))
+    other = score(problem, own_noise(problem, again, two_starts=False))
     return max(scored, other, key=lambda s: s.log_posterior)
 
 
@@ -259,7 +259,7 @@ def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
                    free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
     if again.log_likelihood <= model.log_likelihood:
         return
-    other = with_discrepancy(problem, score(problem, own_noise(problem, again)))
+    other = score(problem, own_noise(problem, again, two_starts=False))
     if other.log_posterior > scored.log_posterior:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)

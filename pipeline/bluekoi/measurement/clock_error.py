@@ -1,6 +1,7 @@
 """A wrong frame rate.
 
-True time runs (1 + k) times as fast as the recording's time.
+True time runs 1 + k (1 + d (t - 3 s) / 3 s) times as fast as the recording's time t; d is the drift
+of an unsteady clock.
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """
 
@@ -17,9 +18,11 @@ EVIDENCE = {"clock_ratio": {"rate_error": 1.0}}
 PARAMETERS = (
     Parameter("rate_error", "1", 0.01, -0.6, 1.5, "share by which true time runs faster",
               symbol="k"),
+    Parameter("drift", "1", 0.0, -1.0, 1.0, "change of the error in 3 s, as a share of it",
+              spread=0.2, symbol="d"),
 )  # fmt: skip
 
 
-def clock(k: float) -> tuple[float]:
+def clock(t: float, k: float, d: float) -> tuple[float]:
     """Change of the rate of true time."""
-    return (k,)
+    return (k * (1.0 + d * (t - 3.0) / 3.0),)

@@ -1,7 +1,8 @@
 """A wrong scale from pixels to metres.
 
-    seen = c + (1 + k) (true - c), c the middle of the pool
+    seen - c = ((1 + k (1 + a)) x, (1 + k (1 - a)) y),  x, y = true - c, c the middle of the pool
 
+a is 1 or -1 where one side of the pool alone was stated wrong.
 If a detector places keypoints at stated lengths behind the nose, the error applies to the nose. It
 lies the distance `ahead` in front of the core's centre.
 Source: own statement (pool dimensions or corner marks wrong).
@@ -20,13 +21,15 @@ EVIDENCE = {"scale": {"length_error": 1.0}}
 PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),
+    Parameter("axis_difference", "1", 0.0, -1.0, 1.0, "how much more along x than along y",
+              spread=0.4, tries=(1.0, -1.0), symbol="a"),
 )  # fmt: skip
 
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, L_pool: float, W_pool: float, ahead: float,
-    k: float,
+    k: float, a: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad)."""
     dx, dy = x + ahead * cpsi - 0.5 * L_pool, y + ahead * spsi - 0.5 * W_pool
-    return k * dx, k * dy, 0.0, 0.0
+    return k * (1.0 + a) * dx, k * (1.0 - a) * dy, 0.0, 0.0

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal
 
-from bluekoi.engine import Priors, Problem, candidates_of, posterior, search
+from bluekoi.engine import (
+    Posterior,
+    Priors,
+    Problem,
+    candidates_of,
+    fitted,
+    named_causes,
+    posterior,
+    search,
+)
 from bluekoi.engine.evidence import Layout, laplace
+from bluekoi.engine.search import score
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
@@ -204,3 +215,45 @@ def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() ->
     logs = np.array([s.log_posterior for s in found.sets])
     plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
     assert found.probability.max() <= plain.max() + 0.05
+
+
+def found_with(*sets: tuple[tuple[str, ...], float]) -> Posterior:
+    """A posterior with these sets of causes and their probabilities."""
+    models = [SimpleNamespace(causes=c, model=SimpleNamespace(key=frozenset(c))) for c, _ in sets]
+    names = {n for c, _ in sets for n in c}
+    inclusion = {n: sum(p for c, p in sets if n in c) for n in names}
+    return Posterior(tuple(models), np.array([p for _, p in sets]), inclusion)
+
+
+ANY = {n: SimpleNamespace(is_residual=n == "residual.u")
+       for n in ("fin", "lag", "mass", "residual.u")}  # fmt: skip
+
+
+def test_a_cause_less_probable_than_not_is_not_named() -> None:
+    found = found_with((("fin", "lag"), 0.4), (("fin", "mass"), 0.3), (("fin",), 0.3))
+    named, unexplained = named_causes(found, ANY)
+    assert [c.name for c in named] == ["fin"]
+    assert unexplained == 0.0
+
+
+def test_one_of_two_causes_that_surely_act_in_one_place_is_named_with_the_other() -> None:
+    found = found_with((("fin", "lag"), 0.49), (("fin", "mass"), 0.46), (("fin",), 0.05))
+    lag = next(c for c in named_causes(found, ANY)[0] if c.name == "lag")
+    assert (lag.probability, dict(lag.alternatives)) == (0.49, {"mass": 0.46})
+    assert lag.credible_set == ["lag", "mass"]
+
+
+def test_a_force_that_no_candidate_describes_leaves_its_place_unnamed() -> None:
+    found = found_with((("fin", "residual.u"), 0.8), (("fin", "lag"), 0.2))
+    named, unexplained = named_causes(found, ANY)
+    assert [c.name for c in named] == ["fin"]
+    assert unexplained == pytest.approx(0.8)
+
+
+def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
+    """A fit that is not converged has a lower joint density, whatever it extrapolates."""
+    whole = problem(driven(0.3, 0.0))
+    good = search(whole).sets[frozenset({"quadratic_drag"})]
+    start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
+    poor = score(whole, fitted(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
+    assert good.log_joint > poor.log_joint + 5.0

@@ -6,7 +6,7 @@ refit       nonlinear fits of a set of causes with its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
 evidence    marginal likelihood of a set of causes
 search      which sets are worth a fit
-posterior   probabilities of sets and causes, bagged over trials
+posterior   probabilities of sets and causes, averaged over samples of trials
 naming      what is named, and what may act in its place
 """
 

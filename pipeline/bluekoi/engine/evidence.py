@@ -140,15 +140,16 @@ def _further_columns(
 
 
 def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candidate) -> float:
-    """Size of the strength of a cause that is not in the expanded set: one Newton step, within a
-    tenth and ten times its plausible magnitude.
+    """Size of the strength of a cause that is not in the expanded set: one Newton step, within once
+    and ten times its plausible magnitude. A law of another form than the leading one may have no
+    strength at the leading one; its forms must not be scaled to nothing with it.
     """
     columns = [*range(len(expansion.own)), expansion.strengths[candidate.name][0]]
     H = expansion.hessian.sum(axis=0)[np.ix_(columns, columns)]
     g = expansion.gradient.sum(axis=0)[columns]
     step = np.linalg.lstsq(H + 1e-9 * np.diag(np.diag(H)), g, rcond=1e-12)[0][-1]
     size = float(plausible_sizes(problem, candidate.name)[0])
-    return float(np.clip(abs(step), 0.1 * size, 10.0 * size))
+    return float(np.clip(abs(step), size, 10.0 * size))
 
 
 def plausible_sizes(problem: Problem, cause: str) -> Float:
@@ -203,12 +204,11 @@ def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
     return bool((value <= p.lower and g <= 0) or (value >= p.upper and g >= 0))
 
 
-def log_evidence(expansion: Expansion, lay: Layout, weights: Float | None = None) -> float:
-    """Log m(S) of a set; weights (trials,): how often each trial counts (a bootstrap sample)."""
-    w = np.ones(len(expansion.log_likelihood)) if weights is None else weights
-    H = np.tensordot(w, expansion.hessian, 1)[np.ix_(lay.columns, lay.columns)]
-    g = (w @ expansion.gradient)[lay.columns]
-    return float(w @ expansion.log_likelihood) + laplace(H, g, lay)
+def log_evidence(expansion: Expansion, lay: Layout) -> float:
+    """Log m(S) of a set."""
+    H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
+    g = expansion.gradient.sum(axis=0)[lay.columns]
+    return float(expansion.log_likelihood.sum()) + laplace(H, g, lay)
 
 
 def laplace(H: Float, g: Float, lay: Layout) -> float:

@@ -10,9 +10,11 @@ from .posterior import Posterior
 from .search import Scored
 
 NAMED = 0.5
-"""A cause is named where it is more probable than not."""
+"""A cause is named where it is more probable than not (the median probability model: Barbieri and
+Berger, Ann. Statist. 32 (2004), 870)."""
 CREDIBLE = 0.9
-"""Probability that a credible set holds the cause."""
+"""Probability that a credible set holds the cause, and from which one of several alternatives is
+taken to act."""
 UNEXPLAINED = "unexplained"
 
 
@@ -42,8 +44,8 @@ def named_causes(
 ) -> tuple[list[Named], float]:
     """Causes that are probably there, and the probability of an unlisted force.
 
-    A place of the most probable set is filled where it is more probable than not that its cause, or
-    another in its place, acts; it bears the name of the most probable of them.
+    A place of the most probable set has the name of the most probable cause that may fill it: where
+    that one is more probable than not, or where it is `CREDIBLE` that one of them acts.
     """
     residual = {n for n, c in candidates.items() if c.is_residual}
     pairs = list(zip(found.sets, found.probability, strict=True))
@@ -54,8 +56,10 @@ def named_causes(
         taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
         listed = {n: q for n, q in place.items() if n not in residual}
         unlisted = sum(q for n, q in place.items() if n in residual)
-        if taken > NAMED and listed and unlisted <= NAMED:
-            leader = max(listed, key=lambda n: listed[n])
+        if not listed or unlisted > NAMED:
+            continue
+        leader = max(listed, key=lambda n: listed[n])
+        if found.inclusion[leader] > NAMED or taken > CREDIBLE:
             others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
             out.append(Named(leader, found.inclusion[leader], others))
     names = {c.name for c in out}

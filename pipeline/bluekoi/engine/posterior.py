@@ -1,14 +1,14 @@
 """Posterior probabilities of causes: sets weighted by evidence, averaged over resampled trials.
 
-Where no set of candidates is exactly right, the ratio of two sets' evidences hangs on which trials
-happened to be filmed. Bagging over trials (Huggins and Miller, Bayesian Anal. 18 (2023), 79)
-averages the posterior over bootstrap samples of the trials, so that a probability near 1 stands
-only where any sample of trials gives it.
+Where no set of candidates is exactly right, the ratio of two sets' evidences depends on which
+trials were filmed. As in pseudo-BMA+ (Yao, Vehtari, Simpson and Gelman, Bayesian Anal. 13 (2018),
+917), the weights are averaged over a Bayesian bootstrap (Rubin 1981) of the trials' contributions
+l_t to the log likelihood at the fit, so that a probability near 1 stands only where any sample of
+trials gives it:
 
-Where the numbers of the most probable set vary between trials c times more (in variance) than their
-standard errors allow, trials carry 1/c of the information that the likelihood says, and the
-likelihood may count to the power 1/c (Rao and Scott, J. Am. Statist. Assoc. 76 (1981), 221;
-Bissiri, Holmes and Walker, J. R. Statist. Soc. B 78 (2016), 1103).
+    log m_w(S) = log m(S) + sum_t (w_t - 1) l_t(S),   w ~ n Dirichlet(1, ..., 1)
+
+The numbers of a set are not fitted to each sample: a set whose trials disagree would gain by it.
 """
 
 from __future__ import annotations
@@ -19,21 +19,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from .evidence import log_evidence, log_prior
 from .problem import Problem
 from .search import Scored
 
-DRAWS = 100
-"""Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 100)^1/2 =
-0.05.
+DRAWS = 1000
+"""Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 1000)^1/2 =
+0.016.
 """
 SEED = 20240517
 """The same samples in each run, so that the same recordings give the same verdict."""
+IMPOSSIBLE = 200.0
+"""Sets e^200 times less probable than the best are left out."""
 
 
 @dataclass(frozen=True)
 class Posterior:
-    """Probabilities (sets,) of the sets, bagged, and of each candidate."""
+    """Probabilities (sets,) of the sets, averaged over samples of trials, and of each candidate."""
 
     sets: tuple[Scored, ...]
     probability: Float
@@ -45,25 +46,15 @@ class Posterior:
         return self.sets[int(np.argmax(self.probability))]
 
 
-def posterior(
-    problem: Problem, sets: Sequence[Scored], draws: int = DRAWS, *, discounted: bool = False
-) -> Posterior:
-    """`Posterior` over the fitted sets.
-
-    discounted: whether the likelihood counts to the power 1/c where trials disagree; with a handful
-    of trials, c is not known well enough.
-    """
+def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> Posterior:
+    """`Posterior` over the fitted sets."""
     useful = [s for s in sets if np.isfinite(s.log_posterior)]
     best = max(s.log_posterior for s in useful)
-    useful = [s for s in useful if s.log_posterior > best - 200.0]
+    useful = [s for s in useful if s.log_posterior > best - IMPOSSIBLE]
     n = len(problem.series)
-    rng = np.random.default_rng(SEED)
-    excess = max(1.0, max(useful, key=lambda s: s.log_posterior).overdispersion)
-    excess = excess if discounted else 1.0
-    weights = rng.multinomial(n, np.full(n, 1.0 / n), size=draws) / excess
-    prior = np.array([log_prior(problem, s.causes) for s in useful])
-    logs = np.array([[log_evidence(s.expansion, s.layout, w) for s in useful] for w in weights])
-    logs = np.nan_to_num(logs, nan=-np.inf) + prior
+    weights = n * np.random.default_rng(SEED).dirichlet(np.ones(n), size=draws)
+    trials = np.array([s.expansion.log_likelihood for s in useful])  # (sets, trials)
+    logs = np.array([s.log_posterior for s in useful]) + (weights - 1.0) @ trials.T
     share = np.exp(logs - logs.max(axis=1, keepdims=True))
     share /= share.sum(axis=1, keepdims=True)
     probability = share.mean(axis=0)

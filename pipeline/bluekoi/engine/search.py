@@ -60,6 +60,16 @@ class Scored:
         return self.model.causes
 
     @property
+    def log_joint(self) -> float:
+        """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
+        compared by it, since evidence extrapolated from a poor fit is uncertain.
+        """
+        own = self.layout.gaussian & ~self.layout.included
+        prior = 0.5 * float(self.layout.precision[own] @ self.layout.at[own] ** 2)
+        value = self.model.log_likelihood - prior
+        return value if np.isfinite(self.log_posterior) else -np.inf
+
+    @property
     def overdispersion(self) -> float:
         """Mean generalised design effect tr(H C) / p of the set's numbers (Rao and Scott 1981): how
         many times more they vary between trials than one Fisher matrix H says; C is HC2.
@@ -109,7 +119,7 @@ class Visited:
         if not model.usable:
             return before
         found = score(self.problem, own_noise(self.problem, model, most=1))
-        if before is None or found.log_posterior > before.log_posterior:
+        if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
             self.full.pop(key, None)
             self.converged.discard(key)
@@ -140,7 +150,7 @@ class Visited:
 
 def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
     """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
-    that makes it more probable: such a remainder is not random.
+    that fits better: such a remainder is not random.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
@@ -153,7 +163,7 @@ def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
     if not again.usable:
         return scored
     other = score(problem, own_noise(problem, again, two_starts=False))
-    return max(scored, other, key=lambda s: s.log_posterior)
+    return max(scored, other, key=lambda s: s.log_joint)
 
 
 def score(problem: Problem, model: FittedSet) -> Scored:
@@ -249,7 +259,7 @@ def _share_noise(visited: Visited) -> None:
 
 
 def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
-    """Keep the refit of a set from another's noise where that makes it more probable."""
+    """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
     causes = [problem.by_name[c] for c in model.causes]
     covered = {f.label for c in problem.candidates if any(problem.covers(own, c) for own in causes)
@@ -260,7 +270,7 @@ def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
     if again.log_likelihood <= model.log_likelihood:
         return
     other = score(problem, own_noise(problem, again, two_starts=False))
-    if other.log_posterior > scored.log_posterior:
+    if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)
 

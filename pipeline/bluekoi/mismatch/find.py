@@ -115,7 +115,7 @@ def find_mismatch(
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
     visited = search(problem, baseline.fit.by_label())
     problem = visited.problem
-    found = posterior(problem, list(visited.sets.values()), discounted=True)
+    found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
     final = without_discrepancy(replace(problem, series=tuple(train)), best.model)

@@ -84,7 +84,7 @@ MEASUREMENT = [
         "stated",
         "m",
         (),
-        [("depth", fa.refraction_depth, 4e-3, 0.2), ("both", fa.refraction_both, 3e-3, 0.15)],
+        [("depth", fa.refraction_depth, 4e-3, 0.085), ("both", fa.refraction_both, 3e-3, 0.08)],
     ),
     *_forms(
         "uncorrected_refraction", "stated", "1", (), [("index", fa.refraction_index, 0.01, 0.249)]

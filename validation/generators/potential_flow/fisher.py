@@ -136,14 +136,16 @@ def _columns(run: Run, motion: Motion, many: Lanes, trial: int, said) -> tuple[n
 
 
 def _without(shared: np.ndarray, own: np.ndarray, priors: np.ndarray) -> np.ndarray:
-    """The study's columns after projecting out the trial's own, whose priors are 0 or 1."""
+    """Information of the study's columns after projecting out the trial's own (priors 0 or 1).
+
+    [own shared] = Q R; what is left of the shared columns has the lower right block of R.
+    """
     own = np.concatenate([own, np.diag(priors)])
     own = own / (np.linalg.norm(own, axis=0) + 1e-300)
     shared = np.concatenate([shared, np.zeros((len(priors), shared.shape[1]))])
-    Q = np.linalg.qr(own)[0]
-    for _ in range(2):
-        shared = shared - Q @ (Q.T @ shared)
-    return shared
+    R = np.linalg.qr(np.concatenate([own, shared], axis=1), mode="r")
+    rest = R[own.shape[1] :, own.shape[1] :]
+    return rest.T @ rest
 
 
 def information(run: Run) -> tuple[np.ndarray, int]:
@@ -161,8 +163,7 @@ def information(run: Run) -> tuple[np.ndarray, int]:
         priors[:6] = 0
         if not run.logged:
             priors[-1] = 0
-        part = _without(shared, own, priors)
-        total = total + part.T @ part
+        total = total + _without(shared, own, priors)
     labels = slice(study, study + 2 * SEEN)
     total[labels, labels] += np.eye(2 * SEEN)
     strengths = slice(6, study)

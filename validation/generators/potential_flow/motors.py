@@ -4,36 +4,37 @@ from __future__ import annotations
 
 import numpy as np
 
-# Servo: the head angle (rad) in time after a command at t = 0; k in s.
+# Servo: the head angle (rad) in time. The command comes shortly before the motor starts, so that
+# the share k of the angle is still to come at t = 0.
 
 
-def servo_first(s, k, _):
-    """Angle phi (1 - e^(-t/k))."""
-    return s.command * (1 - np.exp(-s.t / k))
+def servo_first(s, k, p):
+    """Angle phi (1 - k e^(-t/tau))."""
+    return s.command * (1 - k * np.exp(-s.t / p["tau"]))
 
 
-def servo_second(s, k, _):
-    """Angle phi (1 - (1 + t/k) e^(-t/k)): second order, critically damped."""
-    return s.command * (1 - (1 + s.t / k) * np.exp(-s.t / k))
+def servo_second(s, k, p):
+    """Angle phi (1 - k (1 + t/tau) e^(-t/tau)): second order, critically damped."""
+    return s.command * (1 - k * (1 + s.t / p["tau"]) * np.exp(-s.t / p["tau"]))
 
 
 def servo_underdamped(s, k, p):
-    """Second order with damping ratio z: 1 - e^(-z t/k) (cos + z/sqrt(1 - z^2) sin)."""
+    """Second order with damping ratio z: 1 - k e^(-z t/tau) (cos + z/sqrt(1 - z^2) sin)."""
     z = p["damping"]
-    wave = np.sqrt(1 - z**2) * s.t / k
+    wave = np.sqrt(1 - z**2) * s.t / p["tau"]
     ring = np.cos(wave) + z / np.sqrt(1 - z**2) * np.sin(wave)
-    return s.command * (1 - np.exp(-z * s.t / k) * ring)
+    return s.command * (1 - k * np.exp(-z * s.t / p["tau"]) * ring)
 
 
-def servo_rate(s, k, _):
-    """A constant rate that reaches 45 degrees in the time k."""
-    rate = np.pi / 4 / k
-    return np.sign(s.command) * np.minimum(np.abs(s.command), rate * s.t)
+def servo_rate(s, k, p):
+    """The share k comes at a constant rate within the time 2 tau."""
+    return s.command * (1 - k * np.maximum(1 - s.t / (2 * p["tau"]), 0))
 
 
-def servo_dead_time(s, k, _):
-    """Nothing for 0.6 k, then first order with 0.4 k."""
-    return s.command * (1 - np.exp(-np.maximum(s.t - 0.6 * k, 0) / (0.4 * k)))
+def servo_dead_time(s, k, p):
+    """The share k waits for tau, then comes as first order with tau/2."""
+    late = np.maximum(s.t - p["tau"], 0) / (0.5 * p["tau"])
+    return s.command * (1 - k * np.exp(-late))
 
 
 def offset_constant(s, k, _):

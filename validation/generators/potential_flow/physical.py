@@ -11,6 +11,7 @@ from .form import forms as _forms
 SWAY_YAW = ("sway", "yaw")
 ALL = ("surge", "sway", "yaw")
 
+DELAY = {"tau": (0.15, 0.5)}
 BEARING = {"bearing": (0.0, 6.28)}
 TURN = {"turn": (1.5, 2.6)}
 STALL = {"onset": (0.05, 0.09), "width": (0.008, 0.02)}
@@ -183,14 +184,14 @@ MOTION = [
     *_forms(
         "servo_lag",
         "servo",
-        "s",
+        "1",
         SWAY_YAW,
         [
-            ("first_order", motors.servo_first, 2e-3, 0.8),
-            ("second_order", motors.servo_second, 2e-3, 0.5),
-            ("underdamped", motors.servo_underdamped, 2e-3, 0.4, {"damping": (0.3, 0.7)}),
-            ("rate_limit", motors.servo_rate, 4e-3, 1.2),
-            ("dead_time", motors.servo_dead_time, 4e-3, 0.8),
+            ("first_order", motors.servo_first, 2e-3, 1.0, DELAY),
+            ("second_order", motors.servo_second, 2e-3, 1.0, DELAY),
+            ("underdamped", motors.servo_underdamped, 2e-3, 1.0, {**DELAY, "damping": (0.3, 0.7)}),
+            ("rate_limit", motors.servo_rate, 2e-3, 1.0, DELAY),
+            ("dead_time", motors.servo_dead_time, 2e-3, 1.0, DELAY),
         ],
     ),
     *_forms(

@@ -93,6 +93,8 @@ def _setup(
     rng: np.random.Generator, what: Kind, fin: bool, hidden: list[Hidden]
 ) -> tuple[Run, np.ndarray]:
     craft, few = draw_craft(rng), what.few
+    if any(h.form.cause == "uncorrected_refraction" for h in hidden):
+        craft = replace(craft, depth=round(rng.uniform(0.09, 0.16), 3))
     pool = tuple(np.round((rng.uniform(3.4, 5.0), rng.uniform(2.2, 3.0), rng.uniform(0.3, 0.6)), 2))
     laws = []
     if fin:
@@ -160,25 +162,28 @@ def _fit(
     rows = sorted(loose) + ([len(run.world.laws)] if run.fault else [])
     forms = [h.form for h in run.world.laws] + ([run.fault.form] if run.fault else [])
     low, high = (np.array([getattr(f, end) for f in forms]) for end in ("low", "high"))
-    placed_once = False
-    for _ in range(8):
+    below, above = np.zeros(len(forms)), np.full(len(forms), np.inf)
+    for step in range(9):
         try:
-            run = _framed(run, wanted) if placed_once else _placed(run, rng, wanted)
+            run = _framed(run, wanted) if step else _placed(run, rng, wanted)
         except Unfit:
             run = _placed(run, rng, wanted)
-        placed_once = True
         found = sigmas(run)
         if all(FAINT * 1.05 < found[i] < CLEAR * 0.95 for i in rows):
             return run, found
+        k = _strengths(run)
+        faint = np.zeros(len(forms), dtype=bool)
         change = np.ones(len(forms))
         change[rows] = np.clip(targets / np.maximum(found[rows], 1e-3), 0.05, 6.0)
-        k = _strengths(run)
-        if any(
-            (change[i] > 1.05 and k[i] >= high[i]) or (change[i] < 0.95 and k[i] <= low[i])
-            for i in rows
-        ):
+        faint[rows] = change[rows] > 1
+        below[faint], above[~faint] = k[faint], k[~faint]
+        new = np.clip(k * change, low, high)
+        between = (below > 0) & np.isfinite(above) & ((new <= below) | (new >= above))
+        new[between] = np.sqrt(below * above)[between]
+        fixed = np.setdiff1d(np.arange(len(forms)), rows)
+        new[fixed] = k[fixed]
+        if any(new[i] == k[i] and not FAINT < found[i] < CLEAR for i in rows):
             raise Unfit("too faint or too clear at any strength of the range")
-        new = np.where(change == 1, k, np.clip(k * change, low, high))
         run = _with(run, new)
     raise Unfit("strengths do not settle")
 

@@ -52,9 +52,10 @@ class Hidden:
 
 
 def draw(rng: np.random.Generator, form: Form) -> Hidden:
-    """The form with parameters drawn evenly and the geometric mean of its strengths."""
+    """The form with parameters drawn evenly, strength within e^0.9 of its range's middle."""
     parameters = {name: float(rng.uniform(*ends)) for name, ends in form.ranges.items()}
-    return Hidden(form, float(np.sqrt(form.low * form.high)), parameters)
+    strength = np.sqrt(form.low * form.high) * np.exp(rng.uniform(-0.9, 0.9))
+    return Hidden(form, float(np.clip(strength, form.low, form.high)), parameters)
 
 
 def forms(cause, stage, unit, channels, rows):

@@ -20,7 +20,7 @@ configfile: Path(workflow.basedir) / "config/default.yaml"
 plan = begin_run(workflow, config, Path(workflow.basedir) / "config/schema.yaml")
 R = plan.results
 LOGS = R / "logs"
-AT = plan.options
+AT = plan.stage_options
 ENV = "config/environment.yaml"
 progress = follow(workflow, R / "report.html")
 shell.prefix(shell_prefix(workflow))
@@ -39,7 +39,7 @@ localrules:
 
 rule all:
     input:
-        plan.goals(),
+        plan.targets(),
         R / "outcome.json",
 
 
@@ -51,17 +51,17 @@ if plan.is_demo:
             motor=plan.folder / "motor/{trial}.csv",
         conda: ENV
         log: LOGS / "demo/{trial}.log"
-        params: at=AT, code=plan.code("demo"),
+        params: at=AT, code=plan.code_fingerprint("demo"),
         resources: mem_mb=900, runtime=20,
         shell: "python3 -P -m bluekoi stage demo {params.at} --trial {wildcards.trial} --threads {threads} &> {log:q}"
 
 
 rule keypoints:
-    input: plan.rendered,
+    input: plan.demo_files,
     output: R / "status/batches/keypoints-{batch}",
     conda: ENV
     log: LOGS / "keypoints/{batch}.log"
-    params: at=AT, code=plan.code("keypoints"), trials=plan.batch_of("keypoints"),
+    params: at=AT, code=plan.code_fingerprint("keypoints"), trials=plan.batch_options("keypoints"),
     resources: mem_mb=900, runtime=60,
     shell: "python3 -P -m bluekoi stage keypoints {params.at} --code {params.code} {params.trials} --threads {threads} --done {output:q} &> {log:q}"
 
@@ -71,17 +71,17 @@ rule geometry:
     output: R / "geometry.json",
     conda: ENV
     log: LOGS / "geometry.log"
-    params: at=AT, code=plan.code("geometry"), settings=plan.distances(),
+    params: at=AT, code=plan.code_fingerprint("geometry"), settings=plan.geometry_fingerprint(),
     resources: mem_mb=900, runtime=20,
     shell: "python3 -P -m bluekoi stage geometry {params.at} &> {log:q}"
 
 
 rule tracks:
-    input: plan.detected, plan.depth(),
+    input: plan.keypoints_marker, plan.depth_file(),
     output: R / "status/batches/tracks-{batch}",
     conda: ENV
     log: LOGS / "tracks/{batch}.log"
-    params: at=AT, code=plan.code("tracks"), trials=plan.batch_of("tracks"),
+    params: at=AT, code=plan.code_fingerprint("tracks"), trials=plan.batch_options("tracks"),
     resources: mem_mb=600, runtime=20,
     shell: "python3 -P -m bluekoi stage tracks {params.at} --code {params.code} {params.trials} --done {output:q} &> {log:q}"
 
@@ -91,7 +91,7 @@ rule steady:
     output: report(R / "steady.csv", "config/captions/steady.rst", "Tables"),
     conda: ENV
     log: LOGS / "steady.log"
-    params: at=AT, code=plan.code("steady"), trials=plan.trials,
+    params: at=AT, code=plan.code_fingerprint("steady"), trials=plan.trials,
     resources: mem_mb=400, runtime=5,
     shell: "python3 -P -m bluekoi stage steady {params.at} &> {log:q}"
 
@@ -104,7 +104,7 @@ rule tuning:
         report(R / "table2.csv", "config/captions/table2.rst", "Tables"),
     conda: ENV
     log: LOGS / "tuning.log"
-    params: at=AT, code=plan.code("tuning"), settings=plan.fit(),
+    params: at=AT, code=plan.code_fingerprint("tuning"), settings=plan.fit_fingerprint(),
     threads: 1  # takes what cores are idle: the other fit may run beside it
     resources: mem_mb=plan.memory_mb(800, 1), runtime=60,
     shell: "python3 -P -m bluekoi stage tuning {params.at} &> {log:q}"
@@ -115,31 +115,31 @@ rule mismatch:
     output: R / "mismatch.json", R / "mismatch_detail.json",
     conda: ENV
     log: LOGS / "mismatch.log"
-    params: at=AT, code=plan.code("mismatch"), settings=plan.fit(),
+    params: at=AT, code=plan.code_fingerprint("mismatch"), settings=plan.fit_fingerprint(),
     threads: 1  # takes what cores are idle: the other fit may run beside it
     resources: mem_mb=plan.memory_mb(900, 3), runtime=120,
     shell: "python3 -P -m bluekoi stage mismatch {params.at} &> {log:q}"
 
 
 rule figure:
-    input: rules.tuning.output, rules.mismatch.output, plan.drawn_from,
+    input: rules.tuning.output, rules.mismatch.output, plan.figure_inputs,
     output:
         report(R / "figures/{figure}.png", "config/captions/figure.rst", "Figures"),
         R / "figures/{figure}.pdf",
         R / "figures/{figure}.csv",
     conda: ENV
     log: LOGS / "figures/{figure}.log"
-    params: at=AT, code=plan.figure_code, words=plan.figure_title_and_caption,
+    params: at=AT, code=plan.figure_fingerprint, words=plan.figure_title_and_caption,
     resources: mem_mb=800, runtime=10,
     shell: "python3 -P -m bluekoi stage figure {params.at} --figure {wildcards.figure} &> {log:q}"
 
 
 rule overlay:
-    input: plan.tracked, rules.tuning.output, rules.mismatch.output, plan.rendered,
+    input: plan.tracks_marker, rules.tuning.output, rules.mismatch.output, plan.demo_files,
     output: R / "status/batches/overlay-{batch}",
     conda: ENV
     log: LOGS / "overlay/{batch}.log"
-    params: at=AT, code=plan.code("overlay"), trials=plan.batch_of("overlay"),
+    params: at=AT, code=plan.code_fingerprint("overlay"), trials=plan.batch_options("overlay"),
     resources: mem_mb=800, runtime=20,
     shell: "python3 -P -m bluekoi stage overlay {params.at} --code {params.code} {params.trials} --threads {threads} --done {output:q} &> {log:q}"
 
@@ -149,17 +149,17 @@ rule report:
     output: report(R / "report.html", "config/captions/page.rst", "The page"),
     conda: ENV
     log: LOGS / "report.log"
-    params: at=AT, code=plan.code("report"),
+    params: at=AT, code=plan.code_fingerprint("report"),
     resources: mem_mb=800, runtime=10,
     shell: "python3 -P -m bluekoi stage report {params.at} &> {log:q}"
 
 
 rule outcome:
-    input: plan.goals(),
+    input: plan.targets(),
     output: R / "outcome.json",
     conda: ENV
     log: LOGS / "outcome.log"
-    params: at=AT, code=plan.code("outcome"),
+    params: at=AT, code=plan.code_fingerprint("outcome"),
     shell: "python3 -P -m bluekoi stage outcome {params.at} &> {log:q}"
 
 

@@ -13,6 +13,8 @@ import yaml
 from click.testing import CliRunner
 
 from bluekoi.cli import main
+from bluekoi.errors import InputError
+from bluekoi.workflow.plan import make_plan
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -222,14 +224,26 @@ BAD_STUDIES = {
 
 
 @pytest.mark.parametrize("name", BAD_STUDIES)
-def test_a_bad_study_is_refused_before_any_work(study, tmp_path, name, capfd):
+def test_a_bad_study_is_refused_before_any_work(study, tmp_path, name, monkeypatch):
     spoil, words = BAD_STUDIES[name]
     spoil(study)
-    for command in ("check", "run"):
-        result = bluekoi(command, study)
-        shown = result.output + capfd.readouterr().err  # `run` leaves the message to its workflow
-        assert result.exit_code == 1
+    monkeypatch.chdir(tmp_path)
+    result = bluekoi("check", study)
+    assert result.exit_code == 1
+    with pytest.raises(InputError) as refused:  # what Snakefile and `bluekoi run` begin with
+        make_plan({"study": str(study), "results": None, "overlays": "none"})
+    for shown in (result.output, str(refused.value)):
         assert all(word in shown for word in words), shown
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_run_of_a_bad_study_ends_with_the_message_alone(study, tmp_path, capfd, monkeypatch):
+    spoil, words = BAD_STUDIES["missing column"]
+    spoil(study)
+    monkeypatch.chdir(tmp_path)
+    assert bluekoi("run", study).exit_code == 1
+    shown = capfd.readouterr().err  # of the workflow's own process
+    assert all(word in shown for word in words), shown
     assert not (tmp_path / "results").exists()
 
 

@@ -49,6 +49,39 @@ def test_every_command_is_on_the_page_of_commands_and_every_exit_code_is_explain
     assert all(f"| {code} |" in running for code in (0, 1, 2, 3, 130, 143))
 
 
+def printed_commands():
+    """Every command line on the pages: page, words from the program's name on."""
+    for page in [*DOCS.rglob("*.md"), ROOT / "README.md"]:
+        text = re.sub(r"\\\n\s*", " ", page.read_text())
+        blocks = re.findall(r"^ {4}(?:\$ )?(.+(?:\n {8,}.+)*)", text, re.M)
+        for line in [*blocks, *re.findall(r"`([^`]+)`", text)]:
+            if found := re.match(r"(bluekoi [a-z]|python (?:benchmarks/|-m validation))", line):
+                yield page.name, line[found.start() :].partition("#")[0].split()
+
+
+def options_of(words):
+    """Options that the program of a command line knows."""
+    if words[0] == "bluekoi":
+        return {o for p in main.commands[words[1]].params for o in (*p.opts, *p.secondary_opts)}
+    source = ROOT / words[1] if words[1] != "-m" else ROOT / "validation/__main__.py"
+    return set(re.findall(r'"(--[a-z][a-z-]*)"', source.read_text()))
+
+
+def test_commands_on_the_pages_exist_with_the_options_shown():
+    unknown, count = [], 0
+    for page, words in printed_commands():
+        own = words[: words.index("--")] if "--" in words else words
+        shown = {w.strip("[]") for w in own if w.strip("[").startswith("--")}
+        if words[0] == "bluekoi" and words[1] not in main.commands:
+            unknown.append((page, words[1]))
+            continue
+        count += 1
+        unknown += [(page, *words[:2], option) for option in shown - options_of(words)
+                    if option not in ("--help", "--version")]  # fmt: skip
+    assert unknown == []
+    assert count > 60
+
+
 def test_every_public_name_is_documented_and_importable():
     text = (DOCS / "api.md").read_text()
     assert [name for name in bluekoi.__all__ if f"### `{name}`" not in text] == []

@@ -13,6 +13,7 @@ from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.camera.displacement import lens_strength
 from bluekoi.data import Flapping
+from bluekoi.engine import Named
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
@@ -30,6 +31,7 @@ from bluekoi.mismatch import (
     folds,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
+from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
@@ -64,6 +66,21 @@ def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measure
     value, std = (damping["parameters"]["N_r"][k] for k in ("value", "std"))
     assert abs(value - 0.03) < 3 * std
     assert damping["parameters"]["N_r"]["unit"] == "N m s"
+
+
+def test_the_verdict_is_the_kind_of_the_cause_that_explains_most(
+    demo: tuple[Measured, Found],
+) -> None:
+    m, found = demo
+    causes = to_json_types(mismatch_json(found, m.study, m.series))["causes"]
+    gains = [c["log_evidence_gain"] for c in causes]
+    assert gains == sorted(gains, reverse=True)
+    clock, stall = Named("clock_error", 0.8, {}), Named("stall", 0.99, {})
+    kernel = compiled(plates())
+    assert verdict_of(kernel, [clock, stall], 0.1) == "measurement"
+    assert verdict_of(kernel, [stall, clock], 0.1) == "physics"
+    assert verdict_of(kernel, [stall, clock], 0.6) == "unexplained"
+    assert verdict_of(kernel, [], 0.1) == "none"
 
 
 def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found]) -> None:

@@ -11,7 +11,7 @@ from ..errors import input_error
 from ..study import Camera, Pool, Setup
 from ..study.filmed import setup_in_film_pixels
 from .lens import Lens
-from .plane import ASSUMED_DEPTH_M, plane_camera
+from .plane import plane_camera
 from .pool import PoolCamera
 from .resection import (
     CORNER_NAMES,
@@ -38,19 +38,18 @@ def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCam
     """
     given = (setup_in_film_pixels(setup, size_px) if size_px else setup).camera
     depth_m = setup.robot.keypoint_depth_m
-    return camera_of_setup(given, setup.pool, setup.water.refractive_index, size_px, depth_m)
+    return camera_of_setup(given, setup.pool, setup.water.refractive_index, depth_m, size_px)
 
 
 def camera_of_setup(
-    given: Camera, pool: Pool, index: float, size_px: tuple[int, int] | None = None,
-    depth_m: float = ASSUMED_DEPTH_M,
-) -> PoolCamera:  # fmt: skip
-    """`pool_camera` of a camera, a pool and a refractive index as stated."""
+    given: Camera, pool: Pool, index: float, depth_m: float, size_px: tuple[int, int] | None = None
+) -> PoolCamera:
+    """`pool_camera` of a camera, a pool, a refractive index and a depth of the keypoints."""
     corners_px = np.array(given.pool_corners_px, dtype=float)
     corners_m = pool_rectangle(pool.length_m, pool.width_m, given.pool_corners_height_m)
     lens = lens_of_study(given)
     if lens is None:
-        return plane_camera(corners_px, corners_m, index, size_px or given.image_size_px, depth_m)
+        return plane_camera(corners_px, corners_m, index, depth_m, size_px or given.image_size_px)
     return camera_from_corners(lens, corners_px, corners_m, index)
 
 

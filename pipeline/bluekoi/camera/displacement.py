@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, Setup
-from .corners import camera_of_setup
+from .corners import camera_of_setup, pool_camera
 from .distances import CHANGES, Geometry, pixels_of, with_errors
 from .pool import PoolCamera, to_pool
 
@@ -58,7 +58,7 @@ def _error_forms(given: Camera, pool: Pool, index: float, depth_m: float) -> Err
     middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
     above = ErrorForms(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
     try:
-        camera = camera_of_setup(given, pool, index)
+        camera = camera_of_setup(given, pool, index, depth_m)
     except InputError:
         return above
     if camera.lens is None:
@@ -132,8 +132,7 @@ def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
     errors: parameter of `CHANGES` -> true value minus value used. Raises: InputError where the
     study's corners fit no pose.
     """
-    used = Geometry(camera_of_setup(setup.camera, setup.pool, setup.water.refractive_index),
-                    setup.robot.keypoint_depth_m)  # fmt: skip
+    used = Geometry(pool_camera(setup), setup.robot.keypoint_depth_m)
     places, forms = _pool_grid(used.camera), error_forms(setup)
     pixels = pixels_of(with_errors(used, errors), places)
     moved = to_pool(used.camera, pixels, used.depth_m) - places

@@ -11,7 +11,6 @@ from .pool import PoolCamera, transformed
 from .refraction import apparent_points
 from .resection import CORNER_ORDERS, diagonal_px, pose, rms
 
-ASSUMED_DEPTH_M = 0.05
 ASSUMED_K1 = -0.2
 LOWEST_HEIGHT_M = 1.0
 GRID = 15
@@ -22,8 +21,8 @@ WITHOUT_MATRIX = "camera without a matrix"
 
 
 def plane_camera(
-    corners_px: Float, corners_m: Float, index: float, size_px: tuple[int, int] | None,
-    depth_m: float = ASSUMED_DEPTH_M,
+    corners_px: Float, corners_m: Float, index: float, depth_m: float,
+    size_px: tuple[int, int] | None,
 ) -> PoolCamera:  # fmt: skip
     """Camera that is only a homography, pixel to the plane of the corners, with its error bound.
 

@@ -22,7 +22,7 @@ from .trials import Trial, all_series, cut_trials
 
 MIN_TRIALS, SEGMENTS, MIN_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
-loses what the state before it tells: no more cuts than resampling needs."""
+loses the information of the state before it: no more cuts than resampling needs."""
 MAX_CAUSES, MAX_FRAMES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
 FORCE_GUESSES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))

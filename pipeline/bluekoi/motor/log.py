@@ -203,9 +203,9 @@ def _regress(
     value = inverse @ (design.T @ phase_rad)
     residual = phase_rad - design @ value
     inflation = correlation_time(residual)
-    freedom = max(len(t) / inflation - design.shape[1], 1.0) * inflation
+    df = max(len(t) / inflation - design.shape[1], 1.0) * inflation
     total = float(residual @ residual)
-    std = np.sqrt(np.diag(inverse) * total / freedom * inflation)
+    std = np.sqrt(np.diag(inverse) * total / df * inflation)
     return value, total, std, inflation, tau_s
 
 

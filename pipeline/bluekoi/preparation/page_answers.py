@@ -152,12 +152,13 @@ def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dic
 
 def _camera_setup(values: Mapping[str, str]) -> Setup:
     """A setup without the robot, of which the corners need nothing but the depth of its points."""
+    depth = _number(values.get("robot.keypoint_depth_m", ""))
     return Setup.model_construct(
-        pool=_section("pool", values), water=_section("water", values),
+        pool=_section("pool", values),
+        water=_section("water", values),
         camera=_section("camera", values),
-        robot=Robot.model_construct(keypoint_depth_m=_number(
-            values.get("robot.keypoint_depth_m", "")) or 0.04),
-    )  # fmt: skip
+        robot=Robot.model_construct(keypoint_depth_m=depth) if depth else Robot.model_construct(),
+    )
 
 
 def _section(name: str, values: Mapping[str, str]) -> Any:

@@ -40,7 +40,7 @@ def robot_outline(
     Raises: InputError where the corners fit no camera.
     """
     depth = robot.keypoint_depth_m
-    over = camera_of_setup(camera, pool, refractive_index, depth_m=depth)
+    over = camera_of_setup(camera, pool, refractive_index, depth)
     com, toward = to_pool(over, np.array([com_px, toward_px]), depth)
     heading_rad = math.atan2(*(toward - com)[::-1])
     length = head_length_m or robot.head_length_m

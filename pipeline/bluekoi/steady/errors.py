@@ -1,7 +1,7 @@
 """Covariance between the errors of a smoothed track at different times.
 
 A smoother's errors at neighbouring times are alike. They are taken as a smooth stationary process
-whose length in time, l = std of position / std of velocity, the track itself tells:
+whose length in time is l = std of position / std of velocity of the track:
     C(t, s) = std(t) std(s) exp(-(t - s)^2 / (2 l^2))
 To this the scatter of the path about the fitted curve is added, as far as its own correlation
 shows that it is more than smoothing error (water that moves, a wavering tail).
@@ -31,7 +31,7 @@ def scatter_cov(time_s: Float, residual: Float, parameters: int) -> Float:
     n = len(residual)
     centred = residual - residual.mean()
     samples = correlation_time(residual)
-    freedom = max(n / samples - parameters, 1.0) * samples
+    df = max(n / samples - parameters, 1.0) * samples
     length = samples * float(np.median(np.diff(time_s))) / np.sqrt(2 * np.pi)
-    deviation = np.full(n, np.sqrt(float(centred @ centred) / freedom))
+    deviation = np.full(n, np.sqrt(float(centred @ centred) / df))
     return error_cov(time_s, deviation, length)

@@ -12,7 +12,7 @@ EXPECTED = (
 def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
     """What is wrong with the order of the corners; nothing where all turns are to one side.
 
-    The sign of the cross product of following edges tells the turn; v points down in the image.
+    The cross product of consecutive edges has the sign of the turn; v points down in the image.
     """
     turns = [_turn(*(corners[(i + k) % 4] for k in range(3))) for i in range(4)]
     if all(turn < 0 for turn in turns):

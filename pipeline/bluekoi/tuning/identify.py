@@ -71,8 +71,8 @@ def spectrum(tuned: Tuned) -> list[Combination]:
     """Combinations of the free numbers by their deviation, the least determined first.
 
     Eigenvectors of the relative covariance, with the widths that the table has: Student's t with
-    each combination's degrees of freedom, one trial alone tells nothing; where the trials agree
-    better than their Fisher matrix allows, that counts. Numbers at a bound stand alone.
+    each combination's degrees of freedom, of which one trial alone gives none. Where the trials
+    agree better than their Fisher matrix allows, that counts. Numbers at a bound stand alone.
     """
     held = bound_sides(tuned.fit)
     out = [_at_bound(tuned, i) for i, side in enumerate(held) if side] + _inside(tuned, held)

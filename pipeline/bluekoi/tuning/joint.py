@@ -60,7 +60,7 @@ class Tuned:
     """A joint fit, its noise, and its covariance (p, p) from how its trials disagree.
 
     df (p,): degrees of freedom of each variance, None for the normal law. influence: for
-    the freedom of combinations.
+    the degrees of freedom of combinations.
     """
 
     fit: Fit
@@ -84,7 +84,7 @@ class Tuned:
     @property
     def interval_95(self) -> Float:
         """Bounds (p, 2) that hold the truth in 95 of 100 studies; infinite where the trials do not
-        tell; of numbers at a bound as in `one_sided`.
+        determine them; of numbers at a bound as in `one_sided`.
         """
         half = self.covariance.half_widths(0.95)
         out = self.fit.values[:, None] + half[:, None] * np.array([-1.0, 1.0])

@@ -30,9 +30,9 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
     try:
         plan = make_plan(check_settings(config, schema))
         if not main:
-            return replace(plan, rehearsed=False)
+            return replace(plan, dry_run=False)
         if not dry:
-            plan = replace(plan, rehearsed=False, lock=acquire_lock(plan.results))
+            plan = replace(plan, dry_run=False, lock=acquire_lock(plan.results))
     except InputError as error:
         sys.stderr.write(printable(str(error)) + "\n")
         sys.exit(1)
@@ -48,7 +48,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)
     remove_temporary_files(plan.results)
-    plan.forget_due()
+    plan.remove_due_markers()
     return plan
 
 

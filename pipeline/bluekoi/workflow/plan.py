@@ -40,7 +40,7 @@ FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
 class Plan:
     """One run; folders as given, so that logs and reports show what the user wrote.
 
-    rehearsed: nothing is run (a dry run), so nothing may be removed either.
+    dry_run: nothing is run, so nothing may be removed either.
     """
 
     folder: Path
@@ -48,7 +48,7 @@ class Plan:
     study: Study
     is_demo: bool
     overlaid: str
-    rehearsed: bool = True
+    dry_run: bool = True
     lock: IO[str] | None = None
 
     @property
@@ -80,7 +80,7 @@ class Plan:
 
     def _stale(self, stage: str, before: set[str], ids: list[str]) -> set[str]:
         """Trials due in a stage, or in the stage before it."""
-        layout, code = Layout(self.results), self.code(stage)
+        layout, code = Layout(self.results), self.code_fingerprint(stage)
 
         def fresh(name: str) -> bool:
             inputs = inputs_of(stage, self.study, self.study.trial(name), layout, code)
@@ -91,7 +91,7 @@ class Plan:
     def markers(self, stage: str) -> list[str]:
         """Files that stand for a stage done for all trials, one per batch.
 
-        A rehearsal names those that are due differently, so that they count as missing.
+        A dry run names those that are due differently, so that they count as missing.
         """
         wanted = set(self.with_overlay() if stage == "overlay" else self.trials)
         return [
@@ -99,16 +99,16 @@ class Plan:
         ]
 
     def _marker(self, stage: str, batch: str) -> str:
-        due = self.rehearsed and self.due[stage] & set(self.batches[batch])
+        due = self.dry_run and self.due[stage] & set(self.batches[batch])
         return str(self.results / f"status/batches/{stage}-{batch}{DUE_SUFFIX if due else ''}")
 
-    def forget_due(self) -> None:
+    def remove_due_markers(self) -> None:
         """Remove the markers of batches with a trial that is out of date."""
         for stage, due in self.due.items():
             for batch in (name for name, ids in self.batches.items() if due & set(ids)):
                 Path(self._marker(stage, batch)).unlink(missing_ok=True)
 
-    def batch_of(self, stage: str) -> Any:
+    def batch_options(self, stage: str) -> Any:
         """Input function: options that name the trials of a batch."""
 
         def options(wildcards: Any) -> str:
@@ -118,15 +118,15 @@ class Plan:
 
         return options
 
-    def detected(self, wildcards: Any) -> str:
+    def keypoints_marker(self, wildcards: Any) -> str:
         """Marker of a batch's keypoints."""
         return self._marker("keypoints", wildcards.batch.removesuffix(DUE_SUFFIX))
 
-    def tracked(self, wildcards: Any) -> str:
+    def tracks_marker(self, wildcards: Any) -> str:
         """Marker of a batch's tracks."""
         return self._marker("tracks", wildcards.batch.removesuffix(DUE_SUFFIX))
 
-    def rendered(self, wildcards: Any) -> list[str]:
+    def demo_files(self, wildcards: Any) -> list[str]:
         """Files of the demo study that a batch needs; any other study has its files already."""
         if not self.is_demo:
             return []
@@ -139,11 +139,11 @@ class Plan:
         ]
 
     @property
-    def options(self) -> str:
+    def stage_options(self) -> str:
         """Options of every stage: where the study and the results are."""
         return f"--study={shlex.quote(str(self.folder))} --results={shlex.quote(str(self.results))}"
 
-    def goals(self) -> list[str]:
+    def targets(self) -> list[str]:
         """Files that a run is made for."""
         stages = [path for stage in self.due for path in self.markers(stage)]
         return [*stages, *(str(self.results / name) for name in RESULTS), *self.figures()]
@@ -156,19 +156,19 @@ class Plan:
         """Pictures of all figures."""
         return [str(self.results / f"figures/{name}.png") for name in figure_names()]
 
-    def depth(self) -> list[str]:
+    def depth_file(self) -> list[str]:
         """File with the estimated depth of the keypoints, where study.yaml does not give it."""
         return [] if self.study.setup.robot.depth_given else [str(self.results / "geometry.json")]
 
-    def drawn_from(self, wildcards: Any) -> list[str]:
+    def figure_inputs(self, wildcards: Any) -> list[str]:
         """What a figure is drawn from beside the fits and the search."""
         return [str(self.results / "geometry.json")] if wildcards.figure == "geometry" else []
 
-    def code(self, stage: str) -> str:
+    def code_fingerprint(self, stage: str) -> str:
         """Fingerprint of all source files that a stage runs through."""
         return fingerprint(f"stages.{stage}")
 
-    def figure_code(self, wildcards: Any) -> str:
+    def figure_fingerprint(self, wildcards: Any) -> str:
         """Fingerprint of one figure's own file and of what it draws with."""
         return fingerprint("stages.figure", f"figures.{wildcards.figure}")
 
@@ -176,13 +176,13 @@ class Plan:
         """Title and caption of a figure, read from its file without running it."""
         return figure_title_and_caption(PACKAGE / f"figures/{wildcards.figure}.py")
 
-    def distances(self) -> str:
+    def geometry_fingerprint(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
         heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
         setup = self.study.setup.model_dump(mode="json")
         return hash_of(heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given)
 
-    def fit(self) -> str:
+    def fit_fingerprint(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
         rows = [trial_row(trial) for trial in self.study.trials]
         return hash_of(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))

@@ -121,7 +121,7 @@ class Progress(logging.Handler):
         self.ticker = threading.Thread(target=self._tick, daemon=True)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Tell one event."""
+        """Show one event."""
         event, found = getattr(record, "event", None), record.__dict__
         if event == LogEvent.RUN_INFO and "stats" in found:
             self.timing.expect(found["stats"])
@@ -167,7 +167,7 @@ class Progress(logging.Handler):
             self._line(self.timing.running() or done, now=ended)
 
     def _tick(self) -> None:
-        """Tell of jobs that run long, until the run is over."""
+        """Show jobs that run long, until the run is over."""
         while not self.over.wait(TICK_S):
             with self.lock or threading.RLock():
                 self.still()

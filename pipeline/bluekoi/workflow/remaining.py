@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 OVERDUE_FACTOR = 1.2
-"""A single job that takes so many times what was foreseen ends the foretelling."""
+"""A single job that takes this many times its expected time leaves the rest unknown."""
 
 
 @dataclass
@@ -60,8 +60,7 @@ class Timing:
     def left_s(self, now_s: float) -> float | None:
         """Seconds left: work left over the pace so far; None before anything is done.
 
-        Also where a rule of one job alone takes longer than is known of it: nothing then tells how
-        long it still takes.
+        None also where the only job of a rule takes longer than ever before.
         """
         if self.done in (0, self.total):
             return None
@@ -75,7 +74,7 @@ class Timing:
         return left / max(pace, 1e-9)
 
     def _overdue(self, rule: str, spent_s: float) -> bool:
-        """Whether a job that is the only one of its kind runs longer than was foreseen."""
+        """Whether the only job of a rule runs longer than expected."""
         alone = not self.waiting.get(rule) and rule not in self.taken_s
         return alone and spent_s > OVERDUE_FACTOR * self._typical(rule)
 
@@ -97,7 +96,7 @@ class Timing:
 def usual(results: Path) -> dict[str, float]:
     """Seconds that a job of each rule took the last time in this results folder.
 
-    From what Snakemake's `benchmark:` wrote; of rules with many jobs, of one of them.
+    From `benchmarks/` in the results; of rules with many jobs, of one of them.
     """
     return dict(_durations(results / "benchmarks"))
 
@@ -109,7 +108,7 @@ def _durations(folder: Path) -> Iterator[tuple[str, float]]:
             with path.open(newline="", encoding="utf-8") as lines:
                 yield one.stem, float(next(csv.DictReader(lines, delimiter="\t"))["s"])
         except (OSError, StopIteration, KeyError, ValueError):
-            continue  # half-written by a run that was killed: it tells nothing
+            continue  # half-written by a run that was killed
 
 
 def duration(seconds: float) -> str:

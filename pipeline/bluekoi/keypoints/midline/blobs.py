@@ -16,7 +16,7 @@ from ..outline.plane import Plane
 from ..outline.search import pool_mask
 from .curve import JOINTS, REFERENCE, Image32, basis
 
-SELDOM = 0.1
+RARE_SHARE = 0.1
 MIN_CHANGE, NOISE_FACTOR = 16.0, 5.0
 FINEST_PX = 96.0
 PLAUSIBLE_EXTENT, PLAUSIBLE_FILL = (0.45, 1.5), (0.02, 0.55)
@@ -76,7 +76,9 @@ def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
     rests for long it is the body's. So the swept pixels say whether bodies are darker or brighter,
     and a pixel that is seldom otherwise shows the background then.
     """
-    least, low, usual, high, most = grey_level_quantiles(samples, 0.0, SELDOM, 0.5, 1 - SELDOM, 1.0)
+    least, low, usual, high, most = grey_level_quantiles(
+        samples, 0.0, RARE_SHARE, 0.5, 1 - RARE_SHARE, 1.0
+    )
     noise = noise_level(samples, usual)
     level = max(MIN_CHANGE, NOISE_FACTOR * noise)
     inside = pool_mask(usual.shape, plane.corners_px) > 0

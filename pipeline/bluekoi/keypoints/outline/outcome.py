@@ -119,7 +119,7 @@ def _slopes(
 def _pose_covariances(fits: Sequence[Fit]) -> Float:
     """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
     middle = np.median([one.information for one in fits], axis=0)
-    known = [one.clues for one in fits if one.clues is not None]
+    known = [one.statistics for one in fits if one.statistics is not None]
     usual = usual_covariance(known) if known else np.linalg.inv(middle)
     ridge = 1e-3 * np.diag(np.diag(middle))
     widened = np.linalg.solve(np.array([one.information for one in fits]) + ridge, middle + ridge)

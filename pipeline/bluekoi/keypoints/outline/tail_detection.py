@@ -29,8 +29,7 @@ def trace(
     """Tip (2,) [px], its direction from the picture's u axis [rad], support, and three signs.
 
     Signs of how well the tip is known: scatter of the traced line [px]; paleness of the tail
-    towards its end (0 solid, 1 none), which tells how far it moved during the exposure; its width
-    there [px].
+    towards its end (0 solid, 1 none), as it moved during the exposure; its width there [px].
 
     base: (2,) px of the caudal base; back_rad: direction backwards along the core, in the picture.
     Going out along circles about the base, the tail's bearing is the coverage's centre near the

@@ -22,7 +22,7 @@ from .variance import VarianceStatistics, covariance_kernels, variance_statistic
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
 FOUND = 0.55
 MAX_BEND = 0.7
-CLUE_EVERY = 2
+STATISTICS_EVERY = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_FRAMES = 8
 NEAR_BL = 0.042
@@ -49,7 +49,7 @@ class Fit:
     """One frame's fit.
 
     pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) of
-    offsets of 1 px in body axes, the outline's width last; clues: how wrong such fits are.
+    offsets of 1 px in body axes, the outline's width last; statistics: how wrong such fits are.
     support: share of the outline's points found where the template has them: head, core, all.
     nearness: mean over the outline of how near its edge lies, 0 from NEAR_BL on. tail: tip (2,)
     px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
@@ -59,7 +59,7 @@ class Fit:
 
     pose: Float
     information: Float
-    clues: VarianceStatistics | None
+    statistics: VarianceStatistics | None
     support: tuple[float, float, float]
     nearness: float
     tail: tuple[Float, float, float, tuple[float, float, float]]
@@ -85,7 +85,7 @@ def fitted(
     """The template fitted to a frame from a starting pose, without its tail.
 
     width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
-    known: kernels (K, n, n) to gather clues of the fit's variance with.
+    known: kernels (K, n, n) for the statistics of the fit's variance.
     """
     pose, offset, weight, slope = fit(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
@@ -151,7 +151,7 @@ def follow(
     fits: list[Fit | None] = []
     for frame in film:
         start = _predicted(frame.time_s, times, fits)
-        asked = None if len(times) % CLUE_EVERY else known
+        asked = None if len(times) % STATISTICS_EVERY else known
         one = (
             start if start is None else fitted(frame.luma, scene, shape, start, steps, known=asked)
         )

@@ -51,16 +51,16 @@ def covariance_kernels(points_bl: Float, normals: Float, length_bl: float) -> Fl
 def variance_statistics(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> VarianceStatistics:
-    """Clues of one fitted frame.
+    """Statistics of one fitted frame.
 
     found: offsets left (n,) px, weights (n,), slopes (n, 5) in pool axes. heading: rad, of the
     core. prior: (5,) information of the fit's prior. known: (K, n, n) kernels.
     """
-    return VarianceStatistics(*_clues(found, heading, np.diag(prior), known))
+    return VarianceStatistics(*_summed_products(found, heading, np.diag(prior), known))
 
 
 @njit(cache=True, error_model="numpy")
-def _clues(
+def _summed_products(
     found: tuple[Float, Float, Float], heading: float, prior: Float, known: Float
 ) -> tuple[Float, Float, Float]:
     """Forms, expected, spread of `VarianceStatistics`."""

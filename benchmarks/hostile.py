@@ -32,7 +32,7 @@ from click.testing import CliRunner
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from bluekoi.camera.scale_warning import scale_warning
+from bluekoi.camera.length_warnings import length_warnings
 from bluekoi.cli import main as bluekoi
 from bluekoi.errors import InputError
 from bluekoi.motor.swimming import study_warnings
@@ -406,7 +406,7 @@ def searched(study: Path, results: Path, right: Path) -> tuple[str, str]:
            if c["std"] is not None and abs(c["value"] - cells[1][name]["value"])
            > 3 * np.hypot(c["std"], cells[1][name]["std"] or 0.0)]  # fmt: skip
     content = json.loads((results / "geometry.json").read_text())
-    if warned := scale_warning(content, found):
+    if warned := length_warnings(content, found):
         return "warned", warned[0]
     if found["verdict"] == "none" and not off and alike(results, right):
         return "harmless", found["sentence"]

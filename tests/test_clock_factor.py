@@ -87,7 +87,13 @@ def test_no_factor_without_trials_that_agree_on_one_far_from_1(ratios):
     assert with_clock_cause(CONTENT, {}, len(beats)) == CONTENT
 
 
-def test_a_stated_frequency_is_no_clock():
+def test_a_stated_frequency_is_a_clock_where_no_trial_has_a_log():
     base = campaign(powers=(100,))
     beats = {name: replace(logged(4.0), source="flap_hz") for name in base.tracks}
-    assert clock_factors(base.study, beats) == {}
+    factors = clock_factors(base.study, beats)
+    assert set(factors) == set(base.tracks)
+    assert {f.value for f in factors.values()} == {4.0}
+    in_video = {name: replace(flap, source="video") for name, flap in beats.items()}
+    assert clock_factors(base.study, in_video) == {}
+    first = sorted(base.tracks)[:2]
+    assert clock_factors(base.study, beats | {name: logged(1.0) for name in first}) == {}

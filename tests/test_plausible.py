@@ -9,17 +9,20 @@ import pytest
 from exact_campaign import campaign
 
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.camera.scale_warning import scale_warning
+from bluekoi.camera.length_warnings import differing, length_warnings
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import clock_ratio, compare
+from bluekoi.motor.powers import power_warnings
 from bluekoi.pose import rigid_pose
+from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausible import first_jump, implausible
 from bluekoi.stages.tracks import _doubted, flapping_of, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
+from bluekoi.study.rules import robot_doubts
 from studies import small_study
 
 
@@ -79,6 +82,23 @@ def test_a_cut_in_the_recording_is_named(seen):
     (text,) = messages(study, trial, replace(positions, xy_m=xy))
     assert "jumps 0.3" in text
     assert "keypoints/T10.csv" in text
+
+
+def test_hinge_and_core_exchanged_are_named_though_their_distance_is_right(seen):
+    study, trial, positions = seen
+    names = ("head_tip", "core_center", "hinge", "tail_base", "tail_tip")
+    assert set(names) == set(positions.names)
+    texts = messages(study, trial, replace(positions, names=names))
+    assert any("hinge, core_center and tail_base in another order" in text for text in texts)
+
+
+def test_a_slow_robot_at_a_much_too_high_frame_rate_does_not_swim_backwards(seen):
+    """Steps between frames are then noise, which has no direction."""
+    study, trial, positions = seen
+    noise = np.random.default_rng(3).normal(0, 4e-3, positions.xy_m.shape)
+    fast = replace(positions, xy_m=positions.xy_m + noise, time_s=positions.time_s / 64)
+    pose = rigid_pose(fast, study.setup.robot, trial.head_length_m)
+    assert [str(f) for f in implausible(study, trial, fast, pose) if "backwards" in str(f)] == []
 
 
 def test_a_robot_that_swims_backwards_is_named(seen):
@@ -193,10 +213,81 @@ def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):
 
 def test_rigid_lengths_of_another_size_are_a_warning_unless_the_verdict_says_why():
     off = {"scale": 1.0068, "scale_std": 2e-4}
-    (text,) = scale_warning(off, {"causes": []})
+    (text,) = length_warnings(off, {"causes": []})
     assert "rigid lengths come out +0.7 +- 0.0 %" in text
     assert "refractive_index" in text
-    assert scale_warning(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
-    assert scale_warning({"scale": 1.004, "scale_std": 2e-4}, None) == []
-    assert scale_warning({"scale": 1.05, "scale_std": 0.02}, None) == []
-    assert scale_warning(None, None) == scale_warning({"scale": None, "scale_std": None}, {}) == []
+    assert length_warnings(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
+    assert len(length_warnings(off, {"causes": [{"name": "sinking", "weight": 0.39}]})) == 1
+    assert length_warnings({"scale": 1.004, "scale_std": 2e-4}, None) == []
+    assert length_warnings({"scale": 1.05, "scale_std": 0.02}, None) == []
+    assert (
+        length_warnings(None, None) == length_warnings({"scale": None, "scale_std": None}, {}) == []
+    )
+
+
+def test_an_error_of_the_camera_that_the_verdict_does_not_name_is_a_warning():
+    found = {"likely": "camera_shift", "rivals": ["lens_error"], "sentence": "turned by 0.02 rad"}
+    (text,) = length_warnings(found, {"causes": []})
+    assert "shows camera_shift, which the verdict does not name: turned by 0.02 rad" in text
+    assert length_warnings(found, {"causes": [{"name": "lens_error", "weight": 0.9}]}) == []
+    assert length_warnings(found | {"likely": "keypoint_bias", "rivals": []}, None) == []
+
+
+SHARES = np.array([-0.07, -0.03, 0.13, 0.05, -0.05, -0.10, 0.02, 0.17, -0.17]) * 1e-2
+
+
+def test_up_to_half_of_the_trials_may_differ_from_the_others():
+    std = np.full(9, 6e-4)
+    assert not differing(SHARES, std).any()
+    for wrong in ([3], [0, 2, 5, 7]):
+        shares = SHARES.copy()
+        shares[wrong] += 0.015
+        off = differing(shares, std)
+        assert np.flatnonzero(off).tolist() == wrong
+        assert off[wrong] == pytest.approx(0.015, abs=0.003)
+    assert not differing(np.array([0.0, 0.1]), np.zeros(2)).any()
+    assert not differing(np.random.default_rng(0).normal(0, 0.01, 9), std).any()
+
+
+def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):
+    """A picture zoomed by 3 %: as where one trial's file is turned, mirrored or cropped beside a
+    lens that is not above the middle of the pool."""
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    path = study / "keypoints/T11.csv"
+    head, rows = path.read_text().splitlines()[:3], path.read_text().splitlines()[3:]
+    table = np.array([[float(v or "nan") for v in row.split(",")] for row in rows])
+    for column, centre in ((1, 960), (2, 540)):
+        table[:, column::3] = centre + 1.03 * (table[:, column::3] - centre)
+    lines = [",".join(f"{v:.4f}" for v in row) for row in table]
+    path.write_text("\n".join([*head, *lines]) + "\n")
+    for trial in ("T09", "T10", "T11"):
+        keypoints(study, results, trial)
+    geometry(study, results)
+    (text,) = length_warnings(read_json(results / "geometry.json"), {"causes": []})
+    assert text.startswith("Trial T11: the robot's rigid lengths come out +3.")
+    assert "turned, mirrored, cropped, zoomed" in text
+
+
+def flapping_at(**hz):
+    return {name: {"ok": True, "flapping": {"flap_hz": value}} for name, value in hz.items()}
+
+
+def test_a_power_that_does_not_go_with_the_flapping_frequency_is_a_warning():
+    powers = {"A": 50.0, "B": 50.0, "C": 100.0, "D": 100.0}
+    assert power_warnings(flapping_at(A=2.35, B=2.4, C=5.8, D=5.6), powers) == []
+    wrong = flapping_at(A=2.35, B=5.8, C=5.8, D=5.6)
+    (text,) = power_warnings(wrong, powers)
+    assert text.startswith("Trials at 50 % power flap at 2.35 Hz (A) to 5.80 Hz (B).")
+    (text,) = power_warnings(flapping_at(A=5.8, B=5.8, C=2.4, D=2.4), powers)
+    assert "100 % power flap at 2.40 Hz, more slowly than those at 50 %" in text
+    assert power_warnings({name: {"ok": False} for name in powers}, powers) == []
+
+
+@pytest.mark.parametrize("change", [{"mass_kg": 6.8}, {"yaw_inertia_kg_m2": 0.0009}])
+def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(seen, change):
+    study, _, _ = seen
+    assert robot_doubts(study.setup) == []
+    robot = study.setup.robot.model_copy(update=change)
+    (text,) = robot_doubts(study.setup.model_copy(update={"robot": robot}))
+    assert "a radius of gyration of 0.0" in text
+    assert "all coefficients are proportional to mass_kg" in text

@@ -6,12 +6,12 @@ everywhere. The pattern over the pool identifies the error that changes them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..data import Positions
+from ..data import Float, Positions
 from ..errors import InputError
 from ..study import Robot
 from .distance_map import DistanceMap, distance_map
@@ -44,6 +44,7 @@ class GeometryCheck:
 
     best: the fit behind it; rivals: names that explain them as well; fits: all, best first;
     mean_excess, mean_excess_std: overall relative error of length, trials as clusters.
+    by_trial: number of each trial -> mean of its relative errors that `best` leaves, and its std.
     """
 
     outcome: str
@@ -54,6 +55,7 @@ class GeometryCheck:
     mean_excess: float
     mean_excess_std: float
     map: DistanceMap
+    by_trial: Mapping[int, tuple[float, float]]
 
 
 def check_geometry(
@@ -113,6 +115,7 @@ def check_distances(
         mean_excess=mean,
         mean_excess_std=std,
         map=distance_map(geometry.camera, distances, predicted),
+        by_trial=_by_trial(distances, predicted),
     )
 
 
@@ -182,6 +185,20 @@ def _mean_excess(distances: Distances) -> tuple[float, float]:
     labels = np.unique(distances.trial)
     scores = [np.sum((weight * (relative - mean))[distances.trial == trial]) for trial in labels]
     return mean, float(np.linalg.norm(scores)) / float(np.sum(weight))
+
+
+def _by_trial(distances: Distances, predicted: Float) -> dict[int, tuple[float, float]]:
+    """Weighted mean of each trial's relative errors, less those `predicted` (n,) m; its std."""
+    relative = (distances.excess_m - predicted) / distances.known_m
+    weight = (distances.known_m / distances.std_m) ** 2
+    chosen = {int(trial): distances.trial == trial for trial in np.unique(distances.trial)}
+    return {
+        trial: (
+            float(np.average(relative[these], weights=weight[these])),
+            float(weight[these].sum() ** -0.5),
+        )
+        for trial, these in chosen.items()
+    }
 
 
 def _sentence(

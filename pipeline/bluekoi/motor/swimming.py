@@ -91,7 +91,7 @@ def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
         yield (
             f"{_trials(group, of)}: the tail beats {value:.4g} times as fast in the video as the "
             f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
-            "speeds and rates are wrong by that factor, or the motor log is wrong."
+            "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
         )
 
 

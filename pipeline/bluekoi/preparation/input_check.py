@@ -18,15 +18,16 @@ from ..pose.body import RIGID
 from ..pose.fit import usable_frames
 from ..study import Setup, Study, Trial
 from ..study.filmed import setup_in_film_pixels
+from ..study.rules import robot_doubts
 
 MIN_FRAMES = 2
 
 
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
-    """What is wrong with detector and camera of a study.yaml, and remarks on the camera."""
+    """What is wrong with detector and camera of a study.yaml, and remarks on camera and robot."""
     try:
         source(setup.detection.source)
-        return [], pool_camera(setup).remarks
+        return [], (*pool_camera(setup).remarks, *robot_doubts(setup))
     except InputError as found:
         return [_in(folder, finding) for finding in found.findings], ()
 

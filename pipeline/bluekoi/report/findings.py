@@ -6,12 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ..camera.length_warnings import length_warnings
 from ..camera.plane import WITHOUT_MATRIX
-from ..camera.scale_warning import scale_warning
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
 from ..figures.drawing.missing_force import LABELS, NAMES
+from ..motor.powers import power_warnings
 from ..motor.swimming import study_warnings
+from ..study.rules import robot_doubts
 from .numbers import measured, number, probability, readable, unit, units, with_readable_names
 
 HEADINGS = {
@@ -75,11 +77,13 @@ def verdict(campaign: Campaign) -> dict[str, str]:
 
 
 def warnings(campaign: Campaign) -> list[str]:
-    """Warnings on clocks and speeds, on a camera without calibration, of the search, and one if no
-    coefficient is determined.
+    """Warnings on the robot, clocks, speeds, powers and lengths, on a camera without calibration,
+    of the search, and one if no coefficient is determined.
     """
-    found = study_warnings(campaign.statuses) + _without_calibration(campaign)
-    found += scale_warning(campaign.geometry, campaign.mismatch)
+    powers = {trial.trial_id: trial.power_pct for trial in campaign.study.trials}
+    found = robot_doubts(campaign.study.setup) + study_warnings(campaign.statuses)
+    found += power_warnings(campaign.statuses, powers) + _without_calibration(campaign)
+    found += length_warnings(campaign.geometry, campaign.mismatch)
     found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):

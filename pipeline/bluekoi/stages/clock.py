@@ -45,7 +45,8 @@ class ClockFactor:
 def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, ClockFactor]:
     """Trial -> factor of its frame rate, for trials whose clock is wrong by more than 25 %.
 
-    A factor counts where most trials with a motor log and one `fps` in trials.csv agree on it, or,
+    A factor counts where most trials with one `fps` in trials.csv whose motor frequency is logged,
+    or stated where no trial has a log, agree on it, or,
     failing that, most of all trials. It then holds for all trials of that `fps`.
     """
     groups: dict[float | None, list[str]] = {}
@@ -58,7 +59,8 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
 
 
 def _factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
-    common = common_ratio(f for n in names if (f := flapping[n]).source == "motor_log")
+    known = [f for n in names if (f := flapping[n]).source != "video"]
+    common = common_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
         ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD * common[0])))
         if common

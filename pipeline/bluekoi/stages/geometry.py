@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -39,7 +40,8 @@ def geometry(study: Path, results: Path) -> None:
     scale: measured over true lengths, given the robot's lengths in study.yaml, with scale_std
     (trials as clusters), by `measured`: its rigid parts, or its whole length where a silhouette's
     keypoints lie at stated lengths. depth_m: of the keypoints, by the rule of study/depth.py.
-    likely: `nothing`, an error's name, or `unknown`. map: relative error of the distances over the
+    likely: `nothing`, an error's name, or `unknown`. by_trial: relative error of each trial's
+    lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there.
     """
     loaded, layout = load_study(study), Layout(results)
@@ -70,7 +72,7 @@ def _by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[s
         depth, placed = used, _placed(camera, trials, layout, used)
     check = check_geometry(camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot)
     return {
-        **_evidence(check),
+        **_evidence(check, trials),
         "measured": "rigid parts",
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
@@ -100,7 +102,7 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
     )
     also = "" if check.best is None else OR_STATED_WRONGLY
     return {
-        **_evidence(check),
+        **_evidence(check, trials),
         "sentence": f"{check.sentence}{also}",
         "measured": WHOLE_LENGTH,
         "min_share": min_share,
@@ -122,7 +124,7 @@ def _placed(
     return [map_keypoints(camera, one, depth_m) for one in found]
 
 
-def _evidence(check: GeometryCheck) -> dict[str, Any]:
+def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
     pool = next((fit for fit in check.fits if fit.hypothesis.name == "scale_error"), None)
     scale = 1 / (1 + pool.values[0]) if pool else None
     return {
@@ -135,6 +137,10 @@ def _evidence(check: GeometryCheck) -> dict[str, Any]:
         "mean_excess_std": check.mean_excess_std,
         "estimates": [_row(fit) for fit in check.fits],
         "map": asdict(check.map),
+        "by_trial": {
+            trials[number].trial_id: {"excess": mean, "std": std}
+            for number, (mean, std) in check.by_trial.items()
+        },
     }
 
 

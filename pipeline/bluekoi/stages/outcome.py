@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..camera.scale_warning import scale_warning
+from ..camera.length_warnings import length_warnings
 from ..files import optional_json, read_json, write_json
+from ..motor.powers import power_warnings
 from ..motor.swimming import study_warnings
 from ..study import load_study
+from ..study.rules import robot_doubts
 from .layout import Layout, remove
 from .manifest import write_manifest
 
@@ -19,20 +21,26 @@ def outcome(study: Path, results: Path) -> list[str]:
 
     Runs last, so that all results of the other trials are there, and writes what they were made
     from (manifest.json). outcome.json carries `warnings`
-    on trials that were used: clocks that disagree, speeds that no swimmer has, rigid lengths of
-    another size.
+    on trials that were used: clocks that disagree, speeds that no swimmer has, powers that do not
+    go with the flapping frequency, rigid lengths of another size.
     """
     layout, done = Layout(results), results / "outcome.json"
-    ids = [trial.trial_id for trial in load_study(study).trials]
-    statuses = {name: read_json(layout.status(name)) for name in ids}
+    loaded = load_study(study)
+    powers = {trial.trial_id: trial.power_pct for trial in loaded.trials}
+    statuses = {name: read_json(layout.status(name)) for name in powers}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
     geometry, mismatch = (optional_json(results / f"{n}.json") for n in ("geometry", "mismatch"))
-    warnings = [*study_warnings(statuses), *scale_warning(geometry, mismatch)]
+    warnings = [
+        *robot_doubts(loaded.setup),
+        *study_warnings(statuses),
+        *power_warnings(statuses, powers),
+        *length_warnings(geometry, mismatch),
+    ]
     remove([done])
     write_manifest(study, results)
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
-    write_json(done, {"trials": len(ids), "all_good": True, "warnings": warnings})
+    write_json(done, {"trials": len(powers), "all_good": True, "warnings": warnings})
     return []
 
 

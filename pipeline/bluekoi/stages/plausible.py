@@ -24,7 +24,8 @@ OUTSIDE_SHARE, OUTSIDE_FRAMES = 0.1, 0.25
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 MEDIAN_HALF_WINDOW = 3
-APART_S = 0.3
+APART_LENGTHS = 0.25
+"""Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
 def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) -> list[Finding]:
@@ -32,6 +33,7 @@ def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) ->
     table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
     return [
         *_lengths(table, place, study, trial, positions),
+        *_order(str(study.paths(trial)[0]), place, positions),
         *_head_angle(table, place, trial, pose),
         *_outside(str(study.paths(trial)[0]), place, study, pose),
         *_backwards(str(study.paths(trial)[0]), place, study, pose),
@@ -71,6 +73,18 @@ def _size(place: str, study: Study, scale: float) -> Finding:
         "Are the keypoints of a picture of another size than the pool's corners, or is the pool's "
         "size wrong?",
     )
+
+
+def _order(source: str, place: str, positions: Positions) -> list[Finding]:
+    xy, _ = trusted_points(positions)
+    hinge, core, tail = xy[:, 1], xy[:, 2], xy[:, 3]
+    along = np.sum((hinge - core) * (core - tail), axis=1)
+    along = along[np.isfinite(along)]
+    if len(along) == 0 or np.median(along) > 0:
+        return []
+    found = "hinge, core_center and tail_base in another order along the body"
+    remedy = "Does each keypoint bear its own name? bodyparts: in study.yaml can exchange names."
+    return [Finding(source, place, found, "this order, from the head to the tail", remedy)]
 
 
 def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
@@ -115,10 +129,11 @@ def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]
 def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
-    every = max(1, int(np.sum(pose.time_s[seen] < pose.time_s[0] + APART_S)))
-    way, heading = np.diff(xy[::every], axis=0), heading[::every][:-1]
+    length = study.setup.robot.body_length_m
+    kept = waypoints(xy, APART_LENGTHS * length)
+    way, heading = np.diff(xy[kept], axis=0), heading[kept][:-1]
     gone = np.linalg.norm(way, axis=1)
-    if gone.sum() < study.setup.robot.body_length_m:
+    if gone.sum() < length:
         return []
     ahead = float(np.sum(way * np.column_stack([np.cos(heading), np.sin(heading)])))
     if ahead > 0:
@@ -139,6 +154,15 @@ def _jump(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     found = f"a robot that jumps {way:.2f} m between {t[at]:.2f} and {t[at + 1]:.2f} s"
     remedy = "Is there a cut in the recording, or another body? start_s and end_s choose a part."
     return [Finding(source, place, found, "one path", remedy)]
+
+
+def waypoints(xy_m: Float, apart_m: float) -> list[int]:
+    """Frames of a path (n, 2) that are each `apart_m` or more from the one before."""
+    kept = [0] if len(xy_m) else []
+    for k, place in enumerate(xy_m):
+        if np.linalg.norm(place - xy_m[kept[-1]]) >= apart_m:
+            kept.append(k)
+    return kept
 
 
 def first_jump(time_s: Float, xy_m: Float, least_m: float) -> int | None:

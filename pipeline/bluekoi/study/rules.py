@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .types import Trial
 
 COMBINED_FIELDS = "together"
+MIN_GYRATION_LENGTHS = 0.1
+"""Radius of gyration over length: below, all mass would lie in the middle third of the body."""
 MARGIN = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
 
@@ -74,6 +76,21 @@ def setup_problems(setup: Setup) -> list[Problem]:
         if getattr(robot, key) >= limit
     ]
     return [*too_large, *_high_corners(setup), *_unknown_parts(setup.bodyparts)]
+
+
+def robot_doubts(setup: Setup) -> list[str]:
+    """A sentence where mass and yaw inertia are not those of one body of the stated length."""
+    robot = setup.robot
+    length = robot.body_length_m + robot.tail_length_m
+    radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
+    if radius >= MIN_GYRATION_LENGTHS * length:
+        return []
+    return [
+        f"yaw_inertia_kg_m2 {robot.yaw_inertia_kg_m2:g} and mass_kg {robot.mass_kg:g} give a "
+        f"radius of gyration of {radius:.3f} m, {radius / length:.2f} of the length from nose to "
+        "tail tip (a uniform rod has 0.29). Check both and their units: all coefficients are "
+        "proportional to mass_kg."
+    ]
 
 
 def _high_corners(setup: Setup) -> list[Problem]:

@@ -1,0 +1,98 @@
+"""Warnings from the robot's rigid lengths where the verdict names no error of measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+from .distances import LENGTH_STD_SHARE
+
+SIGMAS = 5.0
+LEAST_SHARE = 2 * LENGTH_STD_SHARE
+"""Differences below twice the accuracy to which lengths are measured are no reason to warn."""
+CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
+SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
+"""Causes that account for rigid lengths of another size."""
+LEAST_WEIGHT = 0.5
+"""A cause below this probability accounts for nothing."""
+NORMAL_HALF_WIDTH = 1.349
+"""Width of the central half of a normal distribution, in standard deviations."""
+
+
+def length_warnings(
+    geometry: Mapping[str, Any] | None, mismatch: Mapping[str, Any] | None
+) -> list[str]:
+    """A sentence for each doubt that the rigid lengths raise and the verdict does not settle: their
+    size, an error of the camera by their pattern over the pool, trials that differ from the others.
+
+    geometry, mismatch: content of geometry.json and mismatch.json.
+    """
+    causes = (mismatch or {}).get("causes") or []
+    named = {c["name"] for c in causes if c.get("weight", 1.0) >= LEAST_WEIGHT}
+    return [
+        *_of_another_size(geometry or {}, named),
+        *_by_pattern(geometry or {}, named),
+        *_of_trials((geometry or {}).get("by_trial") or {}),
+    ]
+
+
+def _of_another_size(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+    scale, std = (geometry.get(key) for key in ("scale", "scale_std"))
+    if scale is None or std is None:
+        return
+    off = float(scale) - 1.0
+    if abs(off) < max(LEAST_SHARE, SIGMAS * float(std)) or named & set(SCALE_CAUSES):
+        return
+    yield (
+        f"The robot's rigid lengths come out {100 * off:+.1f} +- {100 * float(std):.1f} % against "
+        "study.yaml and trials.csv, and the verdict does not say why: speeds and radii may be off "
+        "by as much. Check the pool's size, pool_corners_px, refractive_index, keypoint_depth_m "
+        "and the robot's lengths."
+    )
+
+
+def _by_pattern(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+    likely = geometry.get("likely")
+    if likely in CAMERA_OUTCOMES and not named & {*CAMERA_OUTCOMES, *geometry.get("rivals", ())}:
+        yield (
+            f"The pattern of the robot's rigid lengths over the pool shows {likely}, which the "
+            f"verdict does not name: {geometry.get('sentence', '')}. Check pool_corners_px, their "
+            "order, and the camera's matrix against the recordings."
+        )
+
+
+def _of_trials(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+    names = list(by_trial)
+    shares, stds = (np.array([by_trial[n][key] for n in names]) for key in ("excess", "std"))
+    for name, off in zip(names, differing(shares, stds), strict=True):
+        if off:
+            yield (
+                f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
+                "other trials. Its picture is not theirs (turned, mirrored, cropped, zoomed, or "
+                "another camera), or head_length_m is not this trial's."
+            )
+
+
+def differing(shares: Float, stds: Float) -> Float:
+    """Difference (n,) of each trial's share from most trials', 0 where it is within the scatter.
+
+    Centre and scatter are those of the shortest interval with half of the trials (least median of
+    squares; Rousseeuw, J. Am. Stat. Assoc. 79 (1984) 871, with its correction for few values), so
+    that up to half of the trials may be wrong.
+    """
+    n = len(shares)
+    if n < 3:
+        return np.zeros(n)
+    half = (n + 1) // 2
+    ordered = np.sort(shares)
+    widths = ordered[half - 1 :] - ordered[: n - half + 1]
+    at = int(np.argmin(widths))
+    centre = float(np.median(ordered[at : at + half]))
+    scatter = float(widths[at]) / NORMAL_HALF_WIDTH * (1 + 5 / (n - 1))
+    off = shares - centre
+    return np.where(
+        np.abs(off) > np.maximum(LEAST_SHARE, SIGMAS * np.hypot(scatter, stds)), off, 0.0
+    )

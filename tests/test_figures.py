@@ -350,6 +350,18 @@ def test_extraction_covers_lines_error_bars_bars_bands_and_maps():
     assert [(p.x, p.y, p.value) for p in found if p.panel == 2] == [(1, 0.5, 9)]
 
 
+def test_extraction_gives_arrows_in_units_of_the_data():
+    figure = Figure()
+    axes = figure.subplots()
+    axes.quiver([1.0, 2.0], [0.5, 0.5], [3.0, 0.0], [0.0, -6.0], angles="xy", scale_units="xy",
+                scale=3.0, color="#D55E00")  # fmt: skip
+    found = extract(figure)
+    assert [(p.x, p.y) for p in found] == [
+        (1, 0.5), (2, 0.5), ("", ""), (2, 0.5), (2, -1.5), ("", ""),
+    ]  # fmt: skip
+    assert {(p.kind, p.colour, p.artist) for p in found} == {("line", "#d55e00", 0)}
+
+
 def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals(whole):
     figure = figures.draw("mismatch_laws", whole)
     found = extract(figure)

@@ -33,7 +33,7 @@ def draw(campaign: Campaign) -> Figure:
     for i, (axes, channel) in enumerate(zip(panels[0], CHANNELS, strict=True)):
         panel_letter(axes, "ABC"[i])
         _map(figure, axes, campaign, found, i)
-        axes.set_title(f"missing {NAMES[channel]}")
+        axes.set_title(f"missing {NAMES[channel]} ({UNITS[channel]})")
     worst = sorted(found.values(), key=_mean_square, reverse=True)[:SHOWN]
     longest = max((float(np.hypot(*one.force[:, :2].T).max()) for one in worst), default=1.0)
     longest = max(longest, 1e-3)
@@ -69,7 +69,7 @@ def _map(
         lines.set_array(0.5 * (one.force[:-1, channel] + one.force[1:, channel]))
         axes.plot(*xy.T, color="#5b6570", lw=3.4, zorder=2, solid_capstyle="butt")
         axes.add_collection(lines)
-    figure.colorbar(lines, ax=axes, label=UNITS[CHANNELS[channel]], shrink=0.7, extend="both")
+    figure.colorbar(lines, ax=axes, shrink=0.7, extend="both")
 
 
 def _arrows(axes: Axes, campaign: Campaign, one: MissingForce, longest: float) -> None:

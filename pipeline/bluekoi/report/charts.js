@@ -116,11 +116,11 @@ function withSharedAxes(traces, layout) {
 }
 // The legend below gets a row for each entry, so that it never takes the height of the plot.
 function layoutOf(head, entries) {
-  const equal = head.equal_scales === "True" ? { scaleanchor: "x", scaleratio: 1 } : {};
-  return { title: { text: head.title, font: { size: 13 }, x: 0, xanchor: "left" }, font: FONT, height: 340 + 22 * entries, hovermode: "closest",
-    margin: { l: 60, r: 20, t: 40, b: 50 + 22 * entries }, showlegend: entries > 0,
+  const equal = head.equal_scales === "True" ? { scaleanchor: "x", scaleratio: 1, constrain: "domain" } : {};
+  return { title: { text: head.title, font: { size: 13 }, x: 0, xanchor: "left", y: 1, yref: "paper", yanchor: "bottom", pad: { b: 8 } }, font: FONT, height: 360 + 22 * entries, hovermode: "closest",
+    margin: { l: 60, r: 20, t: 60, b: 50 + 22 * entries }, showlegend: entries > 0,
     legend: { orientation: "v", x: 0, yref: "container", y: 0, yanchor: "bottom" },
-    xaxis: titled(head.x_label), yaxis: { ...titled(head.y_label), ...equal } };
+    xaxis: { ...titled(head.x_label), constrain: "domain" }, yaxis: { ...titled(head.y_label), ...equal } };
 }
 const value = (text) => text === "" ? null : Number.isNaN(Number(text)) ? text : Number(text);
 function traceOf(points, shown) {

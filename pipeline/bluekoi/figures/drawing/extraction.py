@@ -13,6 +13,7 @@ from matplotlib.container import BarContainer, ErrorbarContainer
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.quiver import Quiver
 
 from ...data import Float
 
@@ -64,7 +65,12 @@ def _panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
     bars = {id(line) for c in axes.containers if isinstance(c, ErrorbarContainer)
             for line in (c.lines[0], *c.lines[1])}  # fmt: skip
     found = [
-        *(_band(c) for c in axes.collections if isinstance(c, PolyCollection)),
+        *(
+            _band(c)
+            for c in axes.collections
+            if isinstance(c, PolyCollection) and not isinstance(c, Quiver)
+        ),
+        *(_arrows(c) for c in axes.collections if isinstance(c, Quiver)),
         *(_coloured(c) for c in axes.collections if isinstance(c, LineCollection)),
         *(_mesh(c) for c in axes.collections if isinstance(c, QuadMesh)),
         *(_line(axes, line, names) for line in axes.lines if id(line) not in bars),
@@ -145,6 +151,14 @@ def _band(shape: PolyCollection) -> Artist:
             rows.append((one, 0.5 * (low + high), low, high))
     colours = shape.get_facecolor()
     return "band", str(shape.get_label()), "", _hex(colours[0]), rows
+
+
+def _arrows(arrows: Quiver) -> Artist:
+    """Arrows with angles and scale_units "xy" as lines with gaps between them."""
+    start = np.asarray(arrows.XY)
+    end = start + np.column_stack([arrows.U, arrows.V]) / float(arrows.scale or 1.0)
+    rows = (row for a, b in zip(start, end, strict=True) for row in (a, b, ("", "")))
+    return "line", str(arrows.get_label()), "", _hex(arrows.get_facecolor()[0]), rows
 
 
 def _coloured(lines: LineCollection) -> Artist:

@@ -283,7 +283,8 @@ def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
     """0.2 m from one wall, the others far away: exp(-2) or 1/5 of 1/2 rho A V^2 at s = 0.1 m."""
     wall, far = plates().effect("wall_effect"), {"L_pool": 900.0, "W_pool": 900.0, "y": 450.0}
     for w, share in ((0.0, np.exp(-2.0)), (1.0, 1 / 5)):
-        X, Y, _ = call(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1, w=w)
+        X, Y, _ = call(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1,
+                       w=w, g=0.0)  # fmt: skip
         assert pytest.approx((-0.5 * 1000 * 0.0083 * share * 0.09, 0.0), rel=1e-4) == (X, Y)
 
 
@@ -312,7 +313,7 @@ def test_displacements_are_relative_to_the_most_certain_one() -> None:
 def test_the_moment_goes_as_the_lift_does(name: str) -> None:
     """Moment over force is C_Ma over C_La in the part m; none is the start."""
     effect, late = plates().effect(name), {"z": 0.01, "y_lag": 0.02}
-    given = {"s0": 0.1} if name == "stall" else {}
+    given = {"stall": {"s0": 0.1}, "lift_lag": {}}.get(name, {"n": 0.0, "g": 0.0})
     motion = np.array([0.3, -0.2, 0.4])
     lift = np.hypot(*call(effect, "plate", motion, **late, **given))
     X, Y, N = call(effect, "force", motion, **late, **given, m=0.8)
@@ -485,5 +486,15 @@ def test_a_wall_that_sucks_pulls_across_a_robot_beside_it() -> None:
 
 def test_a_side_that_damps_more_adds_its_part_of_the_yaw_damping() -> None:
     side = plates().effect("port_starboard_asymmetry")
-    left, right = (call(side, "force", np.array([0.0, 0.0, r]), n=2.0)[2] for r in (0.5, -0.5))
-    assert left == right == pytest.approx(0.05 * 2.0 * 0.12 * 0.25)
+    left, right = (call(side, "force", np.array([0.0, 0.0, r]), n=0.1)[2] for r in (0.5, -0.5))
+    assert left == right == pytest.approx(0.1 * 0.12 * 0.25)
+
+
+def test_drag_that_differs_between_the_sides_adds_on_one_and_lacks_on_the_other() -> None:
+    """0.2 C_Da (1 - cos 2 alpha) of 1/2 rho A V^2, against the flow with the lift to the left."""
+    side = plates().effect("port_starboard_asymmetry")
+    for vh, sign in ((-0.1, 1.0), (0.1, -1.0)):
+        given = {"uh": 0.3, "vh": vh, "V": np.hypot(0.3, 0.1)}
+        X, Y = call(side, "plate", np.zeros(3), **given, k=0.0, g=0.2, w=0.0)
+        drag = sign * 0.5 * 1000 * 0.0083 * 2.0 * 0.2 * 2 * 0.01
+        assert -(X * 0.3 + Y * vh) / np.hypot(0.3, 0.1) == pytest.approx(drag)

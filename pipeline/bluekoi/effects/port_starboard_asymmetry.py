@@ -5,8 +5,9 @@ The head's lift is (1 + k) times as large with the flow from one side and (1 - k
     dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
 
 With w above 0 the sides differ less at small angles of attack. The part m of the moment
-q C_Ma sin 2 alpha differs in the same way, the part n of the yaw damping C_Md r |r|, and the part g
-of the head's drag C_Da (1 - cos 2 alpha). Vanishes at zero angle of attack without rotation.
+q C_Ma sin 2 alpha differs in the same way. The yaw damping C_Md r |r| may differ by the share n,
+and the head's drag C_Da (1 - cos 2 alpha) by the share g. Vanishes at zero angle of attack without
+rotation.
 Source: own statement (asymmetric hull or head cap).
 """
 
@@ -22,38 +23,38 @@ VARIABLES = ("side",)
 STATEMENT = "The robot turns better to one side than to the other."
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
+STRENGTHS = 3
 PARAMETERS = (
     Parameter("lift_difference", "1", 0.05, -1.0, 1.0, "share by which lift to the left is larger",
               symbol="k"),
+    Parameter("damping_difference", "1", 0.05, -2.0, 2.0,
+              "share by which yaw is damped less in a turn to the left", symbol="n"),
+    Parameter("drag_difference", "1", 0.05, -2.0, 2.0,
+              "share by which drag is larger with the lift to the left", symbol="g"),
     Parameter("transition_sine", "1", 0.03, 0.0, 1.0,
               "sine of 2 alpha up to which the sides differ less", spread=0.2, symbol="w"),
     Parameter("moment_share", "1", 0.0, 0.0, 1.2,
               "part of the moment that differs as the lift does", spread=0.5, symbol="m"),
-    Parameter("damping_share", "1", 0.0, -3.0, 3.0,
-              "part of the yaw damping that differs, by the side it turns to", spread=0.5,
-              symbol="n"),
-    Parameter("drag_share", "1", 0.0, -3.0, 3.0, "part of the drag by lift that differs",
-              spread=0.5, symbol="g"),
 )  # fmt: skip
 
 
 def plate(
     rho: float, A: float, uh: float, vh: float, V: float, C_La: float, C_Da: float,
-    k: float, w: float, g: float,
+    k: float, g: float, w: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Additional lift and drag, in the head's frame (N)."""
     s = 2.0 * uh * vh
     over = math.sqrt(s * s + (w * V * V) ** 2 + 1e-24)
     L = 0.5 * rho * A * C_La * k * s * s / (over * V)
-    D = -0.5 * rho * A * C_Da * g * k * s / over * 2.0 * vh * vh / V
+    D = -0.5 * rho * A * C_Da * g * s / over * 2.0 * vh * vh / V
     return -L * vh - D * uh, L * uh - D * vh
 
 
 def force(
     rho: float, A: float, uh: float, vh: float, V: float, rd: float, C_Ma: float, C_Md: float,
-    k: float, w: float, m: float, n: float,
+    k: float, n: float, w: float, m: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Additional moment alone (N m)."""
     s = 2.0 * uh * vh
     over = math.sqrt(s * s + (w * V * V) ** 2 + 1e-24)
-    return 0.0, 0.0, k * (0.5 * rho * A * C_Ma * m * s * s / over + n * C_Md * rd * rd)
+    return 0.0, 0.0, 0.5 * rho * A * C_Ma * m * k * s * s / over + n * C_Md * rd * rd

@@ -1,8 +1,8 @@
 """Water held up between the body and a wall.
 
     D grows by k near(d),  near = (1 - w) exp(-d / s) + w / (1 + (d / s)^2), for each wall at d
-    and a force g k near(d) 1/2 rho A V^2 pulls towards it, with the moment that j in place of g
-    has at 0.1 m ahead of the centre of mass
+    a force g near(d) 1/2 rho A V^2 pulls towards it, and a moment as of j in place of g at 0.1 m
+    ahead of the centre of mass turns towards it
 
 The part w falls with the square of the distance, like the effect of an image behind the wall in two
 dimensions; g is the suction of such an image and j what turns the robot towards it. Vanishes away
@@ -18,20 +18,21 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("surge", "sway", "yaw")
 VARIABLES = ("place",)
-STATEMENT = "Close to a wall of the pool the robot is slowed."
+STATEMENT = "Close to a wall of the pool the robot is slowed, pulled or turned."
 REGIME = "within some 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
+STRENGTHS = 3
 PARAMETERS = (
     Parameter("added_drag", "1", 0.5, 0.0, 20.0,
               "share of the drag 1/2 rho A V^2 added at the wall", symbol="k"),
+    Parameter("suction", "1", 0.2, -20.0, 20.0, "pull towards a wall over 1/2 rho A V^2",
+              symbol="g"),
+    Parameter("moment", "1", 0.2, -20.0, 20.0,
+              "turning towards a wall, as by such a pull 0.1 m ahead", symbol="j"),
     Parameter("decay_length", "m", 0.15, 0.03, 0.5, "distance within which it falls by e",
               spread=0.06, symbol="s"),
     Parameter("wide_share", "1", 0.0, 0.0, 1.0, "part that falls as distance squared",
               spread=0.4, symbol="w"),
-    Parameter("suction_share", "1", 0.0, -5.0, 5.0, "pull towards a wall over the added drag",
-              spread=0.4, symbol="g"),
-    Parameter("moment_share", "1", 0.0, -5.0, 5.0, "moment towards a wall over that of the drag",
-              spread=0.4, symbol="j"),
 )  # fmt: skip
 
 
@@ -43,13 +44,13 @@ def near(d: float, w: float) -> float:
 
 def force(
     rho: float, A: float, x: float, y: float, L_pool: float, W_pool: float, cpsi: float, spsi:
-    float, uc: float, vc: float, V: float, k: float, s: float, w: float, g: float, j: float,
+    float, uc: float, vc: float, V: float, k: float, g: float, j: float, s: float, w: float,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N) and yaw (N m)."""
     left, right = near(max(x, 0.0) / s, w), near(max(L_pool - x, 0.0) / s, w)
     low, high = near(max(y, 0.0) / s, w), near(max(W_pool - y, 0.0) / s, w)
-    q = 0.5 * rho * A * k * V
-    drag = -q * (left + right + low + high)
+    q = 0.5 * rho * A * V
+    drag = -k * q * (left + right + low + high)
     px, py = q * V * (right - left), q * V * (high - low)
     ahead, across = px * cpsi + py * spsi, py * cpsi - px * spsi
     return drag * uc + g * ahead, drag * vc + g * across, 0.1 * j * across

@@ -32,6 +32,7 @@ OWN: Mapping[str, tuple[str, ...]] = {
     "place": ("x_m", "y_m"),
     "side": ("side", "head_angle_rad"),
     "speed": ("speed_m_s",),
+    "speed, to one side": ("speed_m_s",),
     "time": ("time_s",),
     "turn": ("yaw_rate_rad_s",),
 }

@@ -14,6 +14,8 @@ from collections.abc import Callable
 from ..integrate import Effect, Parameter
 
 KIND = "residual"
+TO_ONE_SIDE = "speed, to one side"
+"""Variable of side forces and moments: no mirror-symmetric law leaves them as its remainder."""
 Force = tuple[float, float, float]
 SPEEDS = (0.15, 0.2, 0.26, 0.42, 0.53)
 NARROW = 0.05
@@ -66,7 +68,7 @@ def _effect(force: Callable[..., Force]) -> Effect:
         hooks={"force": force},
         module=__name__,
         channels=(channel,),
-        variables=("speed",),
+        variables=("speed",) if channel == "surge" else (TO_ONE_SIDE,),
     )
 
 

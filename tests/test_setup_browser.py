@@ -192,6 +192,8 @@ def test_why_nothing_is_found_stands_beside_the_video(tmp_path):
         for label, at in zip(CLICKS, ((60, 300), (580, 300), (580, 60), (60, 60)), strict=True):
             page.drag(f"Corner {label}", at)
         page.step("robot")
+        page.until("document.getElementById('robot-said').textContent.startsWith("
+                   "'The outline needs: Body length, ')")  # fmt: skip
         for name, value in ROBOT.items():
             page.type(f"robot.{name}", value)
         page.step("trials")

@@ -3,21 +3,25 @@
 import { element, on, setValue, store, tell } from "./store.js";
 
 const LABELS = {
-  length_m: "Length", width_m: "Width", depth_m: "Depth of the water", density_kg_m3: "Density of the water",
+  length_m: "Length of the pool", width_m: "Width of the pool", depth_m: "Depth of the water", density_kg_m3: "Density of the water",
   refractive_index: "Refractive index of the water", mass_kg: "Mass", yaw_inertia_kg_m2: "Yaw inertia",
   body_length_m: "Body length", head_length_m: "Head length (1x head)", head_span_m: "Head span",
   hinge_to_com_m: "Hinge to centre of mass", tail_length_m: "Tail length", keypoint_depth_m: "Depth of the keypoints",
   model: "Lens model", image_size_px: "Image size", matrix: "Camera matrix", distortion: "Distortion",
-  pool_corners_height_m: "Height of the corners", source: "Detector", body: "Body", marker_hues_deg: "Hues of the dots",
+  pool_corners_px: "Corners of the pool", pool_corners_height_m: "Height of the corners", source: "Detector", body: "Body", marker_hues_deg: "Hues of the dots",
 };
 
+// A key in the words of its field: "Body length" for robot.body_length_m.
+export const label = (key) => LABELS[key.split(".")[1]] ?? key;
+const DETECTORS = ["silhouette", "markers"];
 const REQUIRED = "required";
 export const words = ({ text }) => (/^found (nothing|None);/.test(text) ? REQUIRED : text);
 
 export function field(key) {
   const found = store.keys.find((one) => one.file === "study.yaml" && one.name === key);
   const name = key.split(".")[1];
-  const choices = /^[\w-]+( or [\w-]+)+$/.test(found.allowed) ? found.allowed.split(" or ") : null;
+  const choices = key === "detection.source" ? DETECTORS
+    : /^[\w-]+( or [\w-]+)+$/.test(found.allowed) ? found.allowed.split(" or ") : null;
   const input = choices
     ? element("select", {}, element("option", { value: "", textContent: `(${found.default})` }),
       ...choices.map((value) => element("option", { value, textContent: value })))
@@ -33,7 +37,7 @@ export function field(key) {
   const unit = found.unit && found.unit !== "1" ? ` [${found.unit}]` : "";
   const needed = found.default === "required" || key.startsWith("pool.");
   return element("div", { className: "field" },
-    element("label", { htmlFor: key, textContent: `${LABELS[name] ?? name}${unit}${needed ? "" : " (optional)"}` }),
+    element("label", { htmlFor: key, textContent: `${label(key)}${unit}${needed ? "" : " (optional)"}` }),
     input,
     element("p", { id: `${key}-hint`, className: "hint", textContent: `${found.meaning}${usual}`.replaceAll("`", "") }),
     element("p", { id: `${key}-error`, className: "error" }));

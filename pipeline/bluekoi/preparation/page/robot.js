@@ -1,6 +1,6 @@
 // The robot's dimensions beside a drawing of them, and its outline to scale over a frame.
 
-import { fill } from "./fields.js";
+import { fill, label } from "./fields.js";
 import { FrameView, chosen, line, svg } from "./frame.js";
 import { ask, on, store } from "./store.js";
 
@@ -18,15 +18,15 @@ const DRAWING = `<svg class="drawing" viewBox="0 0 640 400" role="img" aria-labe
 <circle cx="416" cy="110" r="5" fill="#1c2630"/><text x="424" y="80">hinge</text>
 <circle cx="356" cy="110" r="7" fill="#fff" stroke="#1c2630"/><path d="M356 103v14M349 110h14" stroke="#1c2630"/><text x="310" y="78">centre of mass</text>
 <text x="96" y="82">caudal base</text><text x="2" y="84">tail tip</text><text x="604" y="102">nose</text>
-<g data-key="robot.head_length_m"><path class="dim" d="M416 150H600M416 143v14M600 143v14"/><text x="470" y="167">head_length_m</text></g>
-<g data-key="robot.hinge_to_com_m"><path class="dim" d="M356 150H416M356 143v14"/><text x="300" y="167">hinge_to_com_m</text></g>
-<g data-key="robot.tail_length_m"><path class="dim" d="M40 150H130M40 143v14M130 143v14"/><text x="40" y="167">tail_length_m</text></g>
-<g data-key="robot.body_length_m"><path class="dim" d="M130 190H600M130 183v14M600 183v14"/><text x="310" y="207">body_length_m</text></g>
+<g data-key="robot.head_length_m"><path class="dim" d="M416 150H600M416 143v14M600 143v14"/><text x="470" y="167">head length</text></g>
+<g data-key="robot.hinge_to_com_m"><path class="dim" d="M356 150H416M356 143v14"/><text x="252" y="167">hinge to centre of mass</text></g>
+<g data-key="robot.tail_length_m"><path class="dim" d="M40 150H130M40 143v14M130 143v14"/><text x="40" y="167">tail length</text></g>
+<g data-key="robot.body_length_m"><path class="dim" d="M130 190H600M130 183v14M600 183v14"/><text x="310" y="207">body length</text></g>
 <text x="8" y="240">From the side</text>
 <path d="M20 258 q14 -8 28 0 t28 0 t28 0 t28 0 t28 0 t28 0 t28 0" fill="none" stroke="#0072b2"/>
 <rect x="120" y="290" width="80" height="60" fill="#cfe3f1" stroke="#1c2630"/><rect x="40" y="310" width="80" height="20" fill="#e6ecf0" stroke="#1c2630"/>
-<g data-key="robot.head_span_m"><path class="dim" d="M212 290V350M205 290h14M205 350h14"/><text x="180" y="368">head_span_m</text></g>
-<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="8" y="368">keypoint_depth_m</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
+<g data-key="robot.head_span_m"><path class="dim" d="M212 290V350M205 290h14M205 350h14"/><text x="180" y="368">head span</text></g>
+<g data-key="robot.keypoint_depth_m"><path class="dim" d="M70 258V300M63 258h14M63 300h14"/><text x="8" y="368">depth of the keypoints</text><circle cx="70" cy="302" r="3" fill="#1c2630"/></g>
 <text x="320" y="240">Head angle, seen from above</text>
 <path d="M500 300 H360" stroke="#1c2630" stroke-width="6"/><path d="M500 300 L590 352" stroke="#0072b2" stroke-width="8"/>
 <path class="dim" d="M500 300H610" stroke-dasharray="5 4"/><path d="M572 300 A72 72 0 0 1 562 336" fill="none" stroke="#b34700" stroke-width="2"/>
@@ -43,7 +43,7 @@ async function outline() {
   const missing = ready();
   if (missing.length) {
     id("robot-said").className = "bad";
-    id("robot-said").textContent = `The outline needs ${missing.join(", ")}.`;
+    id("robot-said").textContent = `The outline needs: ${missing.map(label).join(", ")}.`;
     view.draw();
     return;
   }

@@ -185,8 +185,10 @@ def _comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
     if len(finders) < 2:
         return
     shared = set.intersection(*({r.generator for r in runs if r.finder == f} for f in finders))
+    if not shared:
+        return
     yield "\n### Other finders\n"
-    yield f"On the same generators: {', '.join(f'`{g}`' for g in sorted(shared)) or 'none'}.\n"
+    yield f"On the same generators: {', '.join(f'`{g}`' for g in sorted(shared))}.\n"
     yield from _heading("finder")
     for f in finders:
         mine = [r for r in runs if r.finder == f and r.generator in shared]

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 
 from ..data import Float
 from ..integrate import Kernel, Parameter
-from .filtering import disturbance_slots, filter_all, random_effects
+from .filtering import filter_all, random_effects
 from .linear import (
     LinearisedFilter,
     NoiseGradient,
@@ -28,7 +28,7 @@ LOG_RANGE = 4.0
 
 def fit_noise(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *, rounds: int
-    = 2, max_trials: int = 12, forces_only: bool = False, line_searches: bool = True,
+    = 2, max_trials: int = 12, line_searches: bool = True,
 ) -> Noise:  # fmt: skip
     """Random forces, correlated tracking errors and white noise of maximum likelihood.
 
@@ -36,15 +36,14 @@ def fit_noise(
     then up to `rounds` quasi-Newton steps in all of them; `values` are full parameter vectors, one
     a trial. While a correlation time tau is varied, sigma sqrt(tau) stays: slow data determine that
     product alone. At most `max_trials` trials are used, evenly spread, since few numbers are
-    estimated. forces_only: only the random forces are estimated, the measurement noise stays.
-    line_searches: without, the quasi-Newton steps begin at once, for a start that is near.
+    estimated. line_searches: without, the quasi-Newton steps begin at once, for a near start.
     """
     chosen = np.unique(
         np.linspace(0, len(series) - 1, min(max_trials, len(series))).round().astype(int)
     )
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
-    estimated = _estimated_places(kernel, noise, forces_only)
+    estimated = _estimated_places(kernel, noise)
     if not estimated:
         return noise
 
@@ -130,14 +129,10 @@ def _as_vector(noise: Noise) -> Float:
     return np.concatenate([noise.disturbance * np.sqrt(noise.tau), noise.tau, noise.scale])
 
 
-def _estimated_places(kernel: Kernel, noise: Noise, forces_only: bool) -> list[int]:
-    """Places in `_as_vector`: strengths; unless `forces_only`, correlation times and scales."""
+def _estimated_places(kernel: Kernel, noise: Noise) -> list[int]:
+    """Places in `_as_vector`: strengths, correlation times and scales."""
     count = len(noise.disturbance)
-    slots = disturbance_slots(kernel)[:count]
-    acting = set(disturbance_slots(kernel, acting=True))
     used = [k for k in range(count) if noise.disturbance[k] > 0]
-    if forces_only:
-        return [k for k in used if slots[k] in acting]
     times = [count + k for k in _correlation_times(kernel, count) if k in used]
     return [*used, *times, *(2 * count + k for k in range(min(3, len(noise.scale))))]
 

@@ -240,6 +240,25 @@ def test_a_misspelt_stage_is_named(cart):
         checked_model(replace(cart, causes=(wrong,)))
 
 
+def test_a_tuple_of_one_without_its_comma_is_named(cart):
+    for part in ("causes", "inputs", "coefficients"):
+        (kind,) = {type(x).__name__ for x in getattr(cart, part)}
+        with pytest.raises(InputError, match=f"{part}: found a single {kind}.*needs a comma"):
+            checked_model(replace(cart, **{part: getattr(cart, part)[0]}))
+
+
+def test_a_coefficient_that_no_equation_asks_for_is_named(cart):
+    more = (*cart.coefficients, Parameter("m", "kg", 1.0, 0.1, 5.0, "mass"))
+    with pytest.raises(InputError, match="coefficient m: found no equation that asks for it"):
+        checked_model(replace(cart, coefficients=more))
+
+
+def test_an_accuracy_that_is_text_is_named(cart):
+    wrong = (Observation("position", "m", "1e-3"),)
+    with pytest.raises(InputError, match="position: std: found '1e-3'; expected a number"):
+        checked_model(replace(cart, observations=wrong))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [("MODEL = 3", "MODEL: found int; expected MODEL"),
@@ -256,11 +275,12 @@ def test_a_file_without_a_model_is_named(text, message, tmp_path):
 # faulty data sets: each one message
 
 
-def folder(path: Path, rows: str | None = None, settings: str | None = None) -> Path:
+def folder(path: Path, rows: str | bytes | None = None, settings: str | None = None) -> Path:
     """A data set of one run; `rows` and `settings` replace its csv and data.yaml."""
     lines = [f"{0.05 * k:.2f},{0.01 * k:.3f},1.0" for k in range(30)]
     path.mkdir(exist_ok=True)
-    (path / "run.csv").write_text(rows if rows is not None else "\n".join(["t,x,u", *lines]))
+    text = rows if rows is not None else "\n".join(["t,x,u", *lines])
+    (path / "run.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
     (path / "data.yaml").write_text(settings if settings is not None else GOOD)
     return path
 
@@ -320,6 +340,29 @@ FAULTY = {
     "an infinite place": (rows(7, "0.30,inf,1.0"), None, "position, sample 6: found inf"),
     "too short": ("t,x,u\n0,0,0\n1,0,0\n", None, "3 samples or more"),
     "empty file": ("", None, "expected a csv with a header"),
+    "samples of one trial": ("t,x,u\n0,0,0\n", None, "found 1 samples; expected 3"),
+    "header alone": ("t,x,u\n", None, "found 0 samples"),
+    "two columns of one name": (
+        rows(0, "t,x,x,u").replace(",1.0", ",9.0,1.0"),
+        None,
+        "header: found two columns 'x'",
+    ),
+    "no header": (rows(0, "0.00,0.00,1.0"), None, "no column 't', 'u', 'x'.*The first row is"),
+    "more cells than names": (rows(0, "t,x,u").replace(",1.0", ",1.0,7"), None, "3 names above 4"),
+    "a row of units": (rows(1, "s,m,N"), None, "row 2, column t: found 's'; expected a number"),
+    "wide characters": (rows(0, "t,x,u").encode("utf-16"), None, "expected a csv.*in UTF-8"),
+    "a map of trials": (None, GOOD + "trials: {file: run.csv}\n", "expected a list of {file"),
+    "a list of evidence": (
+        None,
+        GOOD + "trials: [{file: run.csv, evidence: [1, 2]}]\n",
+        r"run.csv: evidence: found \[1, 2\]; expected {NAME",
+    ),
+    "a list of columns": (None, "columns: [t, x, u]\n", "expected an entry for each of time"),
+    "a window beside the recording": (
+        None,
+        GOOD + "trials: [{file: run.csv, start_s: 8}]\n",
+        "no sample from 8 to inf s; expected times within those of the file, 0 to 1.45 s",
+    ),
     "nothing seen": (
         "t,x,u\n" + "\n".join(f"{k},,1" for k in range(30)),
         None,
@@ -337,12 +380,29 @@ def test_a_faulty_data_set_is_reported_in_one_message(name, cart, tmp_path):
     assert len(str(raised.value).splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    "written",
+    [lambda s: s.replace(",", ";").replace(".", ","), lambda s: s.replace(",", "\t"),
+     lambda s: "\ufeff" + s, lambda s: s.replace("\n", "\r\n"),
+     lambda s: s.replace("t,x,u", "t , x , u")],
+    ids=["decimal commas", "tabs", "byte order mark", "line ends", "spaces"],
+)  # fmt: skip
+def test_files_of_other_programs_are_read_as_they_are(written, cart, tmp_path):
+    plain = rows(0, "t,x,u")
+    (one,), (other,) = (read_trials(cart, folder(tmp_path / name, text))
+                        for name, text in (("a", plain), ("b", written(plain))))  # fmt: skip
+    for k in ("times", "observed", "inputs"):
+        np.testing.assert_equal(getattr(other, k), getattr(one, k))
+
+
 def test_arrays_of_the_wrong_shape_never_reach_compiled_code(cart):
     t = np.arange(30) * 0.1
     for times, seen, push in ((t, np.zeros((30, 2)), t), (t, np.zeros(29), t), (t, t, np.zeros(31)),
-                              (t[:, None], t, t), (t[:2], t[:2], t[:2])):  # fmt: skip
+                              (t[:, None], t, t)):  # fmt: skip
         with pytest.raises(InputError, match="shape"):
             explain(cart, [Trial("t", times, {"position": seen}, {"push": push})])
+    with pytest.raises(InputError, match="found 2 samples"):
+        explain(cart, [Trial("t", t[:2], {"position": t[:2]}, {"push": t[:2]})])
 
 
 def test_the_command_writes_json_text_and_page(cart, tmp_path):

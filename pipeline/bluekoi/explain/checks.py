@@ -4,11 +4,23 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from ..errors import Finding, InputError, nearest
-from ..integrate import Parameter
-from .model import KINDS, OBSERVE, RATES, Cause, Function, Model, arguments
+from ..integrate import Parameter, Stage
+from .model import (
+    KINDS,
+    OBSERVE,
+    RATES,
+    Cause,
+    Constant,
+    Function,
+    Input,
+    Model,
+    Observation,
+    State,
+    arguments,
+)
 
 MAX_STATES = 14
 """States of the model with its random forces and errors: sixteen lanes less two."""
@@ -19,7 +31,9 @@ def checked_model(model: Model) -> None:
 
     Raises: InputError with all that is wrong with it.
     """
-    findings = [*_names(model), *_stages(model), *_causes(model), *_coefficients(model)]
+    findings = _parts(model)
+    if not findings:
+        findings = [*_names(model), *_stages(model), *_causes(model), *_coefficients(model)]
     if not findings:
         findings = [*_calls(model)]
     if findings:
@@ -28,6 +42,45 @@ def checked_model(model: Model) -> None:
 
 def _finding(model: Model, where: str, found: object, expected: str, remedy: str = "") -> Finding:
     return Finding(f"model '{model.name}'", where, str(found), expected, remedy)
+
+
+PARTS = {"states": State, "observations": Observation, "inputs": Input, "constants": Constant,
+         "coefficients": Parameter, "stages": Stage, "causes": Cause}  # fmt: skip
+
+
+def _parts(model: Model) -> list[Finding]:
+    """Parts of a model that are no sequences of what they should be, and numbers that are none."""
+    out = [f for name, kind in PARTS.items()
+           for f in _sequence(model, name, getattr(model, name), kind)]  # fmt: skip
+    if out:
+        return out
+    for c in model.causes:
+        out += _sequence(model, f"cause {c.name}: parameters", c.parameters, Parameter)
+        if not isinstance(c.hooks, Mapping) or not all(map(callable, c.hooks.values())):
+            out.append(_finding(model, f"cause {c.name}: hooks", _shown(c.hooks),
+                                "{'STAGE': function}"))  # fmt: skip
+    for where, value in [
+        *((f"state {s.name}: start_std", s.start_std) for s in model.states),
+        *((f"observation {o.name}: std", o.std) for o in model.observations),
+    ]:
+        if not isinstance(value, numbers.Real):
+            out.append(_finding(model, where, repr(value), "a number"))
+    return out
+
+
+def _sequence(model: Model, where: str, given: object, kind: type) -> list[Finding]:
+    expected = f"a tuple of {kind.__name__}"
+    if isinstance(given, kind):
+        remedy = "A tuple of one needs a comma: (X,)."
+        return [_finding(model, where, f"a single {kind.__name__}", expected, remedy)]
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        return [_finding(model, where, _shown(given), expected)]
+    return [_finding(model, where, _shown(x), expected) for x in given if not isinstance(x, kind)]
+
+
+def _shown(value: object) -> str:
+    """A text as it stands, of anything else its class."""
+    return repr(value) if isinstance(value, str) else type(value).__name__
 
 
 def _names(model: Model) -> list[Finding]:
@@ -161,8 +214,20 @@ def _coefficients(model: Model) -> list[Finding]:
     out = [f for p in model.coefficients
            for f in _bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
     known = [p.name for p in model.coefficients]
+    used = {a for f in _functions(model) for a in arguments(f)}
+    out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
+                     "an argument of that name in a stage or a cause") for n in known
+            if n not in used]  # fmt: skip
     return out + [_finding(model, "per_group", f"'{n}'", "a coefficient", nearest(n, known))
                   for n in model.per_group if n not in known]  # fmt: skip
+
+
+def _functions(model: Model) -> list[Function]:
+    """Functions of all stages and causes."""
+    own = [s.function for s in model.stages if s.function is not None]
+    for c in model.causes:
+        own += [*c.hooks.values(), *([c.rates] if c.rates is not None else [])]
+    return own
 
 
 def _bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Finding]:

@@ -12,6 +12,7 @@ from ..engine import (
     FittedSet,
     Named,
     Posterior,
+    Problem,
     Scored,
     Visited,
     best_set,
@@ -19,6 +20,7 @@ from ..engine import (
     own_noise,
     posterior,
     search,
+    without_discrepancy,
 )
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..engine.problem import silent
@@ -27,6 +29,7 @@ from ..errors import Finding, InputError, nearest
 from ..fitting import Series
 from .checks import checked_model
 from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, errors_of_sets, held_out, with_criterion
+from .feedback import feedback
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
 from .preparation import Prepared, converged_step, prepare, runs_away
@@ -117,21 +120,31 @@ def explain(
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
-    bare = visited.sets[frozenset()]
+    bare, final = visited.sets[frozenset()], by_its_causes(problem, best.model)
     gains = {c.name: gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
     test = test_series(ready, [t for t in given if t.role == HELD_OUT])
-    errors = held_out(model, problem, bare.model, best.model, test)
-    own, base = numbers(problem.kernel, best.model), numbers(problem.kernel, bare.model)
+    errors = held_out(model, problem, bare.model, final, test)
+    own, base = numbers(problem.kernel, final), numbers(problem.kernel, bare.model)
     return Explanation(
         ready, found, verdict_of(model, named, unexplained), tuple(named), gains, unexplained,
         {n: found.inclusion.get(n, 0.0) for n in names},
         with_criterion(problem, bare.model, errors.fitted_to[0]),
-        with_criterion(problem, best.model, errors.fitted_to[1]), tuple(own), tuple(base), best,
+        with_criterion(problem, final, errors.fitted_to[1]), tuple(own), tuple(base), best,
         errors, tuple(_warnings(ready, given, best, bare, own=own, base=base)),
         tuple(_compared(ready, visited, tuple(one), test, errors.stretch_s) for one in compare),
     )  # fmt: skip
+
+
+def by_its_causes(problem: Problem, model: FittedSet) -> FittedSet:
+    """A set fitted by the formulas of its causes alone, as it is simulated and reported: in the
+    search its numbers are estimated beside what these formulas leave.
+    """
+    if not model.discrepancy:
+        return model
+    plain = without_discrepancy(problem, model)
+    return plain if plain.usable else model
 
 
 def _compared(
@@ -144,9 +157,10 @@ def _compared(
     if scored is None:
         return Compared(causes, -np.inf, PREDICTION_ERRORS, (), {})
     scored = score(problem, own_noise(problem, scored.model))
-    ((criterion, errors),) = errors_of_sets(ready.model, problem, [scored.model], test, horizon_s)
+    final = by_its_causes(problem, scored.model)
+    ((criterion, errors),) = errors_of_sets(ready.model, problem, [final], test, horizon_s)
     return Compared(causes, scored.log_posterior - best.log_posterior, criterion,
-                    tuple(numbers(problem.kernel, scored.model)), errors)  # fmt: skip
+                    tuple(numbers(problem.kernel, final)), errors)  # fmt: skip
 
 
 def requested_causes(
@@ -191,6 +205,9 @@ def _warnings(
     if len(best.causes) == ready.problem.most_causes:
         out.append(f"The search ends at {len(best.causes)} causes; more may act.")
     out += _random_forces(ready, best, bare)
+    passes = best.model.passes
+    held = {i.name: i.held and not np.isfinite(ready.rate_hz) for i in ready.model.inputs}
+    out += feedback(held, [s.inputs for s in passes.series], [f.innovations for f in passes])
     labels = {n.label for n in own}
     out += at_bounds(own) + [
         f"Baseline: {w}" for w in at_bounds([n for n in base if n.label in labels])

@@ -11,7 +11,7 @@ trials:                           # default: every csv of the folder
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ COLUMN_KEYS = ("column", "unit")
 TRIAL_KEYS = ("file", "name", "condition", "group", "role", "constants", "start_s", "end_s",
               "evidence")  # fmt: skip
 TIME = "time"
+SEPARATORS = (";", "\t")
 
 
 def read_trials(model: Model, folder: Path) -> list[Trial]:
@@ -47,9 +48,11 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     columns = _columns(model, settings, folder / DATA)
     rows = settings.get("trials")
     if rows is None:
-        rows = [{"file": p.name} for p in sorted(folder.glob("*.csv"))]
+        rows = [{"file": p.name} for p in sorted(folder.iterdir()) if p.suffix.lower() == ".csv"]
+        if not rows:
+            raise input_error(folder, "", "no csv", "one csv a trial")
     if not isinstance(rows, list) or not rows:
-        raise input_error(folder, "", "no csv", "one csv a trial")
+        raise input_error(folder / DATA, "trials", rows, "a list of {file: NAME.csv}")
     shared = _numbers(settings.get("constants", {}), folder / DATA, "constants")
     return [_trial(model, folder, row, columns, shared) for row in rows]
 
@@ -112,8 +115,14 @@ def _trial(
     start, end = (_number(row.get(k, d), settings, k) for k, d in (("start_s", -np.inf),
                                                                    ("end_s", np.inf)))  # fmt: skip
     kept = (table[TIME] >= start) & (table[TIME] <= end) | ~np.isfinite(table[TIME])
+    if len(kept) and not kept.any():
+        raise input_error(path, "start_s, end_s", f"no sample from {start:g} to {end:g} s",
+                          f"times within those of the file, {_range(table[TIME])} s")  # fmt: skip
     own = _numbers(row.get("constants", {}), settings, f"trials: {path.name}: constants")
-    evidence = {str(k): _pair(v, settings, str(k)) for k, v in row.get("evidence", {}).items()}
+    side = row.get("evidence", {})
+    if not isinstance(side, dict):
+        raise input_error(settings, f"trials: {path.name}: evidence", side, "{NAME: [value, std]}")
+    evidence = {str(k): _pair(v, settings, str(k)) for k, v in side.items()}
     return Trial(
         name=str(row.get("name", path.stem)),
         times=table[TIME][kept],
@@ -128,39 +137,68 @@ def _trial(
     )
 
 
+def _range(times: Float) -> str:
+    """First to last time of a file."""
+    known = times[np.isfinite(times)]
+    return f"{known.min():g} to {known.max():g}" if len(known) else "no times"
+
+
 def _table(path: Path, columns: Mapping[str, tuple[str, float]]) -> dict[str, Float]:
     """Columns of a csv in the model's units."""
+    table = _cells(path)
+    _present(
+        path, [str(c) for c in table.columns], list(dict.fromkeys(c for c, _ in columns.values()))
+    )
+    return {name: _column(path, table[c], c) * scale for name, (c, scale) in columns.items()}
+
+
+def _cells(path: Path) -> pd.DataFrame:
+    """Rows of a csv as text or numbers; columns may be apart by semicolons or tabs, and decimals
+    then follow a comma. A repeated name keeps its place with a suffix.
+    """
     if not path.is_file():
         raise input_error(path, "", "no such file", "the csv that data.yaml names")
     try:
-        table = pd.read_csv(path, skipinitialspace=True)
-    except (ValueError, OSError, pd.errors.ParserError) as error:
-        raise input_error(path, "", " ".join(str(error).split()), "a csv with a header") from None
-    names = [str(c) for c in table.columns]
-    lacking = [c for c, _ in columns.values() if c not in names]
-    if lacking:
-        raise InputError(
-            [
-                Finding(
-                    str(path),
-                    "header",
-                    f"no column '{c}'",
-                    "the column that data.yaml names",
-                    nearest(c, names),
-                )
-                for c in lacking
-            ]
-        )
-    out = {}
-    for name, (column, scale) in columns.items():
-        values = pd.to_numeric(table[column], errors="coerce").to_numpy(dtype=float)
-        bad = np.flatnonzero(~np.isfinite(values) & table[column].notna().to_numpy()
-                             & ~np.isinf(values))  # fmt: skip
-        if len(bad):
-            cell = table[column].iloc[bad[0]]
-            raise input_error(path, f"row {bad[0] + 2}, column {column}", f"'{cell}'", "a number")
-        out[name] = values * scale
-    return out
+        head = path.read_text(encoding="utf-8-sig").partition("\n")[0]
+        separator = next((s for s in SEPARATORS if s in head), ",")
+        table = pd.read_csv(path, sep=separator, decimal="." if separator == "," else ",",
+                            skipinitialspace=True, encoding="utf-8-sig")  # fmt: skip
+    except UnicodeDecodeError:
+        raise input_error(path, "", "bytes that are no text", "a csv",
+                          "Save it as text in UTF-8.") from None  # fmt: skip
+    except (ValueError, OSError) as error:
+        expected = "a csv with a header and as many cells in every row"
+        raise input_error(path, "", " ".join(str(error).split()), expected) from None
+    if not isinstance(table.index, pd.RangeIndex):
+        names = f"{len(table.columns)} names above {len(table.columns) + table.index.nlevels} cells"
+        raise input_error(path, "header", names, "a name for each column")
+    return table.rename(columns=lambda c: str(c).strip())
+
+
+def _present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
+    """Nothing, where each wanted column is there once."""
+    lacking = [c for c in wanted if c not in names]
+    found = f"no column {', '.join(map(repr, lacking))}"
+    if lacking == list(wanted):
+        raise input_error(path, "header", found, "the columns that data.yaml names",
+                          f"The first row is: {', '.join(names)}.")  # fmt: skip
+    again = [c for c in wanted if f"{c}.1" in names]
+    findings = [Finding(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
+                        nearest(c, names)) for c in lacking]  # fmt: skip
+    findings += [Finding(str(path), "header", f"two columns '{c}'", "a name for each column")
+                 for c in again]  # fmt: skip
+    if findings:
+        raise InputError(findings)
+
+
+def _column(path: Path, cells: pd.Series, name: str) -> Float:
+    """A column as numbers, empty cells NaN."""
+    values = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
+    bad = np.flatnonzero(np.isnan(values) & cells.notna().to_numpy())
+    if len(bad):
+        raise input_error(path, f"row {bad[0] + 2}, column {name}", f"'{cells.iloc[bad[0]]}'",
+                          "a number", "An empty cell means that nothing was seen.")  # fmt: skip
+    return np.asarray(values)
 
 
 def _numbers(given: Any, path: Path, where: str) -> dict[str, float]:

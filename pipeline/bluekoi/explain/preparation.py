@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from .assembly import Assembly, assembled, scaled_variables
 from .model import Model
 from .sampling import MIN_IN_BLOCK, block_rate_hz
 from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
-from .trials import Trial, all_series, cut_trials
+from .trials import Trial, all_series, cut_trials, unit_of_time
 
 MIN_TRIALS, SEGMENTS, MIN_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
@@ -63,7 +64,9 @@ def prepare(
     base, free = assembly.system.values({}), coefficients_of(model, trials)
     series = all_series(model, assembly, trials, scales, rate)
     noise = first_noise(kernel, series, base)
-    step = longest_step_s(max_rate_per_s(kernel, series, base, noise=noise, names=names))
+    fastest = partial(max_rate_per_s, kernel, series, base, noise=noise)
+    warnings += unit_of_time(trials, fastest(names=()))
+    step = longest_step_s(fastest(names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding, InputError, nearest
+from ..errors import Finding, InputError, input_error, nearest
 from ..fitting import Series
 from .assembly import Assembly, scale_names
 from .model import Model
@@ -20,6 +20,11 @@ MIN_SAMPLES = 3
 REPORTED_GAP = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 MAX_VALUE = 1e12
+WHOLE_TURN_DEG = 300.0
+"""An angle in rad that jumps by more is one in degrees."""
+TOO_COARSE, TOO_SHORT, SLOWEST_PER_S = 20.0, 0.01, 0.05
+"""Sampling intervals longer and trials shorter than so many of the model's shortest time constants
+are reported; models slower than 1 / 20 s have no time constant to compare with."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +73,10 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
     """All that is wrong with a trial."""
     file, out = trial.source or trial.name, []
     times = np.asarray(trial.times, dtype=float)
-    if times.ndim != 1 or len(times) < MIN_SAMPLES:
-        return [Finding(file, "times", f"shape {times.shape}",
-                        f"one dimension, {MIN_SAMPLES} samples or more")]  # fmt: skip
+    if times.ndim != 1:
+        return [Finding(file, "times", f"shape {times.shape}", "one dimension")]
+    if len(times) < MIN_SAMPLES:
+        return [Finding(file, "times", f"{len(times)} samples", f"{MIN_SAMPLES} samples or more")]
     if not np.isfinite(times).all():
         row = int(np.flatnonzero(~np.isfinite(times))[0])
         out.append(Finding(file, f"time, sample {row}", f"{times[row]}", "finite times"))
@@ -89,6 +95,8 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
     for name, column in [*trial.inputs.items(), *trial.observed.items()]:
         out += _column_faults(file, name, np.asarray(column, dtype=float), len(times),
                               missing=name in trial.observed)  # fmt: skip
+    out += [f for o in model.observations if o.angle and not out
+            for f in _degrees(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
     out += [Finding(file, f"constant {n}", f"{v}", "a finite number")
             for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
     if trial.role not in (FIT, HELD_OUT):
@@ -98,6 +106,17 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
                     nearest(n, known) if known else "The model has none.")
             for n in trial.evidence if n not in known]  # fmt: skip
     return out
+
+
+def _degrees(file: str, name: str, column: Float) -> list[Finding]:
+    """An angle that jumps by a turn of degrees."""
+    jumps = np.abs(np.diff(column))
+    if not np.any(jumps > WHOLE_TURN_DEG):
+        return []
+    row = int(np.nanargmax(jumps)) + 1
+    return [Finding(file, f"{name}, sample {row}", f"a jump by {jumps[row - 1]:.0f} rad",
+                    "an angle in rad, which jumps by one turn of 6.28 at most",
+                    "If the column is in degrees, say unit: deg.")]  # fmt: skip
 
 
 def _name_faults(
@@ -170,6 +189,20 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     return out
 
 
+def unit_of_time(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
+    """A sentence where sampling interval or duration does not suit a model whose shortest time
+    constant is 1 / rate: the unit of time may be wrong.
+    """
+    interval = float(np.median([np.median(np.diff(t.times)) for t in trials]))
+    longest = max(float(np.ptp(t.times)) for t in trials)
+    about = f"the model's shortest time constant is {1.0 / max(rate_per_s, 1e-9):.3g} s: check the "
+    if interval * rate_per_s > TOO_COARSE:
+        return [f"Samples are {interval:.3g} s apart and {about}unit of time."]
+    if longest * rate_per_s < TOO_SHORT and rate_per_s > SLOWEST_PER_S:
+        return [f"The longest trial lasts {longest:.3g} s and {about}unit of time."]
+    return []
+
+
 def _is_stepwise(changes: Float) -> bool:
     """Whether an input rests most of the time and changes in few jumps."""
     moving = np.abs(changes) > 1e-12 * max(np.abs(changes).max(initial=0.0), 1e-300)
@@ -215,6 +248,9 @@ def start_of_trial(
     mean, std = np.zeros(count), np.full(count, 1e-6)
     names = [o.name for o in model.observations]
     given = model.start(times, seen) if model.start else None
+    if given is not None and len(given) != len(model.states):
+        raise input_error(f"model '{model.name}'", "start", f"{len(given)} values",
+                          f"one for each of {len(model.states)} states")  # fmt: skip
     for k, s in enumerate(model.states):
         std[k] = s.start_std
         if given is not None:

@@ -1,0 +1,75 @@
+"""Whether an input follows what was measured before: recordings made in closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.stats import f as f_distribution
+
+from ..data import Float
+
+LAGS = 3
+"""Samples before each that may act on an input."""
+LEAST_SHARE, LEVEL = 0.05, 1e-3
+"""Share of the rest of an input that innovations explain, and level of the F test, from which on it
+is reported."""
+NOTHING = 1e-9
+"""Share of an input's variance below which nothing is left that its own past does not give."""
+
+
+def explained_by_innovations(
+    inputs: Sequence[Float], innovations: Sequence[Float], *, held: bool
+) -> float:
+    """Share of what an input's own past leaves of it that earlier innovations explain; 0 where the
+    F test does not reject (Granger, Econometrica 37 (1969), 424).
+
+    inputs: (n,) a trial; innovations: (n, observations) a trial, 0 where nothing was seen; held:
+    whether an input acts after its sample only, so that the innovation at the same sample counts as
+    earlier. In open loop innovations say nothing of later inputs.
+    """
+    pairs = [(u, e) for u, e in zip(inputs, innovations, strict=True) if len(u) > 2 * LAGS]
+    if not pairs:
+        return 0.0
+    target = np.concatenate([u[LAGS:] for u, _ in pairs])
+    own = np.concatenate([_lagged(u[:, None], 1) for u, _ in pairs])
+    own = np.column_stack([own, np.ones(len(own))])
+    other = np.concatenate([_lagged(e, 0 if held else 1) for _, e in pairs])
+    df = len(target) - own.shape[1] - other.shape[1]
+    before, after = _squares(own, target), _squares(np.column_stack([own, other]), target)
+    if df <= 0 or before <= NOTHING * float(np.sum((target - target.mean()) ** 2)):
+        return 0.0
+    ratio = (before - after) / other.shape[1] / max(after / df, 1e-300)
+    share = 1.0 - after / before
+    sure = f_distribution.sf(ratio, other.shape[1], df) < LEVEL
+    return float(share) if sure and share > LEAST_SHARE else 0.0
+
+
+def feedback(
+    held: Mapping[str, bool], inputs: Sequence[Float], innovations: Sequence[Float]
+) -> list[str]:
+    """A sentence on each input that follows earlier innovations; held: name -> whether it is held;
+    inputs: (n, inputs) a trial.
+    """
+    out = []
+    for k, (name, holds) in enumerate(held.items()):
+        share = explained_by_innovations([u[:, k] for u in inputs], innovations, held=holds)
+        if share:
+            out.append(
+                f"Input {name} follows earlier errors of the prediction ({share:.0%} of what its "
+                "past leaves): a controller closes the loop, and its answer to noise may be taken "
+                "for a law."
+            )
+    return out
+
+
+def _lagged(columns: Float, first: int) -> Float:
+    """Columns (n, c) at `first` to `LAGS` samples before each, (n - LAGS, c (LAGS - first + 1))."""
+    count = len(columns)
+    return np.column_stack([columns[LAGS - k : count - k] for k in range(first, LAGS + 1)])
+
+
+def _squares(design: Float, target: Float) -> float:
+    scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
+    fit = np.linalg.lstsq(design / scale, target, rcond=1e-10)[0]
+    return float(np.sum((target - design / scale @ fit) ** 2))

@@ -226,6 +226,7 @@ for run in free_runs(kernel, series, values, open_states=2):
 """
 
 
+@pytest.mark.timeout(900)
 def test_compiled_code_stays_within_its_arrays(tmp_path):
     """Filter and simulation of trials of different lengths, compiled with bounds checks: an index
     beyond an array raises there, and both ways give the same numbers.
@@ -242,3 +243,19 @@ def test_compiled_code_stays_within_its_arrays(tmp_path):
                            check=True)  # fmt: skip
     assert len(checked) == 6
     np.testing.assert_allclose(checked, [float(line) for line in other.stdout.split()], rtol=1e-9)
+
+
+def test_the_tutorials_model_is_the_examples(tmp_path):
+    """The first python block of docs/own_models.md is a model file, with causes of the example."""
+    root = Path(__file__).parents[1]
+    text = (root / "docs" / "own_models.md").read_text()
+    (tmp_path / "model.py").write_text(text.split("```python\n")[1].split("```")[0])
+    written, example = (
+        load_model(tmp_path / "model.py"),
+        load_model(root / "examples/drive/model.py"),
+    )
+    assert written.coefficients == example.coefficients
+    assert [s.name for s in written.states] == [s.name for s in example.states]
+    assert [c.name for c in written.causes] == [c.name for c in example.causes][:2]
+    for one, other in zip(written.causes, example.causes, strict=False):
+        assert one.parameters == other.parameters

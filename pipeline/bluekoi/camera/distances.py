@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -134,8 +134,12 @@ def pixels_of(geometry: Geometry, places_m: Float) -> Float:
     return project(geometry.camera, np.column_stack([places_m, depth]))
 
 
-def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float]:
+def camera_patterns(
+    geometry: Geometry, distances: Distances, names: Collection[str] = ()
+) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
+
+    names: parameters of `CHANGES`; without, all.
 
     A parameter's error is true value minus value used; where it changes the lens or the pool, the
     pose is fitted again to the same corner pixels, as it was when the error was made.
@@ -147,7 +151,8 @@ def camera_patterns(geometry: Geometry, distances: Distances) -> dict[str, Float
         return np.asarray(np.linalg.norm(front - back, axis=1), dtype=np.float64)
 
     patterns = {}
-    for name, (change, step) in CHANGES.items():
+    for name in names or CHANGES:
+        change, step = CHANGES[name]
         if name in LENS_ONLY and geometry.camera.lens is None:
             continue
         high, low = length(change(geometry, step)), length(change(geometry, -step))

@@ -146,7 +146,7 @@ def _refined(first: HypothesisFit, geometry: Geometry, distances: Distances) -> 
         errors = dict(zip(names, found.values, strict=True))
         try:
             corrected, rest = without_error(geometry, distances, errors)
-            patterns = camera_patterns(corrected, rest)
+            patterns = camera_patterns(corrected, rest, names)
         except InputError:  # the corners fit no pose under such a lens
             return first
         design = np.column_stack([patterns[name] for name in names])
@@ -172,7 +172,7 @@ def estimate_depth(
     """
     distances = rigid_distances(trials, head_lengths_m, robot)
     deeper = Hypothesis("keypoint_depth", ("depth_m",), (1.0,), ("m",), "")
-    patterns = camera_patterns(Geometry(camera, depth_m), distances)
+    patterns = camera_patterns(Geometry(camera, depth_m), distances, deeper.parameters)
     found = fit_hypothesis(deeper, patterns, distances)
     return depth_m + found.values[0], found.stds[0]
 

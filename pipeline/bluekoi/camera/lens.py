@@ -14,7 +14,6 @@ import numpy as np
 from ..data import Float
 
 MODELS = ("pinhole", "fisheye")
-STEP = 1e-7
 TOLERANCE = 1e-10
 TABLE_SIZE = 2001
 MAX_TANGENT = 6.0
@@ -110,10 +109,11 @@ def undistorted(lens: Lens, target: Float) -> Float:
     plane = _radial_start(lens, target)
     limit = monotonic_radius(lens)
     for _ in range(20):
-        error = distorted(lens, plane) - target
+        image, slope = _distorted_with_slope(lens, plane)
+        error = image - target
         if not np.any(np.abs(error) > TOLERANCE / 100):
             break
-        plane = plane - np.linalg.solve(_slope(lens, plane), error[:, :, None])[:, :, 0]
+        plane = plane - np.linalg.solve(_invertible(slope), error[:, :, None])[:, :, 0]
     error = np.abs(distorted(lens, plane) - target).max(axis=1, initial=0.0)
     radius = np.hypot(plane[:, 0], plane[:, 1])
     bad = ~(error < TOLERANCE) | (radius > limit)
@@ -123,12 +123,31 @@ def undistorted(lens: Lens, target: Float) -> Float:
 def distorted(lens: Lens, plane: Float) -> Float:
     """Distorted plane coordinates (n, 2) of `plane` (n, 2)."""
     if lens.model == "fisheye":
-        squared = np.sum(plane**2, axis=1)
-        return plane * _fisheye_gain(lens.distortion, squared)[:, None]
+        return plane * _fisheye_gain(lens.distortion, np.sum(plane**2, axis=1))[:, None]
+    return _by_opencv(lens, plane)[0]
+
+
+def _distorted_with_slope(lens: Lens, plane: Float) -> tuple[Float, Float]:
+    """Distorted coordinates (n, 2) of `plane` (n, 2), and their derivative (n, 2, 2)."""
+    if lens.model == "pinhole":
+        return _by_opencv(lens, plane)
+    k, squared = lens.distortion, np.sum(plane**2, axis=1)
+    gain = _fisheye_gain(k, squared)[:, None, None]
+    change = k[0] + squared * (2 * k[1] + squared * (3 * k[2] + squared * 4 * k[3]))
+    outer = plane[:, :, None] * plane[:, None, :]
+    return plane * gain[:, :, 0], gain * np.eye(2) + 2 * change[:, None, None] * outer
+
+
+def _by_opencv(lens: Lens, plane: Float) -> tuple[Float, Float]:
+    """As `_distorted_with_slope`, of a pinhole lens.
+
+    At depth 1 the derivative by the camera's translation is that by the plane coordinates.
+    """
     points = np.column_stack([plane, np.ones(len(plane))]).reshape(-1, 1, 3)
     still = np.zeros(3)
-    image, _ = cv2.projectPoints(points, still, still, np.eye(3), lens.distortion)
-    return np.asarray(image, dtype=float).reshape(-1, 2)
+    image, jacobian = cv2.projectPoints(points, still, still, np.eye(3), lens.distortion)
+    slope = np.asarray(jacobian, dtype=float).reshape(-1, 2, jacobian.shape[1])[:, :, 3:5]
+    return np.asarray(image, dtype=float).reshape(-1, 2), slope
 
 
 def monotonic_radius(lens: Lens) -> float:
@@ -185,17 +204,11 @@ def _radial_start(lens: Lens, target: Float) -> Float:
     return target * gain[:, None]
 
 
-def _slope(lens: Lens, plane: Float) -> Float:
-    """Derivative (n, 2, 2) of the distortion by central differences."""
-    slope = np.empty((len(plane), 2, 2))
-    for axis in range(2):
-        step = np.zeros(2)
-        step[axis] = STEP
-        change = distorted(lens, plane + step) - distorted(lens, plane - step)
-        slope[:, :, axis] = change / (2 * STEP)
-    slope[~np.isfinite(slope).all(axis=(1, 2))] = np.eye(2)  # of pixels beyond all numbers
-    slope[np.abs(np.linalg.det(slope)) < 1e-9] = np.eye(2)
-    return slope
+def _invertible(slope: Float) -> Float:
+    """Derivatives (n, 2, 2) with 1 in the place of those that cannot be inverted."""
+    usable = np.isfinite(slope).all(axis=(1, 2))
+    usable[usable] = np.abs(np.linalg.det(slope[usable])) > 1e-9
+    return np.where(usable[:, None, None], slope, np.eye(2))
 
 
 def _to_pixels(lens: Lens, plane: Float) -> Float:

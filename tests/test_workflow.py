@@ -23,6 +23,8 @@ from snakemake_interface_logger_plugins.common import LogEvent
 
 from bluekoi.errors import InputError
 from bluekoi.files import atomic_write
+from bluekoi.integrate import kernel
+from bluekoi.stages.compiling import load_model, load_model_with_effects
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
 from bluekoi.workflow.begin import without_rate_limit
@@ -79,6 +81,19 @@ class Home:
         rows = dict(re.findall(r"^(\w+) +(\d+)$", run.stdout + run.stderr, re.M))
         rows |= dict(re.findall(r"^(\w+) is due for (\d+)", run.stderr, re.M))
         return {rule: int(n) for rule, n in rows.items() if rule not in ("all", "total", "outcome")}
+
+
+@pytest.mark.parametrize(
+    ("load", "general"), [(load_model, False), (load_model_with_effects, True)]
+)
+def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
+    """Two processes compile at the same time, each its own kernel."""
+    asked, loaded = set(), kernel._loaded
+    monkeypatch.setattr(
+        kernel, "_loaded", lambda system, more: asked.add(more) or loaded(system, more)
+    )
+    load()
+    assert asked == {general}
 
 
 @pytest.fixture(scope="module")

@@ -24,19 +24,25 @@ def load_smoother() -> None:
 
 
 def load_model() -> None:
-    """Filter and simulate three frames with the bare and with an extended model."""
+    """Filter and simulate three frames with the kernel of the model without effects."""
+    _use_kernel(0.0)
+
+
+def load_model_with_effects() -> None:
+    """Filter and simulate three frames with the kernel of the model with effects."""
+    _use_kernel(1e-9)
+
+
+def _use_kernel(strength: float) -> None:
     kernel = compiled(plates())
     system = kernel.system
-    bare = np.array([p.start for p in system.parameters])
-    extended = bare.copy()
-    extended[system.strength_slots[0]] = 1e-9
+    values = np.array([p.start for p in system.parameters])
+    values[system.strength_slots[0]] = strength
     states, seen = len(system.all_states), len(system.observations)
     one = Series(
         name="", group="", condition="", times=np.arange(3) / 30, inputs=np.zeros((3, 2)),
         constants=np.ones(len(system.constants)), seen=np.zeros((3, seen)),
         noise=np.tile(np.eye(seen), (3, 1, 1)), mean=np.zeros(states), cov=np.eye(states),
     )  # fmt: skip
-    noise = Noise(np.zeros(0), np.ones(0), np.ones(seen))
-    for values in (bare, extended):
-        filter_series(kernel, one, values, noise)
-        free_runs(kernel, [one], [values], iterations=1)
+    filter_series(kernel, one, values, Noise(np.zeros(0), np.ones(0), np.ones(seen)))
+    free_runs(kernel, [one], [values], iterations=1)

@@ -30,9 +30,12 @@ from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
 from .clock import CLOCK_STD, in_true_time, with_clock_cause
+from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
+
+__all__ = ["mismatch", "preload"]
 
 STATED_FREQUENCY_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
 UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %

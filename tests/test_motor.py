@@ -53,6 +53,17 @@ def test_constant_rate_with_dead_zone(tmp_path, hz, stuck):
     assert found.source == "motor_log"
 
 
+@pytest.mark.parametrize("rate_hz", [20.0, 50.0])
+def test_sparse_readings_are_read_as_long_as_a_turn_has_a_few(tmp_path, rate_hz):
+    """Windows of a quarter of a second then hold fewer readings than a line takes."""
+    time_s = np.arange(0, 3.4, 1 / rate_hz)
+    angle = 360 * 5.84 * time_s % 360
+    path = tmp_path / "log.csv"
+    rows = [f"{t:.6g},{a:.6g}" for t, a in zip(time_s, angle, strict=True) if a < 345]
+    path.write_text("\n".join(["time_s,angle_deg", *rows]) + "\n")
+    assert flapping_from_log(path).flap_hz == pytest.approx(5.84, rel=1e-3)
+
+
 def test_stated_deviation_has_the_right_width(tmp_path):
     rng = np.random.default_rng(2)
     pulls = []

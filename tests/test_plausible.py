@@ -11,11 +11,13 @@ from exact_campaign import campaign
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.camera.length_warnings import differing, length_warnings
 from bluekoi.data import Flapping, Pose, Steady, Track
+from bluekoi.errors import InputError
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import clock_ratio, compare
 from bluekoi.motor.powers import power_warnings
 from bluekoi.pose import rigid_pose
+from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausible import first_jump, implausible
@@ -23,7 +25,7 @@ from bluekoi.stages.tracks import _doubted, flapping_of, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
 from bluekoi.study.rules import robot_doubts
-from studies import small_study
+from studies import edit_rows, small_study
 
 
 @pytest.fixture(scope="module")
@@ -266,6 +268,25 @@ def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):
     (text,) = length_warnings(read_json(results / "geometry.json"), {"causes": []})
     assert text.startswith("Trial T11: the robot's rigid lengths come out +3.")
     assert "turned, mirrored, cropped, zoomed" in text
+
+
+def test_a_stated_frequency_that_contradicts_the_log_is_refused(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_rows(study, T10={"flap_hz": "2.0"}, T11={"flap_hz": "5.9"})
+    (finding,) = file_findings(load_study(study))
+    assert str(finding).endswith(
+        "trials.csv: trial T10, flap_hz: found 2; expected 5.84 Hz, as motor/T10.csv has it. Leave "
+        "flap_hz empty where there is a log; is the log this trial's?"
+    )
+
+
+@pytest.mark.parametrize("density", [1e6, 0.998])
+def test_a_density_that_is_no_liquid_s_is_refused(tmp_path, density):
+    study = small_study(tmp_path / "study")
+    path = study / "study.yaml"
+    path.write_text(path.read_text().replace("1000.0", str(density)))
+    with pytest.raises(InputError, match=r"water\.density_kg_m3"):
+        load_study(study)
 
 
 def flapping_at(**hz):

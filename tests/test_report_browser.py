@@ -1,4 +1,4 @@
-"""The page in a real browser: `make test-long`, where chromium is installed."""
+"""The page in real browsers: `make test-long`, where chromium and firefox are installed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from exact_campaign import campaign, searched
+from firefox import Firefox, FirefoxTab
 
 from bluekoi import figures
 from bluekoi.campaign import Campaign
@@ -118,6 +119,16 @@ def browser(tmp_path):
     one.close()
 
 
+@pytest.fixture
+def firefox(tmp_path):
+    program = shutil.which("firefox") or shutil.which("firefox-esr")
+    if program is None:
+        pytest.skip("no firefox here")
+    one = Firefox(program, tmp_path / "firefox")
+    yield one
+    one.close()
+
+
 @pytest.mark.parametrize("phone", [False, True])
 def test_it_opens_sorts_filters_and_plays_without_console_messages(page, browser, phone):
     tab = Tab(browser, page, phone=phone)
@@ -139,7 +150,17 @@ def wait(tab: Tab, condition: str) -> None:
 
 @pytest.mark.parametrize("phone", [False, True])
 def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
-    tab = Tab(browser, page, phone=phone)
+    explored_by_keyboard(Tab(browser, page, phone=phone))
+
+
+@pytest.mark.parametrize("phone", [False, True])
+def test_the_explorer_works_by_keyboard_alone_in_firefox(page, firefox, phone):
+    tab = FirefoxTab(firefox, page, phone=phone)
+    assert tab.evaluate("innerWidth") == (390 if phone else 1300)
+    explored_by_keyboard(tab)
+
+
+def explored_by_keyboard(tab: Tab | FirefoxTab) -> None:
     for _ in range(200):
         tab.press("Tab", 9)
         if tab.evaluate("document.activeElement.matches('a[href=\"#trial-T02\"]')"):
@@ -151,9 +172,11 @@ def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
     assert tab.evaluate(STATE)[2] == pytest.approx(1 / 30, abs=2e-4)
     tab.press("End", 35)
     assert tab.evaluate(STATE)[2] == pytest.approx(89 / 30, abs=2e-4)
+    wait(tab, "!document.querySelector('video').seeking")
     tab.press("Home", 36)
     tab.press("+", 187, "+")
     wait(tab, "document.getElementById('explorer-series').layout.xaxis.range[1] < 2")
+    tab.evaluate("document.getElementById('explorer-rate').value = '0.25'")
     tab.press(" ", 32, " ")
     wait(tab, "now.time > 0.1 && now.playing")
     tab.press(" ", 32, " ")
@@ -161,6 +184,19 @@ def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
     tab.press("n", 78, "n")
     wait(tab, "now.id === 'T03' && now.drawn")
     assert tab.console_messages() == []
+
+
+def test_play_right_after_a_jump_begins_at_the_time_jumped_to(page, firefox):
+    """The video is then still at the place before: at its end, it stopped at once."""
+    tab = FirefoxTab(firefox, page)
+    tab.evaluate("location.hash = 'trial-T02'")
+    wait(tab, "now.id === 'T02' && now.drawn && document.querySelector('video').readyState > 1")
+    tab.evaluate("jump(1e9)")
+    wait(tab, "!document.querySelector('video').seeking")
+    assert tab.evaluate("(() => { jump(-1e9); toggle(); return now.time; })()") == 0
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    assert tab.evaluate("now.time") < 2.5
+    wait(tab, "now.playing && now.time > 0.1 && now.time < 2.5")
 
 
 def test_the_explorer_shows_the_values_of_the_track(page, browser):

@@ -17,6 +17,8 @@ from ..data import Float
 
 Mask = npt.NDArray[np.bool_]
 
+MIN_READINGS = 5
+"""The line of a window takes so many readings."""
 BINS = 72
 """Bins of the shaft's circle in which the dead zone is looked for: 5 degrees each."""
 
@@ -78,15 +80,20 @@ def _slopes(time_s: Float, phase_rad: Float, center_s: Float, rate_hz: Float) ->
 
 
 def _windows(time_s: Float, angle_rad: Float, width_s: float) -> tuple[Float, Float, Float]:
-    """Centre (s), rate (Hz) and phase at the centre (rad) of windows that overlap by half."""
+    """Centre (s), rate (Hz) and phase at the centre (rad) of windows that overlap by half.
+
+    Windows are `width_s` long, or longer where readings are sparse.
+    """
     span = time_s[-1] - time_s[0]
+    width_s = max(width_s, (MIN_READINGS + 1) * float(np.median(np.diff(time_s))))
     count = max(int(2 * span / width_s) - 1, 1)
     starts = time_s[0] + np.linspace(0.0, max(span - width_s, 0.0), count)
     rows = []
     for start in starts:
         inside = (time_s >= start) & (time_s <= start + width_s)
-        if inside.sum() >= 5:
+        if inside.sum() >= MIN_READINGS:
             rows.append(_line(time_s[inside], angle_rad[inside], start + width_s / 2))
+    rows = rows or [_line(time_s, angle_rad, float(time_s[0] + span / 2))]
     return tuple(np.array(column) for column in zip(*rows, strict=True))  # type: ignore[return-value]
 
 

@@ -21,6 +21,8 @@ from ..study.filmed import setup_in_film_pixels
 from ..study.rules import robot_doubts
 
 MIN_FRAMES = 2
+STATED_SHARE = 0.05
+"""A stated flapping frequency is that of its log to this share."""
 
 
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
@@ -70,9 +72,11 @@ def _shared(study: Study) -> list[Finding]:
 
 
 def _read(study: Study, trial: Trial) -> None:
-    """Raises: InputError where a trial's motor log, keypoints or film cannot be read."""
+    """Raises: InputError where a trial's motor log, keypoints or film cannot be read, or where the
+    log contradicts flap_hz.
+    """
     if (log := study.motor_path(trial)) is not None:
-        flapping_from_log(log)
+        _compare_stated(study, trial, flapping_from_log(log).flap_hz)
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
         _seen(path, source("deeplabcut").read(path, trial, study.setup.bodyparts))
@@ -81,6 +85,15 @@ def _read(study: Study, trial: Trial) -> None:
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
         )
         setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
+
+
+def _compare_stated(study: Study, trial: Trial, log_hz: float) -> None:
+    if trial.flap_hz is not None and abs(trial.flap_hz / log_hz - 1) > STATED_SHARE:
+        raise input_error(
+            study.root / "trials.csv", f"trial {trial.trial_id}, flap_hz", f"{trial.flap_hz:g}",
+            f"{log_hz:.3g} Hz, as {trial.motor_log} has it",
+            "Leave flap_hz empty where there is a log; is the log this trial's?",
+        )  # fmt: skip
 
 
 def _seen(path: Path, found: Keypoints) -> None:

@@ -124,6 +124,7 @@ function play() {
   if (hasVideo()) { video.playbackRate = rate; video.play().catch(() => {}); }
   const tick = (at) => {
     if (!now.playing) return;
+    if (hasVideo() && video.seeking) { clock = at; requestAnimationFrame(tick); return; }
     const driven = hasVideo() && !video.paused;
     seek(driven ? video.currentTime + Number(video.dataset.start) : from + rate * (at - clock) / 1000, true);
     if (driven) [clock, from] = [at, now.time];

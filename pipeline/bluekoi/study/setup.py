@@ -54,7 +54,9 @@ class Pool(Section):
 class Water(Section):
     """The water."""
 
-    density_kg_m3: Positive = key("Density of the water.", "kg/m3", 1000.0)
+    density_kg_m3: Annotated[float, Plain] = key(
+        "Density of the water.", "kg/m3", 1000.0, ge=500.0, le=2000.0
+    )
     refractive_index: Annotated[float, Plain] = key(
         "Refractive index of the water against air; 1 switches the correction off.",
         "1",

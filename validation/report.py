@@ -35,7 +35,8 @@ RESULTS = ROOT / "validation/results"
 PAGE = ROOT / "docs/evidence.md"
 PLOT = ROOT / "docs/evidence/calibration.svg"
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
-DEVELOPMENT = ("quasi_steady", "strip_theory", "kirchhoff")
+DEVELOPMENT = ("quasi_steady", "strip_theory", "kirchhoff", "manoeuvring", "wake_memory",
+               "field_lab", "tow_tank")  # fmt: skip
 """Generators whose studies were inspected while the finder was developed."""
 OWN = ("concealed", "concealed_footage")
 """Our own generator, from keypoints and from footage."""

@@ -33,8 +33,8 @@ PARAMETERS = (
               symbol="w"),
     Parameter("ramp_smoothness", "1", 0.0, 0.0, 1.0, "0: linear ramp, 1: smooth step",
               spread=0.4, symbol="q"),
-    Parameter("dead_time", "s", 0.0, 0.0, 1.0, "time in which the frequency does not rise",
-              spread=0.1, symbol="t_d"),
+    Parameter("dead_time", "s", 0.0, 0.0, 0.3, "time in which the frequency does not rise",
+              spread=0.05, symbol="t_d"),
 )  # fmt: skip
 
 

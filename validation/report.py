@@ -259,7 +259,7 @@ def _pct(value: float, low: float, high: float) -> str:
 
 def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
-    pairs = [(p, name in s["truth"]) for s in studies for name, p in s["named"].items()]
+    pairs = [(min(p, 1.0), name in s["truth"]) for s in studies for name, p in s["named"].items()]
     out = []
     for low, high in itertools.pairwise(EDGES):
         inside = [(p, true) for p, true in pairs if low <= p < high or p == high == 1.0]

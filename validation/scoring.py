@@ -133,7 +133,7 @@ def summary(studies: Sequence[Scored]) -> dict[str, Any]:
 
 def calibration(studies: Sequence[Scored]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
-    pairs = [(p, n in s.true) for s in studies for n, p in s.said.items()]
+    pairs = [(min(p, 1.0), n in s.true) for s in studies for n, p in s.said.items()]
     out = []
     for low, high in itertools.pairwise(EDGES):
         inside = [(p, true) for p, true in pairs if low <= p < high or (high == 1.0 and p == 1.0)]

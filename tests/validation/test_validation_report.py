@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from validation import report
-from validation.scoring import Scored
+from validation.scoring import Scored, calibration
 
 
 def scored(study, generator, true, said, group="clear", **other):
@@ -115,3 +115,9 @@ def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
     runs = report.load()
     drawn = report.PLOT.read_text(encoding="utf-8") if report.PLOT.is_file() else ""
     assert not runs or report.digest(runs) in drawn, "run python -m validation report"
+
+
+def test_a_certain_cause_stands_in_the_last_bin_although_rounded_above_one():
+    """Sums of probabilities may exceed 1 by rounding."""
+    study = scored("009", "potential_flow", ["stall"], {"stall": 1.0 + 4e-16})
+    assert [(b["from"], b["count"]) for b in calibration([study])] == [(pytest.approx(0.9), 1)]

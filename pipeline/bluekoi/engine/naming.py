@@ -49,7 +49,7 @@ def named_causes(
     """
     residual = {n for n, c in candidates.items() if c.is_residual}
     pairs = list(zip(found.sets, found.probability, strict=True))
-    unexplained = float(sum(p for s, p in pairs if residual & set(s.causes)))
+    unexplained = min(1.0, float(sum(p for s, p in pairs if residual & set(s.causes))))
     best, out = found.best, list[Named]()
     for name in (c for c in best.causes if c not in residual):
         place = _place(found, name)

@@ -59,6 +59,6 @@ def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> P
     share /= share.sum(axis=1, keepdims=True)
     probability = share.mean(axis=0)
     names = {name for s in useful for name in s.causes}
-    inclusion = {name: float(sum(p for p, s in zip(probability, useful, strict=True)
-                                 if name in s.causes)) for name in names}  # fmt: skip
+    inclusion = {name: min(1.0, float(sum(p for p, s in zip(probability, useful, strict=True)
+                                          if name in s.causes))) for name in names}  # fmt: skip
     return Posterior(tuple(useful), probability, inclusion)

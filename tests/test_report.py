@@ -231,6 +231,16 @@ def test_verdicts_in_words(kind):
     )
 
 
+def test_a_measurement_error_beside_missing_physics_has_its_own_heading():
+    causes = [
+        {"name": "tail_fin_lift", "kind": "physics"},
+        {"name": "lens_error", "kind": "measurement"},
+    ]
+    found = {"verdict": "physics", "causes": causes}
+    said = verdict(Campaign(**{**campaign().__dict__, "mismatch": found}))
+    assert said["heading"] == "Missing physics: tail fin lift; Measurement error: lens error"
+
+
 def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):
     text = write(Campaign(study=campaign(powers=(75,)).study), tmp_path)
     assert "did not search for causes" in text

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,11 +70,21 @@ def verdict(campaign: Campaign) -> dict[str, str]:
         }
     kind = str(found.get("verdict", "missing"))
     heading = HEADINGS.get(kind, kind)
-    names = [readable(str(cause["name"])) for cause in found.get("causes") or []]
-    if kind in ("physics", "measurement") and names:
-        heading += ": " + " and ".join(names)
+    causes = [(str(c.get("kind", kind)), readable(str(c["name"])))
+              for c in found.get("causes") or []]  # fmt: skip
+    if kind in ("physics", "measurement") and causes:
+        heading = named_heading(kind, causes)
     sentence = with_readable_names(str(found.get("sentence") or heading), _known_causes())
     return {"kind": kind, "heading": heading, "sentence": sentence}
+
+
+def named_heading(kind: str, causes: Sequence[tuple[str, str]]) -> str:
+    """Heading with the causes, (kind, name) each, below the words for their kind; the verdict's
+    kind stands first.
+    """
+    kinds = dict.fromkeys((kind, *(own for own, _ in causes)))
+    parts = [(HEADINGS[k], " and ".join(name for own, name in causes if own == k)) for k in kinds]
+    return "; ".join(f"{words}: {names}" for words, names in parts if names)
 
 
 def warnings(campaign: Campaign) -> list[str]:

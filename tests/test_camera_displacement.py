@@ -129,7 +129,8 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
      (lens_error, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))],
 )  # fmt: skip
 def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect, names):
-    given = named(stated(), names) | {"k": 0.02} | ({"q": 1.0} if effect is lens_error else {})
+    forms = {lens_error: {"q": 1.0}, scale_error: {"a": 0.3}}
+    given = named(stated(), names) | {"k": 0.02} | forms.get(effect, {})
     c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15
     back = effect.observe(0.7, 0.4, c, s, ahead=ahead, **given)
     assert back == pytest.approx(effect.observe(0.7 + ahead * c, 0.4 + ahead * s, **HERE, **given))

@@ -150,7 +150,9 @@ def wait(tab: Tab, condition: str) -> None:
 
 @pytest.mark.parametrize("phone", [False, True])
 def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
-    explored_by_keyboard(Tab(browser, page, phone=phone))
+    tab = Tab(browser, page, phone=phone)
+    explored_by_keyboard(tab)
+    assert tab.evaluate("now.id") == "T03"
 
 
 @pytest.mark.parametrize("phone", [False, True])

@@ -207,7 +207,9 @@ def _radial_start(lens: Lens, target: Float) -> Float:
 def _invertible(slope: Float) -> Float:
     """Derivatives (n, 2, 2) with 1 in the place of those that cannot be inverted."""
     usable = np.asarray(np.isfinite(slope).all(axis=(1, 2)))
-    usable[usable] = np.abs(np.linalg.det(slope[usable])) > 1e-9
+    with np.errstate(over="ignore", invalid="ignore"):
+        det = np.linalg.det(slope[usable])
+    usable[usable] = np.isfinite(det) & (np.abs(det) > 1e-9)
     return np.where(usable[:, None, None], slope, np.eye(2))
 
 

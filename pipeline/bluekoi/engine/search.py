@@ -16,13 +16,7 @@ import numpy as np
 
 from ..fitting import cov_hc2
 from .candidates import Candidate
-from .evidence import (
-    Layout,
-    discrepancy_at_best,
-    layout,
-    log_evidence,
-    log_prior,
-)
+from .evidence import Layout, discrepancy_at_best, layout, log_evidence, log_prior
 from .expansion import Expansion, expanded
 from .plausible import residual_sizes
 from .problem import Problem
@@ -64,10 +58,11 @@ class Scored:
         """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
         compared by it, since evidence extrapolated from a poor fit is uncertain.
         """
+        if not np.isfinite(self.log_posterior):
+            return -np.inf
         own = self.layout.gaussian & ~self.layout.included
-        prior = 0.5 * float(self.layout.precision[own] @ self.layout.at[own] ** 2)
-        value = self.model.log_likelihood - prior
-        return value if np.isfinite(self.log_posterior) else -np.inf
+        return self.model.log_likelihood - 0.5 * float(
+            self.layout.precision[own] @ self.layout.at[own] ** 2)  # fmt: skip
 
     @property
     def overdispersion(self) -> float:

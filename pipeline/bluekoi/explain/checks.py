@@ -49,7 +49,7 @@ PARTS = {"states": State, "observations": Observation, "inputs": Input, "constan
 
 
 def _parts(model: Model) -> list[Finding]:
-    """Parts of a model that are no sequences of what they should be, and numbers that are none."""
+    """Parts of a model of the wrong type: not a sequence of its items, or not a number."""
     out = [f for name, kind in PARTS.items()
            for f in _sequence(model, name, getattr(model, name), kind)]  # fmt: skip
     if out:

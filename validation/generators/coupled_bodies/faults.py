@@ -79,7 +79,7 @@ def bias_tip(points: Any, axis: Any, phi: Array, s: float, p: P) -> None:
 
 
 def _begun(t: Array, k: int, p: P, many: int = 1) -> Array:
-    """Number of knocks before the time t; the first within 1.5 to 4 s."""
+    """Number of camera displacements before the time t; the first within 1.5 to 4 s."""
     first = 1.5 + 2.5 * _unit(k, p["seed"])
     return sum((t > first + 1.1 * i).astype(float) for i in range(many))  # type: ignore[return-value]
 
@@ -88,7 +88,7 @@ def _way(p: P) -> Array:
     return np.array([np.cos(p["way_rad"]), np.sin(p["way_rad"])])
 
 
-def knock(px: Array, t: Array, k: int, s: float, p: P, camera: Camera) -> Array:
+def displacement(px: Array, t: Array, k: int, s: float, p: P, camera: Camera) -> Array:
     """The image moves by s px at some time in half of the trials."""
     return px + s * (_begun(t, k, p) * (_unit(k, p["seed"] + 1) < 0.5))[..., None] * _way(p)
 
@@ -106,8 +106,8 @@ def creep(px: Array, t: Array, k: int, s: float, p: P, camera: Camera) -> Array:
     return px + s * (np.clip(t, 0, None) / 8)[..., None] * _way(p)
 
 
-def knocks(px: Array, t: Array, k: int, s: float, p: P, camera: Camera) -> Array:
-    """Three knocks a trial, of s px each."""
+def displacements(px: Array, t: Array, k: int, s: float, p: P, camera: Camera) -> Array:
+    """Three displacements a trial, of s px each."""
     return px + s * _begun(t, k, p, 3)[..., None] * _way(p)
 
 
@@ -194,10 +194,10 @@ FORMS: tuple[Form, ...] = (
     _bias("with_angle", bias_angle, 3e-4, 0.03),
     _bias("centre", bias_centre, 3e-4, 0.03, **WAY),
     _bias("tip", bias_tip, 3e-4, 0.03),
-    _shift("translation", knock, 0.1, 40, **SEED, **WAY),
+    _shift("translation", displacement, 0.1, 40, **SEED, **WAY),
     _shift("rotation", roll, 0.1, 60, **SEED),
     _shift("drift", creep, 0.1, 60, **WAY),
-    _shift("several", knocks, 0.1, 25, **SEED, **WAY),
+    _shift("several", displacements, 0.1, 25, **SEED, **WAY),
     _scale("uniform", scale_uniform, 5e-4, 0.2),
     _scale("length", scale_length, 5e-4, 0.2),
     _scale("marks", scale_marks, 5e-4, 0.2),

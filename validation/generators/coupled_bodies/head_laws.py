@@ -171,7 +171,7 @@ def line_angle(c: SimpleNamespace, s: Array, p: P) -> tuple[Any, Array]:
 
 
 def line_double(c: SimpleNamespace, s: Array, p: P) -> tuple[Any, Array]:
-    """N = T s sin(2 phi)/2: the tail is turned with the core and moved aside."""
+    """N = T s sin(2 phi)/2: the tail is turned with the core and offset sideways."""
     return 0j, -s * c.thrust * np.sin(2 * c.phi) / 2
 
 

@@ -192,25 +192,21 @@ def _inverse_root(matrix: Float) -> Float:
 def _cr2_adjustment(leverage: Float, expected: Float) -> Float:
     """A_t (t, p, p) with A V A' = F, so that adjusted scores have the covariance expected."""
     every = expected.sum(axis=0)
-    out = []
-    for S, F in zip(leverage, expected, strict=True):
-        values, vectors = np.linalg.eigh(F)
-        seen = values > 1e-9 * max(values[-1], 1e-12)
-        size, axes = np.sqrt(values[seen]), vectors[:, seen]
-        V = axes.T @ (F - S @ F - F @ S + S @ every @ S) @ axes
-        left, turned = np.linalg.eigh(V / np.outer(size, size))
-        inverse = (turned / np.sqrt(np.maximum(left, MIN_REMAINING))) @ turned.T
-        out.append((axes * size) @ inverse @ (axes / size).T)
-    return np.array(out)
+    values, axes = np.linalg.eigh(expected)
+    seen = values > 1e-9 * np.maximum(values[:, -1:], 1e-12)
+    size = np.sqrt(np.where(seen, values, 1.0))
+    onto = np.where(seen, 1 / size, 0.0)[:, None, :] * axes
+    remaining = expected - leverage @ expected - expected @ leverage + leverage @ every @ leverage
+    left, turned = np.linalg.eigh(onto.mT @ remaining @ onto)
+    inverse = turned / np.sqrt(np.maximum(left, MIN_REMAINING))[:, None, :] @ turned.mT
+    return np.where(seen, size, 0.0)[:, None, :] * axes @ inverse @ onto.mT
 
 
 def _unshared(leverage: Float, direction: Float) -> float:
     """Share of the naive variance of a direction (m,) in directions that one trial alone holds."""
-    share = 0.0
-    for S in leverage:
-        values, vectors = np.linalg.eigh(S)
-        share += float(np.sum((direction @ vectors[:, values > 1.0 - MIN_REMAINING]) ** 2))
-    return share / float(direction @ direction)
+    values, vectors = np.linalg.eigh(leverage)
+    held = (direction @ vectors)[values > 1.0 - MIN_REMAINING]
+    return float(held @ held / (direction @ direction))
 
 
 def _floored(matrix: Float, min_value: float) -> Float:

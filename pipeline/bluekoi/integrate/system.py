@@ -25,11 +25,11 @@ Function = Callable[..., Any]
 class Parameter:
     """One number to be fitted: unit, start value, bounds and meaning.
 
-    spread: standard deviation about `start` that is plausible before any data are seen; a fit uses
-    it, so that a shape on which few trials bear stays where it is likely. Infinite: nothing known.
-    tries: further values from which a fit may begin, where its likelihood has several hills; of a
-    shape that is held where it is plausible, another form of the law. symbol: of the parameter in
-    the equation of an effect.
+    spread: prior standard deviation about `start`; it keeps a shape parameter that the trials
+    hardly determine near its start. Infinite: no prior. tries: further starting values of a shape
+    parameter of a residual term, whose likelihood has several maxima; a fit begins at the most
+    likely one. plausible: typical magnitude of a strength, the width of its prior; default: the
+    size of `start`. symbol: name of the parameter in the equation of an effect.
     """
 
     name: str

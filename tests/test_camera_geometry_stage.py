@@ -23,7 +23,6 @@ from bluekoi.stages.depth import keypoint_depth
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.layout import Layout
-from bluekoi.stages.mismatch import rigid_evidence
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import load_study
 from studies import PLANS, small_study
@@ -73,7 +72,7 @@ def test_keypoints_placed_at_stated_lengths_measure_none(detected, tmp_path):
         assert found.get("trials", 0) == len(notes) - count
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert "lengths of study.yaml" in found["sentence"]
-    assert rigid_evidence(found, load_study(study).setup) == {}
+    assert found["windows"] is None
 
 
 def shown(found: Path, lengths: list[list[float]]) -> None:
@@ -97,9 +96,9 @@ def test_the_whole_length_of_a_silhouette_gives_the_scale(detected, tmp_path, sh
     found = reported(study, tmp_path / "results")
     assert found["scale"] == pytest.approx(share, abs=0.002)
     assert found["measured"] == "whole length"
-    evidence = rigid_evidence(found, load_study(study).setup)
-    assert set(evidence) == {"scale"}
-    assert evidence["scale"] == pytest.approx((share - 1, 0.0035), abs=0.002)
+    windows = found["windows"]
+    shares = np.array(windows["excess_m"]) / np.array(windows["known_m"])
+    assert shares == pytest.approx(share - 1, abs=0.003)
 
 
 def test_whole_lengths_a_little_off_show_no_error(detected, tmp_path):
@@ -115,8 +114,7 @@ def test_a_smeared_tail_or_few_frames_give_no_length(detected, tmp_path, lengths
     shutil.copytree(results, tmp_path / "results")
     shown(tmp_path / "results", lengths)
     found = reported(study, tmp_path / "results")
-    assert (found["scale"], found["likely"]) == (None, "unknown")
-    assert rigid_evidence(found, load_study(study).setup) == {}
+    assert (found["scale"], found["likely"], found["windows"]) == (None, "unknown", None)
 
 
 def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_path):
@@ -129,8 +127,6 @@ def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_p
         found = reported(study, tmp_path / "results")
         least.append(found["min_share"])
         assert found["likely"] == "nothing"
-        evidence = rigid_evidence(found, load_study(study).setup)
-        assert evidence["scale"][1] >= found["min_share"]
     assert 0.003 < least[0] < 0.0045 < least[1]
 
 

@@ -11,7 +11,6 @@ import pytest
 
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.camera.displacement import lens_strength
 from bluekoi.data import Flapping
 from bluekoi.engine import Named
 from bluekoi.errors import InputError
@@ -42,12 +41,11 @@ from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD,
     STATED_FREQUENCY_STD,
-    rigid_evidence,
     with_clock,
     with_delay,
     with_motor_start,
     with_nose_distance,
-    with_rigid_distances,
+    with_rigid_lengths,
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
@@ -226,15 +224,11 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
         campaign_series(Campaign(load_study(tmp_path)))
 
 
-def test_scale_of_the_rigid_distances_counts_once(demo: tuple[Measured, Found]) -> None:
+def test_without_lengths_nothing_is_measured_of_the_camera(demo: tuple[Measured, Found]) -> None:
     m, _ = demo
-    series = with_rigid_distances(
-        m.series, {"scale": 1.02, "scale_std": 0.004, "likely": "scale_error"}, m.study.setup
-    )
-    values = np.array([s.evidence["scale"] for s in series])
-    assert values[:, 0] == pytest.approx(0.02)
-    assert np.sum(1 / values[:, 1] ** 2) == pytest.approx(1 / (0.004**2 + 0.003**2))
-    assert all("clock_ratio" in s.evidence for s in series if "clock_ratio" in m.series[0].evidence)
+    for geometry in ({}, {"scale": 1.02, "windows": None}):
+        series = with_rigid_lengths(m.series, geometry, m.study.setup)
+        assert all(s.shared is None for s in series)
 
 
 def test_only_placed_keypoints_are_seen_from_the_nose(
@@ -261,36 +255,6 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
     assert ahead(filmed, "silhouette") == pytest.approx(reach)
 
 
-@pytest.mark.parametrize(
-    "geometry",
-    [{}, {"scale": None, "scale_std": None, "likely": "unknown"},
-     {"scale": 1.02, "scale_std": 0.004, "likely": "keypoint_bias"}],
-)  # fmt: skip
-def test_scale_is_not_evidence_where_another_error_bends_it(
-    demo: tuple[Measured, Found], geometry: dict[str, object]
-) -> None:
-    m, _ = demo
-    series = with_rigid_distances(m.series, geometry, m.study.setup)
-    assert all("scale" not in s.evidence for s in series)
-
-
-@pytest.mark.parametrize(
-    ("likely", "rivals", "expected"),
-    [("nothing", [], {"scale": 0.014, "lens": 0.0, "bend": 0.0}),
-     ("uncorrected_refraction", [], {"scale": 0.014, "lens": 0.0, "bend": -0.014}),
-     ("uncorrected_refraction", ["scale_error"], {"scale": 0.014}),
-     ("lens_error", ["scale_error"], {})],
-)  # fmt: skip
-def test_the_pattern_of_rigid_distances_is_evidence(
-    demo: tuple[Measured, Found], likely: str, rivals: list[str], expected: dict[str, float]
-) -> None:
-    m, _ = demo
-    geometry = {"scale": 1.014, "scale_std": 0.0004, "likely": likely, "rivals": rivals}
-    for one in with_rigid_distances(m.series, geometry, m.study.setup):
-        found = {k: v for k, (v, _) in one.evidence.items() if k != "clock_ratio"}
-        assert found == pytest.approx(expected)
-
-
 def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
     demo: tuple[Measured, Found],
 ) -> None:
@@ -300,24 +264,6 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
     for profile, best in zip(drawn, found.baseline.fit.values, strict=True):
         assert np.all(profile.lost > -0.05)
         assert np.all(np.diff(profile.lost[profile.values < best]) < 0)
-
-
-@pytest.mark.parametrize(("p_value", "sureness"), [(1e-13, 7.44), (0.0, 14.9)])
-def test_a_lens_that_the_rigid_distances_find_wrong_is_evidence_as_sure_as_its_chance(
-    demo: tuple[Measured, Found], p_value: float, sureness: float
-) -> None:
-    m, _ = demo
-    estimate = {"name": "lens_error", "parameters": ["focal", "k1"], "values": [0.0, -0.05],
-                "p_value": p_value}  # fmt: skip
-    geometry = {"scale": 1.03, "scale_std": 0.002, "likely": "lens_error", "rivals": [],
-                "estimates": [estimate]}  # fmt: skip
-    patterns = rigid_evidence(geometry, m.study.setup)
-    assert list(patterns) == ["lens"]
-    strength, std = patterns["lens"]
-    assert strength == pytest.approx(lens_strength(m.study.setup, {"k1": -0.05}))
-    assert std == pytest.approx(np.hypot(strength / sureness, 0.0005), rel=0.01)
-    estimate["values"] = [-0.9, 0.0]  # no camera has such a lens
-    assert rigid_evidence(geometry, m.study.setup) == {}
 
 
 def test_the_sentence_says_on_which_trials(demo: tuple[Measured, Found]) -> None:

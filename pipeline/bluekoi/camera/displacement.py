@@ -6,7 +6,6 @@ it was fitted to the corners under the same wrong lens.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -16,8 +15,8 @@ from scipy.optimize import least_squares
 from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, Setup
-from .corners import camera_of_setup, pool_camera
-from .distances import CHANGES, Geometry, pixels_of, with_errors
+from .corners import camera_of_setup
+from .distances import CHANGES, Geometry, pixels_of
 from .pool import PoolCamera, to_pool
 
 WATER = 1.333
@@ -123,22 +122,6 @@ def _lens_shape(
     off = places - np.array(center)
     shape: Float = (np.sum(off**2, axis=1) - rest)[:, None] * off + np.array(pull)
     return shape
-
-
-def lens_strength(setup: Setup, errors: Mapping[str, float]) -> float:
-    """Strength of `measurement/lens_error.py` at q = 1 that moves places as errors of a
-    camera do.
-
-    errors: parameter of `CHANGES` -> true value minus value used. Raises: InputError where the
-    study's corners fit no pose.
-    """
-    used = Geometry(pool_camera(setup), setup.robot.keypoint_depth_m)
-    places, forms = _pool_grid(used.camera), error_forms(setup)
-    pixels = pixels_of(with_errors(used, errors), places)
-    moved = to_pool(used.camera, pixels, used.depth_m) - places
-    shape = _lens_shape(places, forms.lens_m, forms.lens_rest_m2, forms.lens_pull_m3)
-    seen = np.isfinite(moved).all(axis=1)
-    return float(np.sum(shape[seen] * moved[seen]) / np.sum(shape[seen] ** 2))
 
 
 def _pool_grid(camera: PoolCamera) -> Float:

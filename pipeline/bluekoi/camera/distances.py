@@ -119,13 +119,13 @@ def robust_std(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
 
 
 def _bend(positions: Positions) -> Float:
-    """Head angle (frames,) from raw points; 0 where it cannot be had."""
+    """Head angle (frames,) from raw points, within a half turn; 0 where it cannot be had."""
     if not {"head_tip", "hinge", "tail_base"} <= set(positions.names):
         return np.zeros(len(positions.time_s))
     head = positions.part("head_tip") - positions.part("hinge")
     core = positions.part("hinge") - positions.part("tail_base")
-    angle = np.arctan2(core[:, 1], core[:, 0]) - np.arctan2(head[:, 1], head[:, 0])
-    return np.nan_to_num(angle)
+    across = head[:, 0] * core[:, 1] - head[:, 1] * core[:, 0]
+    return np.nan_to_num(np.arctan2(across, np.sum(head * core, axis=1)))
 
 
 def pixels_of(geometry: Geometry, places_m: Float) -> Float:

@@ -30,6 +30,7 @@ from .geometry_hypotheses import (
     HypothesisFit,
     fit_hypothesis,
 )
+from .length_windows import windowed
 from .pool import PoolCamera
 
 FALSE_ALARM = 0.001
@@ -45,6 +46,7 @@ class GeometryCheck:
     best: the fit behind it; rivals: names that explain them as well; fits: all, best first;
     mean_excess, mean_excess_std: overall relative error of length, trials as clusters.
     by_trial: number of each trial -> mean of its relative errors that `best` leaves, and its std.
+    windows: means of the distances over short windows.
     """
 
     outcome: str
@@ -56,6 +58,7 @@ class GeometryCheck:
     mean_excess_std: float
     map: DistanceMap
     by_trial: Mapping[int, tuple[float, float]]
+    windows: Distances
 
 
 def check_geometry(
@@ -116,6 +119,7 @@ def check_distances(
         mean_excess_std=std,
         map=distance_map(geometry.camera, distances, predicted),
         by_trial=_by_trial(distances, predicted),
+        windows=windowed(distances),
     )
 
 

@@ -1,11 +1,11 @@
 """A robot that sinks during the trial.
 
-    D = -1/2 rho A k s(t) V^2 v_hat,    seen = c + (1 - g s(t)) (true - c),  c below the camera
+    seen = c + (1 - g s(t)) (true - c),  c below the camera,    D = -1/2 rho A c_g g s(t) V^2 v_hat
     s(t) = t ((1 - w) + w t / t_1) (1 - exp(-b t)) / (b t),  t since the start, t_1 = 4 s
 
-w is the part that grows as t^2 (accelerated sinking); b is the rate at which it settles. Trim and
-drag change as the robot leaves the surface, k. As its distance from the camera grows, it appears
-smaller and nearer to the point below the camera, g. Either may be seen without the other.
+As its distance from the camera grows, it appears smaller and nearer to the point below the camera,
+g. Trim and drag change with the depth, c_g times as much. w is the part that grows as t^2
+(accelerated sinking); b is the rate at which it settles.
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """
 
@@ -18,16 +18,16 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("time",)
 STATEMENT = (
-    "The robot sinks during the trial: drag grows with time, and it looks smaller and smaller."
+    "The robot sinks during the trial: it looks smaller and smaller, and drag changes with time."
 )
 REGIME = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")
-STRENGTHS = 2
 PARAMETERS = (
-    Parameter("drag_growth_rate", "1/s", 0.03, 0.0, 0.5,
-              "growth of the drag coefficient per second, over 4 s", symbol="k"),
-    Parameter("shrink_rate", "1/s", 0.001, 0.0, 0.03,
+    Parameter("shrink_rate", "1/s", 0.002, 0.0, 0.05,
               "rate at which its image approaches the point below the camera", symbol="g"),
+    Parameter("drag_growth_ratio", "1", 10.0, 0.0, 60.0,
+              "growth of the drag coefficient over the shrinking of the image", spread=15.0,
+              symbol="c_g"),
     Parameter("quadratic_share", "1", 0.0, 0.0, 1.0, "part that grows as time squared",
               spread=0.4, symbol="w"),
     Parameter("settling_rate", "1/s", 0.002, 1e-4, 1.0, "rate at which the depth settles",
@@ -41,10 +41,11 @@ def sunk(t: float, w: float, b: float) -> float:
 
 
 def force(
-    rho: float, A: float, t: float, uc: float, vc: float, V: float, k: float, w: float, b: float
-) -> tuple[float, float, float]:
+    rho: float, A: float, t: float, uc: float, vc: float, V: float, g: float, c_g: float, w: float,
+    b: float,
+) -> tuple[float, float, float]:  # fmt: skip
     """Surge and sway (N)."""
-    s = -0.5 * rho * A * k * sunk(t, w, b) * V
+    s = -0.5 * rho * A * c_g * g * sunk(t, w, b) * V
     return s * uc, s * vc, 0.0
 
 

@@ -1,7 +1,8 @@
 """Coming round into its own wake.
 
-After a full circle the robot swims in water that it has set in motion: the drag changes by the
-share -k, smoothly from n_1 - b/2 to n_1 + b/2 turns, and by g times as much again with each
+After about a circle (tight ones earlier: a wake is wider than the body) the robot swims in water
+that it has set in motion: the drag changes by the share -k, smoothly from n_1 - b/2 to n_1 + b/2
+turns, and by g times as much again with each
 further turn. Where the wake fades, it counts by its age 2 pi / |r| as (age / 6 s)^-a. The part j
 acts as moving water does, with the speed and not with its square. Vanishes in straight runs and
 short arcs.
@@ -23,10 +24,10 @@ CONFUSED_WITH = ("battery_sag", "sinking")
 PARAMETERS = (
     Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
               "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
-    Parameter("entry_turns", "1", 1.0, 0.7, 1.4, "turns after which it meets its wake",
-              spread=0.1, symbol="n_1"),
-    Parameter("entry_width", "1", 0.2, 0.05, 1.0, "turns over which the change grows",
-              spread=0.2, symbol="b"),
+    Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
+              spread=0.3, tries=(0.4,), symbol="n_1"),
+    Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change grows",
+              spread=0.3, symbol="b"),
     Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "further change with each further turn",
               spread=0.4, symbol="g"),
     Parameter("age_exponent", "1", 0.0, 0.0, 2.0, "decay of the wake with its age",

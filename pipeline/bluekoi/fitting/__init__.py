@@ -23,7 +23,7 @@ from .sandwich import (
     cluster_covariance,
     newton_step_off_bounds,
 )
-from .series import Free, Noise, Series, TrialEffect
+from .series import Free, Noise, Series, SharedMeasurement, TrialEffect
 
 __all__ = [
     "ClusterCovariance",
@@ -38,6 +38,7 @@ __all__ = [
     "Normal",
     "PathFit",
     "Series",
+    "SharedMeasurement",
     "TrialEffect",
     "TrialRandomEffect",
     "added_force",

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..data import Float
+
+
+@dataclass(frozen=True, eq=False)
+class SharedMeasurement:
+    """A vector that was measured once for all trials, such as lengths all over a pool.
+
+    parameters: names of those that its prediction depends on. errors: their values (k,) -> its
+    errors (m,), independent and of unit variance. trials: how many trials share it.
+    """
+
+    parameters: tuple[str, ...]
+    errors: Callable[[Float], Float]
+    trials: int
 
 
 @dataclass(frozen=True)
@@ -17,7 +30,8 @@ class Series:
     times (n,), inputs (n, inputs), constants (constants,), seen (n, observations) with NaN where
     missing, noise (n, observations, observations), mean (states,) and cov (states, states) before
     the first frame. group: what trials share that have coefficients of their own (a power).
-    condition: what repeats share. evidence: name -> (value, std) of side measurements.
+    condition: what repeats share. evidence: name -> (value, std) of side measurements. shared: one
+    that all trials share.
     """
 
     name: str
@@ -31,6 +45,7 @@ class Series:
     mean: Float
     cov: Float
     evidence: dict[str, tuple[float, float]] = field(default_factory=dict)
+    shared: SharedMeasurement | None = None
 
     def frames(self, first: int, last: int) -> Series:
         """Frames `first` to `last` (excluded) of the trial, with the same start."""

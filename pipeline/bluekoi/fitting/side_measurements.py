@@ -13,7 +13,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import Kernel, System
 from ..integrate.system import Function
-from .series import Free, Series
+from .series import Free, Series, SharedMeasurement
 
 NO_INFORMATION = (0.0, np.inf)
 """A side measurement without information."""
@@ -40,7 +40,33 @@ def side_measurement_terms(
         gradient += rows * error[:, None]
         known = np.isfinite(std)
         logl[known] -= 0.5 * error[known] ** 2 + np.log(std[known]) + 0.5 * np.log(2 * np.pi)
+    for shared in {s.shared for s in series if s.shared is not None}:
+        rows = np.array([s.shared is shared for s in series])
+        H, g, value = _shared_terms(kernel.system, shared, slots, points[int(np.argmax(rows))])
+        hessian[rows] += H / shared.trials
+        gradient[rows] += g / shared.trials
+        logl[rows] += value / shared.trials
     return hessian, gradient, logl
+
+
+def _shared_terms(
+    system: System, shared: SharedMeasurement, slots: np.ndarray, point: Float
+) -> tuple[Float, Float, float]:
+    """Information (p, p), gradient (p,) and log likelihood of a shared measurement, with e its
+    errors and J their slopes in the free numbers at `slots` (p,): J'J, -J'e and -1/2 e'e.
+    """
+    places = np.array([system.slot[name] for name in shared.parameters])
+    values = point[places]
+    error = shared.errors(values)
+    J = np.zeros((len(error), len(slots)))
+    for k, place in enumerate(places):
+        columns = np.flatnonzero(slots == place)
+        if len(columns):
+            row = system.parameters[place]
+            step = STEP * (row.upper - row.lower) * np.eye(len(values))[k]
+            slope = shared.errors(values + step) - shared.errors(values - step)
+            J[:, columns] = (slope / (2 * step[k]))[:, None]
+    return J.T @ J, -J.T @ error, -0.5 * float(error @ error)
 
 
 def predicted(system: System, name: str, points: Float) -> tuple[Float, Float]:

@@ -1,12 +1,14 @@
 """Lens distortion left over.
 
-    seen = true + k [(rho^2 - q Q) (true - c) + a]
+    seen = true + k [(rho^2 - q Q) (true - c) + a] + (p_x, p_y) (rho^2 - q Q)
 
-rho is the distance from c, where the lens axis meets the water. The camera pose was fitted to the
+rho is the distance from c, where the lens axis meets the water; k is the radial part and (p_x, p_y)
+the tangential one, of a lens whose elements are not in line. The camera pose was fitted to the
 pool corners and compensates part of the error; Q and a describe that part. Q, a and c are computed
 from the study's own camera with another first coefficient (camera/displacement.py); there q = 1.
+Of the tangential distortion 2 p.d d + rho^2 p, the pose compensates the first term, a tilt.
 
-Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial distortion).
+Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """
 
 from __future__ import annotations
@@ -18,12 +20,16 @@ CHANNELS = ("surge", "sway")
 STATEMENT = (
     "The lens correction is wrong: positions are displaced outwards or inwards towards the edges."
 )
+STRENGTHS = 3
 REGIME = "towards the edges of the pool"
 CONFUSED_WITH = ("uncorrected_refraction", "scale_error")
-EVIDENCE = {"lens": {"radial_distortion": 1.0}}
 PARAMETERS = (
     Parameter("radial_distortion", "1/m2", 0.005, -0.3, 0.3, "radial distortion on the water",
               symbol="k"),
+    Parameter("tangential_x", "1/m", 0.005, -0.3, 0.3, "tangential distortion along the pool",
+              symbol="p_x"),
+    Parameter("tangential_y", "1/m", 0.005, -0.3, 0.3, "tangential distortion across the pool",
+              symbol="p_y"),
     Parameter("compensated_share", "1", 1.0, 0.0, 2.0,
               "part that the camera pose compensates, 1: computed", spread=0.25, symbol="q"),
 )  # fmt: skip
@@ -32,9 +38,9 @@ PARAMETERS = (
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_lens: float, y_lens: float, Q_lens: float,
     ax_lens: float, ay_lens: float, ahead: float,
-    k: float, q: float,
+    k: float, p_x: float, p_y: float, q: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_lens, y + ahead * spsi - y_lens
     s = dx * dx + dy * dy - q * Q_lens
-    return k * (s * dx + ax_lens), k * (s * dy + ay_lens), 0.0, 0.0
+    return k * (s * dx + ax_lens) + p_x * s, k * (s * dy + ay_lens) + p_y * s, 0.0, 0.0

@@ -17,7 +17,6 @@ CHANNELS = ("surge", "sway")
 STATEMENT = "The scale is wrong: all lengths appear too long or too short by the same factor."
 REGIME = "everything, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
-EVIDENCE = {"scale": {"length_error": 1.0}}
 PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",
               symbol="k"),

@@ -18,7 +18,6 @@ STATEMENT = (
 )
 REGIME = "everything, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
-EVIDENCE = {"scale": {"inward_shift": -1.0}, "bend": {"inward_shift": 1.0}}
 PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
               "share by which positions appear too close to the camera axis", symbol="k"),

@@ -18,9 +18,12 @@ from .shaft import wrapped
 
 MAX_DELAY_S = 2.0
 STEP_S = 0.002
-TAIL_PHASE_STD_RAD = (
-    0.15  # ASSUME a tail follows its shaft to 9 degrees, with another error in each trial
-)
+SAME_FREQUENCY = 0.03
+"""Trials count as repeats whose frequencies differ by less than this share."""
+MAX_SCATTER_RAD = 0.5
+"""Lags of repeats that differ by more say nothing."""
+LAG_STD_RAD = 0.05
+"""ASSUME beyond a straight line over frequency, the lag of a tail varies by 3 degrees."""
 DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
 MIN_TRIALS = 6
 MAX_P_VALUE = 1e-3
@@ -31,11 +34,16 @@ CHI2_TOLERANCE = 1.0
 
 def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
     """By how much the log's clock is ahead of the video's and the standard deviation, s, from the
-    lags of the trials (n,); None where they do not hang together or leave several delays.
+    lags of the trials (n,); None where they do not hang together or leave several delays. How far
+    lags vary between trials is taken from those at one frequency.
     """
     if len(flap_hz) < MIN_TRIALS:
         return None
-    weights = 1.0 / (std_rad**2 + TAIL_PHASE_STD_RAD**2)
+    repeats = np.abs(np.log(flap_hz[:, None] / flap_hz)) < SAME_FREQUENCY
+    scatter = _scatter(lag_rad, repeats)
+    if scatter > MAX_SCATTER_RAD:
+        return None
+    weights = 1.0 / (std_rad**2 + scatter**2 + repeats.sum(axis=1) * LAG_STD_RAD**2)
     delays = np.arange(-MAX_DELAY_S, MAX_DELAY_S + STEP_S / 2, STEP_S)
     angles = lag_rad + 2 * np.pi * delays[:, None] * flap_hz
     middle = np.angle(np.exp(1j * angles) @ weights)
@@ -45,7 +53,19 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
     if not spread > 0 or misfit[best] > chdtri(len(flap_hz) - 2, MAX_P_VALUE):
         return None
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
+    if std > MAX_DELAY_S:
+        return None
     elsewhere = np.abs(delays - delays[best]) > np.sqrt(CHI2_MARGIN) * std + STEP_S
     if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + CHI2_MARGIN - CHI2_TOLERANCE:
         return None
     return float(delays[best]), float(np.hypot(std, DELAY_STD_S))
+
+
+def _scatter(lag_rad: Float, repeats: np.ndarray) -> float:
+    """Standard deviation of the lags of repeats, rad: repeats (n, n) says which are."""
+    middle = np.angle(repeats @ np.exp(1j * lag_rad))
+    known = repeats.sum(axis=1) > 1
+    freedom = float(np.sum(1.0 - 1.0 / repeats.sum(axis=1)))
+    if freedom < 1:
+        return 0.0
+    return float(np.sqrt(np.sum(wrapped(lag_rad - middle)[known] ** 2) / freedom))

@@ -13,6 +13,7 @@ from ..camera import map_keypoints, pool_camera
 from ..camera.distances import Geometry
 from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.geometry_hypotheses import HypothesisFit
+from ..camera.length_windows import to_columns
 from ..camera.pool import PoolCamera
 from ..camera.whole_length import WHOLE_LENGTH, systematic_share, whole_lengths
 from ..data import Positions
@@ -42,7 +43,8 @@ def geometry(study: Path, results: Path) -> None:
     keypoints lie at stated lengths. depth_m: of the keypoints, by the rule of study/depth.py.
     likely: `nothing`, an error's name, or `unknown`. by_trial: relative error of each trial's
     lengths that the likely error leaves. map: relative error of the distances over the
-    pool, and what the likely error predicts there.
+    pool, and what the likely error predicts there. windows: means of the distances over half a
+    second, which the mismatch stage compares errors of the camera with.
     """
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
@@ -141,6 +143,7 @@ def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
             trials[number].trial_id: {"excess": mean, "std": std}
             for number, (mean, std) in check.by_trial.items()
         },
+        "windows": to_columns(check.windows),
     }
 
 
@@ -159,4 +162,5 @@ def _unknown(reason: str) -> dict[str, Any]:
         "sentence": f"the geometry could not be checked: {reason}",
         "estimates": [],
         "map": None,
+        "windows": None,
     }

@@ -9,14 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtri
 
-from ..camera.displacement import lens_strength
-from ..camera.distances import LENGTH_STD_SHARE
-from ..camera.whole_length import WHOLE_LENGTH
+from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
+from ..camera.length_windows import from_columns
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
-from ..errors import InputError
 from ..files import write_json
 from ..fitting import Series, free_runs
 from ..integrate import compiled
@@ -24,6 +21,7 @@ from ..mismatch import find_mismatch
 from ..mismatch.camera_displacement import with_displacements
 from ..mismatch.laws import cause_laws, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
+from ..mismatch.rigid_lengths import length_measurement
 from ..model import plates
 from ..motor import clock_delay
 from ..study import Setup, Study, load_study
@@ -42,15 +40,6 @@ UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to
 LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
 DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
 MOTOR_LAW_STD = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
-WHOLE_SCALE_OUTCOMES = ("nothing", "scale_error", "uncorrected_refraction", "keypoint_depth")
-"""Outcomes of the geometry check in which its scale is that of the whole picture."""
-STRAIGHT = ("nothing", "scale_error")
-REFRACTION_BEND_STD = (
-    0.001  # ASSUME a pattern unseen in the distances draws positions in by 0.1 % at most
-)
-MIN_CHANCE = 1e-50
-LENS_STD = 0.0005  # 1/m2: a lens that would change lengths by 0.05 % (geometry_hypotheses) is seen
-
 log = logging.getLogger(__name__)
 
 
@@ -66,7 +55,7 @@ def mismatch(study: Path, results: Path) -> None:
     series = with_clock(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_motor_start(with_delay(series, flapping, fitted=fitted), flapping, fitted=fitted)
-    series = with_rigid_distances(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
+    series = with_rigid_lengths(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
     series = with_nose_distance(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
@@ -158,18 +147,25 @@ def with_motor_start(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
-def with_rigid_distances(
+def with_rigid_lengths(
     series: Sequence[Series], geometry: Mapping[str, Any], setup: Setup, *,
     fitted: int | None = None,
 ) -> list[Series]:  # fmt: skip
-    """Series with what rigid distances say as evidence, one measurement shared by all trials.
+    """Series with what rigid lengths say of errors of the camera, measured once for all trials.
 
     fitted: trials that are not held out, whose shares make up the measurement.
     """
-    evidence = rigid_evidence(geometry, setup)
-    count = max(len(series) if fitted is None else fitted, 1)
-    shared = {name: (value, std * count**0.5) for name, (value, std) in evidence.items()}
-    return [replace(s, evidence=s.evidence | shared) for s in series]
+    if not (series and geometry.get("windows")):
+        return list(series)
+    system, camera = plates(), setup.camera
+    by_homography = camera is not None and camera.matrix is None
+    shared = length_measurement(
+        system, dict(zip(system.constants, series[0].constants, strict=True)),
+        from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
+        depth_given=setup.robot.depth_given and not by_homography,
+        systematic=geometry.get("min_share", SYSTEMATIC_SHARE),
+    )  # fmt: skip
+    return [replace(s, shared=shared) for s in series]
 
 
 def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
@@ -184,42 +180,3 @@ def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out
-
-
-def rigid_evidence(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
-    """Side measurement -> value and deviation by the check of rigid distances: the scale; that
-    light is not bent, or how much; that the lens is right, or how wrong. The last two only where
-    one outcome alone explains the pattern over the pool.
-    """
-    scale, std, likely = (geometry.get(key) for key in ("scale", "scale_std", "likely"))
-    if scale is None or not std:
-        return {}
-    alone = not geometry.get("rivals")
-    whole = geometry.get("measured") == WHOLE_LENGTH
-    if likely == "lens_error" and alone and not whole:
-        return _wrong_lens(geometry, setup)
-    if likely not in WHOLE_SCALE_OUTCOMES:
-        return {}
-    evidence = {
-        "scale": (scale - 1.0, float(np.hypot(std, geometry.get("min_share", LENGTH_STD_SHARE))))
-    }
-    if alone and not whole:
-        evidence["lens"] = (0.0, LENS_STD)
-        if likely in STRAIGHT:
-            evidence["bend"] = (0.0, REFRACTION_BEND_STD)
-        elif likely == "uncorrected_refraction":
-            evidence["bend"] = (1.0 - scale, REFRACTION_BEND_STD)
-    return evidence
-
-
-def _wrong_lens(geometry: Mapping[str, Any], setup: Setup) -> dict[str, tuple[float, float]]:
-    """Strength of `measurement/lens_error.py` by the pattern, as certain as its p-value;
-    nothing where no camera can have such a lens.
-    """
-    one = next(e for e in geometry["estimates"] if e["name"] == "lens_error")
-    try:
-        strength = lens_strength(setup, dict(zip(one["parameters"], one["values"], strict=True)))
-    except InputError:
-        return {}
-    sureness = -float(ndtri(0.5 * max(one["p_value"], MIN_CHANCE)))
-    return {"lens": (strength, float(np.hypot(strength / sureness, LENS_STD)))}

@@ -1,0 +1,55 @@
+"""Rigid distances averaged over windows of half a second."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from ..data import Float
+from .distances import Distances
+
+WINDOW_S = 0.5
+"""Duration in which a robot moves by a fifth of a metre and turns by less than a radian."""
+MAX_WINDOWS = 6000
+DECIMALS = 7  # a tenth of a micrometre
+
+
+def windowed(distances: Distances) -> Distances:
+    """Means of distances over windows of one pair in one trial; std_m (n,): of each mean, frames
+    taken as independent.
+    """
+    step = WINDOW_S
+    while len(np.unique(keys := _window_of(distances, step), axis=0)) > MAX_WINDOWS:
+        step *= 2.0
+    _, place = np.unique(keys, axis=0, return_inverse=True)
+    count = np.bincount(place).astype(float)
+
+    def mean(values: Float) -> Float:
+        if values.ndim == 2:
+            return np.column_stack([mean(column) for column in values.T])
+        return np.asarray(np.bincount(place, weights=values) / count)
+
+    means = {f.name: mean(getattr(distances, f.name)) for f in fields(Distances)}
+    variance = np.bincount(place, weights=distances.std_m**2) / count
+    return Distances(**{**means, "std_m": np.sqrt(variance / count)})
+
+
+def _window_of(distances: Distances, step_s: float) -> Float:
+    """Trial, pair and window (n, 3) of each distance."""
+    return np.column_stack(
+        [distances.trial, distances.pair, np.floor(distances.time_s / step_s)]
+    ).round()
+
+
+def to_columns(windows: Distances) -> dict[str, Any]:
+    """Windows as columns of a json object."""
+    return {f.name: np.round(getattr(windows, f.name), DECIMALS) for f in fields(Distances)}
+
+
+def from_columns(columns: Mapping[str, Any]) -> Distances:
+    """Windows from the columns of a json object."""
+    return Distances(**{f.name: np.array(columns[f.name], dtype=np.float64)
+                        for f in fields(Distances)})  # fmt: skip

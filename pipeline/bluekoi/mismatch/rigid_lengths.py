@@ -1,0 +1,239 @@
+"""What the robot's rigid lengths, seen all over the pool, say of errors of camera and geometry.
+
+A rigid length comes out too long or too short where an error stretches the picture. With y the
+excess of the measured lengths (means over windows), P(theta) what the errors of the camera predict,
+and Z b what else changes lengths,
+
+    y = P(theta) + Z b + e,   b ~ N(0, S),   e ~ N(0, nu^2 D)
+
+b holds each stated length (to 0.3 %), each keypoint's place along the body, each trial's scale, a
+smooth relative error of the detector over the pool, and the errors within which a camera counts as
+calibrated. How far keypoints and trials are off, and how much wider the noise is than independent
+frames would have it (nu), is estimated by restricted maximum likelihood (Patterson and Thompson,
+Biometrika 58 (1971), 545). The misfit y' C^-1 y, C = nu^2 D + Z S Z', then compares all errors of
+the camera and their mixtures in one measurement, however the keypoints are labelled.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from ..camera.distances import LENGTH_STD_SHARE, Distances, keypoint_patterns
+from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
+from ..data import Float
+from ..fitting import SharedMeasurement
+from ..integrate import Effect, System
+
+ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
+"""Effects that stretch the picture; each predicts by its own `observe`."""
+CALIBRATED = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
+"""Strengths within which camera and depth count as right: a lens that would change lengths by
+0.05 % (1/m2), and a depth wrong by 2 mm, seen from 1.5 m."""
+UNKNOWN_DEPTH = 0.02
+"""As `CALIBRATED` where the depth was itself estimated from the lengths: by 4 cm."""
+LABEL_STDS_M = (0.0001, 0.0003, 0.001, 0.003, 0.01)
+TRIAL_STDS = (0.0001, 0.0005, 0.0015, 0.005)
+NOISE_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
+"""Values among which keypoint errors, scales of trials and the width of the noise are estimated."""
+MAX_TRIALS = 60
+LARGE = 3.0
+SPAN = 1e-6
+"""Patterns that add less than this share of the largest one's information are left out."""
+
+
+def length_measurement(
+    system: System, constants: Mapping[str, float], windows: Distances, *, trials: int,
+    depth_given: bool, systematic: float = SYSTEMATIC_SHARE,
+) -> SharedMeasurement | None:  # fmt: skip
+    """`SharedMeasurement` of the lengths in `windows`; None where too few were seen.
+
+    constants: of the study's view. trials: how many share it. systematic: relative error of the
+    detector that is the same in all trials.
+    """
+    windows = _of_some_trials(windows)
+    effects = tuple(system.effect(name) for name in ERRORS)
+    camera = _Camera(effects, dict(constants), windows)
+    patterns = camera.patterns()
+    if len(windows.excess_m) <= 2 * patterns.shape[1]:
+        return None
+    beside = _beside(camera, windows, depth_given=depth_given, systematic=systematic)
+    whitener = _whitener(patterns, beside, windows)
+    seen = whitener @ windows.excess_m
+
+    @lru_cache(maxsize=256)
+    def columns(effect: Effect, form: tuple[float, ...]) -> Float:
+        units = np.eye(effect.strengths)
+        return whitener @ np.column_stack([camera.excess(effect, (*u, *form)) for u in units])
+
+    def errors(values: Float) -> Float:
+        out, first = seen.copy(), 0
+        for effect in effects:
+            own = values[first : first + len(effect.parameters)]
+            first += len(effect.parameters)
+            strengths, form = own[: effect.strengths], own[effect.strengths :]
+            if strengths.any():
+                out -= columns(effect, tuple(map(float, form))) @ strengths
+        return out
+
+    names = tuple(f"{e.name}.{p.name}" for e in effects for p in e.parameters)
+    return SharedMeasurement(names, errors, trials)
+
+
+def _of_some_trials(windows: Distances) -> Distances:
+    """Windows of `MAX_TRIALS` trials, evenly spread: more would determine nothing better."""
+    labels = np.unique(windows.trial)
+    if len(labels) <= MAX_TRIALS:
+        return windows
+    chosen = labels[np.linspace(0, len(labels) - 1, MAX_TRIALS).round().astype(int)]
+    rows = np.isin(windows.trial, chosen)
+    return Distances(**{f.name: getattr(windows, f.name)[rows] for f in fields(Distances)})
+
+
+@dataclass(frozen=True)
+class _Camera:
+    """Excess of lengths by each effect."""
+
+    effects: tuple[Effect, ...]
+    constants: Mapping[str, float]
+    windows: Distances
+
+    def excess(self, effect: Effect, values: Sequence[float]) -> Float:
+        """Excess (n,) of the lengths, m, by an effect: difference of the ends' displacements along
+        the length.
+
+        The ends lie at the known length about the middle: those seen contain the errors that are to
+        be explained.
+        """
+        w = self.windows
+        along = w.front_m - w.back_m
+        along = along / np.linalg.norm(along, axis=1)[:, None]
+        middle, half = 0.5 * (w.front_m + w.back_m), 0.5 * w.known_m[:, None] * along
+        front, back = (_displacement(effect, end, w.time_s, self.constants, values)
+                       for end in (middle + half, middle - half))  # fmt: skip
+        return np.asarray(np.sum((front - back) * along, axis=1))
+
+    def patterns(self) -> Float:
+        """Excess (n, m) by each strength, at the leading form and at other ones, where it is
+        `LARGE` times as large as is usual.
+        """
+        return np.column_stack([
+            LARGE * strength.typical * self.excess(effect, (*unit, *form))
+            for effect in self.effects
+            for form in _forms(effect)
+            for strength, unit in zip(effect.parameters, np.eye(effect.strengths), strict=False)
+        ])  # fmt: skip
+
+
+def _forms(effect: Effect) -> list[tuple[float, ...]]:
+    """The leading form, and forms in which one parameter is a standard deviation or more off."""
+    own = effect.parameters[effect.strengths :]
+    leading = tuple(p.start for p in own)
+    out = [leading]
+    for k, p in enumerate(own):
+        for value in {*p.tries, *np.clip([p.start - p.spread, p.start + p.spread],
+                                         p.lower, p.upper)}:  # fmt: skip
+            out.append((*leading[:k], float(value), *leading[k + 1 :]))
+    return out
+
+
+def _displacement(
+    effect: Effect, places: Float, time_s: Float, constants: Mapping[str, float],
+    values: Sequence[float],
+) -> Float:  # fmt: skip
+    """Displacement (n, 2) of places (n, 2) seen at times (n,)."""
+    function = effect.hooks["observe"]
+    arguments = _arguments(effect)
+    still = {"cpsi": 0.0, "spsi": 0.0, **constants, "ahead": 0.0}
+    given = dict(zip((p.argument for p in effect.parameters), values, strict=True))
+    moving = {"x": places[:, 0], "y": places[:, 1], "t": time_s}
+    known = {**still, **given}
+    if "t" in arguments:  # functions of time have branches
+        rows = zip(*moving.values(), strict=True)
+        found = [function(*({**known, "x": x, "y": y, "t": t}[a] for a in arguments))[:2]
+                 for x, y, t in rows]  # fmt: skip
+        return np.array(found)
+    dx, dy, *_ = function(*({**known, **moving}[a] for a in arguments))
+    return np.column_stack([dx, dy])
+
+
+@lru_cache(maxsize=32)
+def _arguments(effect: Effect) -> tuple[str, ...]:
+    return tuple(inspect.signature(effect.hooks["observe"]).parameters)
+
+
+@dataclass(frozen=True)
+class _Beside:
+    """Patterns Z (n, z) of what else changes lengths, with variances (z,) where known: those of
+    labels and of trials are estimated (`labels`, `trials`: which columns).
+    """
+
+    columns: Float
+    variance: Float
+    labels: np.ndarray
+    trials: np.ndarray
+
+
+def _beside(
+    camera: _Camera, windows: Distances, *, depth_given: bool, systematic: float
+) -> _Beside:
+    known, pair = windows.known_m, windows.pair.round()
+    groups: list[tuple[str, Float, float]] = []
+    for length in sorted(set(zip(pair, known.round(4), strict=True))):
+        stated = (pair == length[0]) & (known.round(4) == length[1])
+        groups.append(("stated", np.where(stated, known, 0.0), LENGTH_STD_SHARE))
+    across = np.where(pair == 0, np.sin(windows.bend_rad), 0.0)  # a hinge marked beside the core
+    groups += [("label", column, 1.0) for column in (*keypoint_patterns(windows).values(), across)
+               if column.any()]  # fmt: skip
+    groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
+               for t in np.unique(windows.trial)]  # fmt: skip
+    middle = 0.5 * (windows.front_m + windows.back_m)
+    x, y = ((middle - middle.mean(axis=0)) / np.ptp(middle, axis=0)).T * 2.0
+    groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
+    for name, size in CALIBRATED.items():
+        std = size if name == "lens_error" or depth_given else UNKNOWN_DEPTH
+        effect = next(e for e in camera.effects if e.name == name)
+        unit = (1.0, *np.zeros(effect.strengths - 1), *_forms(effect)[0])
+        groups.append(("calibrated", camera.excess(effect, unit), std))
+    kind = np.array([g[0] for g in groups])
+    return _Beside(np.column_stack([g[1] for g in groups]), np.array([g[2] ** 2 for g in groups]),
+                   kind == "label", kind == "trial")  # fmt: skip
+
+
+def _whitener(basis: Float, beside: _Beside, windows: Distances) -> Float:
+    """Rows (m, n) that turn excesses into independent numbers of unit variance, in the space of the
+    patterns (n, k), each as large as is plausible.
+    """
+    root = 1.0 / windows.std_m
+    stack = np.column_stack([basis, windows.excess_m]) * root[:, None]
+    Z = beside.columns * root[:, None]
+    inner, cross, outer = Z.T @ Z, Z.T @ stack, stack.T @ stack
+    settings = product(LABEL_STDS_M, TRIAL_STDS, NOISE_FACTORS)
+
+    def variances(label: float, trial: float) -> Float:
+        return np.where(beside.labels, label**2, np.where(beside.trials, trial**2, beside.variance))
+
+    def likelihood(setting: tuple[float, float, float]) -> float:
+        label, trial, nu = setting
+        prior = nu**2 / variances(label, trial)
+        A = inner + np.diag(prior)
+        left = (outer - cross.T @ np.linalg.solve(A, cross)) / nu**2
+        H, g = left[:-1, :-1] + np.eye(len(left) - 1), left[:-1, -1]
+        misfit = left[-1, -1] - g @ np.linalg.solve(H, g)
+        determinants = (np.linalg.slogdet(A)[1] - np.log(prior).sum() + np.linalg.slogdet(H)[1]
+                        + 2.0 * len(root) * np.log(nu))  # fmt: skip
+        return -0.5 * float(misfit + determinants)
+
+    label, trial, nu = max(settings, key=likelihood)
+    A = inner + np.diag(nu**2 / variances(label, trial))
+    precise = (basis * root[:, None] - Z @ np.linalg.solve(A, cross[:, :-1])) / nu**2  # C^-1 P
+    H = basis.T @ (precise * root[:, None])
+    size, vectors = np.linalg.eigh(0.5 * (H + H.T))
+    keep = size > SPAN * size[-1]
+    out: Float = (precise @ vectors[:, keep] / np.sqrt(size[keep])).T * root
+    return out

@@ -14,13 +14,21 @@ from ..errors import input_error
 
 Grey = npt.NDArray[np.uint8]
 BOARDS = ("chessboard", "charuco")
-DICTIONARIES = (
+"""Kinds of calibration board."""
+ARUCO_DICTIONARIES = (
     "DICT_4X4_250", "DICT_5X5_250", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11",
 )  # fmt: skip
-MARKER_SHARE = 0.75
-WINDOW_SHARES = (0.12, 0.18, 0.25, 0.32)
-MIN_CORNERS = 12
-CERTAIN_SHARE = 0.3
+"""Marker sets of OpenCV that are tried in turn on a ChArUco board."""
+MARKER_SIDE_SHARE = 0.75
+"""Side of a ChArUco marker over the side of its square."""
+REFINEMENT_WINDOWS = (0.12, 0.18, 0.25, 0.32)
+"""Half widths of the windows in which a corner is refined, over the side of a square; the median
+of the results counts.
+"""
+MIN_BOARD_CORNERS = 12
+"""Corners that a picture must show to be used."""
+CERTAIN_CORNERS_SHARE = 0.3
+"""Share of the board's corners above which a marker set is the right one, and no other is tried."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +88,7 @@ def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
     start = corners_px.reshape(-1, 1, 2).astype(np.float32)
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
     found = []
-    for share in WINDOW_SHARES:
+    for share in REFINEMENT_WINDOWS:
         half = int(np.clip(round(square_px * share), 2, 25))
         found.append(cv2.cornerSubPix(grey, start.copy(), (half, half), (-1, -1), stop))
     return np.median(np.array(found, dtype=float), axis=0).reshape(-1, 2)
@@ -103,15 +111,15 @@ def _chess(grey: Grey, board: Board, name: str) -> View | None:
 
 def _charuco(grey: Grey, board: Board, name: str) -> View | None:
     best = None
-    for dictionary in DICTIONARIES:
+    for dictionary in ARUCO_DICTIONARIES:
         detector = _charuco_detector(board, dictionary)
         corners, numbers = detector.detectBoard(grey)[:2]
-        if numbers is None or len(numbers) < MIN_CORNERS:
+        if numbers is None or len(numbers) < MIN_BOARD_CORNERS:
             continue
         if best is None or len(numbers) > len(best.board_m):
             placed = board.corners_m[np.ravel(numbers)]
             best = View(name, placed, np.asarray(corners, dtype=float).reshape(-1, 2))
-        if len(best.board_m) > CERTAIN_SHARE * len(board.corners_m):
+        if len(best.board_m) > CERTAIN_CORNERS_SHARE * len(board.corners_m):
             break
     return best
 
@@ -122,5 +130,5 @@ def _charuco_detector(board: Board, dictionary: str) -> cv2.aruco.CharucoDetecto
     markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
     side = board.square_m
     return cv2.aruco.CharucoDetector(
-        cv2.aruco.CharucoBoard(squares, side, side * MARKER_SHARE, markers)
+        cv2.aruco.CharucoBoard(squares, side, side * MARKER_SIDE_SHARE, markers)
     )

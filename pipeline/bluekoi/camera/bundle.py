@@ -14,11 +14,14 @@ from .boards import View
 from .bundle_equations import damped_step, gather, jackknife, normal_equations, residuals_px
 from .lens import Lens, directions, lens_of, parameters
 
-FOCAL_SHARES = (0.2, 0.3, 0.45, 0.65, 0.95, 1.4, 2.1)
+START_FOCAL_SHARES = (0.2, 0.3, 0.45, 0.65, 0.95, 1.4, 2.1)
 """Starting focal lengths over the picture's width: circular fisheye to telephoto."""
-MIN_COSINE = 0.05
+MIN_AXIS_COSINE = 0.05
+"""Smallest cosine between a ray and the optical axis with which a corner helps to start a pose."""
 MAX_ITERATIONS = 60
-MIN_GAIN = 1e-9
+"""Levenberg-Marquardt steps of the bundle adjustment."""
+MIN_RELATIVE_GAIN = 1e-9
+"""Relative decrease of the cost below which the adjustment has converged."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ def _starting_lenses(
         padded = np.append(simpler.distortion, np.zeros(terms - len(simpler.distortion)))
         yield Lens(model, simpler.matrix, padded, size_px)
     centre = (np.array(size_px) - 1) / 2
-    for focal in np.array(FOCAL_SHARES) * size_px[0]:
+    for focal in np.array(START_FOCAL_SHARES) * size_px[0]:
         yield lens_of(np.array([focal, focal, *centre, *np.zeros(terms)]), model, size_px)
 
 
@@ -98,7 +101,7 @@ def bundle_adjustment(
         gain = 1 - np.sum(trial**2) / np.sum(residuals**2)
         state, poses, residuals = state + lens_step, poses + pose_steps, trial
         damping /= 10
-        if gain < MIN_GAIN:
+        if gain < MIN_RELATIVE_GAIN:
             break
     lens_cov = jackknife(normal_equations(state, poses, corners, residuals))
     by_view = tuple(residuals[part] for part in corners.slices)
@@ -133,7 +136,7 @@ def starting_poses(lens: Lens, views: list[View]) -> Float | None:
     poses = []
     for view in views:
         rays = directions(lens, view.image_px)
-        good = rays[:, 2] > MIN_COSINE
+        good = rays[:, 2] > MIN_AXIS_COSINE
         if good.sum() < 6:
             return None
         plane = (rays[good, :2] / rays[good, 2:]).reshape(-1, 1, 2)

@@ -13,7 +13,8 @@ from ..data import Float
 from .boards import View
 from .lens import Lens, lens_of, pixel_slopes, pixels
 
-UNSEEN_PX = -3000.0
+UNPROJECTED_PX = -3000.0
+"""Image coordinate that stands for a corner which the lens model cannot project."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ def _in_camera(poses: Float, corners: Corners) -> Float:
 def residuals_px(state: Float, poses: Float, corners: Corners) -> Float:
     """Found minus modelled corner (n, 2), px."""
     image = pixels(lens_of(state, corners.model, corners.size_px), _in_camera(poses, corners))
-    return corners.image_px - np.nan_to_num(image, nan=UNSEEN_PX)
+    return corners.image_px - np.nan_to_num(image, nan=UNPROJECTED_PX)
 
 
 def _jacobian(state: Float, poses: Float, corners: Corners) -> Float:

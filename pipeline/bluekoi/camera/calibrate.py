@@ -16,7 +16,7 @@ from .boards import View, read_board
 from .calibration_picture import draw_calibration
 from .focal_groups import two_focal_lengths
 from .image_circle import ImageCircle
-from .lens import MODELS, Lens
+from .lens import LENS_MODELS, Lens
 from .lens_selection import (
     MODELS_COMPARED,
     LensCandidate,
@@ -28,8 +28,10 @@ from .lens_selection import (
 from .pictures import BoardViews, find_views, grey_pictures
 from .profile import read_profile
 
-GOOD_COVERAGE = 0.6
-HELD_OUT_RATIO = 1.2
+MIN_COVERAGE = 0.6
+"""Share of the picture that corners should cover; with less the calibration carries a remark."""
+MAX_HELD_OUT_RATIO = 1.2
+"""Reprojection error of held-out over used views, above which more views are asked for."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,8 @@ def best_model(
 
     Raises: InputError where every model is refused, with the reasons of each.
     """
-    if model not in ("auto", *MODELS):
-        raise input_error("--model", "", f"'{model}'", f"one of auto, {', '.join(MODELS)}")
+    if model not in ("auto", *LENS_MODELS):
+        raise input_error("--model", "", f"'{model}'", f"one of auto, {', '.join(LENS_MODELS)}")
     candidates: list[LensCandidate] = []
     for name, terms in MODELS_COMPARED:
         simpler = [c.fit.lens for c in candidates if c.model == name]
@@ -170,13 +172,13 @@ def _result(best: LensCandidate, candidates: list[LensCandidate], found: BoardVi
         remarks.append(f"left out as gross outliers: {', '.join(best.left_out)}")
     if found.circle:
         remarks.append(_image_circle_coverage(best, found.circle))
-    if covered < GOOD_COVERAGE:
+    if covered < MIN_COVERAGE:
         where = "image circle" if found.circle else "picture"
         remarks.append(
             f"corners cover {100 * covered:.0f} % of the {where}; "
             "elsewhere the lens is extrapolated"
         )
-    if best.held_out_px > HELD_OUT_RATIO * best.fit.rms_px:
+    if best.held_out_px > MAX_HELD_OUT_RATIO * best.fit.rms_px:
         remarks.append("held-out views fit worse than those used: take more views")
     if two := two_focal_lengths(best.fit, list(best.views)):
         remarks.append(two)

@@ -15,6 +15,7 @@ from .image_circle import ImageCircle
 from .lens_selection import LensCandidate, tilts_deg
 
 LONGEST_ARROW_SHARE = 0.04
+"""Length of the longest residual arrow over the width of the picture."""
 
 
 def draw_calibration(

@@ -10,28 +10,32 @@ import numpy as np
 
 from ..data import Float
 from .boards import Grey
-from .edges import SAMPLES, Curve, EdgeLine, Picture, find_lines, smoothed
+from .edges import EDGE_SAMPLES, Curve, EdgeLine, Picture, find_lines, smoothed
 from .lens import Lens, directions, pixels
 from .plane import four_point_homography
 from .resection import diagonal_px
 
-EDGES = ("(0,0) to (length,0)", "(length,0) to (length,width)", "(length,width) to (0,width)",
+EDGE_NAMES = ("(0,0) to (length,0)", "(length,0) to (length,width)", "(length,width) to (0,width)",
          "(0,width) to (0,0)")  # fmt: skip
-WIDE_SHARE, NEAR_SHARE = 0.04, 0.012
+"""Edges of the pool by the corners between which they run."""
+WIDE_REACH_SHARE, NEAR_REACH_SHARE = 0.04, 0.012
 """Search reach over the picture's width: around the corners given, and around corners found."""
 MAX_ITERATIONS = 12
 CONVERGED_PX = 0.05
-CLICK_SHARE = 0.002
+"""Movement of the corners, px, below which the fit has converged."""
+CLICK_ERROR_SHARE = 0.002
 """Usual error of a corner given by eye, over the pool's diagonal in the picture."""
-MAX_STD_SHARE = 0.001
+MAX_CORNER_STD_SHARE = 0.001
 """Corners less certain than this share of the diagonal are not confirmed."""
-MIN_CROSSING = 0.2
-SAME_SPACING = 0.3
-LENS_SKEW, MAX_SKEW_LOSS = 0.005, 30.0
+MIN_CROSSING_SINE = 0.2
+"""Sine of the angle between two edges, below which their crossing is no corner."""
+SPACING_TOLERANCE = 0.3
+"""Rims on all edges belong together where their distances differ by less than this share."""
+LENS_SKEW_STD, MAX_SKEW_LOSS = 0.005, 30.0
 """Skew of a rectangle that the errors of a calibrated lens leave, and the most that it counts."""
 ASSUMED_LENS_STD_PX = 0.4
 """Error of corners found without a camera matrix, where the distortion is assumed equidistant."""
-BEND_WEIGHT = 0.2
+BEND_PENALTY_PER_PX = 0.2
 """Share of an edge that a pixel of rms bend outweighs."""
 
 
@@ -59,13 +63,13 @@ class CornerFit:
     @property
     def doubts(self) -> tuple[str, ...]:
         """Reasons why the corners found are not certain; empty where they are."""
-        missing = [name for name, line in zip(EDGES, self.lines, strict=True) if line is None]
+        missing = [name for name, line in zip(EDGE_NAMES, self.lines, strict=True) if line is None]
         if missing:
             return tuple(f"edge {name}: no straight step in brightness found" for name in missing)
         reasons = []
         if not self.converged:
             reasons.append(f"the corners still move after {self.iterations} iterations")
-        if np.max(self.std_px) > MAX_STD_SHARE * diagonal_px(self.corners_px):
+        if np.max(self.std_px) > MAX_CORNER_STD_SHARE * diagonal_px(self.corners_px):
             reasons.append(f"the corners found are uncertain by {np.max(self.std_px):.1f} px")
         if self.rim_px > 0:
             reasons.append(
@@ -90,9 +94,9 @@ def fit_corners(
     model_std_px = 0.0 if lens else ASSUMED_LENS_STD_PX
     view = (lens, corners_m) if lens and corners_m is not None else None
     width, assumed = grey.shape[1], lens is None
-    lens = lens or lens_from_straight_edges(picture, given_px, WIDE_SHARE)
-    click = CLICK_SHARE * diagonal_px(given_px)
-    corners, reach, iteration = given_px, WIDE_SHARE * width, 0
+    lens = lens or lens_from_straight_edges(picture, given_px, WIDE_REACH_SHARE)
+    click = CLICK_ERROR_SHARE * diagonal_px(given_px)
+    corners, reach, iteration = given_px, WIDE_REACH_SHARE * width, 0
     lines: tuple[EdgeLine | None, ...] = (None,) * 4
     curves, converged = _curves(given_px, lens), False
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -103,9 +107,9 @@ def fit_corners(
             break
         moved = _meeting(curves, lines)
         converged = bool(np.max(np.abs(moved - corners)) < CONVERGED_PX)
-        corners, reach = moved, NEAR_SHARE * width
+        corners, reach = moved, NEAR_REACH_SHARE * width
         if assumed and iteration == 1:  # the lens of corners some pixels off is not yet right
-            lens = lens_from_straight_edges(picture, corners, NEAR_SHARE)
+            lens = lens_from_straight_edges(picture, corners, NEAR_REACH_SHARE)
         curves = _curves(corners, lens)
         if converged:
             break
@@ -142,7 +146,9 @@ def lens_from_straight_edges(picture: Picture, corners_px: Float, reach_share: f
     def straightness(share: float) -> float:
         curves = _curves(corners_px, lens_of_focal(share))
         lines = [find_lines(picture, curve, reach_share * width)[:1] for curve in curves]
-        return sum(line.share - BEND_WEIGHT * line.bend_px for some in lines for line in some)
+        return sum(
+            line.share - BEND_PENALTY_PER_PX * line.bend_px for some in lines for line in some
+        )
 
     inverse = np.linspace(0.02, 2.8, 15)
     scores = [straightness(1 / value) for value in inverse]
@@ -153,7 +159,7 @@ def lens_from_straight_edges(picture: Picture, corners_px: Float, reach_share: f
 
 def _curves(corners_px: Float, lens: Lens) -> tuple[Curve, ...]:
     """Images of straight lines from each corner (4, 2) to the next."""
-    share = np.linspace(0, 1, SAMPLES)[:, None]
+    share = np.linspace(0, 1, EDGE_SAMPLES)[:, None]
     curves = []
     for start, end in zip(corners_px, np.roll(corners_px, -1, axis=0), strict=True):
         first, last = directions(lens, np.array([start, end]))
@@ -181,7 +187,7 @@ def _selected(
     missing = np.array([sum(1 - line.share for line in lines) for lines in choices])
     loss = np.sum(np.log1p(off), axis=1) + missing
     if view is not None:
-        loss += np.minimum((_skew(corners, *view) / LENS_SKEW) ** 2, MAX_SKEW_LOSS)
+        loss += np.minimum((_skew(corners, *view) / LENS_SKEW_STD) ** 2, MAX_SKEW_LOSS)
     return choices[int(np.argmin(np.nan_to_num(loss, nan=np.inf)))]
 
 
@@ -211,7 +217,7 @@ def _meeting(curves: tuple[Curve, ...], lines: Sequence[EdgeLine | None]) -> Flo
     for k in range(4):
         before, after = lines[k - 1], lines[k]
         normals = _normals(curves, k)
-        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING:
+        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING_SINE:
             offsets = np.array([before.ends_px[1], after.ends_px[0]])
             corners[k] = curves[k].points_px[0] + np.linalg.solve(normals, offsets)
     return corners
@@ -228,7 +234,7 @@ def _std(curves: tuple[Curve, ...], lines: Sequence[EdgeLine | None]) -> Float:
     for k in range(4):
         before, after = lines[k - 1], lines[k]
         normals = _normals(curves, k)
-        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING:
+        if before and after and abs(np.linalg.det(normals)) > MIN_CROSSING_SINE:
             spread = np.array([before.ends_std_px[1], after.ends_std_px[0]])
             std[k] = np.linalg.norm(np.linalg.inv(normals) * spread) / np.sqrt(2)
     return std
@@ -243,7 +249,7 @@ def _rim(
     for curve in curves:
         toward = curve.normal_px * (middle - curve.points_px)
         side = np.sign(np.sum(toward)) * (1 if inside else -1)
-        lines = find_lines(picture, curve, WIDE_SHARE * picture.shape[1])
+        lines = find_lines(picture, curve, WIDE_REACH_SHARE * picture.shape[1])
         candidates.append([e for e in lines if np.all(side * e.ends_px > 2.0)])
     best = min(
         product(*candidates), default=None,
@@ -252,7 +258,7 @@ def _rim(
     if best is None:
         return None
     spacing = [abs(line.middle_px) for line in best]
-    return best if np.ptp(spacing) < max(2.0, SAME_SPACING * float(np.mean(spacing))) else None
+    return best if np.ptp(spacing) < max(2.0, SPACING_TOLERANCE * float(np.mean(spacing))) else None
 
 
 def _spacing(rim: tuple[EdgeLine, ...] | None) -> float:

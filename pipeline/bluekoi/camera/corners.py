@@ -15,16 +15,19 @@ from .plane import plane_camera
 from .pool import PoolCamera
 from .resection import (
     CORNER_NAMES,
-    MAX_ERROR_SHARE,
+    MAX_MISFIT_SHARE,
     diagonal_px,
     fitting_order,
     pool_rectangle,
     pose,
 )
 
-CLICK_PX = 1.0
-DOUBT_SHARE = 0.002
+CLICK_ERROR_PX = 1.0
+"""Usual error of a corner given by eye, px, in a picture `REFERENCE_WIDTH_PX` wide."""
+CORNER_TOLERANCE_SHARE = 0.002
+"""Error of a corner that is tolerated, over the pool's diagonal in the picture."""
 REFERENCE_WIDTH_PX = 1920
+"""Width of the picture for which `CLICK_ERROR_PX` holds."""
 
 
 def pool_camera(setup: Setup, size_px: tuple[int, int] | None = None) -> PoolCamera:
@@ -78,7 +81,7 @@ def camera_from_corners(
     """
     rotation, translation, residuals = pose(lens, corners_px, corners_m, index)
     width = lens.size_px[0]
-    spread = CLICK_PX * width / REFERENCE_WIDTH_PX
+    spread = CLICK_ERROR_PX * width / REFERENCE_WIDTH_PX
     camera = PoolCamera(
         size_px=lens.size_px,
         corners_px=corners_px,
@@ -95,7 +98,7 @@ def camera_from_corners(
 
 
 def _check_pose(camera: PoolCamera) -> None:
-    limit = MAX_ERROR_SHARE * diagonal_px(camera.corners_px)
+    limit = MAX_MISFIT_SHARE * diagonal_px(camera.corners_px)
     if camera.rms_px <= limit and camera.center_m[2] > 0:
         return
     assert camera.lens is not None
@@ -118,7 +121,7 @@ def _check_pose(camera: PoolCamera) -> None:
 
 
 def _doubts(camera: PoolCamera) -> tuple[str, ...]:
-    limit = DOUBT_SHARE * diagonal_px(camera.corners_px)
+    limit = CORNER_TOLERANCE_SHARE * diagonal_px(camera.corners_px)
     if camera.rms_px <= limit:
         return ()
     scale = np.linalg.norm(camera.corners_m[2] - camera.corners_m[0]) / diagonal_px(

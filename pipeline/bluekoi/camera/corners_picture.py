@@ -13,20 +13,25 @@ from ..errors import InputError, input_error
 from ..study import Setup
 from ..study.filmed import setup_in_film_pixels, to_study_pixels
 from .boards import Grey
-from .corner_fit import EDGES, CornerFit, fit_corners
-from .corners import DOUBT_SHARE, lens_of_study, pool_camera, pool_corners_m
+from .corner_fit import EDGE_NAMES, CornerFit, fit_corners
+from .corners import CORNER_TOLERANCE_SHARE, lens_of_study, pool_camera, pool_corners_m
 from .png import Picture, write_png
 from .pool import PoolCamera, project
 from .resection import CORNER_NAMES, diagonal_px
 
-GRID_M = 0.2
+GRID_SPACING_M = 0.2
+"""Spacing of the grid drawn over the pool."""
 GIVEN_BGR, MAPPED_BGR, SEEN_BGR, FITTED_BGR = (
     (60, 60, 255),
     (230, 200, 60),
     (60, 220, 60),
     (255, 60, 255),
 )
-SIGMAS = 3.0
+"""Colours (blue, green, red) of the corners given, the grid mapped from them, the edges seen and
+the corners fitted.
+"""
+TOLERATED_SIGMAS = 3.0
+"""Standard deviations by which a given corner may be off the fitted one."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +133,7 @@ def _misfit(setup: Setup, size: tuple[int, int], fit: CornerFit) -> tuple[str, .
         )
     except InputError as error:
         return (f"the corners found fit no camera: {error}",)
-    if camera.rms_px <= DOUBT_SHARE * diagonal_px(fit.corners_px):
+    if camera.rms_px <= CORNER_TOLERANCE_SHARE * diagonal_px(fit.corners_px):
         return ()
     return (f"the corners found miss the best pose by {camera.rms_px:.1f} px rms",)
 
@@ -142,7 +147,7 @@ def with_pool_corners(setup: Setup, corners_px: Float) -> Setup:
 
 def tolerance_px(fit: CornerFit, given_px: Float) -> Float:
     """Distance (4,) px by which a corner given by eye may lie from the one found."""
-    return np.hypot(SIGMAS * fit.std_px, DOUBT_SHARE * diagonal_px(given_px))
+    return np.hypot(TOLERATED_SIGMAS * fit.std_px, CORNER_TOLERANCE_SHARE * diagonal_px(given_px))
 
 
 def _wrong(off_px: Float, fit: CornerFit, given_px: Float) -> tuple[str, ...]:
@@ -168,7 +173,7 @@ def _edges(fit: CornerFit) -> tuple[str, ...]:
     return tuple(
         f"edge {name}: straight within {line.bend_px:.1f} px rms, {100 * line.share:.0f} % of it "
         "seen"
-        for name, line in zip(EDGES, fit.lines, strict=True)
+        for name, line in zip(EDGE_NAMES, fit.lines, strict=True)
         if line is not None
     )
 
@@ -209,8 +214,8 @@ def grid_px(camera: PoolCamera) -> list[Float]:
     """Images (n, 2) of a 0.2 m grid in the plane of the corners, a polyline each."""
     length, width = camera.pool_size_m
     height = float(camera.corners_m[0, 2])
-    xs = np.append(np.arange(0, length, GRID_M), length)
-    ys = np.append(np.arange(0, width, GRID_M), width)
+    xs = np.append(np.arange(0, length, GRID_SPACING_M), length)
+    ys = np.append(np.arange(0, width, GRID_SPACING_M), width)
     fine_x, fine_y = np.linspace(0, length, 100), np.linspace(0, width, 100)
     lines = [np.column_stack([np.full(100, x), fine_y]) for x in xs]
     lines += [np.column_stack([fine_x, np.full(100, y)]) for y in ys]

@@ -19,12 +19,16 @@ from .corners import camera_of_setup
 from .distances import CHANGES, Geometry, pixels_of
 from .pool import PoolCamera, to_pool
 
-WATER = 1.333
-UNCORRECTED = 1.05
+WATER_INDEX = 1.333
+"""Refractive index of water."""
+MIN_CORRECTED_INDEX = 1.05
 """A study with a smaller index leaves refraction out; with a larger one the depth may be wrong."""
-GRID, RADII = (12, 8), 50
-INSIDE = 0.08
+GRID_POINTS, TABLE_RADII = (12, 8), 50
+"""Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
+WALL_MARGIN_M = 0.08
+"""Distance of the outermost points from the walls."""
 MIN_DISPLACEMENT = 1e-9
+"""Displacements below this, m, count as zero."""
 
 
 @dataclass(frozen=True)
@@ -77,10 +81,10 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
     t / sqrt(n^2 + (n^2 - 1) t^2). Not corrected at all, t less that is seen too far out; corrected
     for a wrong depth, that alone. Places are weighed by their area.
     """
-    rho = np.linspace(0.0, reach_m, RADII)[1:]
+    rho = np.linspace(0.0, reach_m, TABLE_RADII)[1:]
     t = rho / height_m
-    in_water = t / np.sqrt(WATER**2 + (WATER**2 - 1) * t**2)
-    drawn_in = t - in_water if index < UNCORRECTED else in_water
+    in_water = t / np.sqrt(WATER_INDEX**2 + (WATER_INDEX**2 - 1) * t**2)
+    drawn_in = t - in_water if index < MIN_CORRECTED_INDEX else in_water
     design = np.column_stack([rho, rho**3]) * np.sqrt(rho)[:, None]
     first, third = np.linalg.lstsq(design, drawn_in * np.sqrt(rho), rcond=None)[0]
     return float(third / first)
@@ -126,8 +130,8 @@ def _lens_shape(
 
 def _pool_grid(camera: PoolCamera) -> Float:
     """Places (n, 2) all over a pool."""
-    x, y = np.meshgrid(*(np.linspace(INSIDE, side - INSIDE, n)
-                         for side, n in zip(camera.pool_size_m, GRID, strict=True)))  # fmt: skip
+    counts = zip(camera.pool_size_m, GRID_POINTS, strict=True)
+    x, y = np.meshgrid(*(np.linspace(WALL_MARGIN_M, side - WALL_MARGIN_M, n) for side, n in counts))
     return np.column_stack([x.ravel(), y.ravel()])
 
 

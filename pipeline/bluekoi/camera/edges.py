@@ -12,16 +12,25 @@ from ..data import Float
 from .boards import Grey
 
 Picture = npt.NDArray[np.float32]
-SAMPLES = 80
+EDGE_SAMPLES = 80
+"""Places along an edge at which it is looked for."""
 STEP_PX = 0.25
-SMOOTH_PX = 1.0
+"""Spacing of the samples across an edge."""
+SMOOTHING_STD_PX = 1.0
+"""Standard deviation of the Gaussian that smooths the picture."""
 INLIER_PX = 1.5
-MIN_SHARE = 0.4
-MIN_CONTRAST = 4.0
-CORNER_MARGIN = 0.05
-MAX_LINES = 5
-MIN_APART_PX = 3.0
-FLOOR_PX = 0.1
+"""Distance from the fitted line, px, within which a step of brightness belongs to it."""
+MIN_SEEN_SHARE = 0.4
+"""Share of an edge's places that must show a step for the line to count."""
+MIN_STEP_RATIO = 4.0
+"""Slope of the brightness at an edge, over the median slope around it."""
+CORNER_MARGIN_SHARE = 0.05
+"""Part at either end of an edge, as a share of its length, that is left out: corners round it."""
+MAX_LINES_PER_EDGE = 5
+"""Parallel lines (rims, steps) looked for at one edge."""
+MIN_LINE_SPACING_PX = 3.0
+"""Distance between two such lines."""
+MIN_STD_PX = 0.1
 """Steps are found to about a tenth of a pixel (docs/measuring.md), however many agree."""
 
 
@@ -61,24 +70,24 @@ class EdgeLine:
 
 def smoothed(grey: Grey) -> Picture:
     """The frame as `find_lines` takes it, without noise from pixel to pixel."""
-    return np.asarray(cv2.GaussianBlur(grey, (0, 0), SMOOTH_PX), dtype=np.float32)
+    return np.asarray(cv2.GaussianBlur(grey, (0, 0), SMOOTHING_STD_PX), dtype=np.float32)
 
 
 def find_lines(picture: Picture, curve: Curve, reach_px: float) -> tuple[EdgeLine, ...]:
     """Lines within `reach_px` of a curve, those with the most samples first."""
     along = curve.along
-    inner = (along >= CORNER_MARGIN) & (along <= 1 - CORNER_MARGIN)
+    inner = (along >= CORNER_MARGIN_SHARE) & (along <= 1 - CORNER_MARGIN_SHARE)
     across, is_step = _steps(picture, curve, reach_px)
     is_step = is_step & inner[:, None]
     lines: list[EdgeLine] = []
-    for _ in range(MAX_LINES):
+    for _ in range(MAX_LINES_PER_EDGE):
         start = _most_voted(across, along, is_step)
         line = _refined(across, along, is_step, start)
-        if line is None or line.share < MIN_SHARE:
+        if line is None or line.share < MIN_SEEN_SHARE:
             break
         lines.append(line)
         off = np.abs(across - np.interp(along, [0, 1], line.ends_px)[:, None])
-        is_step = is_step & (off > MIN_APART_PX)
+        is_step = is_step & (off > MIN_LINE_SPACING_PX)
     return tuple(lines)
 
 
@@ -91,9 +100,9 @@ def _steps(picture: Picture, curve: Curve, reach_px: float) -> tuple[Float, npt.
         picture, maps[:, :, 0], maps[:, :, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
     slope = np.abs(np.gradient(profile, axis=1)) / STEP_PX
-    wide = max(3, int(2 * MIN_APART_PX / STEP_PX) | 1)
+    wide = max(3, int(2 * MIN_LINE_SPACING_PX / STEP_PX) | 1)
     highest = cv2.dilate(slope, np.ones((1, wide), np.uint8))
-    limit = np.maximum(MIN_CONTRAST * np.median(slope), 1.0)
+    limit = np.maximum(MIN_STEP_RATIO * np.median(slope), 1.0)
     peak = (slope >= highest) & (slope > limit)
     peak[:, [0, -1]] = False
     left, right = np.roll(slope, 1, axis=1), np.roll(slope, -1, axis=1)
@@ -136,11 +145,11 @@ def _refined(
     bend = float(np.sqrt(np.sum((steps[on] - design @ line) ** 2) / (on.sum() - 2)))
     ends = np.vander([0.0, 1.0], 2)
     spread = np.einsum("ij,jk,ik->i", ends, np.linalg.inv(design.T @ design), ends)
-    inner = np.sum((along >= CORNER_MARGIN) & (along <= 1 - CORNER_MARGIN))
+    inner = np.sum((along >= CORNER_MARGIN_SHARE) & (along <= 1 - CORNER_MARGIN_SHARE))
     return EdgeLine(
         steps_px=steps,
         share=float(on.sum() / inner),
         ends_px=ends @ line,
-        ends_std_px=np.hypot(np.sqrt(spread) * bend, FLOOR_PX),
+        ends_std_px=np.hypot(np.sqrt(spread) * bend, MIN_STD_PX),
         bend_px=bend,
     )

@@ -13,13 +13,13 @@ from .lens import parameters
 
 Index = npt.NDArray[np.intp]
 
-MIN_DIFFERENCE, MIN_SEPARATION = 0.01, 5.0
+MIN_FOCAL_DIFFERENCE, MIN_SEPARATION_RATIO = 0.01, 5.0
 """Two zooms differ by this share of the focal length at least, and by this many times the scatter
 of views of one zoom. One group split in the middle has 2.7; none of 40 sets of one zoom is
 reported, of 20 sets with two zooms 3 % apart 13, 6 % apart 18.
 """
-MIN_GROUP = 3
-MAX_NAMES = 6
+MIN_VIEWS_PER_GROUP = 3
+MAX_LISTED_NAMES = 6
 
 
 def two_focal_lengths(fit: LensFit, views: list[View]) -> str:
@@ -27,24 +27,27 @@ def two_focal_lengths(fit: LensFit, views: list[View]) -> str:
 
     The split minimises the weighted scatter of the views' own focal lengths within both groups.
     """
-    if len(views) < 2 * MIN_GROUP:
+    if len(views) < 2 * MIN_VIEWS_PER_GROUP:
         return ""
     change, std = focal_length_by_view(fit, views)
     order = np.argsort(change)
-    splits = [(order[:k], order[k:]) for k in range(MIN_GROUP, len(views) - MIN_GROUP + 1)]
+    splits = [
+        (order[:k], order[k:])
+        for k in range(MIN_VIEWS_PER_GROUP, len(views) - MIN_VIEWS_PER_GROUP + 1)
+    ]
     low, high = min(splits, key=lambda s: sum(_mean_scatter(change, std, one)[1] for one in s))
     (below, low_scatter), (above, high_scatter) = (
         _mean_scatter(change, std, group) for group in (low, high)
     )
     scatter = float(np.sqrt((low_scatter + high_scatter) / np.sum(std**-2.0)))
-    if above - below < max(MIN_DIFFERENCE, MIN_SEPARATION * scatter):
+    if above - below < max(MIN_FOCAL_DIFFERENCE, MIN_SEPARATION_RATIO * scatter):
         return ""
     smaller = min(low, high, key=len)
     names = [views[i].name for i in sorted(smaller.tolist())]
-    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+    more = f" and {len(names) - MAX_LISTED_NAMES} more" if len(names) > MAX_LISTED_NAMES else ""
     return (
         f"the views seem taken with two focal lengths, {100 * (above - below):.1f} % apart: was "
-        f"the zoom or field of view different for {', '.join(names[:MAX_NAMES])}{more}?"
+        f"the zoom or field of view different for {', '.join(names[:MAX_LISTED_NAMES])}{more}?"
     )
 
 

@@ -12,7 +12,8 @@ from scipy.optimize import least_squares
 from ..data import Float
 
 RIM_RAYS = 360
-DARK_SHARE = 0.25
+"""Directions, evenly over the circle, in which the rim is looked for."""
+MAX_OUTSIDE_BRIGHTNESS = 0.25
 """Outside the circle at most this share of the brightness inside it, in the brightest picture."""
 MIN_RIM_SHARE = 0.3
 """Share of the directions in which the rim is inside the picture and was found."""
@@ -44,12 +45,13 @@ def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
     """Image circle of pictures whose pixelwise maximum (height, width) is given; None without one.
 
     The rim is where the brightness, along `RIM_RAYS` directions inwards from the border, first
-    exceeds `DARK_SHARE` of the median inside. The circle is fitted to it robustly (soft L1).
+    exceeds `MAX_OUTSIDE_BRIGHTNESS` of the median inside. The circle is fitted to it robustly
+    (soft L1).
     """
     height, width = brightest.shape
     smooth = cv2.GaussianBlur(brightest, (0, 0), max(1.0, width / 500))
     middle = smooth[height // 3 : 2 * height // 3, width // 3 : 2 * width // 3]
-    lit = smooth > DARK_SHARE * float(np.median(middle))
+    lit = smooth > MAX_OUTSIDE_BRIGHTNESS * float(np.median(middle))
     rim = _rim(lit)
     if len(rim) < MIN_RIM_SHARE * RIM_RAYS:
         return None

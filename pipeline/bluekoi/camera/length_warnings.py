@@ -10,15 +10,17 @@ import numpy as np
 from ..data import Float
 from .distances import LENGTH_STD_SHARE
 
-SIGMAS = 5.0
-LEAST_SHARE = 2 * LENGTH_STD_SHARE
+WARN_ABOVE_SIGMAS = 5.0
+"""Standard errors by which a length must be off for a warning."""
+MIN_LENGTH_ERROR = 2 * LENGTH_STD_SHARE
 """Differences below twice the accuracy to which lengths are measured are no reason to warn."""
 CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
+"""Hypotheses of the geometry check that are an error of the camera."""
 SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking")
 """Causes that account for rigid lengths of another size."""
-LEAST_WEIGHT = 0.5
+MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
-NORMAL_HALF_WIDTH = 1.349
+NORMAL_IQR_STDS = 1.349
 """Width of the central half of a normal distribution, in standard deviations."""
 
 
@@ -31,7 +33,7 @@ def length_warnings(
     geometry, mismatch: content of geometry.json and mismatch.json.
     """
     causes = (mismatch or {}).get("causes") or []
-    named = {c["name"] for c in causes if c.get("weight", 1.0) >= LEAST_WEIGHT}
+    named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
         *_of_another_size(geometry or {}, named),
         *_by_pattern(geometry or {}, named),
@@ -44,7 +46,9 @@ def _of_another_size(geometry: Mapping[str, Any], named: set[str]) -> Iterator[s
     if scale is None or std is None:
         return
     off = float(scale) - 1.0
-    if abs(off) < max(LEAST_SHARE, SIGMAS * float(std)) or named & set(SCALE_CAUSES):
+    if abs(off) < max(MIN_LENGTH_ERROR, WARN_ABOVE_SIGMAS * float(std)) or named & set(
+        SCALE_CAUSES
+    ):
         return
     yield (
         f"The robot's rigid lengths come out {100 * off:+.1f} +- {100 * float(std):.1f} % against "
@@ -91,8 +95,10 @@ def differing(shares: Float, stds: Float) -> Float:
     widths = ordered[half - 1 :] - ordered[: n - half + 1]
     at = int(np.argmin(widths))
     centre = float(np.median(ordered[at : at + half]))
-    scatter = float(widths[at]) / NORMAL_HALF_WIDTH * (1 + 5 / (n - 1))
+    scatter = float(widths[at]) / NORMAL_IQR_STDS * (1 + 5 / (n - 1))
     off = shares - centre
     return np.where(
-        np.abs(off) > np.maximum(LEAST_SHARE, SIGMAS * np.hypot(scatter, stds)), off, 0.0
+        np.abs(off) > np.maximum(MIN_LENGTH_ERROR, WARN_ABOVE_SIGMAS * np.hypot(scatter, stds)),
+        off,
+        0.0,
     )

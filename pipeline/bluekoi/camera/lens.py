@@ -13,11 +13,16 @@ import numpy as np
 
 from ..data import Float
 
-MODELS = ("pinhole", "fisheye")
-TOLERANCE = 1e-10
-TABLE_SIZE = 2001
-MAX_TANGENT = 6.0
-MAX_ANGLE = np.pi
+LENS_MODELS = ("pinhole", "fisheye")
+"""Lens models of OpenCV."""
+UNDISTORTION_TOLERANCE = 1e-10
+"""Error of an undistorted point, in focal lengths, that counts as solved."""
+RADIUS_TABLE_SIZE = 2001
+"""Radii in the table that finds where a lens model stops being monotonic."""
+MAX_RAY_TANGENT = 6.0
+"""Largest tangent of the angle between ray and axis, for the pinhole model."""
+MAX_RAY_ANGLE_RAD = np.pi
+"""Largest angle between ray and axis, for the fisheye model."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +40,8 @@ class Lens:
     @cached_property
     def radial_table(self) -> tuple[Float, Float]:
         """Plane radii and their distorted images, both growing, up to the fold of the model."""
-        widest = MAX_ANGLE if self.model == "fisheye" else MAX_TANGENT
-        radius = np.linspace(0, widest, TABLE_SIZE)
+        widest = MAX_RAY_ANGLE_RAD if self.model == "fisheye" else MAX_RAY_TANGENT
+        radius = np.linspace(0, widest, RADIUS_TABLE_SIZE)
         image = radius * radial_gain(self, radius**2)
         growing = np.diff(image) > 0
         end = len(growing) if np.all(growing) else int(np.argmin(growing))
@@ -111,12 +116,12 @@ def undistorted(lens: Lens, target: Float) -> Float:
     for _ in range(20):
         image, slope = _distorted_with_slope(lens, plane)
         error = image - target
-        if not np.any(np.abs(error) > TOLERANCE / 100):
+        if not np.any(np.abs(error) > UNDISTORTION_TOLERANCE / 100):
             break
         plane = plane - np.linalg.solve(_invertible(slope), error[:, :, None])[:, :, 0]
     error = np.abs(distorted(lens, plane) - target).max(axis=1, initial=0.0)
     radius = np.hypot(plane[:, 0], plane[:, 1])
-    bad = ~(error < TOLERANCE) | (radius > limit)
+    bad = ~(error < UNDISTORTION_TOLERANCE) | (radius > limit)
     return np.where(bad[:, None], np.nan, plane)
 
 

@@ -16,17 +16,29 @@ from .lens import Lens, monotonic_radius, monotonic_radius_px, parameters
 from .opencv_comparison import opencv_lens
 
 MODELS_COMPARED = (("pinhole", 4), ("pinhole", 5), ("fisheye", 4), ("pinhole", 8))
+"""Lens models with the number of their distortion coefficients."""
 FOLDS = 5
+"""Parts of the views, each left out of the fit once."""
 MIN_VIEWS = 8
+"""Views without which no lens is calibrated."""
 MAX_FOCAL_DIFFERENCE = 0.05
+"""Relative difference of fx and fy above which the input cannot be right."""
 MAX_CENTRE_OFFSET = 0.10
+"""Distance of the principal point from the middle of the picture, over its size."""
 MAX_RMS_SHARE = 1 / 1280
-FRONTAL_DEG = 15.0
+"""Reprojection error over the picture's width, below which no view is an outlier."""
+MIN_TILT_DEG = 15.0
+"""Tilt of the board below which a view counts as frontal."""
 MIN_TILTED = 3
-MAX_FOCAL_STD = 0.02
-OUTLIER_VIEW = 4.0
+"""Views with a larger tilt, without which the focal length is not determined."""
+MAX_RELATIVE_FOCAL_STD = 0.02
+"""Relative standard deviation of the focal length that is accepted."""
+OUTLIER_VIEW_RATIO = 4.0
+"""Error of a view over the median of all, above which the view is left out."""
 SIMPLER_MODEL_TOLERANCE = 1.01
+"""Held-out error over the least one, up to which the model with fewer coefficients is taken."""
 COVERAGE_CELLS = (8, 6)
+"""Cells of the picture (columns, rows) in which corners are counted."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +70,7 @@ def evaluate_model(
     """
     fit = fit_lens(views, model, terms, size_px, simpler)
     errors = np.array([rms_px([r]) for r in fit.residuals])
-    limit = max(OUTLIER_VIEW * float(np.median(errors)), size_px[0] * MAX_RMS_SHARE)
+    limit = max(OUTLIER_VIEW_RATIO * float(np.median(errors)), size_px[0] * MAX_RMS_SHARE)
     left_out = [f"{v.name} ({e:.1f} px)" for v, e in zip(views, errors, strict=True) if e > limit]
     if left_out and np.sum(errors <= limit) >= MIN_VIEWS:
         views = [v for v, e in zip(views, errors, strict=True) if e <= limit]
@@ -119,12 +131,13 @@ def implausibilities(
     """Reasons why this lens cannot be right; empty where there are none."""
     std = np.sqrt(np.diag(fit.lens_cov))[:2] / parameters(fit.lens)[:2]
     tilts = tilts_deg(fit.poses)
-    tilted = int(np.sum(tilts > FRONTAL_DEG))
+    tilted = int(np.sum(tilts > MIN_TILT_DEG))
     checks = {
         f"only {len(fit.poses)} views; at least {MIN_VIEWS} are needed": len(fit.poses) < MIN_VIEWS,
         f"the boards are seen frontally: {tilted} of {len(tilts)} tilted by more than "
-        f"{FRONTAL_DEG:.0f} degrees, which leaves the focal length open": tilted < MIN_TILTED,
-        f"the focal length is known to {100 * max(std):.1f} % only": max(std) > MAX_FOCAL_STD,
+        f"{MIN_TILT_DEG:.0f} degrees, which leaves the focal length open": tilted < MIN_TILTED,
+        f"the focal length is known to {100 * max(std):.1f} % only": max(std)
+        > MAX_RELATIVE_FOCAL_STD,
     }
     found = [reason for reason, applies in checks.items() if applies]
     return [*found, *lens_implausibilities(fit.lens, size_px, fit.rms_px, circle)]

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .boards import View
-from .bundle import FOCAL_SHARES
+from .bundle import START_FOCAL_SHARES
 from .lens import Lens
 
 Float32 = npt.NDArray[np.float32]
@@ -36,7 +36,7 @@ def opencv_lens(
         except cv2.error:
             return None
         return Lens(model, matrix, distortion.ravel()[:terms], size_px)
-    fits = [fit for share in FOCAL_SHARES if (fit := _fisheye(board, image, size_px, share))]
+    fits = [fit for share in START_FOCAL_SHARES if (fit := _fisheye(board, image, size_px, share))]
     return min(fits, key=lambda fit: fit[0])[1] if fits else None
 
 

@@ -15,7 +15,9 @@ from .boards import Board, Grey, View, find_board
 from .image_circle import ImageCircle, image_circle
 
 MAX_VIDEO_FRAMES = 80
-NEW_VIEW_SHARE = 0.03
+"""Frames of a calibration video that are looked at."""
+MIN_VIEW_MOVEMENT = 0.03
+"""Movement of the board, over the picture's width, that makes another view."""
 
 
 def grey_pictures(paths: Iterable[str | Path]) -> Iterator[tuple[str, Grey]]:
@@ -85,7 +87,7 @@ def _other_size(name: str, grey: Grey, first: Grey) -> Exception:
 
 
 def _seen_before(view: View, views: list[View], width: int) -> bool:
-    limit = NEW_VIEW_SHARE * width / 10
+    limit = MIN_VIEW_MOVEMENT * width / 10
     return any(
         len(view.image_px) == len(other.image_px)
         and float(np.abs(view.image_px - other.image_px).max()) < limit

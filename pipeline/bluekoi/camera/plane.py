@@ -12,10 +12,15 @@ from .refraction import apparent_points
 from .resection import CORNER_ORDERS, diagonal_px, pose, rms
 
 ASSUMED_K1 = -0.2
-LOWEST_HEIGHT_M = 1.0
-GRID = 15
-FOCAL_SHARES = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
-MAX_ERROR_SHARE = 0.04
+"""Radial distortion of a usual wide lens, by which the error of a homography is estimated."""
+MIN_CAMERA_HEIGHT_M = 1.0
+"""Height of the camera for which the cost of leaving out refraction is stated."""
+GRID_POINTS_PER_SIDE = 15
+"""Points along each side of the pool at which that error is evaluated."""
+START_FOCAL_SHARES = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
+"""Focal lengths, over the picture's width, from which the pose is searched."""
+MAX_MISFIT_SHARE = 0.04
+"""Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
 WITHOUT_MATRIX = "camera without a matrix"
 """Beginning of the remark on such a camera."""
 
@@ -27,7 +32,7 @@ def plane_camera(
     """Camera that is only a homography, pixel to the plane of the corners, with its error bound.
 
     The bound is the larger error over a grid of the pool for a point `depth_m` below the corners'
-    plane seen from `LOWEST_HEIGHT_M` above the pool's middle, plus that of a lens with
+    plane seen from `MIN_CAMERA_HEIGHT_M` above the pool's middle, plus that of a lens with
     k1 = -0.2 (an action camera's wide mode) whose corners were fitted.
     """
     to_plane = four_point_homography(corners_px, corners_m[:, :2])
@@ -47,8 +52,8 @@ def plane_camera(
             f"{WITHOUT_MATRIX}: mapped by homography from the pool corners alone, so "
             "refraction, the keypoints' depth and lens distortion are not corrected; places may "
             f"be off by up to {1000 * depth:.0f} mm from depth ({1000 * depth_m:.0f} mm, "
-            f"camera {LOWEST_HEIGHT_M:g} m up) and {1000 * lens:.0f} mm from an action camera's "
-            "distortion: calibrate the camera",
+            f"camera {MIN_CAMERA_HEIGHT_M:g} m up) and {1000 * lens:.0f} mm from an action "
+            "camera's distortion: calibrate the camera",
         ),
     )
 
@@ -57,7 +62,7 @@ def depth_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
     """Largest error, m, of taking a point so far down for one on the surface, camera 1 m up."""
     grid = _grid(corners_m, -depth_m)
     middle = corners_m[:, :2].mean(axis=0)
-    camera = np.array([*middle, LOWEST_HEIGHT_M])
+    camera = np.array([*middle, MIN_CAMERA_HEIGHT_M])
     seen = apparent_points(camera, grid, index)
     return float(np.max(np.linalg.norm(seen[:, :2] - grid[:, :2], axis=1)))
 
@@ -70,7 +75,7 @@ def lens_bound_m(corners_m: Float) -> float:
     length = float(corners_m[2, 0])
     lens = Lens("pinhole", np.eye(3), np.array([ASSUMED_K1, 0, 0, 0]), (1, 1))
     middle = corners_m.mean(axis=0)
-    turn, height = np.diag([1.0, -1.0, -1.0]), max(LOWEST_HEIGHT_M, length / 2)
+    turn, height = np.diag([1.0, -1.0, -1.0]), max(MIN_CAMERA_HEIGHT_M, length / 2)
     shift = -turn @ (middle + np.array([0, 0, height]))
     grid = _grid(corners_m, float(middle[2]))
     image, marks = (pixels(lens, points @ turn + shift) for points in (grid, corners_m))
@@ -79,7 +84,10 @@ def lens_bound_m(corners_m: Float) -> float:
 
 
 def _grid(corners_m: Float, z: float) -> Float:
-    x, y = np.meshgrid(np.linspace(0, corners_m[2, 0], GRID), np.linspace(0, corners_m[2, 1], GRID))
+    x, y = np.meshgrid(
+        np.linspace(0, corners_m[2, 0], GRID_POINTS_PER_SIDE),
+        np.linspace(0, corners_m[2, 1], GRID_POINTS_PER_SIDE),
+    )
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, z)])
 
 
@@ -100,7 +108,7 @@ def _covering(corners_px: Float) -> tuple[int, int]:
 
 def _check_order(corners_px: Float, corners_m: Float, size_px: tuple[int, int]) -> None:
     """Raise a InputError where a camera with square pixels fits another order of corners only."""
-    limit = MAX_ERROR_SHARE * diagonal_px(corners_px)
+    limit = MAX_MISFIT_SHARE * diagonal_px(corners_px)
     if _nearest_rms(corners_px, corners_m, size_px) <= limit:
         return
     for order, words in CORNER_ORDERS.items():
@@ -117,7 +125,7 @@ def _check_order(corners_px: Float, corners_m: Float, size_px: tuple[int, int]) 
 def _nearest_rms(corners_px: Float, corners_m: Float, size_px: tuple[int, int]) -> float:
     """Least reprojection error, px rms, of distortion-free cameras of some focal lengths."""
     errors = []
-    for share in FOCAL_SHARES:
+    for share in START_FOCAL_SHARES:
         focal = share * size_px[0]
         matrix = np.array(
             [[focal, 0, size_px[0] / 2 - 0.5], [0, focal, size_px[1] / 2 - 0.5], [0, 0, 1]]

@@ -14,7 +14,8 @@ from ..data import Float, Keypoints, Positions, confident
 from .lens import Lens, directions, pixels
 from .refraction import apparent_points, rays_to_depth
 
-STEP_PX = 0.01
+DERIVATIVE_STEP_PX = 0.01
+"""Step of the difference quotients from pixels to metres."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +96,9 @@ def jacobian(camera: PoolCamera, uv_px: Float, depth_m: float | Float) -> Float:
     """
     uv = np.asarray(uv_px, dtype=float).reshape(-1, 2)
     slope = np.empty((len(uv), 2, 2))
-    for axis, step in enumerate(np.eye(2) * STEP_PX):
+    for axis, step in enumerate(np.eye(2) * DERIVATIVE_STEP_PX):
         change = to_pool(camera, uv + step, depth_m) - to_pool(camera, uv - step, depth_m)
-        slope[:, :, axis] = change / (2 * STEP_PX)
+        slope[:, :, axis] = change / (2 * DERIVATIVE_STEP_PX)
     return slope
 
 

@@ -20,10 +20,14 @@ CORNER_ORDERS = {
     (3, 2, 1, 0): "list the four in reverse",
     (0, 3, 2, 1): "swap the second and the fourth",
 }
-MAX_ERROR_SHARE = 0.015
-STEP = 1e-7
+"""Order in which corners may have been listed by mistake, and what to do about it."""
+MAX_MISFIT_SHARE = 0.015
+"""Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
+DERIVATIVE_STEP = 1e-7
+"""Step of the difference quotients with respect to the pose (rad, m)."""
 SOLVER_TOLERANCES = {"ftol": 1e-12, "xtol": 1e-12, "gtol": 1e-12}
-CLEARLY_WORSE = 30.0
+MAX_COST_RATIO = 30.0
+"""Starting poses whose cost is larger than this multiple of the least are dropped."""
 
 
 def pose(
@@ -42,7 +46,7 @@ def pose(
     residuals = _residuals(lens, corners_px, corners_m, index)
     starts = _starts(rays[:, :2] / rays[:, 2:], corners_m)
     costs = [float(np.sum(residuals(start) ** 2)) for start in starts]
-    likely = [s for s, c in zip(starts, costs, strict=True) if c <= CLEARLY_WORSE * min(costs)]
+    likely = [s for s, c in zip(starts, costs, strict=True) if c <= MAX_COST_RATIO * min(costs)]
     fits = [
         least_squares(residuals, start, method="lm", x_scale="jac", **SOLVER_TOLERANCES)
         for start in likely
@@ -63,8 +67,10 @@ def pose_near(
     residuals_at = _residuals(lens, corners_px, corners_m, index)
     state = np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), translation])
     residuals = residuals_at(state)
-    steps = np.eye(6) * STEP
-    slope = np.column_stack([(residuals_at(state + step) - residuals) / STEP for step in steps])
+    steps = np.eye(6) * DERIVATIVE_STEP
+    slope = np.column_stack(
+        [(residuals_at(state + step) - residuals) / DERIVATIVE_STEP for step in steps]
+    )
     state = state - np.linalg.lstsq(slope, residuals, rcond=None)[0]
     turn = Rotation.from_rotvec(state[:3]).as_matrix()
     return turn, state[3:], residuals_at(state).reshape(4, 2)
@@ -93,7 +99,7 @@ def pool_rectangle(length_m: float, width_m: float, height_m: float) -> Float:
 
 def fitting_order(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
     """Words for the order of corners that fits, or nothing where no order does."""
-    limit = MAX_ERROR_SHARE * diagonal_px(corners_px)
+    limit = MAX_MISFIT_SHARE * diagonal_px(corners_px)
     for order, words in CORNER_ORDERS.items():
         turn, shift, residuals = pose(lens, corners_px[list(order)], corners_m, index)
         above = (-turn.T @ shift)[2] > 0

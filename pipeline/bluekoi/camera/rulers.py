@@ -10,7 +10,9 @@ import numpy as np
 from .png import Picture, write_png
 
 MAX_GRID_LINES = 20
-LIGHT, DARK = (255, 255, 255), (40, 40, 40)
+"""Lines over the longer side of the picture, at most."""
+LIGHT_BGR, DARK_BGR = (255, 255, 255), (40, 40, 40)
+"""Colours of the lines and of the outlines of their labels."""
 
 
 def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
@@ -23,11 +25,11 @@ def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
     height, width = canvas.shape[:2]
     step = _round_number(max(height, width) / MAX_GRID_LINES)
     for at in range(step, width, step):
-        cv2.line(canvas, (at, 0), (at, height), LIGHT, 1)
+        cv2.line(canvas, (at, 0), (at, height), LIGHT_BGR, 1)
         _label(canvas, str(at), (at + 3, 16))
         _label(canvas, str(at), (at + 3, height - 6))
     for at in range(step, height, step):
-        cv2.line(canvas, (0, at), (width, at), LIGHT, 1)
+        cv2.line(canvas, (0, at), (width, at), LIGHT_BGR, 1)
         _label(canvas, str(at), (3, at - 4))
         _label(canvas, str(at), (width - 60, at - 4))
     write_png(out, canvas)
@@ -47,6 +49,6 @@ def _round_number(least: float) -> int:
 
 
 def _label(canvas: Picture, text: str, place: tuple[int, int]) -> None:
-    for colour, thick in ((DARK, 3), (LIGHT, 1)):
+    for colour, thick in ((DARK_BGR, 3), (LIGHT_BGR, 1)):
         cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, thick,
                     cv2.LINE_AA)  # fmt: skip

@@ -13,21 +13,26 @@ from .distances import LENGTH_STD_SHARE, Distances, Geometry, pixels_of, robust_
 
 WHOLE_LENGTH = "whole length"
 """`measured` in geometry.json, where it replaces the rigid distances."""
-ENDS = ("head_tip", "tail_tip")
-CONFIDENT_PARTS = ("head_tip", "hinge", "core_center")
-"""Not the tail: its likelihood is lower where the tail is shorter than stated."""
-PAIR = 3.0
+END_PARTS = ("head_tip", "tail_tip")
+"""Parts between which the whole length is measured."""
+PARTS_TO_TRUST = ("head_tip", "hinge", "core_center")
+"""Parts whose likelihood decides whether a frame is used. Not the tail: its likelihood is lower
+where the tail is shorter than stated.
+"""
+PAIR_NUMBER = 3.0
 """Number of this pair, after those of `distances.PAIRS`; no keypoint bias changes it."""
-END_PX, BLUR_SHARE = 0.5, 0.8
+END_ERROR_PX, BLUR_ERROR_SHARE = 0.5, 0.8
 """Systematic error of an end, px, and as a share of the frames' spread by motion blur
 (docs/measuring.md).
 """
-TRIAL_STD = 0.003
+TRIAL_LENGTH_STD = 0.003
 """Relative error common to all frames of a trial."""
-MIN_TRIALS = 3
-MAX_SPREAD = 0.006
-"""Frames that differ by more were exposed so long that the tail has no visible end."""
-MIN_FRAMES = 10
+MIN_SHARP_TRIALS = 3
+MAX_LENGTH_SPREAD = 0.006
+"""Relative spread of the length over the frames; with more, the exposure was so long that the
+tail has no visible end.
+"""
+MIN_SHARP_FRAMES = 10
 
 
 def whole_lengths(
@@ -41,7 +46,8 @@ def whole_lengths(
     seen: of each trial (n, 2) frame and length seen over stated. The straight line between the
     ends represents the body; a bent body is longer by a few hundredths.
 
-    Raises: InputError where fewer than `MIN_TRIALS` show both ends sharply in `MIN_FRAMES` frames.
+    Raises: InputError where fewer than `MIN_SHARP_TRIALS` show both ends sharply in
+    `MIN_SHARP_FRAMES` frames.
     """
     core_m = robot.hinge_to_com_m + robot.com_to_tail_base_m
     rest_m = core_m + robot.tail_length_m
@@ -50,10 +56,10 @@ def whole_lengths(
         for t, (one, pairs, head_m) in enumerate(zip(trials, seen, head_lengths_m, strict=True))
         if (found := _of_trial(one, np.asarray(pairs).reshape(-1, 2), head_m + rest_m, t))
     ]
-    if len(parts) < MIN_TRIALS:
+    if len(parts) < MIN_SHARP_TRIALS:
         raise input_error("keypoints",
                           "", f"{len(parts)} trials in which nose and tail's end are seen",
-                    f"{MIN_TRIALS} trials with both in {MIN_FRAMES} frames")  # fmt: skip
+                          f"{MIN_SHARP_TRIALS} with both in {MIN_SHARP_FRAMES} frames")  # fmt: skip
     return Distances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
 
 
@@ -63,22 +69,22 @@ def systematic_share(geometry: Geometry, distances: Distances) -> float:
     long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
     share = distances.excess_m / distances.known_m
     spread = [robust_std(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
-    blur = BLUR_SHARE * float(np.median(spread))
-    return float(np.sqrt(LENGTH_STD_SHARE**2 + (END_PX / long_px) ** 2 + blur**2))
+    blur = BLUR_ERROR_SHARE * float(np.median(spread))
+    return float(np.sqrt(LENGTH_STD_SHARE**2 + (END_ERROR_PX / long_px) ** 2 + blur**2))
 
 
 def _of_trial(
     positions: Positions, pairs: Float, known_m: float, label: int
 ) -> dict[str, Float] | None:
     frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
-    front, back = (positions.part(name)[frames] for name in ENDS)
-    body = [positions.names.index(name) for name in CONFIDENT_PARTS]
+    front, back = (positions.part(name)[frames] for name in END_PARTS)
+    body = [positions.names.index(name) for name in PARTS_TO_TRUST]
     good = confident(positions.likelihood[frames][:, body]).all(axis=1)
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
-    if good.sum() < MIN_FRAMES:
+    if good.sum() < MIN_SHARP_FRAMES:
         return None
     std, near = robust_std(ratio, good)
-    if std > MAX_SPREAD:
+    if std > MAX_LENGTH_SPREAD:
         return None
     good &= near
     n = int(good.sum())
@@ -89,7 +95,7 @@ def _of_trial(
         "std_m": np.full(n, _frame_std(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
-        "pair": np.full(n, PAIR),
+        "pair": np.full(n, PAIR_NUMBER),
         "bend_rad": np.zeros(n),
         "time_s": positions.time_s[frames][good] - positions.time_s[0],
     }
@@ -97,4 +103,4 @@ def _of_trial(
 
 def _frame_std(std: float, frames: int) -> float:
     """Standard deviation of one frame for which all frames together have that of their trial."""
-    return float(np.sqrt(std**2 + frames * (TRIAL_STD**2 + (BLUR_SHARE * std) ** 2)))
+    return float(np.sqrt(std**2 + frames * (TRIAL_LENGTH_STD**2 + (BLUR_ERROR_SHARE * std) ** 2)))

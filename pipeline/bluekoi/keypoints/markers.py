@@ -21,7 +21,8 @@ from .dots.spread import hidden_variances, typical_variances
 from .dots.unmixing import coverage_centroid
 from .outline.plane import Plane, plane_of
 
-COLOUR = True
+NEEDS_COLOUR = True
+"""The detector takes colour frames (bgr), not grey ones."""
 HUE_WIDTH_DEG = 20.0
 MIN_SATURATION = 70.0
 MIN_VALUE = 45.0

@@ -64,7 +64,7 @@ def as_json(draft: Draft) -> dict[str, Any]:
             "revision": draft.revision}  # fmt: skip
 
 
-def durations(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
+def recording_facts(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Of each row: duration of the recording [s], frames/s, size, and flapping frequency of its log
     [Hz]; what cannot be read is left out.
     """

@@ -81,7 +81,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     detector = source(study.setup.detection.source)
     some = spread_frames(
         study.paths(trial), fps=trial.fps, part_s=(trial.start_s, trial.end_s),
-        colour=getattr(detector, "COLOUR", False), consecutive=trial.start_px is not None,
+        colour=getattr(detector, "NEEDS_COLOUR", False), consecutive=trial.start_px is not None,
     )  # fmt: skip
     if not some:
         raise input_error(trial.source, "", "no frames", "footage with frames")

@@ -63,7 +63,7 @@ def page(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip
         profiles=identifiability.profiles(campaign),
         table_1=tables.table_1(campaign),
         table_2=tables.table_2(campaign),
-        columns=tables.COLUMNS,
+        columns=tables.COEFFICIENT_COLUMNS,
         mismatch_figures=[one for one in shown if one.name.startswith("mismatch")],
         figures=[one for one in shown if not one.name.startswith("mismatch")],
         excluded=excluded_trials(campaign),

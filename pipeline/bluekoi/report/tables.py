@@ -11,7 +11,7 @@ from .findings import Row
 from .identifiability import combination
 from .numbers import Z_95, estimate, measured, number, percent, readable, unit, units
 
-COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
+COEFFICIENT_COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
 """Name, unit and meaning of each coefficient."""
 
 

@@ -79,7 +79,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
-    colour = getattr(detector, "COLOUR", False)
+    colour = getattr(detector, "NEEDS_COLOUR", False)
 
     def film() -> Iterable[Frame]:
         return frames(recording, colour=colour)

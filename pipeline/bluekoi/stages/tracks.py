@@ -31,8 +31,8 @@ from .status import run_with_status
 
 __all__ = ["flapping_of", "preload", "tracks"]
 
-WRONG_CLOCK = 0.01
-"""Clocks this far apart make a steady speed doubtful, whichever of them is wrong."""
+CLOCK_TOLERANCE = 0.01
+"""Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
 
 
 def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> None:
@@ -120,7 +120,7 @@ def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
 
 def _doubted(steady: Steady, flapping: Flapping) -> Steady:
     """The steady state; where the clocks disagree, the remark on that precedes other reasons."""
-    if flapping.agrees or abs(flapping.ratio - 1) < WRONG_CLOCK:
+    if flapping.agrees or abs(flapping.ratio - 1) < CLOCK_TOLERANCE:
         return steady
     return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
 

@@ -15,10 +15,14 @@ from bluekoi.synthetic.optics import Camera, nudged, project, resized
 from bluekoi.synthetic.tank import Motion, simulate, steady_turn
 from bluekoi.synthetic.water import draw_eddies
 
-HEADINGS = 72
+START_HEADINGS = 72
+"""Directions tried for the start of a trial, evenly over the circle."""
 CHECK_STEP_S = 0.05
+"""Interval at which a path is checked against the walls."""
 STEADY_SHARE = 0.3
+"""Last part of a trial, as a share of its duration, over which its true steady state is taken."""
 PATH_STEP_S = 0.05
+"""Interval at which the true path is written."""
 
 
 @dataclass(frozen=True)
@@ -58,15 +62,15 @@ def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, flo
     away = replace(run, start=(500.0, 500.0, 0.0))
     motion = simulate(far, away, plan.longest_s, rtol=1e-7)
     points = _path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
-    return place_in_pool(design, tank.pool_m, points, rng)
+    return start_pose_in_pool(design, tank.pool_m, points, rng)
 
 
-def place_in_pool(
+def start_pose_in_pool(
     design: Design, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
 ) -> tuple[float, float, float]:
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
     room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
-    turns = rng.permutation(np.arange(HEADINGS)) * (2 * math.pi / HEADINGS)
+    turns = rng.permutation(np.arange(START_HEADINGS)) * (2 * math.pi / START_HEADINGS)
     fits = [_room_until(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
     best = int(np.argmax(fits))
     kept = (points * np.exp(1j * turns[best]))[: fits[best]]

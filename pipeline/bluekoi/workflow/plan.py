@@ -33,6 +33,8 @@ MIN_BATCH, MAX_BATCHES = 6, 50
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
 DUE_SUFFIX = "-due"
+"""Ending of the marker of a batch that has to run, in a dry run: a missing file is listed there."""
+"""Ending of the file that says that a batch of trials has to run."""
 FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
 
 

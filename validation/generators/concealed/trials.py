@@ -12,7 +12,7 @@ from bluekoi.synthetic.encode import GOPRO_RATE
 from bluekoi.synthetic.laws import Run, Tank
 from bluekoi.synthetic.optics import gopro_like
 from bluekoi.synthetic.tank import Motion
-from bluekoi.synthetic.trial import Trial, generator, pixels_of, place_in_pool, time_until_wall
+from bluekoi.synthetic.trial import Trial, generator, pixels_of, start_pose_in_pool, time_until_wall
 from bluekoi.synthetic.water import draw_eddies
 from validation.generators.concealed.recipe import Recipe
 from validation.generators.concealed.swimmer.motion import swim
@@ -96,7 +96,7 @@ def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
         start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
     )
     path = _far_path(recipe, laws, design, plan, run)
-    start = place_in_pool(
+    start = start_pose_in_pool(
         design, design.tank.pool_m, path, generator(design, plan.trial_id, "start")
     )
     run = replace(run, start=start)

@@ -32,7 +32,7 @@ def test_nothing_is_said_of_what_is_done_at_once():
 
 @pytest.mark.parametrize("kind", [Terminal, io.StringIO])
 def test_a_long_wait_is_reported_and_the_line_taken_away(kind, monkeypatch):
-    monkeypatch.setattr(waiting, "FIRST_S", 0.05)
+    monkeypatch.setattr(waiting, "FIRST_NOTICE_S", 0.05)
     with waiting.waiting("writing 3 trials", stream=(stream := kind())) as wait:
         wait.share = 0.5
         deadline = time.monotonic() + 10

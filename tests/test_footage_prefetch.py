@@ -10,7 +10,7 @@ import pytest
 from test_footage import STEADY, write_video
 
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage.prefetch import MIN_BUFFERED, Prefetcher
+from bluekoi.footage.prefetch import MIN_BUFFERED_ITEMS, Prefetcher
 from bluekoi.footage.reading import Film
 from bluekoi.footage.recording import Recording
 
@@ -35,7 +35,7 @@ class Source:
         self.closed = True
 
 
-@pytest.mark.parametrize("count", [0, 1, MIN_BUFFERED, 5 * MIN_BUFFERED])
+@pytest.mark.parametrize("count", [0, 1, MIN_BUFFERED_ITEMS, 5 * MIN_BUFFERED_ITEMS])
 def test_all_come_in_order_and_then_the_end(count):
     source = Source(count)
     with Prefetcher(source) as made:
@@ -49,9 +49,9 @@ def test_no_more_is_made_than_there_is_room_for():
     with Prefetcher(source) as made:
         assert next(made) == 0
         time.sleep(0.1)
-        assert MIN_BUFFERED <= source.given <= MIN_BUFFERED + 2
+        assert MIN_BUFFERED_ITEMS <= source.given <= MIN_BUFFERED_ITEMS + 2
     assert source.closed
-    assert source.given <= MIN_BUFFERED + 3
+    assert source.given <= MIN_BUFFERED_ITEMS + 3
 
 
 def test_a_fault_is_raised_in_its_place():
@@ -86,7 +86,9 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
     assert again == plain
 
 
-@pytest.mark.parametrize(("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MIN_BUFFERED)])
+@pytest.mark.parametrize(
+    ("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MIN_BUFFERED_ITEMS)]
+)
 def test_as_many_are_made_ahead_as_their_memory_allows(monkeypatch, size_px, room):
     source = Source(1000)
     monkeypatch.setattr(Film, "__iter__", lambda film: source)

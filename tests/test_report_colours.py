@@ -72,7 +72,7 @@ def test_text_on_tags_stands_out():
 PATHS = {
     "page": [re.search(rf"polyline\.{kind} {{ stroke: (#[0-9a-f]+)", CSS)[1]
              for kind in ("measured", "before", "after")],
-    "figures": [style.MEASURED, style.BEFORE, style.AFTER],
+    "figures": [style.MEASURED_COLOUR, style.BEFORE_COLOUR, style.AFTER_COLOUR],
     "videos": [hex_of(getattr(overlay_frame, k)) for k in ("MEASURED", "BEFORE", "AFTER")],
 }  # fmt: skip
 

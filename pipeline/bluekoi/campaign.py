@@ -17,9 +17,9 @@ from .study.depth import study_with_depth
 
 T = TypeVar("T")
 Tree = Mapping[str, Any]
-MIN_SHARE = 0.8
+MIN_COVERED_SHARE = 0.8
 """Share of a track that a simulated path must cover to be judged."""
-MAX_PCT = 1000.0
+MAX_ERROR_PCT = 1000.0
 """A larger error counts as a diverged model."""
 
 
@@ -89,7 +89,7 @@ class Campaign:
         )
         square = (x - track.x_m) ** 2 + (y - track.y_m) ** 2
         known = np.isfinite(square)
-        enough = known.mean() > MIN_SHARE
+        enough = known.mean() > MIN_COVERED_SHARE
         found = float(np.sqrt(square[known].mean())) if enough else float("nan")
         return found if found < self.study.setup.pool.width_m else float("nan")
 
@@ -106,7 +106,7 @@ class Campaign:
         """
         errors = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
         value = float("nan") if errors.get(key) is None else float(errors[key])
-        most = self.study.setup.pool.width_m if key.endswith("_m") else MAX_PCT
+        most = self.study.setup.pool.width_m if key.endswith("_m") else MAX_ERROR_PCT
         return float("inf") if value > most else value
 
     def why_left_out(self, trial_id: str) -> str:

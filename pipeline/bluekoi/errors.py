@@ -6,8 +6,9 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-INTERRUPTED = 130
-STOPPED = "Interrupted. What is done is kept; start again and it goes on."
+EXIT_INTERRUPTED = 130
+"""Exit code of a command that was interrupted from the keyboard."""
+INTERRUPTED_MESSAGE = "Interrupted. What is done is kept; start again and it goes on."
 
 
 @dataclass(frozen=True)

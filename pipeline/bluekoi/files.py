@@ -16,7 +16,7 @@ from typing import Any
 
 from .errors import input_error
 
-LARGEST_BYTES = 500_000_000
+MAX_TEXT_BYTES = 500_000_000
 """Largest text file that is read: a track of some days."""
 
 
@@ -60,7 +60,7 @@ def write_json(path: str | Path, content: Mapping[str, Any]) -> None:
     write_text(path, json.dumps(to_json_types(content), indent=2, allow_nan=False) + "\n")
 
 
-def read_text(path: str | Path, most_bytes: int = LARGEST_BYTES) -> str:
+def read_text(path: str | Path, most_bytes: int = MAX_TEXT_BYTES) -> str:
     """Text of a file in UTF-8, without a byte order mark.
 
     Raises: OSError or UnicodeDecodeError where it cannot be read; OSError also for what is not a

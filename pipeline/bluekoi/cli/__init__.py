@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..errors import INTERRUPTED, InputError, printable
+from ..errors import EXIT_INTERRUPTED, InputError, printable
 from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
 from .check import check
@@ -40,7 +40,7 @@ class Plainly(click.Group):
             ctx.exit(1)
         except KeyboardInterrupt:
             click.echo("Interrupted.", err=True)
-            ctx.exit(INTERRUPTED)
+            ctx.exit(EXIT_INTERRUPTED)
 
 
 @click.group(

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..study import Study
 
 
-PICTURE_S = 1.0  # a photograph of 12 megapixels, its share of the fits included
+SECONDS_PER_PICTURE = 1.0  # a photograph of 12 megapixels, its share of the fits included
 
 
 @click.command()
@@ -42,7 +42,7 @@ def calibrate(
     _spare(out.with_suffix(".png"), (".png",), images)
     if odd := next((path for path in images if path.exists() and not path.is_file()), None):
         raise input_error(odd, "", "no regular file", "pictures, videos or a lens profile")
-    with waiting(f"calibrating from {len(images)} files", PICTURE_S * len(images)):
+    with waiting(f"calibrating from {len(images)} files", SECONDS_PER_PICTURE * len(images)):
         found = calibrate_files(
             images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
         )

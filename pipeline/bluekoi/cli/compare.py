@@ -15,7 +15,8 @@ from .report import results_folder
 if TYPE_CHECKING:
     from ..comparison import Difference, Run
 
-COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
+COMPARISON_COLUMNS = ("section", "name", "first", "second", "difference", "standard_deviations")
+"""Columns of comparison.csv."""
 MARKED_ABOVE_STDS = 3.0
 """Numbers that differ by this many standard deviations are marked."""
 
@@ -77,7 +78,7 @@ def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
         [d.section, d.name, d.first, d.second, _number(d.difference), _number(d.sigmas)]
         for d in found
     )
-    write_rows(out / "comparison.csv", [COLUMNS, *rows])
+    write_rows(out / "comparison.csv", [COMPARISON_COLUMNS, *rows])
     labels = [run.folder.name or str(run.folder.resolve().name) for run in runs]
     if labels[0] == labels[1]:
         labels = [str(run.folder) for run in runs]

@@ -15,8 +15,9 @@ import click
 
 from ..errors import InputError
 
-MIN_GB = 2.0
-EXTRAS = {
+MIN_FREE_GB = 2.0
+"""Free space of the disk, GB, below which `bluekoi doctor` complains."""
+OPTIONAL_PACKAGES = {
     "snakemake-executor-plugin-slurm": (
         "runs on a Slurm cluster",
         "pip install snakemake-executor-plugin-slurm",
@@ -106,7 +107,7 @@ def _numba() -> str:
 
 
 def _extras() -> Iterator[Verdict]:
-    for name, (purpose, remedy) in EXTRAS.items():
+    for name, (purpose, remedy) in OPTIONAL_PACKAGES.items():
         try:
             yield True, f"{name} {version(name)}, for {purpose}"
         except PackageNotFoundError:
@@ -117,8 +118,8 @@ def _room() -> Iterator[Verdict]:
     for name, folder in (("here", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         free = shutil.disk_usage(folder).free / 1e9
         writable = os.access(folder, os.W_OK)
-        text = f"{free:.1f} GB free for {name} ({MIN_GB:g} GB or more)"
-        yield free >= MIN_GB and writable, text + ("" if writable else "; not writable")
+        text = f"{free:.1f} GB free for {name} ({MIN_FREE_GB:g} GB or more)"
+        yield free >= MIN_FREE_GB and writable, text + ("" if writable else "; not writable")
 
 
 def _memory() -> Iterator[Verdict]:
@@ -126,4 +127,4 @@ def _memory() -> Iterator[Verdict]:
         total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (ValueError, OSError):
         return
-    yield total >= MIN_GB, f"{total:.1f} GB of memory ({MIN_GB:g} GB or more)"
+    yield total >= MIN_FREE_GB, f"{total:.1f} GB of memory ({MIN_FREE_GB:g} GB or more)"

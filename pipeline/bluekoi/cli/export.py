@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from ..campaign import Campaign
     from ..data import Float, Track
 
-PARTS = ("head_tip", "hinge", "core_center", "tail_base")
-RATES = {
+EXPORTED_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+"""Keypoints that are written: those on the rigid parts."""
+EXPORTED_UNITS = {
     "heading_rad": "rad",
     "head_angle_rad": "rad",
     "speed_m_s": "m/s",
@@ -27,7 +28,9 @@ RATES = {
     "x_m": "m",
     "y_m": "m",
 }
-INDIVIDUAL = "robot"
+"""Further columns of a track that are written, with their units."""
+INDIVIDUAL_NAME = "robot"
+"""Name of the only individual in the dataset."""
 
 
 @click.command()
@@ -89,7 +92,7 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
 
     track = campaign.tracks[trial_id]
     position = _position(campaign, trial_id, track)[..., None]
-    names = {"space": ("x", "y"), "keypoint": PARTS, "individual": (INDIVIDUAL,)}
+    names = {"space": ("x", "y"), "keypoint": EXPORTED_PARTS, "individual": (INDIVIDUAL_NAME,)}
     with atomic_write(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
         for name, value in _attributes(campaign, trial_id).items():
             setattr(out, name, value)
@@ -99,9 +102,9 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
             _write_labels(out, name, labels)
         _write(out, "time", ("time",), track.time_s)
         _write(out, "position", ("time", *names), position, "m")
-        unknown = np.full((len(position), len(PARTS), 1), np.nan)
+        unknown = np.full((len(position), len(EXPORTED_PARTS), 1), np.nan)
         _write(out, "confidence", ("time", "keypoint", "individual"), unknown)
-        for name, unit in RATES.items():
+        for name, unit in EXPORTED_UNITS.items():
             for column in (name, f"{name}_std"):
                 _write(out, column, ("time",), getattr(track, column), unit)
 

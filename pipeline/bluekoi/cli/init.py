@@ -14,13 +14,13 @@ from .waiting import waiting
 if TYPE_CHECKING:
     from ..preparation.prefill import StudyFiles
 
-HEAD = "1x head, nose to hinge, m; filled in for every trial."
+HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 
 
 @click.command()
 @click.argument("files", nargs=-1, type=Named(path_type=Path), metavar="[VIDEOS]...")
 @click.option("--study", type=Named(path_type=Path), help="Folder of the study.")
-@click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD)
+@click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD_LENGTH_HELP)
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
     """Write study.yaml and trials.csv for VIDEOS, keypoint files, or all that a folder holds.
 

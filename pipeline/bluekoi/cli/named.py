@@ -10,7 +10,8 @@ import click
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-MAX_TRIALS_BYTES = 10_000_000
+MAX_TRIALS_BYTES_READ = 10_000_000
+"""Size of a trials.csv up to which a shell completes names of trials."""
 
 
 class Named(click.Path):
@@ -81,7 +82,7 @@ class TrialName(click.ParamType):
         study = ctx.params.get("study") or next(iter(ctx.args), ".")
         path = os.path.join(str(study), "trials.csv")
         try:
-            if not os.path.isfile(path) or os.path.getsize(path) > MAX_TRIALS_BYTES:
+            if not os.path.isfile(path) or os.path.getsize(path) > MAX_TRIALS_BYTES_READ:
                 return []
             with open(path, encoding="utf-8-sig", newline="") as lines:
                 names = [str(row.get("trial_id") or "") for row in csv.DictReader(lines)]

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 TRUTH_FILES = ("truth.sha256", "truth.json")
+"""Files of a synthetic study that no command overwrites."""
 
 
 def refuse_study_files(study: Path, outputs: Iterable[Path | None]) -> None:

@@ -12,13 +12,15 @@ from pathlib import Path
 
 import click
 
-from ..errors import INTERRUPTED
+from ..errors import EXIT_INTERRUPTED
 from ..workflow.client import COMMAND
 from .named import Named, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
-SOME_TRIALS_BAD = 3
-TERMINATED = 128 + signal.SIGTERM
+EXIT_SOME_TRIALS_FAILED = 3
+"""Exit code of a run in which some trials failed and the others finished."""
+EXIT_TERMINATED = 128 + signal.SIGTERM
+"""Exit code of a run that was ended by SIGTERM."""
 
 
 def workflow_folder() -> Path:
@@ -106,7 +108,7 @@ def run(
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)
     if returned == 0 and not dry and (bad := _went_wrong(folder, study)):
         click.echo("\n".join(bad), err=True)
-        ctx.exit(SOME_TRIALS_BAD)
+        ctx.exit(EXIT_SOME_TRIALS_FAILED)
     ctx.exit(_exit_code(returned, folder))
 
 
@@ -130,7 +132,7 @@ def _returned(words: list[str]) -> int:
 
         def terminate(*_: object) -> None:
             nonlocal stopped
-            stopped = TERMINATED
+            stopped = EXIT_TERMINATED
             running.terminate()
 
         before = signal.signal(signal.SIGTERM, terminate)
@@ -140,7 +142,7 @@ def _returned(words: list[str]) -> int:
                     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
                     return stopped if running.wait() and stopped else running.returncode
                 except KeyboardInterrupt:
-                    stopped = INTERRUPTED
+                    stopped = EXIT_INTERRUPTED
         finally:
             signal.signal(signal.SIGTERM, before)
 
@@ -167,10 +169,10 @@ def _trials(study: str) -> set[str]:
 
 def _exit_code(returned: int, results: Path) -> int:
     """0 where all is well, 3 where all is there but some trials are bad, else 1."""
-    if returned in (0, INTERRUPTED, TERMINATED):
+    if returned in (0, EXIT_INTERRUPTED, EXIT_TERMINATED):
         return returned
     from ..stages.layout import Layout  # noqa: PLC0415
 
     last = Layout(results).last_results
     complained = not (results / "outcome.json").is_file()
-    return SOME_TRIALS_BAD if complained and all(path.is_file() for path in last) else 1
+    return EXIT_SOME_TRIALS_FAILED if complained and all(path.is_file() for path in last) else 1

@@ -19,9 +19,12 @@ if TYPE_CHECKING:
     from ..model import Simulation
     from ..study import Setup, Study
 
-NAMES = ("s-turn", "underpowered-turn", "start-stop")
-DT_S = 1 / 60
-PICTURES = (".png", ".pdf", ".svg")
+MANOEUVRE_NAMES = ("s-turn", "underpowered-turn", "start-stop")
+"""Manoeuvres that the command knows by name."""
+STEP_S = 1 / 60
+"""Interval between the rows of a simulated path."""
+PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
+"""Kinds of picture that a path can be drawn to."""
 
 
 @click.command()
@@ -31,8 +34,8 @@ PICTURES = (".png", ".pdf", ".svg")
 @click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
-@click.option("--manoeuvre", type=click.Choice(NAMES), help="Or a well-known one, made from "
-              "frequency, head angle and seconds.")  # fmt: skip
+@click.option("--manoeuvre", type=click.Choice(MANOEUVRE_NAMES),
+              help="Or a well-known one, made from frequency, head angle and seconds.")  # fmt: skip
 @click.option("--head-length-m", type=Finite(0, 10, min_open=True), help="Default: 1x.")
 @click.option("--seconds", type=Finite(0.1, 600),
               help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
@@ -91,8 +94,10 @@ def _refuse_idle(
 
 def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | None) -> None:
     """Before anything is written: a picture's format, and files that would replace one another."""
-    if picture is not None and picture.suffix.lower() not in PICTURES:
-        raise click.UsageError(f"--picture {picture}: its ending must be {', '.join(PICTURES)}")
+    if picture is not None and picture.suffix.lower() not in PICTURE_SUFFIXES:
+        raise click.UsageError(
+            f"--picture {picture}: its ending must be {', '.join(PICTURE_SUFFIXES)}"
+        )
     files = [path.resolve() for path in (schedule, out, picture) if path is not None]
     if len(set(files)) < len(files):
         raise click.UsageError("--schedule, --out and --picture must be different files")
@@ -123,7 +128,7 @@ def _warnings(
     if power_pct is not None and not low <= power_pct <= high:
         out.append(f"{power_pct:g} % power lies outside the tested {low:g} to {high:g} %, its "
                    "flapping frequency is extrapolated")  # fmt: skip
-    if commands.time_s[-1] > run.time_s[-1] + DT_S:
+    if commands.time_s[-1] > run.time_s[-1] + STEP_S:
         out.append(f"the schedule goes on to {commands.time_s[-1]:g} s, the simulation ends at "
                    f"{run.time_s[-1]:g} s")  # fmt: skip
     lost = np.flatnonzero(~np.isfinite(run.state).all(axis=1))
@@ -176,7 +181,7 @@ def _run(
 
     from ..model import constants, simulate_at  # noqa: PLC0415
 
-    times = np.arange(round(seconds / DT_S) + 1, dtype=np.float64) * DT_S
+    times = np.arange(round(seconds / STEP_S) + 1, dtype=np.float64) * STEP_S
     hz, angle = commands.at(times)
     start = np.array([0.5 * setup.pool.length_m, 0.5 * setup.pool.width_m, 0.0, 0.0, 0.0, 0.0])
     inputs = np.column_stack([angle, hz])

@@ -13,7 +13,7 @@ import sys
 import threading
 import warnings
 
-from ..errors import INTERRUPTED, STOPPED
+from ..errors import EXIT_INTERRUPTED, INTERRUPTED_MESSAGE
 
 
 class Interruption:
@@ -47,7 +47,7 @@ class Interruption:
     def report(self) -> None:
         """Print that the run was interrupted, unless the line of progress has."""
         if not any(getattr(handler, "stopped", False) for handler in self._handlers):
-            sys.stderr.write(f"\n{STOPPED}\n")
+            sys.stderr.write(f"\n{INTERRUPTED_MESSAGE}\n")
 
 
 def main() -> None:
@@ -68,7 +68,7 @@ def main() -> None:
         if not interruption.taken or (isinstance(end, SystemExit) and end.code in (None, 0)):
             raise
         interruption.report()
-        raise SystemExit(INTERRUPTED) from None
+        raise SystemExit(EXIT_INTERRUPTED) from None
 
 
 def _is_no_announcement(record: logging.LogRecord) -> bool:

@@ -10,8 +10,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TextIO
 
-FIRST_S = 2.0
-EVERY_S = 30.0
+FIRST_NOTICE_S = 2.0
+"""Time after which the first notice of a long job is printed."""
+NOTICE_EVERY_S = 30.0
+"""Time between later notices where the output is a file."""
 
 
 @dataclass
@@ -56,12 +58,12 @@ def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> I
 
 def _print_progress(wait: Wait, over: threading.Event, out: TextIO) -> None:
     live = out.isatty()
-    pause = FIRST_S
+    pause = FIRST_NOTICE_S
     while not over.wait(pause):
         text = wait.line(time.monotonic())
         out.write(f"\r\x1b[K{text}" if live else text + "\n")
         out.flush()
-        pause = 1.0 if live else EVERY_S
+        pause = 1.0 if live else NOTICE_EVERY_S
     if live:
         out.write("\r\x1b[K")
         out.flush()

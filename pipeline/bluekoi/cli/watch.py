@@ -14,11 +14,11 @@ from .run import check_cores, command
 
 ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
 State = dict[str, tuple[int, int]]
-QUIET_S = 3.0
+UNCHANGED_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
 
 
-PAGE = """<!doctype html>
+WATCH_PAGE = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>BlueKoi: watching</title>
 <style>body{margin:0;font:15px sans-serif}p{margin:0;padding:.4em 1em;background:#20262e;color:#fff}
 iframe{border:0;width:100%;height:calc(100vh - 2.2em)}</style>
@@ -64,7 +64,7 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     before = [(n, signal.signal(n, lambda *_: over.set())) for n in (signal.SIGINT, signal.SIGTERM)]
     folder = results or Path("results") / study.resolve().name
     page, script = folder / "watch.html", folder / "watch.js"
-    write_text(page, PAGE)
+    write_text(page, WATCH_PAGE)
     click.echo(f"Watching {study}; the report: {page}. Ctrl-C ends it.")
     seen: State | None = None
     count = 0
@@ -105,8 +105,8 @@ def state_of_study(study: Path, results: Path) -> State:
 
 
 def is_unchanged(now: State, study: Path, results: Path, over: threading.Event) -> bool:
-    """Whether nothing in the study changes for `QUIET_S`."""
-    return not over.wait(QUIET_S) and state_of_study(study, results) == now
+    """Whether nothing in the study changes for `UNCHANGED_S`."""
+    return not over.wait(UNCHANGED_S) and state_of_study(study, results) == now
 
 
 def analyse(words: list[str], over: threading.Event) -> int:

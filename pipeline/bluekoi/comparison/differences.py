@@ -15,7 +15,8 @@ from ..steady import read_steady
 
 MIN_PROBABILITY = 0.02
 """A cause less probable than this in both runs is not listed."""
-MISSING = "–"
+MISSING_TEXT = "–"
+"""Text that stands for a value that one of two runs does not have."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def compare(first: Run, second: Run) -> list[Difference]:
 
 
 def _verdict(run: Run) -> str:
-    return str(run.mismatch.get("verdict", MISSING))
+    return str(run.mismatch.get("verdict", MISSING_TEXT))
 
 
 def _causes(first: Run, second: Run) -> Iterator[Difference]:
@@ -122,7 +123,7 @@ def numbers(
 
 def _text(cell: Mapping[str, Any] | None) -> str:
     if cell is None or cell.get("value") is None:
-        return MISSING
+        return MISSING_TEXT
     unit = "" if cell.get("unit") in (None, "", "1") else f" {cell['unit']}"
     std = "" if cell.get("std") is None else f" +- {cell['std']:.2g}"
     return f"{cell['value']:.4g}{std}{unit}"
@@ -158,20 +159,24 @@ def _finite(value: float) -> float | None:
 def _settings(first: Run, second: Run) -> Iterator[Difference]:
     for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
                          ("setting", "settings"), ("version", "versions")):  # fmt: skip
-        a, b = ({name: MISSING if value in (None, {}, []) else str(value)
+        a, b = ({name: MISSING_TEXT if value in (None, {}, []) else str(value)
                  for name, value in flattened(run.manifest.get(key) or {})}
                 for run in (first, second))  # fmt: skip
         for name in dict.fromkeys([*a, *b]):
-            if a.get(name, MISSING) != b.get(name, MISSING):
-                yield Difference(section, name, a.get(name, MISSING), b.get(name, MISSING))
+            if a.get(name, MISSING_TEXT) != b.get(name, MISSING_TEXT):
+                yield Difference(
+                    section, name, a.get(name, MISSING_TEXT), b.get(name, MISSING_TEXT)
+                )
     if (a_code := first.manifest.get("code")) != (b_code := second.manifest.get("code")):
-        yield Difference("version", "code", str(a_code or MISSING), str(b_code or MISSING))
+        yield Difference(
+            "version", "code", str(a_code or MISSING_TEXT), str(b_code or MISSING_TEXT)
+        )
 
 
 def _inputs(first: Run, second: Run) -> Iterator[Difference]:
     """Input files that differ, by the start of their hash."""
     files = [dict(run.manifest.get("inputs") or {}) for run in (first, second)]
     for name in sorted(files[0].keys() | files[1].keys()):
-        a, b = (str((f.get(name) or {}).get("sha256", MISSING))[:12] for f in files)
+        a, b = (str((f.get(name) or {}).get("sha256", MISSING_TEXT))[:12] for f in files)
         if a != b:
             yield Difference("input file", name, a, b)

@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 from ..figures.drawing.style import COLOURS, RC_PARAMS, placeholder
 from .differences import MIN_PROBABILITY, Run
 
-FIRST, SECOND = COLOURS[0], COLOURS[2]
-OFFSET = 0.15
-MAX_CAUSES = 12
+FIRST_COLOUR, SECOND_COLOUR = COLOURS[0], COLOURS[2]
+BAR_OFFSET = 0.15
+"""Distance of the two runs' bars from their common line, in lines."""
+MAX_CAUSES_SHOWN = 12
 
 
 def draw(first: Run, second: Run, labels: tuple[str, str]) -> Figure:
@@ -38,11 +39,13 @@ def _coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> Non
     names = [n for n, c in runs[0].joint.items() if c.get("value") and n in runs[1].joint]
     if not names:
         return placeholder(axes, "No coefficients in both runs")
-    for k, (run, label, colour) in enumerate(zip(runs, labels, (FIRST, SECOND), strict=True)):
+    for k, (run, label, colour) in enumerate(
+        zip(runs, labels, (FIRST_COLOUR, SECOND_COLOUR), strict=True)
+    ):
         unit = np.array([runs[0].joint[n]["value"] for n in names], dtype=float)
         value = np.array([_number(run.joint[n].get("value")) for n in names]) / unit
         std = np.abs(np.array([_number(run.joint[n].get("std")) for n in names]) / unit)
-        y = np.arange(len(names)) + OFFSET * (2 * k - 1)
+        y = np.arange(len(names)) + BAR_OFFSET * (2 * k - 1)
         bars = 1.96 * np.nan_to_num(std)
         axes.errorbar(value, y, xerr=bars, fmt="o", ms=4, color=colour, label=label)
     axes.set_yticks(range(len(names)), names)
@@ -58,11 +61,13 @@ def _causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in runs]
     most = {n: max(float(c.get(n) or 0) for c in chances) for n in {**chances[0], **chances[1]}}
     names = sorted((n for n, p in most.items() if p >= MIN_PROBABILITY), key=lambda n: -most[n])
-    names = names[:MAX_CAUSES]
+    names = names[:MAX_CAUSES_SHOWN]
     if not names:
         return placeholder(axes, "No cause is probable in either run")
-    for k, (found, label, colour) in enumerate(zip(chances, labels, (FIRST, SECOND), strict=True)):
-        y = np.arange(len(names)) + OFFSET * (2 * k - 1)
+    for k, (found, label, colour) in enumerate(
+        zip(chances, labels, (FIRST_COLOUR, SECOND_COLOUR), strict=True)
+    ):
+        y = np.arange(len(names)) + BAR_OFFSET * (2 * k - 1)
         axes.barh(y, [float(found.get(n) or 0) for n in names], 0.28, color=colour, label=label)
     axes.set_yticks(range(len(names)), [n.replace("_", " ") for n in names])
     axes.invert_yaxis()
@@ -75,11 +80,13 @@ def _causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
 def _errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     axes.set_title("Path error on held-out trials")
     rows = ("baseline model", "with identified causes", "noise floor")
-    for k, (run, label, colour) in enumerate(zip(runs, labels, (FIRST, SECOND), strict=True)):
+    for k, (run, label, colour) in enumerate(
+        zip(runs, labels, (FIRST_COLOUR, SECOND_COLOUR), strict=True)
+    ):
         held = run.mismatch.get("held_out") or {}
         values = [(held.get(m) or {}).get("path_rmse_m") for m in ("baseline", "extended")]
         size = [1e3 * _number(v) for v in (*values, held.get("noise_floor_path_rmse_m"))]
-        axes.bar(np.arange(3) + OFFSET * (2 * k - 1), size, 0.28, color=colour, label=label)
+        axes.bar(np.arange(3) + BAR_OFFSET * (2 * k - 1), size, 0.28, color=colour, label=label)
     axes.set_xticks(range(3), rows)
     axes.set_ylabel("rms distance, mm")
 
@@ -92,7 +99,7 @@ def _speeds(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
         return placeholder(axes, "No trial has a steady speed in both runs")
     top = 1.05 * float(np.nanmax([a, b]))
     axes.plot([0, top], [0, top], color="#5b6570", lw=0.8)
-    axes.plot(a, b, "o", ms=4, color=SECOND)
+    axes.plot(a, b, "o", ms=4, color=SECOND_COLOUR)
     for name, x, y in zip(names, a, b, strict=True):
         if math.isfinite(x * y) and abs(y - x) > 0.05 * top:
             axes.annotate(name, (x, y), textcoords="offset points", xytext=(4, 2), fontsize=7)

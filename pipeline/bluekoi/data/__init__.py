@@ -8,5 +8,5 @@ motion: poses/ID.csv and tracks/ID.csv
 
 from .columns import read_columns, write_columns
 from .motion import TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
-from .quality import CONFIDENT, confident, poorly_seen
+from .quality import MIN_LIKELIHOOD, confident, poorly_seen
 from .types import PARTS, Flapping, Float, Frame, Keypoints, Pose, Positions, Steady, Track

@@ -14,6 +14,7 @@ from .types import Pose, Track
 TRACK_COLUMNS = tuple(
     f.name for f in fields(Track) if f.name not in ("recoil", "remarks", "speed_std_m_s")
 )
+"""Columns of tracks/ID.csv."""
 
 
 def write_track(path: str | Path, track: Track) -> None:
@@ -49,6 +50,7 @@ POSE_COLUMNS = (
     "head_angle_rad",
     *(f"cov_{i}{j}" for i, j in _POSE_PAIRS),
 )
+"""Columns of poses/ID.csv."""
 
 
 def write_pose(path: str | Path, pose: Pose) -> None:

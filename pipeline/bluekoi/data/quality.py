@@ -1,8 +1,7 @@
 """Which points and frames are used, and how many samples count as one: one rule for all stages.
 
-A point counts where its likelihood is at least `CONFIDENT`, the cut-off that DeepLabCut uses, or
-not stated (NaN). A frame whose standard deviation is `POORLY_SEEN` times the usual one of its trial
-says nothing by itself.
+A point counts where its likelihood is at least `MIN_LIKELIHOOD` or not stated (NaN). A frame whose
+standard deviation is `MAX_STD_RATIO` times the usual one of its trial says nothing by itself.
 """
 
 from __future__ import annotations
@@ -14,18 +13,20 @@ import numpy.typing as npt
 
 from .types import Float
 
-CONFIDENT = 0.6
-POORLY_SEEN = 10.0
+MIN_LIKELIHOOD = 0.6
+"""Likelihood from which a keypoint counts as seen: the cut-off that DeepLabCut uses."""
+MAX_STD_RATIO = 10.0
+"""Standard deviation over the usual one of its trial above which a frame counts as poorly seen."""
 
 
 def confident(likelihood: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Where a likelihood, of any shape, is that of a point that counts."""
-    return np.asarray(~(likelihood < CONFIDENT))
+    return np.asarray(~(likelihood < MIN_LIKELIHOOD))
 
 
 def poorly_seen(variance: Float, usual: Float | float) -> npt.NDArray[np.bool_]:
     """Where a variance, of any shape, exceeds the usual one by too much, or is unknown (NaN)."""
-    return np.asarray(~(variance <= POORLY_SEEN**2 * np.asarray(usual)))
+    return np.asarray(~(variance <= MAX_STD_RATIO**2 * np.asarray(usual)))
 
 
 def correlation_time(residual: Float) -> float:

@@ -17,10 +17,11 @@ from ..model import COEFFICIENTS, plates
 from ..study import Study
 
 T = TypeVar("T")
-DRAWS = LANES - 1
+COEFFICIENT_DRAWS = LANES - 1
 """Draws of the coefficients beside their best values: together they fill the lanes."""
 RERUN_ADVICE = "Run the analysis again: bluekoi run STUDY."
 DOUBTFUL_VERDICTS = ("measurement", "unexplained")
+"""Verdicts with which a design carries a warning."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,9 @@ def _joint(joint: Mapping[str, Any], rng: np.random.Generator) -> Float:
     best = {p.name: float(joint["coefficients"][p.name]["value"]) for p in COEFFICIENTS}
     names = joint["ensemble"]["names"]
     every = np.array(joint["ensemble"]["values"], dtype=float)
-    chosen = every[rng.choice(len(every), size=DRAWS, replace=len(every) < DRAWS)]
+    chosen = every[
+        rng.choice(len(every), size=COEFFICIENT_DRAWS, replace=len(every) < COEFFICIENT_DRAWS)
+    ]
     rows = [best, *(dict(zip(names, row.tolist(), strict=True)) for row in chosen)]
     return np.array([plates().values(row) for row in rows])
 
@@ -121,7 +124,7 @@ def _extended(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) ->
         best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
     lower = np.array([p.lower for p in plates().parameters])
     upper = np.array([p.upper for p in plates().parameters])
-    drawn = best + std * rng.standard_normal((DRAWS, len(best)))
+    drawn = best + std * rng.standard_normal((COEFFICIENT_DRAWS, len(best)))
     return np.vstack([best, np.where(std > 0, np.clip(drawn, lower, upper), best)])
 
 

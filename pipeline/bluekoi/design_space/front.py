@@ -11,10 +11,12 @@ import numpy as np
 from ..data import Float
 
 MIN_RELATIVE_GAIN = 0.001
-COLUMNS = (
+"""Share by which the radius of a slower design must be smaller to be on the front."""
+DESIGN_COLUMNS = (
     "power_pct", "flap_hz", "head_angle_deg", "head_length_m", "speed_m_s", "speed_low_m_s",
     "speed_high_m_s", "radius_m", "radius_low_m", "radius_high_m", "on_front", "extrapolated",
 )  # fmt: skip
+"""Columns of designs.csv."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,7 @@ def columns(designs: Sequence[Design]) -> dict[str, list[Any]]:
          bool(front[i]), " and ".join(d.extrapolated))
         for i, d in enumerate(designs)
     ]  # fmt: skip
-    out = {name: [row[k] for row in rows] for k, name in enumerate(COLUMNS)}
+    out = {name: [row[k] for row in rows] for k, name in enumerate(DESIGN_COLUMNS)}
     for key in designs[0].other if designs else ():
         out[key] = [d.other[key] for d in designs]
     return out

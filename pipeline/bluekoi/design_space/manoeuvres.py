@@ -13,6 +13,7 @@ from ..errors import input_error, nearest
 
 ALLOWED_RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
           "flap_hz": (0, 100)}  # fmt: skip
+"""Columns of a schedule with the least and the largest value allowed."""
 SCHEDULE_COLUMNS = tuple(ALLOWED_RANGES)
 
 

@@ -19,8 +19,9 @@ from ..study import Setup
 from .front import Design, on_front
 from .manoeuvres import Schedule
 
-GREY, FRONT = "#b0b8bf", "#0b5394"
-MARKS = 14
+TESTED_COLOUR, FRONT_COLOUR = "#b0b8bf", "#0b5394"
+MAX_MARKS = 14
+"""Marks along the front, at most."""
 
 
 def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> Figure:
@@ -31,8 +32,11 @@ def designs_figure(designs: Sequence[Design], *, min_speed_m_s: float = 0.0) -> 
     x = np.array([d.radius_m[0] for d in designs])
     y = np.array([d.speed_m_s[0] for d in designs])
     inside = np.array([not d.extrapolated for d in designs])
-    for kind, name, face in ((inside, "tested range", GREY), (~inside, "extrapolated", "none")):
-        axes.plot(x[kind], y[kind], "o", ms=3.5, color=GREY, mfc=face, mew=0.7, label=name)
+    for kind, name, face in (
+        (inside, "tested range", TESTED_COLOUR),
+        (~inside, "extrapolated", "none"),
+    ):
+        axes.plot(x[kind], y[kind], "o", ms=3.5, color=TESTED_COLOUR, mfc=face, mew=0.7, label=name)
     _front(axes, [d for d, is_on in zip(designs, front, strict=True) if is_on])
     if min_speed_m_s > 0:
         axes.axhline(min_speed_m_s, color="#a61c00", lw=1, ls=":")
@@ -50,11 +54,19 @@ def _front(axes: Axes, front: Sequence[Design]) -> None:
     ordered = sorted(front, key=lambda d: d.radius_m[0])
     for d in ordered:
         (radius, *across), (speed, *along) = d.radius_m, d.speed_m_s
-        axes.plot(across, [speed, speed], color=FRONT, lw=1, alpha=0.5)
-        axes.plot([radius, radius], along, color=FRONT, lw=1, alpha=0.5)
-        axes.plot(radius, speed, "o", ms=5, color=FRONT, mfc="white" if d.extrapolated else FRONT)
-    axes.plot([d.radius_m[0] for d in ordered], [d.speed_m_s[0] for d in ordered], color=FRONT,
-              lw=1, label="front: none is faster and tighter, with 95 % bands")  # fmt: skip
+        axes.plot(across, [speed, speed], color=FRONT_COLOUR, lw=1, alpha=0.5)
+        axes.plot([radius, radius], along, color=FRONT_COLOUR, lw=1, alpha=0.5)
+        axes.plot(
+            radius,
+            speed,
+            "o",
+            ms=5,
+            color=FRONT_COLOUR,
+            mfc="white" if d.extrapolated else FRONT_COLOUR,
+        )
+    axes.plot([d.radius_m[0] for d in ordered], [d.speed_m_s[0] for d in ordered], lw=1,
+              color=FRONT_COLOUR,
+              label="front: none is faster and tighter, with 95 % bands")  # fmt: skip
 
 
 def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m: float) -> Figure:
@@ -62,8 +74,8 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
     figure = Figure(figsize=(7.5, 7.2), layout="constrained")
     above, below = figure.subplots(2, 1, height_ratios=(2.4, 1))
     x, y = run.state[:, 0], run.state[:, 1]
-    above.plot(x, y, color=FRONT, lw=1.2)
-    marks = np.unique(np.linspace(0, len(x) - 1, MARKS).round().astype(int))
+    above.plot(x, y, color=FRONT_COLOUR, lw=1.2)
+    marks = np.unique(np.linspace(0, len(x) - 1, MAX_MARKS).round().astype(int))
     above.add_collection(LineCollection(_bodies(run, marks, setup, head_length_m), colors="0.25",
                                         linewidths=1.6))  # fmt: skip
     pool = setup.pool
@@ -71,7 +83,7 @@ def path_figure(run: Simulation, schedule: Schedule, setup: Setup, head_length_m
     above.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
     above.autoscale_view()
     hz, angle = schedule.at(run.time_s)
-    below.plot(run.time_s, run.speed_m_s, color=FRONT, label="speed (m/s)")
+    below.plot(run.time_s, run.speed_m_s, color=FRONT_COLOUR, label="speed (m/s)")
     below.plot(run.time_s, hz / 10, color="#6aa84f", label="flapping (10 Hz)")
     below.plot(run.time_s, np.degrees(angle) / 100, color="#e69138", label="head angle (100°)")
     below.set(xlabel="time (s)", xlim=(0, run.time_s[-1]))

@@ -14,7 +14,7 @@ from ..data import Float
 from ..errors import InputError, input_error, nearest
 from ..study import Setup, Study
 from ..study.messages import explain
-from .fits import DRAWS, Fitted
+from .fits import COEFFICIENT_DRAWS, Fitted
 from .front import Design
 from .steady_states import Condition, steady_states
 
@@ -121,7 +121,7 @@ def _band(draws: Float) -> tuple[float, float, float]:
     """Best value, and 95 % bounds from the spread of the draws (in logarithms)."""
     best, rest = draws[0], draws[1:]
     rest = rest[np.isfinite(rest) & (rest > 0)]
-    if not np.isfinite(best) or best <= 0 or len(rest) < DRAWS // 2:
+    if not np.isfinite(best) or best <= 0 or len(rest) < COEFFICIENT_DRAWS // 2:
         return float(best), float("nan"), float("nan")
     spread = 1.96 * float(np.std(np.log(rest), ddof=1))
     return float(best), float(best * np.exp(-spread)), float(best * np.exp(spread))

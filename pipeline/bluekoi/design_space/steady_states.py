@@ -14,11 +14,14 @@ from ..model import constants, plates
 from ..study import Setup
 
 SETTLE_S, CHECK_S = 30.0, 25.0
+"""End of the simulation, and the time at which it is compared with the end."""
 STEP_S = 1 / 30
-STEADY = 0.005
+STEADY_TOLERANCE = 0.005
 """Between `CHECK_S` and `SETTLE_S` speed and yaw rate may change by this share, no more."""
-STRAIGHT_RAD_S = 1e-6
-REST_M_S = 1e-4
+MIN_TURN_RATE_RAD_S = 1e-6
+"""Yaw rate below which a path counts as straight."""
+MIN_SPEED_M_S = 1e-4
+"""Speed below which a change counts as none."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +59,8 @@ def steady_states(conditions: Sequence[Condition], values: Float) -> SteadyState
     speed, rate = (a.reshape(2, count, parts * LANES)[:, :, :draws] for a in (speed, rate))
     change = np.abs(speed[1] - speed[0]) + np.abs(rate[1] - rate[0]) * speed[1]
     with np.errstate(invalid="ignore", divide="ignore"):
-        steady = change <= STEADY * np.maximum(np.abs(speed[1]), REST_M_S)
-        turning = np.abs(rate[1]) > STRAIGHT_RAD_S
+        steady = change <= STEADY_TOLERANCE * np.maximum(np.abs(speed[1]), MIN_SPEED_M_S)
+        turning = np.abs(rate[1]) > MIN_TURN_RATE_RAD_S
         radius = np.where(turning, speed[1] / np.abs(rate[1]), np.inf)
     return SteadyStates(np.where(steady, speed[1], np.nan), np.where(steady, radius, np.nan))
 

@@ -38,9 +38,16 @@ REQUIREMENTS = {
     "mismatch": "search for causes of the mismatch (mismatch.json)",
     "mismatch_detail": "details of the search for causes (mismatch_detail.json)",
 }
+"""Result that a figure may need -> its name in a message."""
 PNG_DPI = 150
-PNG: Mapping[str, Any] = {"Software": None}
-PDF: Mapping[str, Any] = {"CreationDate": None, "ModDate": None, "Creator": None, "Producer": None}
+PNG_METADATA: Mapping[str, Any] = {"Software": None}
+"""Metadata of a file, without dates: the same results give the same bytes."""
+PDF_METADATA: Mapping[str, Any] = {
+    "CreationDate": None,
+    "ModDate": None,
+    "Creator": None,
+    "Producer": None,
+}
 
 
 def names() -> tuple[str, ...]:
@@ -103,10 +110,10 @@ def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str
     """
     figure.set_dpi(PNG_DPI)
     with atomic_write(path_png) as temporary:
-        FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG, **metadata})
+        FigureCanvasAgg(figure).print_png(temporary, metadata={**PNG_METADATA, **metadata})
     figure.set_layout_engine("none")
     with atomic_write(path_pdf) as temporary:
-        FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF))
+        FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF_METADATA))
 
 
 def _reason(name: str, campaign: Campaign) -> str:

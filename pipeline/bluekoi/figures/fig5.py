@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from ..campaign import Campaign
 from ..study import Trial
 from .drawing import groups
-from .drawing.circles import DASHES, circle, equal_axes, measured_arc
-from .drawing.style import BEFORE, MEASURED, panel_letter, placeholder
+from .drawing.circles import LINE_STYLES, circle, equal_axes, measured_arc
+from .drawing.style import BEFORE_COLOUR, MEASURED_COLOUR, panel_letter, placeholder
 from .drawing.sweeps import PowerFit, fitted_powers, radius, simulate_from_rest
 
 TITLE = "The paper's three tuning steps at each power"
@@ -24,7 +24,7 @@ CAPTION = (
     "minus measured radius). Step 3: prediction for the longer head, which no step was tuned to."
 )
 NEEDS = ("tracks", "steady", "coefficients")
-STEPS = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
+STEP_TITLES = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -37,11 +37,11 @@ def draw(campaign: Campaign) -> Figure:
         _straight(axes[0], campaign, power, known.get(power))
         _turns(axes[1], campaign, _one_x(campaign, power), known.get(power))
         _turns(axes[2], campaign, _longer(campaign, power), known.get(power))
-        for axis, step in zip(axes, STEPS, strict=True):
+        for axis, step in zip(axes, STEP_TITLES, strict=True):
             axis.set_title(f"{power:g} %, {step}")
     lines = [
-        Line2D([], [], color=MEASURED, label="data"),
-        Line2D([], [], color=BEFORE, ls="--", label="simulation (sim.)"),
+        Line2D([], [], color=MEASURED_COLOUR, label="data"),
+        Line2D([], [], color=BEFORE_COLOUR, ls="--", label="simulation (sim.)"),
     ]
     figure.legend(handles=lines, loc="outside upper right", ncols=2)
     return figure
@@ -70,13 +70,13 @@ def _straight(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None
         return
     for trial in mine:
         track = campaign.tracks[trial.trial_id]
-        axes.plot(track.time_s, track.speed_m_s, color=MEASURED, lw=1.1, gid=trial.trial_id)
+        axes.plot(track.time_s, track.speed_m_s, color=MEASURED_COLOUR, lw=1.1, gid=trial.trial_id)
     if row is None:
         axes.text(0.5, 0.3, "not tuned", transform=axes.transAxes, ha="center", color="0.4")
     else:
         last = max(campaign.tracks[t.trial_id].time_s[-1] for t in mine)
         run = simulate_from_rest(campaign, row, campaign.study.setup.robot.head_length_m, last)
-        axes.plot(run.time_s, run.speed_m_s, color=BEFORE, ls="--")
+        axes.plot(run.time_s, run.speed_m_s, color=BEFORE_COLOUR, ls="--")
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
 
 
@@ -90,9 +90,9 @@ def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | 
         mine = [t for t in trials if (abs(t.head_angle_deg), t.head_length_m) == (angle, length)]
         for trial in mine:
             arc = measured_arc(campaign, trial)
-            axes.plot(*arc.T, color=MEASURED, lw=2, gid=trial.trial_id)
+            axes.plot(*arc.T, color=MEASURED_COLOUR, lw=2, gid=trial.trial_id)
         seen = float(np.mean([campaign.steady[t.trial_id].radius_m for t in mine]))
-        axes.plot(*circle(seen).T, color=MEASURED, lw=0.7, ls=DASHES[2 * (i % 2)])
+        axes.plot(*circle(seen).T, color=MEASURED_COLOUR, lw=0.7, ls=LINE_STYLES[2 * (i % 2)])
         longer = length > campaign.study.setup.robot.head_length_m + 1e-6
         name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
         labels.append(
@@ -112,7 +112,7 @@ def _model(
     found = radius(campaign, row, length, angle)
     if not np.isfinite(found):
         return "\nsimulation: no turn"
-    axes.plot(*circle(found).T, color=BEFORE, ls="--")
+    axes.plot(*circle(found).T, color=BEFORE_COLOUR, ls="--")
     return f"\nsim. {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 

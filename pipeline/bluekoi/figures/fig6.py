@@ -38,7 +38,7 @@ NEEDS = ("tracks", "steady", "coefficients")
 ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
 TIMES_S = np.arange(151) / 30.0
-UNTESTED = "#e6eaed"
+UNTESTED_COLOUR = "#e6eaed"
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -66,7 +66,7 @@ def _key() -> list[Artist]:
     return [
         Line2D([], [], color="0.35", marker="o", ls="", label="measured mean"),
         Patch(color="0.35", alpha=0.15, label="95 % interval of the model"),
-        Patch(color=UNTESTED, label="untested range"),
+        Patch(color=UNTESTED_COLOUR, label="untested range"),
     ]
 
 
@@ -144,7 +144,7 @@ def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> Non
     low, high = (min(tested), max(tested)) if tested else (span[1], span[1])
     for left, right in ((span[0], low), (high, span[1])):
         if right > left:
-            axes.axvspan(left, right, color=UNTESTED, zorder=0)
+            axes.axvspan(left, right, color=UNTESTED_COLOUR, zorder=0)
     axes.set_ylim(bottom=0)
 
 

@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 from ..campaign import Campaign
 from ..data import Float
 from .drawing.pool import draw_pool
-from .drawing.style import DIVERGING, panel_letter, placeholder
+from .drawing.style import DIVERGING_COLOURMAP, panel_letter, placeholder
 
 TITLE = "Geometry check: rigid distances over the pool"
 CAPTION = (
@@ -27,9 +27,11 @@ CAPTION = (
     "(0.05 %, for the whole length about 0.4 %) and are ignored, however many frames agree."
 )
 NEEDS = ("geometry",)
-MAX_SHOWN = 9
-DETECTABLE = "#56B4E9"
+MAX_ERRORS_SHOWN = 9
+"""Possible errors of the geometry that are drawn, at most."""
+DETECTABLE_COLOUR = "#56B4E9"
 SMALLEST_SHOWN_PCT = 0.01
+"""Smallest standard deviation that is printed as a number, %."""
 AXIS_HEADROOM = 6.0
 """Space right of the longest bar, a factor on the logarithmic axis."""
 
@@ -79,7 +81,13 @@ def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, na
     draw_pool(axes, campaign.study)
     shown = np.where(grid["count"] > 0, 100 * grid[name], np.nan)
     picture = axes.pcolormesh(
-        grid["x_edges_m"], grid["y_edges_m"], shown, cmap=DIVERGING, vmin=-span, vmax=span, zorder=1
+        grid["x_edges_m"],
+        grid["y_edges_m"],
+        shown,
+        cmap=DIVERGING_COLOURMAP,
+        vmin=-span,
+        vmax=span,
+        zorder=1,
     )
     if name == "excess":
         _standard_errors(axes, grid, span)
@@ -97,13 +105,15 @@ def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
 
 
 def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
-    best = estimates[:MAX_SHOWN][::-1]
+    best = estimates[:MAX_ERRORS_SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
     names = [
         f"{_readable(one['name'])}: {', '.join(map(_readable, one['parameters']))}" for one in best
     ]
-    fills = [DETECTABLE if one["detectable"] else "white" for one in best]
-    axes.barh(range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE, height=0.6)
+    fills = [DETECTABLE_COLOUR if one["detectable"] else "white" for one in best]
+    axes.barh(
+        range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE_COLOUR, height=0.6
+    )
     for place, (one, gain) in enumerate(zip(best, gains, strict=True)):
         axes.annotate(f"{100 * one['share']:.2g} %", (1.0 + gain, place), xytext=(3, 0),
                       textcoords="offset points", va="center", fontsize=6.5)  # fmt: skip

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ..campaign import Campaign
-from .drawing.style import AFTER, placeholder
+from .drawing.style import AFTER_COLOUR, placeholder
 
 TITLE = "Evidence for each candidate cause"
 CAPTION = (
@@ -16,8 +16,8 @@ CAPTION = (
     "act at once. Candidates that the data cannot distinguish share the probability between them."
 )
 NEEDS = ("mismatch",)
-MAX_BARS = 16
-OTHER = "#9aa5af"
+MAX_BARS_SHOWN = 16
+NOT_SELECTED_COLOUR = "#9aa5af"
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -25,7 +25,7 @@ def draw(campaign: Campaign) -> Figure:
     found = campaign.mismatch or {}
     selected = {str(cause["name"]) for cause in found.get("causes") or []}
     given = {str(k): float(v) for k, v in (found.get("probabilities") or {}).items()}
-    bars = sorted(given.items(), key=lambda bar: -bar[1])[:MAX_BARS]
+    bars = sorted(given.items(), key=lambda bar: -bar[1])[:MAX_BARS_SHOWN]
     figure = Figure(figsize=(6.0, 0.9 + 0.24 * (len(bars) or 4)), layout="constrained")
     axes = figure.subplots()
     if not bars:
@@ -34,15 +34,20 @@ def draw(campaign: Campaign) -> Figure:
     _bars(axes, bars, selected)
     axes.set_xlabel("probability of inclusion")
     shown = {name in selected for name, _ in bars}
-    handles = [Patch(color=AFTER, label="selected")] * (True in shown)
-    handles += [Patch(color=OTHER, label="not selected")] * (False in shown)
+    handles = [Patch(color=AFTER_COLOUR, label="selected")] * (True in shown)
+    handles += [Patch(color=NOT_SELECTED_COLOUR, label="not selected")] * (False in shown)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
 def _bars(axes: Axes, bars: list[tuple[str, float]], selected: set[str]) -> None:
     for place, (name, value) in enumerate(bars):
-        axes.barh(place, value, color=AFTER if name in selected else OTHER, height=0.7)
+        axes.barh(
+            place,
+            value,
+            color=AFTER_COLOUR if name in selected else NOT_SELECTED_COLOUR,
+            height=0.7,
+        )
         axes.annotate(f"{value:.2f}", (value, place), xytext=(3, 0), textcoords="offset points",
                       va="center", fontsize=7)  # fmt: skip
     axes.set_yticks(range(len(bars)), [name.replace("_", " ") for name, _ in bars])

@@ -15,15 +15,15 @@ from ..data import Float
 from .drawing import groups
 from .drawing.missing_force import (
     CHANNELS,
-    LABELS,
-    NAMES,
-    UNITS,
+    FORCE_NAMES,
+    FORCE_UNITS,
+    VARIABLE_LABELS,
     MissingForce,
     force_of_effects,
     missing_forces,
     variable,
 )
-from .drawing.style import AFTER, Style, panel_letter, placeholder, power_styles
+from .drawing.style import AFTER_COLOUR, Style, panel_letter, placeholder, power_styles
 
 TITLE = "Variables that explain the missing force"
 CAPTION = (
@@ -36,10 +36,14 @@ CAPTION = (
 )
 NEEDS = ("tracks", "steady", "mismatch_detail")
 DEFAULT_PAIRS = (("surge", "speed_m_s"), ("sway", "sway_speed_m_s"), ("yaw", "yaw_rate_rad_s"))
-PANELS = 3
-BINS = 12
-FRAMES = 60
-SKIPPED_S = 1.0
+"""Channel and variable drawn where nothing explains the force."""
+PANEL_COUNT = 3
+MAX_BINS = 12
+"""Bins of a variable over which the force is averaged, at most."""
+MAX_FRAMES_DRAWN = 60
+"""Frames of a trial that are drawn as points, at most."""
+SKIPPED_START_S = 1.0
+"""Start of a trial that is not drawn: the force is uncertain there."""
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -48,7 +52,7 @@ def draw(campaign: Campaign) -> Figure:
     shown, shares = _pairs(campaign)
     styles = power_styles(groups.powers(campaign))
     figure = Figure(figsize=(12, 4.0), layout="constrained")
-    for i, axes in enumerate(figure.subplots(1, PANELS)):
+    for i, axes in enumerate(figure.subplots(1, PANEL_COUNT)):
         panel_letter(axes, "ABC"[i])
         if i >= len(shown) or not pieces:
             placeholder(axes, "no further dependence")
@@ -57,7 +61,7 @@ def draw(campaign: Campaign) -> Figure:
         _panel(axes, campaign, (channel, name), pieces, styles)
         share = shares.get((channel, name))
         axes.set_title(
-            NAMES[channel] + (f": explains {100 * share:.0f} % (held out)" if share else "")
+            FORCE_NAMES[channel] + (f": explains {100 * share:.0f} % (held out)" if share else "")
         )
     handles, labels = figure.axes[0].get_legend_handles_labels()
     if handles:
@@ -81,9 +85,11 @@ def _pairs(campaign: Campaign) -> tuple[list[tuple[str, str]], dict[tuple[str, s
     causes = mismatch.get("causes") or []
     channels = [channel for cause in causes[:1] for channel in cause.get("channels", [])]
     default = [
-        pair for pair in DEFAULT_PAIRS if pair[0] in channels and pair not in list(shares)[:PANELS]
+        pair
+        for pair in DEFAULT_PAIRS
+        if pair[0] in channels and pair not in list(shares)[:PANEL_COUNT]
     ]
-    first = list(shares)[: PANELS - len(default[:1])]
+    first = list(shares)[: PANEL_COUNT - len(default[:1])]
     return first + default[:1] if first else list(DEFAULT_PAIRS), shares
 
 
@@ -106,11 +112,11 @@ def _panel(
     model = [instead[at, k] for (_, instead), at in zip(pieces, found, strict=True)]
     at, mean, _ = _binned_means(x, model)
     if np.isfinite(mean).any():
-        axes.plot(at, mean, color=AFTER, lw=2.2, zorder=6, label="identified causes")
+        axes.plot(at, mean, color=AFTER_COLOUR, lw=2.2, zorder=6, label="identified causes")
     axes.axhline(0, color="0.4", lw=0.8)
     axes.xaxis.set_major_locator(MaxNLocator(6))
-    axes.set_xlabel(LABELS.get(name, name))
-    axes.set_ylabel(f"missing {NAMES[channel]} ({UNITS[channel]})")
+    axes.set_xlabel(VARIABLE_LABELS.get(name, name))
+    axes.set_ylabel(f"missing {FORCE_NAMES[channel]} ({FORCE_UNITS[channel]})")
     top = 1.15 * float(np.quantile(np.abs(np.concatenate(y)), 0.985))
     axes.set_ylim(-top, top)
 
@@ -118,7 +124,7 @@ def _panel(
 def _after_start(one: MissingForce) -> npt.NDArray[np.bool_]:
     """Frames after the start, (n,)."""
     t = one.motion[:, 6] - one.motion[0, 6]
-    return np.asarray(t >= min(SKIPPED_S, t[-1] / 3))
+    return np.asarray(t >= min(SKIPPED_START_S, t[-1] / 3))
 
 
 def _dots(
@@ -131,7 +137,7 @@ def _dots(
     labelled: set[float] = set()
     for one, x, y in zip(found, *points, strict=True):
         power = campaign.study.trial(one.trial_id).power_pct
-        some = slice(None, None, max(1, len(x) // FRAMES))
+        some = slice(None, None, max(1, len(x) // MAX_FRAMES_DRAWN))
         style, label = styles[power], None if power in labelled else f"{power:g} %"
         labelled.add(power)
         axes.plot(x[some], y[some], style.marker, ms=2, mew=0, color=style.colour, alpha=0.55,
@@ -148,13 +154,13 @@ def _binned_means(x: Sequence[Float], y: Sequence[Float]) -> tuple[Float, Float,
     values = np.unique(every)
     if len(values) == 0:
         return np.zeros(0), np.zeros(0), np.zeros(0)
-    if len(values) <= BINS:
+    if len(values) <= MAX_BINS:
         edges = np.concatenate(
             [[values[0] - 1], 0.5 * (values[1:] + values[:-1]), [values[-1] + 1]]
         )
     else:
         low, high = np.quantile(every, (0.01, 0.99))
-        edges = np.linspace(float(low), float(high), BINS + 1)
+        edges = np.linspace(float(low), float(high), MAX_BINS + 1)
     table = np.array([_bin(x, y, edges[i], edges[i + 1]) for i in range(len(edges) - 1)])
     table = table[np.isfinite(table[:, 1])]
     return table[:, 0], table[:, 1], table[:, 2]

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from ..campaign import Campaign
 from .drawing.held_out import evaluated_trials, no_trial_held_out, noise_floor_m
 from .drawing.model_paths import draw_paths, legend, models
-from .drawing.style import MEASURED, NOISE_FLOOR_NAME, panel_letter, placeholder
+from .drawing.style import MEASURED_COLOUR, NOISE_FLOOR_NAME, panel_letter, placeholder
 
 TITLE = "Held-out trials: errors of the model before and after"
 CAPTION = (
@@ -21,7 +21,7 @@ CAPTION = (
     "error near or below it leaves nothing to explain. (B) Their paths in the pool; numbers: rms "
     "distance to the measured path."
 )
-HELD_OUT = "Trials that no fit used."
+HELD_OUT_SENTENCE = "Trials that no fit used."
 ONE_MODEL_TITLE = "Held-out trials: errors of the model"
 ONE_MODEL_CAPTION = (
     "No cause was identified, so there is one model. (A) Its errors; dotted: noise floor, the "
@@ -33,22 +33,25 @@ FITTED_TRIALS_CAPTION = (
     "not confirm the identified causes."
 )
 NEEDS = ("tracks", "mismatch")
-MAX_PATHS = 6
+MAX_PATHS_SHOWN = 6
 TEXT_BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
-ERRORS = (
+ERROR_LABELS = (
     ("path_rmse_m", "rms path error (mm)", 1000.0),
     ("radius_error_pct", "radius error (%)", 1.0),
     ("speed_error_pct", "speed error (%)", 1.0),
 )
+"""Key of mismatch.json, label of its axis, factor to the unit of the label."""
 
 
 def title_and_caption(campaign: Campaign) -> tuple[str, str]:
     """Title and caption, by whether trials were held out and causes identified."""
     fitted = no_trial_held_out(campaign)
     title = TITLE if campaign.has_additions else ONE_MODEL_TITLE
-    text = CAPTION if campaign.has_additions else f"{HELD_OUT} {ONE_MODEL_CAPTION}"
+    text = CAPTION if campaign.has_additions else f"{HELD_OUT_SENTENCE} {ONE_MODEL_CAPTION}"
     if fitted:
-        return title.replace("Held-out", "Fitted"), text.replace(HELD_OUT, FITTED_TRIALS_CAPTION)
+        return title.replace("Held-out", "Fitted"), text.replace(
+            HELD_OUT_SENTENCE, FITTED_TRIALS_CAPTION
+        )
     return title, text
 
 
@@ -57,15 +60,17 @@ def draw(campaign: Campaign) -> Figure:
     figure = Figure(figsize=(12, 4.4), layout="constrained")
     sides = figure.add_gridspec(1, 2, width_ratios=(1, 1.7))
     bars = sides[0].subgridspec(1, 3)
-    for i, (key, label, factor) in enumerate(ERRORS):
+    for i, (key, label, factor) in enumerate(ERROR_LABELS):
         axes = figure.add_subplot(bars[i])
         _error(axes, campaign, key, factor)
         axes.set_title(label)
         if i == 0:
             panel_letter(axes, "A")
-    names = [name for name in evaluated_trials(campaign) if name in campaign.tracks][:MAX_PATHS]
+    names = [name for name in evaluated_trials(campaign) if name in campaign.tracks][
+        :MAX_PATHS_SHOWN
+    ]
     places = sides[1].subgridspec(2, 3)
-    for i in range(MAX_PATHS):
+    for i in range(MAX_PATHS_SHOWN):
         axes = figure.add_subplot(places[i // 3, i % 3])
         if i < len(names):
             trial = campaign.study.trial(names[i])
@@ -79,7 +84,7 @@ def draw(campaign: Campaign) -> Figure:
             panel_letter(axes, "B")
     handles = legend(campaign)
     if noise_floor_m(campaign) is not None:
-        handles.append(Line2D([], [], color=MEASURED, ls=":", label=NOISE_FLOOR_NAME))
+        handles.append(Line2D([], [], color=MEASURED_COLOUR, ls=":", label=NOISE_FLOOR_NAME))
     figure.legend(handles=handles, loc="outside upper center", ncols=4)
     return figure
 
@@ -100,7 +105,7 @@ def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
                           textcoords="offset points", fontsize=8, bbox=TEXT_BOX)  # fmt: skip
     floor = noise_floor_m(campaign)
     if key == "path_rmse_m" and floor is not None:
-        axes.axhline(factor * floor, color=MEASURED, ls=":", lw=1.4)
+        axes.axhline(factor * floor, color=MEASURED_COLOUR, ls=":", lw=1.4)
     axes.set_xticks(range(len(drawn)), [model.tick for model in drawn])
     axes.set_xlim(-0.6, 1.6)
     axes.grid(visible=False, axis="x")

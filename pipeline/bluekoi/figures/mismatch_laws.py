@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign
-from .drawing.missing_force import LABELS, NAMES
-from .drawing.style import AFTER, panel_letter
+from .drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
+from .drawing.style import AFTER_COLOUR, panel_letter
 
 TITLE = "Estimated law of each cause"
 CAPTION = (
@@ -21,7 +21,7 @@ CAPTION = (
     "leave the line beyond their scatter, the form of the law is wrong."
 )
 NEEDS = ("mismatch",)
-COLUMNS = 3
+PANELS_PER_ROW = 3
 
 
 def unavailable(campaign: Campaign) -> str:
@@ -44,8 +44,8 @@ def draw(campaign: Campaign) -> Figure:
     """A panel for each cause with a law."""
     found = laws(campaign)
     residuals = (campaign.mismatch_detail or {}).get("partial_residuals") or {}
-    rows = -(-len(found) // COLUMNS)
-    columns = min(COLUMNS, len(found))
+    rows = -(-len(found) // PANELS_PER_ROW)
+    columns = min(PANELS_PER_ROW, len(found))
     figure = Figure(figsize=(4.2 * columns + 0.6, 3.4 * rows), layout="constrained")
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     for i, (axes, (name, law)) in enumerate(zip(panels, found.items(), strict=False)):
@@ -63,12 +63,14 @@ def _law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[str, A
     _dots(axes, points)
     low, high = (np.asarray(law.get(k) or [], dtype=float) for k in ("low", "high"))
     if len(low) == len(high) == len(x):
-        axes.fill_between(x, low, high, color=AFTER, alpha=0.2, lw=0, label="95 % band")
-    axes.plot(x, y, color=AFTER, lw=2, label="estimate")
+        axes.fill_between(x, low, high, color=AFTER_COLOUR, alpha=0.2, lw=0, label="95 % band")
+    axes.plot(x, y, color=AFTER_COLOUR, lw=2, label="estimate")
     axes.axhline(0, color="0.4", lw=0.8)
     unit = str(law.get("unit") or "")
-    axes.set_xlabel(LABELS.get(name, name.replace("_", " ") + (f" ({unit})" if unit else "")))
-    axes.set_ylabel(f"{NAMES.get(channel, channel)} ({law.get('y_unit') or '-'})")
+    axes.set_xlabel(
+        VARIABLE_LABELS.get(name, name.replace("_", " ") + (f" ({unit})" if unit else ""))
+    )
+    axes.set_ylabel(f"{FORCE_NAMES.get(channel, channel)} ({law.get('y_unit') or '-'})")
     axes.legend(loc="best")
 
 

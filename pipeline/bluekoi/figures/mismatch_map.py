@@ -9,9 +9,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign
-from .drawing.missing_force import CHANNELS, NAMES, UNITS, MissingForce, missing_forces
+from .drawing.missing_force import CHANNELS, FORCE_NAMES, FORCE_UNITS, MissingForce, missing_forces
 from .drawing.pool import draw_pool
-from .drawing.style import DIVERGING, panel_letter, placeholder
+from .drawing.style import DIVERGING_COLOURMAP, panel_letter, placeholder
 
 TITLE = "Missing force along the paths"
 CAPTION = (
@@ -22,7 +22,7 @@ CAPTION = (
     "sway force."
 )
 NEEDS = ("tracks", "steady", "mismatch_detail")
-SHOWN = 3
+TRIALS_SHOWN = 3
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -33,8 +33,8 @@ def draw(campaign: Campaign) -> Figure:
     for i, (axes, channel) in enumerate(zip(panels[0], CHANNELS, strict=True)):
         panel_letter(axes, "ABC"[i])
         _map(figure, axes, campaign, found, i)
-        axes.set_title(f"missing {NAMES[channel]} ({UNITS[channel]})")
-    worst = sorted(found.values(), key=_mean_square, reverse=True)[:SHOWN]
+        axes.set_title(f"missing {FORCE_NAMES[channel]} ({FORCE_UNITS[channel]})")
+    worst = sorted(found.values(), key=_mean_square, reverse=True)[:TRIALS_SHOWN]
     longest = max((float(np.hypot(*one.force[:, :2].T).max()) for one in worst), default=1.0)
     longest = max(longest, 1e-3)
     for i, axes in enumerate(panels[1]):
@@ -64,8 +64,8 @@ def _map(
     for one in found.values():
         xy = one.motion[:, :2]
         pieces = np.stack([xy[:-1], xy[1:]], axis=1)
-        lines = LineCollection(list(pieces), cmap=DIVERGING, norm=norm, linewidths=2.6, zorder=3,
-                               gid=one.trial_id)  # fmt: skip
+        lines = LineCollection(list(pieces), cmap=DIVERGING_COLOURMAP, norm=norm, linewidths=2.6,
+                               zorder=3, gid=one.trial_id)  # fmt: skip
         lines.set_array(0.5 * (one.force[:-1, channel] + one.force[1:, channel]))
         axes.plot(*xy.T, color="#5b6570", lw=3.4, zorder=2, solid_capstyle="butt")
         axes.add_collection(lines)

@@ -21,14 +21,14 @@ CAPTION = (
     "error of the baseline."
 )
 NEEDS = ("tracks",)
-COLUMNS = 6
+PANELS_PER_ROW = 6
 MAX_PANELS = 60
 
 
 def draw(campaign: Campaign) -> Figure:
     """Small multiples, one panel a trial in the order of trials.csv."""
     trials = _shown(campaign)
-    columns = min(COLUMNS, len(trials))
+    columns = min(PANELS_PER_ROW, len(trials))
     rows = math.ceil(len(trials) / columns)
     figure = Figure(figsize=(max(6, 2.15 * columns), 1.75 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False)

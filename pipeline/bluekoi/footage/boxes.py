@@ -12,10 +12,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 CONTAINER_BOXES = (b"moov", b"udta", b"trak", b"mdia", b"edts")
+"""Boxes of an mp4 file that contain others."""
 TOP_LEVEL_BOXES = (b"ftyp", b"moov", b"mdat", b"free", b"wide", b"skip", b"pnot", b"uuid")
-LARGEST_HEADER = 64 * 2**20
-DEEPEST = 8
-NESTED = 0
+"""Boxes that an mp4 file may begin with."""
+MAX_HEADER_BYTES = 64 * 2**20
+MAX_BOX_DEPTH = 8
+NESTED_TYPE = 0
+"""Type of a telemetry entry that contains others."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ def read_boxes(path: Path) -> Boxes | None:
         for name, start, length in _top_level(file, size):
             top.append(name.decode("latin-1"))
             cut = start + length > size
-            if name == b"moov" and length <= LARGEST_HEADER:
+            if name == b"moov" and length <= MAX_HEADER_BYTES:
                 file.seek(start)
                 moov = file.read(length)
     inner = dict(_inner(moov, 0))
@@ -77,7 +80,7 @@ def _inner(body: bytes, depth: int, path: str = "") -> Iterator[tuple[str, bytes
         here = f"{path}/{name.decode('latin-1')}".lstrip("/")
         inside = body[at + 8 : at + length]
         found.append((here, inside))
-        if name in CONTAINER_BOXES and depth < DEEPEST:
+        if name in CONTAINER_BOXES and depth < MAX_BOX_DEPTH:
             found.extend(_inner(inside, depth + 1, here))
         at += length
     return iter(found[::-1])
@@ -117,4 +120,4 @@ def gpmf_items(body: bytes, *, into_nested: bool = False) -> Iterator[tuple[byte
         key, kind, size, repeat = struct.unpack(">4sBBH", body[at : at + 8])
         length = size * repeat
         yield key, kind, body[at + 8 : at + 8 + length]
-        at += 8 if into_nested and kind == NESTED else 8 + (length + 3) // 4 * 4
+        at += 8 if into_nested and kind == NESTED_TYPE else 8 + (length + 3) // 4 * 4

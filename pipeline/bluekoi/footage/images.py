@@ -12,7 +12,7 @@ import numpy.typing as npt
 from ..data import Frame
 from ..errors import input_error
 from ..study.image_files import IMAGE_SUFFIXES
-from .recording import IMAGES, Recording
+from .recording import IMAGES_CODEC, Recording
 
 Picture = npt.NDArray[np.uint8]
 
@@ -44,7 +44,7 @@ def open_images(
     return Recording(
         paths=tuple(paths),
         size_px=(first.shape[1], first.shape[0]),
-        codec=IMAGES,
+        codec=IMAGES_CODEC,
         frames_declared=len(paths),
         frames_present=len(paths),
         nominal_fps=fps,

@@ -9,8 +9,8 @@ from types import TracebackType
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
-MIN_BUFFERED = 3
-POLL_S = 0.05
+MIN_BUFFERED_ITEMS = 3
+JOIN_TIMEOUT_S = 0.05
 
 
 class Prefetcher(Generic[T]):
@@ -20,7 +20,7 @@ class Prefetcher(Generic[T]):
     context, ends the thread and closes the source.
     """
 
-    def __init__(self, source: Iterator[T], size: int = MIN_BUFFERED) -> None:
+    def __init__(self, source: Iterator[T], size: int = MIN_BUFFERED_ITEMS) -> None:
         self._buffer: Queue[tuple[T | None, BaseException | None]] = Queue(size)
         self._stop = Event()
         self._thread = Thread(target=self._fill, args=(source,), daemon=True)
@@ -55,7 +55,7 @@ class Prefetcher(Generic[T]):
         self._stop.set()
         while self._thread.is_alive():
             self._drop()
-            self._thread.join(POLL_S)
+            self._thread.join(JOIN_TIMEOUT_S)
         self._drop()
 
     def _drop(self) -> None:
@@ -82,7 +82,7 @@ class Prefetcher(Generic[T]):
         """Whether it was taken in; not once the end was asked for."""
         while not self._stop.is_set():
             try:
-                self._buffer.put((item, error), timeout=POLL_S)
+                self._buffer.put((item, error), timeout=JOIN_TIMEOUT_S)
             except Full:
                 continue
             return True

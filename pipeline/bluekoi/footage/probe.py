@@ -14,11 +14,13 @@ from ..errors import InputError, input_error
 from .boxes import Boxes
 from .pictures import Luma, luma
 
-UNDECODED = {"skip_frame": "all"}
-LARGEST_SIDE_PX = 16384
-MIN_LISTED = 0.5
-MAX_ROUNDED = 3  # frames that a duration in milliseconds and a mean rate may be off by
-REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
+SKIP_DECODING = {"skip_frame": "all"}
+"""Option of the container: packets are listed, pictures not decoded."""
+MAX_SIDE_PX = 16384
+MIN_LISTED_SHARE = 0.5
+"""Share of the expected frames that a file must list where it does not state their number."""
+MAX_ROUNDED_FRAMES = 3  # frames that a duration in milliseconds and a mean rate may be off by
+MAX_REORDERED_FRAMES = 4.5  # encoders that reorder frames write an edit list of up to this many
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def opened(path: Path) -> Any:
     size is not known without that, it is opened again in the usual way.
     """
     try:
-        container = av.open(str(path), options=UNDECODED, metadata_errors="replace")
+        container = av.open(str(path), options=SKIP_DECODING, metadata_errors="replace")
         if all(s.codec_context is None or s.width for s in container.streams.video):
             return container
         container.close()
@@ -88,7 +90,7 @@ def video_stream(container: Any, path: Path) -> Any:
     """The first real video stream (a cover picture is none), decoding on all cores."""
     for stream in container.streams.video:
         context = stream.codec_context
-        if context is None or not (0 < stream.width <= LARGEST_SIDE_PX):
+        if context is None or not (0 < stream.width <= MAX_SIDE_PX):
             continue
         if not context.is_open:
             stream.thread_type = "AUTO"
@@ -124,10 +126,10 @@ def _counts(stream: Any, path: Path, expected: float) -> tuple[int, int]:
     """
     entries = [(entry.pos, entry.size) for entry in stream.index_entries]
     declared = int(stream.frames) or len(entries)
-    enough = (int(stream.frames) or MIN_LISTED * expected) - MAX_ROUNDED
+    enough = (int(stream.frames) or MIN_LISTED_SHARE * expected) - MAX_ROUNDED_FRAMES
     if not entries or len(entries) < enough:
         present, expected = _counted(path), int(stream.frames) or expected
-        whole = present >= expected - MAX_ROUNDED
+        whole = present >= expected - MAX_ROUNDED_FRAMES
         return (present if whole else round(expected)), present
     size = path.stat().st_size
     lost = sum(1 for pos, length in entries if pos + length > size)
@@ -217,7 +219,7 @@ def _rotation_remark(rotation: int) -> str:
 
 def _box_remarks(container: Any, boxes: Boxes, fps: float) -> list[str]:
     found = []
-    if boxes.trimmed_s * fps > REORDERED_FRAMES:
+    if boxes.trimmed_s * fps > MAX_REORDERED_FRAMES:
         found.append(f"trimmed: an edit list leaves out the first {boxes.trimmed_s:.3f} s")
     if boxes.gopro.get("EISE") == "Y":
         found.append("filmed with stabilisation on: the picture may drift against the pool")

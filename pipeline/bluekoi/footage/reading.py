@@ -14,13 +14,14 @@ import numpy as np
 from ..data import Frame
 from .images import image_frames
 from .pictures import Luma, luma
-from .prefetch import MIN_BUFFERED, Prefetcher
+from .prefetch import MIN_BUFFERED_ITEMS, Prefetcher
 from .probe import opened, video_stream
-from .recording import IMAGES, Recording
+from .recording import IMAGES_CODEC, Recording
 
-EPS_S = 1e-6
+TIME_TOLERANCE_S = 1e-6
 PREFETCH_BYTES = 40 * 10**6
-MAX_BUFFERED = 12
+"""Memory for frames that are decoded ahead."""
+MAX_BUFFERED_FRAMES = 12
 BYTES_PER_PIXEL = 1.5
 
 
@@ -43,12 +44,12 @@ class Film:
     def prefetched(self) -> Prefetcher[Frame]:
         """All frames as by iteration, decoded by a thread of their own from now on.
 
-        As many as PREFETCH_BYTES hold, at least MIN_BUFFERED: while something is learned from the
-        first of them the decoder should not have to wait.
+        As many as PREFETCH_BYTES hold, at least MIN_BUFFERED_ITEMS: while something is learned from
+        the first of them the decoder should not have to wait.
         """
         width, height = self.recording.size_px
         room = int(PREFETCH_BYTES / (BYTES_PER_PIXEL * width * height))
-        return Prefetcher(iter(self), max(MIN_BUFFERED, min(room, MAX_BUFFERED)))
+        return Prefetcher(iter(self), max(MIN_BUFFERED_ITEMS, min(room, MAX_BUFFERED_FRAMES)))
 
     def evenly_spaced(self, count: int) -> Iterator[Frame]:
         """About `count` frames evenly spaced over the recording's part, decoded alone."""
@@ -66,14 +67,14 @@ def frames(recording: Recording, *, colour: bool = False) -> Film:
 
 
 def _all(recording: Recording, colour: bool, ready: dict[int, Any]) -> Iterator[Frame]:
-    if recording.codec == IMAGES:
+    if recording.codec == IMAGES_CODEC:
         yield from image_frames(recording, colour=colour)
         return
     last = -np.inf
     for index, (time_s, picture) in enumerate(_timed(recording, ready)):
-        if recording.end_s is not None and time_s > recording.end_s + EPS_S:
+        if recording.end_s is not None and time_s > recording.end_s + TIME_TOLERANCE_S:
             return
-        if time_s <= last or time_s < (recording.start_s or 0.0) - EPS_S:
+        if time_s <= last or time_s < (recording.start_s or 0.0) - TIME_TOLERANCE_S:
             continue
         last = time_s
         bgr = _bgr(picture, recording, colour)
@@ -88,7 +89,7 @@ def evenly_spaced(
     Only key frames are decoded, all cores at once: a background needs a few pictures, not all.
     Of a recording with fewer key frames than that, every k-th frame of all.
     """
-    if recording.codec == IMAGES:
+    if recording.codec == IMAGES_CODEC:
         yield from image_frames(recording, colour=False, count=count)
         return
     ready = {} if ready is None else ready

@@ -14,10 +14,12 @@ from .pictures import Luma
 from .probe import Probe, probe
 from .telemetry import camera_seconds
 
-CLOCK_SLACK = 0.02
-IMAGES = "images"
+CLOCK_TOLERANCE = 0.02
+"""Relative difference of two clocks of a recording above which it is reported."""
+IMAGES_CODEC = "images"
 """Codec of a recording whose frames are picture files."""
-STRETCHED = {"S": "SuperView", "H": "HyperView"}
+STRETCHED_LENS_MODES = {"S": "SuperView", "H": "HyperView"}
+"""Code of a GoPro's lens mode -> name, for those that stretch the picture by an unknown law."""
 
 
 @dataclass(frozen=True)
@@ -126,11 +128,11 @@ def _no_index(path: Path) -> InputError:
 
 def _check_lens(path: Path, boxes: Boxes | None) -> None:
     mode = boxes.gopro.get("VFOV", "") if boxes else ""
-    if mode in STRETCHED:
+    if mode in STRETCHED_LENS_MODES:
         raise input_error(
             path,
             "lens mode",
-            STRETCHED[mode],
+            STRETCHED_LENS_MODES[mode],
             "Wide, Linear or Narrow",
             "This mode stretches the picture so that no lens model fits; film in Linear.",
         )
@@ -151,7 +153,7 @@ def _check_clock(path: Path, found: Probe, fps: float | None) -> None:
 def _check_camera_clock(path: Path) -> None:
     """InputError if the clock in a GoPro's telemetry ran faster than the footage."""
     ran = camera_seconds(path)
-    if ran is not None and abs(ran - 1) > CLOCK_SLACK:
+    if ran is not None and abs(ran - 1) > CLOCK_TOLERANCE:
         raise input_error(
             path,
             "frame rate",

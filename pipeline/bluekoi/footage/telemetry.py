@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from .boxes import NESTED, gpmf_items
+from .boxes import NESTED_TYPE, gpmf_items
 from .probe import opened
 
-HANDLER = "GoPro MET"
-LARGEST_PAYLOAD = 2**20
+GOPRO_HANDLER = "GoPro MET"
+MAX_PAYLOAD_BYTES = 2**20
 
 
 def camera_seconds(path: Path) -> float | None:
     """Seconds on the camera's clock per second of footage shown; None without telemetry."""
     with opened(path) as container:
         tracks = [
-            s for s in container.streams.data if HANDLER in s.metadata.get("handler_name", "")
+            s for s in container.streams.data if GOPRO_HANDLER in s.metadata.get("handler_name", "")
         ]
         if not tracks:
             return None
@@ -43,7 +43,7 @@ def camera_seconds(path: Path) -> float | None:
 
 def _stamps(path: Path, entry: Any) -> dict[str, int]:
     """STMP [microseconds] of each sensor's stream in a payload, by the stream's name."""
-    if not 0 < entry.size <= LARGEST_PAYLOAD:
+    if not 0 < entry.size <= MAX_PAYLOAD_BYTES:
         return {}
     with path.open("rb") as file:
         file.seek(entry.pos)
@@ -59,4 +59,4 @@ def _stamps(path: Path, entry: Any) -> dict[str, int]:
 
 
 def _nested(body: bytes, wanted: bytes) -> Iterator[bytes]:
-    return (value for key, kind, value in gpmf_items(body) if key == wanted and kind == NESTED)
+    return (value for key, kind, value in gpmf_items(body) if key == wanted and kind == NESTED_TYPE)

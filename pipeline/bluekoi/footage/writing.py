@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from ..files import atomic_write
 
-TICK_S = Fraction(1, 90000)
+TIME_BASE_S = Fraction(1, 90000)
 Picture = npt.NDArray[np.uint8]
 
 
@@ -32,13 +32,13 @@ def encode(
     ):
         stream = out.add_stream("libx264", rate=rate)
         stream.width, stream.height = (side - side % 2 for side in size)
-        stream.pix_fmt, stream.codec_context.time_base = "yuv420p", TICK_S
+        stream.pix_fmt, stream.codec_context.time_base = "yuv420p", TIME_BASE_S
         stream.options = {"crf": str(crf), "preset": "veryfast"}
         for count, picture in enumerate(pictures, 1):
             kind = "gray" if picture.ndim == 2 else "bgr24"
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format=kind)
             frame = frame.reformat(width=stream.width, height=stream.height)
-            frame.time_base, frame.pts = TICK_S, round((count - 1) / rate / TICK_S)
+            frame.time_base, frame.pts = TIME_BASE_S, round((count - 1) / rate / TIME_BASE_S)
             out.mux(stream.encode(frame))
         out.mux(stream.encode(None))
     return count

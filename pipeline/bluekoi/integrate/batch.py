@@ -17,7 +17,7 @@ from ..data import Float
 from .kernel import LANES, Kernel
 from .system import System
 
-STEP_S = 1 / 60
+MAX_STEP_S = 1 / 60
 """Longest integration step, to 1 %: error of the paper's model below 0.01 mm over 8 s (tests)."""
 
 
@@ -41,7 +41,7 @@ def propagate(
     times (blocks, frames), inputs (blocks, frames, inputs). With `seen` (blocks, frames,
     observations) and `gains` (blocks, frames, states, observations) each frame's state is
     corrected by the innovation; without, the simulation runs free. States only where asked for.
-    step_s: longest step; without, the system's own, else `STEP_S`.
+    step_s: longest step; without, the system's own, else `MAX_STEP_S`.
     """
     blocks, n = times.shape
     n_states, n_obs = len(kernel.system.all_states), len(kernel.system.observations)
@@ -51,7 +51,7 @@ def propagate(
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
     on = active_effects(kernel.system, np.moveaxis(values, 1, -1))
-    step_s = step_s or kernel.system.step_s or STEP_S
+    step_s = step_s or kernel.system.step_s or MAX_STEP_S
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]

@@ -22,7 +22,7 @@ import numpy as np
 
 Function = Callable[..., Any]
 
-KNOWN: dict[Any, tuple[str, ...]] = {
+COMPILED_FUNCTIONS: dict[Any, tuple[str, ...]] = {
     builtins: ("abs", "min", "max"),
     math: ("sqrt", "exp", "log", "sin", "cos", "tanh", "atan2", "hypot"),
     np: ("floor",),
@@ -162,7 +162,7 @@ class _Writer(ast.NodeTransformer):
             raise NotInlinable
         function = self._meant(call.func)
         arguments = [self.visit(a) for a in call.args]
-        for module, names in KNOWN.items():
+        for module, names in COMPILED_FUNCTIONS.items():
             for name in names:
                 if function is getattr(module, name):
                     return [ast.Call(_known_name(module, name), arguments, [])]

@@ -27,7 +27,7 @@ import numpy as np
 from ..errors import input_error
 from ..files import write_text
 from . import branchless
-from .dependence import RANDOM
+from .dependence import RANDOM_EFFECT_KIND
 from .rows import LANES
 from .system import Function, System
 from .writing import source
@@ -72,7 +72,7 @@ class Kernel:
 
     def _of(self, on: np.ndarray) -> _Compiled:
         """The kernel for the effects that are on."""
-        more = [e.kind != RANDOM for e in self.system.effects]
+        more = [e.kind != RANDOM_EFFECT_KIND for e in self.system.effects]
         return _loaded(self.system, bool(np.any(on[more])))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from .system import Stage, System
 
 LANES = 16
+"""Simulations that one call of the kernel advances together."""
 
 
 class Rows:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .dependence import (
-    RANDOM,
+    RANDOM_EFFECT_KIND,
     arguments,
     constant_stages,
     required_stages,
@@ -24,12 +24,12 @@ from .loops import Loop
 from .rows import LANES, Rows
 from .system import Effect, Function, Stage, System
 
-KERNEL, STEP = (
+KERNEL_TEMPLATE, STEP_TEMPLATE = (
     Path(__file__).with_name(f"{name}_template.txt").read_text(encoding="utf-8")
     for name in ("kernel", "step")
 )
-FUNCTION = '@njit(error_model="numpy", fastmath=FAST{})\ndef {}:'
-MOVE = FUNCTION.format(
+FUNCTION_HEADER = '@njit(error_model="numpy", fastmath=FAST{})\ndef {}:'
+MOVE_HEADER = FUNCTION_HEADER.format(
     ", forceinline=True", "move(m, on, pushed, h, t0, inputs, frame, substeps, varying)"
 )
 
@@ -64,7 +64,7 @@ def source(system: System, *, general: bool) -> str:
         "hold_again": ["    hold(m)"] if system.zero_order_hold else [],
     }
     rows = plan.rows
-    return KERNEL.format(
+    return KERNEL_TEMPLATE.format(
         **{name: "\n".join(lines) for name, lines in parts.items()},
         imports="\n".join(_imports(plan.called)),
         n_states=len(system.all_states),
@@ -83,7 +83,7 @@ def source(system: System, *, general: bool) -> str:
 
 def random_parts(system: System) -> tuple[Effect, ...]:
     """The effects that every filter has: random forces and errors."""
-    return tuple(e for e in system.effects if e.kind == RANDOM)
+    return tuple(e for e in system.effects if e.kind == RANDOM_EFFECT_KIND)
 
 
 def _zero_order_hold(plan: _Plan) -> list[str]:
@@ -118,9 +118,11 @@ def _fast(plan: _Plan) -> list[str]:
     body, pushed = _fused(plan, ()), _fused(plan, plan.effects)
     all_states, own = len(plan.system.all_states), len(plan.system.states)
     return [
-        STEP.format(way="bare", count=own, timed=timed[0], body="\n".join(body)),
-        STEP.format(way="random", count=all_states, timed=timed[1], body="\n".join(pushed)),
-        MOVE,
+        STEP_TEMPLATE.format(way="bare", count=own, timed=timed[0], body="\n".join(body)),
+        STEP_TEMPLATE.format(
+            way="random", count=all_states, timed=timed[1], body="\n".join(pushed)
+        ),
+        MOVE_HEADER,
         "    if pushed:",
         "        move_random(m, on, h, t0, inputs, frame, substeps, varying)",
         "    else:",
@@ -165,12 +167,12 @@ def _general(plan: _Plan) -> list[str]:
             body += [f"            if {plan.on([effect])}:", *(f"    {line}" for line in lines)]
     timed = [e for e in plan.effects if any("t" in arguments(s, (e,)) for s in plan.system.stages)]
     return [
-        FUNCTION.format("", "rates(m, on)"),
+        FUNCTION_HEADER.format("", "rates(m, on)"),
         *_rates(plan),
         "\n",
-        STEP.format(way="any", count=len(plan.system.all_states),
+        STEP_TEMPLATE.format(way="any", count=len(plan.system.all_states),
                     timed=plan.on(timed) or False, body="\n".join(body)),
-        MOVE,
+        MOVE_HEADER,
         "    move_any(m, on, h, t0, inputs, frame, substeps, varying)",
     ]  # fmt: skip
 

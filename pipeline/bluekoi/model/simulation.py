@@ -10,7 +10,7 @@ import numpy as np
 
 from ..data import Float
 from ..integrate import LANES, compiled
-from ..integrate.batch import STEP_S, in_lanes, propagate
+from ..integrate.batch import MAX_STEP_S, in_lanes, propagate
 from ..observation import View
 from ..study import Pool, Robot, Water
 from .plates import CONSTANTS, plates
@@ -81,8 +81,9 @@ def constants(
 
 def simulate(
     coefficients: Mapping[str, float], *, setup: Tank, head_length_m: float, head_angle_rad: float |
-    Float, flap_hz: float | Float, duration_s: float, dt_s: float = STEP_S, start: tuple[float, ...]
-    = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), effects: Mapping[str, Mapping[str, float]] | None = None,
+    Float, flap_hz: float | Float, duration_s: float, dt_s: float = MAX_STEP_S,
+    start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    effects: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Simulation:  # fmt: skip
     """Path from `start` (x, y, core heading, surge, sway, yaw rate; default: rest at the origin).
 

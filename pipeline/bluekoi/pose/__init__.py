@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import CONFIDENT, Float, Pose, Positions, poorly_seen
+from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, poorly_seen
 from ..errors import input_error
 from ..study import Robot
 from .body import RIGID, Body, body_lengths, trusted_points
@@ -173,7 +173,8 @@ def _nothing_usable(positions: Positions, xy: Float) -> Exception:
     return input_error(
         "keypoints",
         "",
-        f"{seen} of {len(positions.time_s)} frames at likelihood {CONFIDENT} or more, never enough",
+        f"{seen} of {len(positions.time_s)} frames at likelihood {MIN_LIKELIHOOD} or more, "
+        "never enough",
         "frames with head_tip and two of hinge, core_center, tail_base",
         "In a film: is head_angle_deg of the right sign (positive where the head points to the "
         "robot's right), and is the robot whole, apart from the floor in brightness, and alone in "

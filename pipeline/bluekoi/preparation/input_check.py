@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..camera import pool_camera
-from ..data import CONFIDENT, Keypoints, confident
+from ..data import MIN_LIKELIHOOD, Keypoints, confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source
@@ -106,6 +106,7 @@ def _seen(path: Path, found: Keypoints) -> None:
     if frames < MIN_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(RIGID[1:])} at likelihood {CONFIDENT} or more", f"{MIN_FRAMES} at least",
+            f"{', '.join(RIGID[1:])} at likelihood {MIN_LIKELIHOOD} or more",
+            f"{MIN_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..data import CONFIDENT, Float, Frame, Keypoints
+from ..data import MIN_LIKELIHOOD, Float, Frame, Keypoints
 from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source
@@ -42,7 +42,7 @@ class Preview:
     @property
     def found(self) -> int:
         """Frames in which every part is confident."""
-        return int(np.sum(self.likelihood >= CONFIDENT))
+        return int(np.sum(self.likelihood >= MIN_LIKELIHOOD))
 
 
 def spread_frames(
@@ -105,7 +105,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
 
 
 def _confident(found: Keypoints) -> int:
-    return int(np.sum(found.likelihood.min(axis=1) >= CONFIDENT))
+    return int(np.sum(found.likelihood.min(axis=1) >= MIN_LIKELIHOOD))
 
 
 def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints]) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from ..explain.text import (
     measure_table,
     probability_rows,
 )
-from ..figures.drawing.style import AFTER, BEFORE, MEASURED, RC_PARAMS
+from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
 from .findings import HEADINGS
@@ -79,7 +79,7 @@ def trials_figure(found: Explanation) -> Figure:
         figure = Figure(figsize=(3.0 * len(chosen), 2.0 * len(model.observations)),
                         layout="constrained")  # fmt: skip
         axes = figure.subplots(len(model.observations), len(chosen), squeeze=False)
-        for fitted, colour in ((found.baseline, BEFORE), (found.extended, AFTER)):
+        for fitted, colour in ((found.baseline, BEFORE_COLOUR), (found.extended, AFTER_COLOUR)):
             for column, one in enumerate(chosen):
                 parts = segments_of(problem, fitted, [one], found.held_out.stretch_s)
                 if not parts:
@@ -91,7 +91,9 @@ def trials_figure(found: Explanation) -> Figure:
                         axes[row, column].plot(part.times, run.observed[:, row], color=colour)
         for column, one in enumerate(chosen):
             for row, o in enumerate(model.observations):
-                axes[row, column].plot(one.times, one.seen[:, row], color=MEASURED, lw=3, alpha=0.3)
+                axes[row, column].plot(
+                    one.times, one.seen[:, row], color=MEASURED_COLOUR, lw=3, alpha=0.3
+                )
                 axes[row, column].set(title=one.name if row == 0 else "", xlabel="time, s",
                                       ylabel=f"{o.name}, {o.unit}")  # fmt: skip
     return figure

@@ -11,7 +11,7 @@ from ..camera.length_warnings import length_warnings
 from ..camera.plane import WITHOUT_MATRIX
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
-from ..figures.drawing.missing_force import LABELS, NAMES
+from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
 from ..motor.powers import power_warnings
 from ..motor.swimming import study_warnings
 from ..study.rules import robot_doubts
@@ -149,9 +149,9 @@ def where(campaign: Campaign) -> list[Row]:
     """Variables that explain the missing force, with the explained share."""
     return [
         Row(
-            NAMES.get(str(r["channel"]), str(r["channel"])),
+            FORCE_NAMES.get(str(r["channel"]), str(r["channel"])),
             (
-                LABELS.get(str(r["variable"]), readable(str(r["variable"]))),
+                VARIABLE_LABELS.get(str(r["variable"]), readable(str(r["variable"]))),
                 probability(r.get("share")),
                 ", ".join(r.get("trials") or []),
             ),
@@ -203,7 +203,7 @@ def _cause(entry: dict[str, Any]) -> Cause:
         name=readable(str(entry["name"])),
         sentence=str(entry.get("sentence") or ""),
         regime=str(entry.get("regime") or ""),
-        channels=", ".join(NAMES.get(name, name) for name in entry.get("channels") or []),
+        channels=", ".join(FORCE_NAMES.get(name, name) for name in entry.get("channels") or []),
         weight=probability(entry.get("weight")),
         parameters=tuple(parameters),
         credible_set=", ".join(readable(str(name)) for name in others) if len(others) > 1 else "",

@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from ..errors import STOPPED, printable
+from ..errors import INTERRUPTED_MESSAGE, printable
 from ..files import read_json
 from .preload import Preloaded
 from .remaining import Timing, duration, usual
@@ -150,7 +150,7 @@ class Progress(logging.Handler):
     def _interrupted(self) -> None:
         if not self.stopped:
             self.stopped = True
-            self._print(STOPPED)
+            self._print(INTERRUPTED_MESSAGE)
 
     def _start(self, found: dict[str, Any]) -> None:
         self.timing.start(found["jobid"], found["rule_name"], time.monotonic())

@@ -14,7 +14,7 @@ from ...study import Trial
 from .groups import angles_deg, head_lengths, head_name, turns
 from .style import Style, placeholder
 
-DASHES = ("-", "--", ":", "-.")
+LINE_STYLES = ("-", "--", ":", "-.")
 
 
 def compared_angle_deg(campaign: Campaign) -> float:
@@ -90,4 +90,4 @@ def _dashes(campaign: Campaign, trials: Iterable[Trial], vary: str) -> dict[floa
     trials = list(trials)
     values = angles_deg(trials) if vary == "angle" else head_lengths(campaign)
     labels = [f"{v:g}°" if vary == "angle" else head_name(campaign, v) for v in values]
-    return {v: (DASHES[i % 4], w) for i, (v, w) in enumerate(zip(values, labels, strict=True))}
+    return {v: (LINE_STYLES[i % 4], w) for i, (v, w) in enumerate(zip(values, labels, strict=True))}

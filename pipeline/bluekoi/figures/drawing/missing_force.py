@@ -15,10 +15,14 @@ from ...integrate.batch import in_lanes, propagate
 from ...model import constants, is_residual, plates
 
 CHANNELS = ("surge", "sway", "yaw")
-KEYS = {"surge": "surge_N", "sway": "sway_N", "yaw": "yaw_Nm"}
-UNITS = {"surge": "mN", "sway": "mN", "yaw": "mN m"}
-NAMES = {"surge": "surge force", "sway": "sway force", "yaw": "yaw moment"}
-LABELS = {
+"""Force components: along the core, to its left, and the moment about the vertical axis."""
+FORCE_COLUMNS = {"surge": "surge_N", "sway": "sway_N", "yaw": "yaw_Nm"}
+"""Channel -> column of mismatch_detail.json with its missing force."""
+FORCE_UNITS = {"surge": "mN", "sway": "mN", "yaw": "mN m"}
+"""Channel -> unit in which a figure shows its force."""
+FORCE_NAMES = {"surge": "surge force", "sway": "sway force", "yaw": "yaw moment"}
+"""Channel -> name of its force in a figure."""
+VARIABLE_LABELS = {
     "speed_m_s": "speed (m/s)",
     "sway_speed_m_s": "sway speed, positive to the left (m/s)",
     "yaw_rate_rad_s": "yaw rate, counter-clockwise positive (rad/s)",
@@ -33,7 +37,9 @@ LABELS = {
     "tail_beat_phase_rad": "phase of the tail beat (rad)",
     "side": "turning side (-1: core right of head, +1: left)",
 }
+"""Variable -> label of its axis."""
 DERIVATIVE_STEP_S = 1e-6
+"""Interval over which the model's accelerations are taken."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,7 @@ class MissingForce:
 def missing_forces(campaign: Campaign) -> dict[str, MissingForce]:
     """Missing force by trial, from mismatch_detail.json and the tracks; empty without forces."""
     forces = (campaign.mismatch_detail or {}).get("forces") or {}
-    needed = {"time_s", "x_m", "y_m", *KEYS.values(), *(f"{c}_std" for c in CHANNELS)}
+    needed = {"time_s", "x_m", "y_m", *FORCE_COLUMNS.values(), *(f"{c}_std" for c in CHANNELS)}
     return {
         name: _missing_force(name, entry, campaign.tracks[name])
         for name, entry in forces.items()
@@ -121,7 +127,7 @@ def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> Missing
     c, s = np.cos(psi), np.sin(psi)
     xy = [np.asarray(entry[k], dtype=float) for k in ("x_m", "y_m")]
     motion = [*xy, psi, vx * c + vy * s, vy * c - vx * s, rate, times]
-    force = [np.asarray(entry[KEYS[channel]], dtype=float) for channel in CHANNELS]
+    force = [np.asarray(entry[FORCE_COLUMNS[channel]], dtype=float) for channel in CHANNELS]
     std = [np.asarray(entry[f"{channel}_std"], dtype=float) for channel in CHANNELS]
     return MissingForce(
         name, 1000 * np.column_stack(force), 1000 * np.column_stack(std), np.column_stack(motion)

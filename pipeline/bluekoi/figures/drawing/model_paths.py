@@ -10,9 +10,9 @@ from matplotlib.lines import Line2D
 
 from ...campaign import Campaign
 from .pool import draw_pool
-from .style import AFTER, BASELINE_NAME, BEFORE, EXTENDED_NAME, MEASURED
+from .style import AFTER_COLOUR, BASELINE_NAME, BEFORE_COLOUR, EXTENDED_NAME, MEASURED_COLOUR
 
-MEASURED_WIDTH = 2.8
+MEASURED_LINE_WIDTH = 2.8
 """So wide that the measured path shows beneath a model that follows it."""
 
 
@@ -29,8 +29,8 @@ class Model(NamedTuple):
 
 def models(campaign: Campaign) -> tuple[Model, ...]:
     """Baseline and extended model; one model if no cause was identified."""
-    before = Model("baseline", "joint", BEFORE, "--", BASELINE_NAME, "before")
-    after = Model("extended", "extended", AFTER, "-", EXTENDED_NAME, "after")
+    before = Model("baseline", "joint", BEFORE_COLOUR, "--", BASELINE_NAME, "before")
+    after = Model("extended", "extended", AFTER_COLOUR, "-", EXTENDED_NAME, "after")
     if campaign.has_additions:
         return before, after
     return (before._replace(name="model", tick="model"),)
@@ -39,15 +39,18 @@ def models(campaign: Campaign) -> tuple[Model, ...]:
 def legend(campaign: Campaign) -> list[Line2D]:
     """Legend entries of the measured path and of each model."""
     entries = [Line2D([], [], color=m.colour, ls=m.dash, label=m.name) for m in models(campaign)]
-    return [Line2D([], [], color=MEASURED, lw=MEASURED_WIDTH, label="measured"), *entries]
+    return [
+        Line2D([], [], color=MEASURED_COLOUR, lw=MEASURED_LINE_WIDTH, label="measured"),
+        *entries,
+    ]
 
 
 def draw_paths(axes: Axes, campaign: Campaign, trial_id: str, *, labels: bool) -> None:
     """Paths of a trial in the pool; numbers: rms path error of each model."""
     draw_pool(axes, campaign.study, labels=labels)
     track, columns = campaign.tracks[trial_id], campaign.model_columns(trial_id)
-    axes.plot(track.x_m, track.y_m, color=MEASURED, lw=MEASURED_WIDTH, gid=trial_id)
-    axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED)
+    axes.plot(track.x_m, track.y_m, color=MEASURED_COLOUR, lw=MEASURED_LINE_WIDTH, gid=trial_id)
+    axes.plot(track.x_m[:1], track.y_m[:1], "o", ms=3, color=MEASURED_COLOUR)
     known = [model for model in models(campaign) if f"{model.prefix}_x_m" in columns]
     for i, model in enumerate(known):
         x, y = columns[f"{model.prefix}_x_m"], columns[f"{model.prefix}_y_m"]

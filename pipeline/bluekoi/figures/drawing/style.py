@@ -33,10 +33,11 @@ RC_PARAMS: dict[str, Any] = {
 # Okabe and Ito (2008): distinguishable with the common colour vision deficiencies
 COLOURS = ("#0072B2", "#009E73", "#D55E00", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
-MEASURED, BEFORE, AFTER = "#20262e", "#D55E00", "#0072B2"
+MEASURED_COLOUR, BEFORE_COLOUR, AFTER_COLOUR = "#20262e", "#D55E00", "#0072B2"
 """Colours of measured data, baseline model and extended model."""
-DIVERGING = "RdBu_r"
+DIVERGING_COLOURMAP = "RdBu_r"
 Z_95 = 1.96
+"""Half width of a 95 % interval in standard deviations."""
 BASELINE_NAME = "baseline model (before)"
 EXTENDED_NAME = "with identified causes (after)"
 NOISE_FLOOR_NAME = "noise floor: error on simulated data"

@@ -15,8 +15,10 @@ from ...integrate import LANES, compiled
 from ...integrate.batch import in_lanes, propagate
 from ...model import Simulation, constants, plates, simulate
 
-DRAWS, MIN_DRAWS = LANES - 1, 5
-EXTENDED_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
+BAND_DRAWS, MIN_BAND_DRAWS = LANES - 1, 5
+"""Draws of the coefficients from which a band is made, and the fewest that must be finite."""
+EXTENDED_POWERS_PCT = (50.0, 75.0, 100.0, 125.0, 150.0)
+"""Powers to which the paper extends its simulations, %."""
 EXTRAPOLATED_COEFFICIENTS = ("C_Md", "C_Da")
 """Coefficients that the paper extrapolates linearly over power, as f; the others stay constant."""
 
@@ -60,7 +62,7 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
     known = fitted_powers(campaign)
     if len(known) < 2:
         return known
-    added = [p for p in EXTENDED_PCT if p not in known]
+    added = [p for p in EXTENDED_POWERS_PCT if p not in known]
     rows = [*known.values(), *(_extrapolated(known, p) for p in added)]
     return {row.power_pct: row for row in sorted(rows, key=_power)}
 
@@ -140,7 +142,7 @@ def _with_band(values: Float) -> Sweep:
     best, rest = values[:, 0], values[:, 1:]
     with np.errstate(invalid="ignore", divide="ignore"):
         logs = np.where(rest > 0, np.log(rest), np.nan)
-        known = np.isfinite(logs).sum(axis=1) >= MIN_DRAWS
+        known = np.isfinite(logs).sum(axis=1) >= MIN_BAND_DRAWS
     spread = np.full(len(best), np.nan)
     if known.any():
         spread[known] = 1.96 * np.nanstd(logs[known], axis=1, ddof=1)
@@ -164,10 +166,10 @@ def _tuned(power: float, entry: Mapping[str, object]) -> PowerFit | None:
 
 
 def _draws(ensemble: object, best: Mapping[str, float]) -> dict[str, Float]:
-    """Draws by name, at most `DRAWS`; constant for coefficients that were not fitted."""
+    """Draws by name, at most `BAND_DRAWS`; constant for coefficients that were not fitted."""
     if not isinstance(ensemble, Mapping):
         return {}
-    rows = np.array(ensemble["values"], dtype=np.float64)[:DRAWS]
+    rows = np.array(ensemble["values"], dtype=np.float64)[:BAND_DRAWS]
     given = dict(zip(ensemble["names"], rows.T, strict=True))
     return {name: given.get(name, np.full(len(rows), value)) for name, value in best.items()}
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import av
+import cv2
 import numpy as np
 import pytest
 
@@ -179,6 +181,18 @@ def test_colour_only_when_asked(tmp_path):
     recording = open_recording([write_video(tmp_path / "a.mp4", STEADY[:4])])
     assert next(iter(frames(recording))).bgr is None
     assert next(iter(frames(recording, colour=True))).bgr.shape == (*SIZE[::-1], 3)
+
+
+@pytest.mark.parametrize("degrees", [0, 90])
+def test_colours_can_be_reduced_by_the_decoder(tmp_path, degrees):
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY[:2])])
+    recording = replace(recording, rotation_deg=degrees)
+    whole = next(iter(frames(recording, colour=True))).bgr
+    size = (whole.shape[1] // 4, whole.shape[0] // 4)
+    small = next(iter(frames(recording, colour=True, bgr_size=size))).bgr
+    mean = cv2.resize(whole, size, interpolation=cv2.INTER_AREA)
+    assert small.shape == (*size[::-1], 3)
+    assert np.abs(small.astype(float) - mean).mean() < 2
 
 
 def test_spread_gives_a_few_frames_from_everywhere(tmp_path):

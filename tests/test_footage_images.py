@@ -52,6 +52,8 @@ def test_frames_have_the_times_of_the_stated_rate(folder):
     assert [int(one.luma[0, 0]) for one in found] == [30, 40, 50, 60, 70, 80, 90]
     assert [int(one.luma[0, 0]) for one in frames(film).evenly_spaced(3)] == [30, 60, 90]
     assert next(iter(frames(film, colour=True))).bgr.shape == (60, 80, 3)
+    small = next(iter(frames(film, colour=True, bgr_size=(40, 30))))
+    assert (small.bgr.shape, small.luma.shape) == ((30, 40, 3), (60, 80))
 
 
 def test_a_damaged_picture_costs_its_own_frame_alone(folder):

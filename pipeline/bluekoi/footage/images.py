@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -56,16 +57,21 @@ def open_images(
 
 
 def image_frames(
-    recording: Recording, *, colour: bool, count: int | None = None
-) -> Iterator[Frame]:
-    """Frames of the recording's part; `count` of them spread evenly, or all.
+    recording: Recording, *, colour: bool, count: int | None = None,
+    bgr_size: tuple[int, int] | None = None,
+) -> Iterator[Frame]:  # fmt: skip
+    """Frames of the recording's part; `count` of them spread evenly, or all; see `frames`.
 
     Pictures that cannot be read, or of another size than the first, are left out.
     """
     wanted = [i for i in range(len(recording.paths)) if _inside(recording, i)]
     if count is not None and len(wanted) > count:
         wanted = [wanted[i] for i in np.linspace(0, len(wanted) - 1, count).round().astype(int)]
-    yield from _frames(recording, wanted, colour=colour)
+    for frame in _frames(recording, wanted, colour=colour):
+        if frame.bgr is not None and bgr_size:
+            small = cv2.resize(frame.bgr, bgr_size, interpolation=cv2.INTER_AREA)
+            frame = replace(frame, bgr=np.asarray(small, np.uint8))  # noqa: PLW2901
+        yield frame
 
 
 def _inside(recording: Recording, index: int) -> bool:

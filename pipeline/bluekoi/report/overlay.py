@@ -73,9 +73,14 @@ def write_overlay(
     source: frames with colour, or times [s] for the empty pool. Each frame is repeated until the
     time of the next one; of frames within one frame period, the first is used.
     """
-    height = 2 * round(WIDTH_PX / scene.size_px[0] * scene.size_px[1] / 2)
-    pictures = _pictures(scene, source, (WIDTH_PX, height), fps)
-    return encode(path, pictures, fps=fps, size=(WIDTH_PX, height + STRIP_PX), crf=CRF)
+    width, height = film_size(scene.size_px)
+    pictures = _pictures(scene, source, (width, height), fps)
+    return encode(path, pictures, fps=fps, size=(width, height + STRIP_PX), crf=CRF)
+
+
+def film_size(size_px: tuple[int, int]) -> tuple[int, int]:
+    """Width and height of the picture in the film of footage of a size, even."""
+    return WIDTH_PX, 2 * round(WIDTH_PX / size_px[0] * size_px[1] / 2)
 
 
 def _pictures(
@@ -136,7 +141,8 @@ def _footage(
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
-    return iter(frames(recording, colour=True)), recording.size_px
+    film = frames(recording, colour=True, bgr_size=film_size(recording.size_px))
+    return iter(film), recording.size_px
 
 
 def _label(trial: Trial) -> str:
@@ -150,4 +156,6 @@ def _background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> Pict
     if not isinstance(one, Frame):
         return scene.background.copy()
     whole = one.bgr if one.bgr is not None else cv2.cvtColor(one.luma, cv2.COLOR_GRAY2BGR)
+    if whole.shape[1::-1] == size:
+        return whole
     return np.asarray(cv2.resize(whole, size, interpolation=cv2.INTER_AREA), np.uint8)

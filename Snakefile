@@ -165,7 +165,7 @@ rule outcome:
 
 onstart:
     without_rate_limit(workflow)
-    progress.preloaded = preload(workflow)
+    progress.preloaded = preload(workflow, plan)
 
 
 onsuccess:

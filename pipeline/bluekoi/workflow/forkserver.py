@@ -28,6 +28,8 @@ from .provenance import PACKAGE
 from .stage_call import in_fork, run_stage
 
 LONGEST = 2**20
+COMPILE = "bluekoi.stages.compiling"
+"""Modules whose names begin so have functions that compile what is not compiled yet."""
 COMPILING = b"compiling (once on a machine, half a minute)\n"
 
 
@@ -45,13 +47,16 @@ class Job:
 class Server:
     """Listens for jobs until `lifeline`, the end of a pipe that the run holds, is closed.
 
-    ahead: stages to load while no job asks. loaders: of each loaded stage, the function that loads
-    what it has compiled. compiling: forks that run such a function for the first time.
+    ahead: stages to load while no job asks. loaded_by: module of `stages` whose `preload` loads
+    what a stage needs, where that is not the stage's own. loaders: of each loaded stage, the
+    function that loads what it has compiled. compiling: forks that run such a function for the
+    first time.
     """
 
     listener: socket.socket
     lifeline: int
     ahead: list[str]
+    loaded_by: dict[str, str] = field(default_factory=dict)
     running: dict[int, Job] = field(default_factory=dict)
     held: list[Job] = field(default_factory=list)
     loaders: dict[str, Callable[[], None] | None] = field(default_factory=dict)
@@ -118,9 +123,12 @@ class Server:
             return
         self.loaders[stage] = None
         with suppress(Exception):
-            self.loaders[stage] = getattr(import_module(f"bluekoi.stages.{stage}"), "preload", None)
+            module = import_module(f"bluekoi.stages.{stage}")
+            if stage in self.loaded_by:
+                module = import_module(f"bluekoi.stages.{self.loaded_by[stage]}")
+            self.loaders[stage] = getattr(module, "preload", None)
         if (load := self.loaders[stage]) and load not in self.compiling.values():
-            if load.__module__ != "bluekoi.stages.compiling" or _stamp(load).exists():
+            if not load.__module__.startswith(COMPILE) or _stamp(load).exists():
                 _call(load)
             elif pid := os.fork():
                 self.compiling[pid] = load
@@ -177,7 +185,7 @@ def _stamp(load: Callable[[], None]) -> Path:
     """File that is there when the functions that `load` calls were compiled from these sources."""
     from ..integrate import kernel_folder  # noqa: PLC0415  heavy
 
-    digest = hashlib.sha256(f"{load.__name__} {version('numba')}".encode())
+    digest = hashlib.sha256(f"{load.__module__} {load.__name__} {version('numba')}".encode())
     for path in sorted(PACKAGE.rglob("*.py")):
         state = path.stat()
         digest.update(f"{path} {state.st_mtime_ns} {state.st_size}".encode())
@@ -185,9 +193,13 @@ def _stamp(load: Callable[[], None]) -> Path:
 
 
 def main() -> None:
-    """Serve on the socket whose number is the first word; further words: stages to load ahead."""
+    """Serve on the socket whose number is the first word; further words: stages to load ahead,
+    each alone or as STAGE=MODULE that loads what it needs.
+    """
+    named = [word.partition("=") for word in sys.argv[2:]]
+    loaded_by = {stage: module for stage, _, module in named if module}
     with socket.socket(fileno=int(sys.argv[1])) as listener:
-        Server(listener, 0, sys.argv[2:]).serve()
+        Server(listener, 0, [stage for stage, _, _ in named], loaded_by).serve()
         shutil.rmtree(os.path.dirname(listener.getsockname()), ignore_errors=True)
 
 

@@ -63,6 +63,13 @@ class Plan:
         filmed = [t.trial_id for t in self.study.trials if not t.reads_keypoints]
         return {"all": self.trials, "filmed": filmed, "none": []}[self.overlaid]
 
+    @property
+    def detects_outlines(self) -> bool:
+        """Whether the detector of a rigid body's outline is run on some of the trials."""
+        how = self.study.setup.detection
+        filmed = any(not trial.reads_keypoints for trial in self.study.trials)
+        return filmed and how.source == "silhouette" and how.body != "bending"
+
     @cached_property
     def batches(self) -> dict[str, list[str]]:
         """Trials that share a process, by the name of their batch."""

@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from .client import ADDRESS, BLAS_THREADS
+from .plan import Plan
 
+DETECTOR = "keypoints=compiling_detector"
 COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
@@ -43,10 +45,13 @@ class Preloaded:
         self.process.wait()
 
 
-def preload(workflow: Any) -> Preloaded | None:
+def preload(workflow: Any, plan: Plan) -> Preloaded | None:
     """Process for the jobs that a workflow is about to run on this machine; None on a cluster."""
     here = workflow.local_exec and not workflow.deployment_settings.deployment_method
     if not here or sys.platform != "linux":
         return None
     due = {job.rule.name for job in workflow.dag.needrun_jobs()}
-    return Preloaded([rule.name for rule in workflow.rules if rule.name in due - {"all"}])
+    stages = [rule.name for rule in workflow.rules if rule.name in due - {"all"}]
+    if plan.detects_outlines:
+        stages = [DETECTOR if stage == "keypoints" else stage for stage in stages]
+    return Preloaded(stages)

@@ -1,0 +1,74 @@
+"""What a run loads before its jobs ask for it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from bluekoi.study import load_study
+from bluekoi.study.setup import Detection
+from bluekoi.workflow.plan import Plan
+from studies import small_study
+
+COMPILED = """
+import json, sys
+from dataclasses import replace
+from numba.core.dispatcher import Dispatcher
+from bluekoi.data import Frame
+from bluekoi.keypoints import silhouette
+from bluekoi.stages.compiling_detector import preload
+from bluekoi.study import Setup, Trial
+from bluekoi.synthetic.campaign import study_contents
+from bluekoi.synthetic.conditions import Conditions
+from bluekoi.synthetic.design import demo_design
+from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.trial import solve_trial
+
+def compiled():
+    modules = [m for name, m in sys.modules.items() if name.startswith("bluekoi.keypoints")]
+    found = {d.py_func.__qualname__: d for m in modules for d in vars(m).values()
+             if isinstance(d, Dispatcher)}
+    return {name: len(d.signatures) for name, d in found.items()}
+
+preload()
+before = compiled()
+design = replace(demo_design(), conditions=Conditions(size_px=(640, 360)))
+trial = solve_trial(design, "T20")
+few = replace(trial, time_s=trial.time_s[::8])
+film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(frames_of(design, few))]
+plan = trial.plan
+silhouette.detect(lambda: film, Setup(**study_contents(design), detection={"body": "rigid"}), Trial(
+    trial_id="T20", source="a.mp4", power_pct=plan.power_pct, head_angle_deg=plan.head_angle_deg,
+    head_length_m=plan.head_length_m))
+print(json.dumps([before, compiled()]))
+"""
+
+
+def test_what_is_preloaded_is_all_that_the_detector_compiles():
+    run = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True,
+                         check=True)  # fmt: skip
+    before, after = json.loads(run.stdout)
+    assert sum(before.values()) >= 10
+    assert after == before
+
+
+@pytest.mark.parametrize(
+    ("source", "detection", "expected"),
+    [
+        ("T10.csv", Detection(), False),
+        ("T10.mp4", Detection(), True),
+        ("T10.mp4", Detection(body="bending"), False),
+        ("T10.mp4", Detection(source="markers"), False),
+    ],
+)
+def test_the_detector_is_loaded_only_where_it_is_run(tmp_path, source, detection, expected):
+    study = load_study(small_study(tmp_path / "study"))
+    setup = study.setup.model_copy(update={"detection": detection})
+    trials = tuple(trial.model_copy(update={"source": source}) for trial in study.trials)
+    changed = study.model_copy(update={"setup": setup, "trials": trials})
+    plan = Plan(Path("study"), Path("results"), changed, is_demo=False, overlaid="none")
+    assert plan.detects_outlines == expected

@@ -254,8 +254,8 @@ def test_videos_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
     folder.mkdir()
     for name, size in (("T01", 900), ("T02", 5000), ("T03", 900), ("T04", 300)):
         (folder / f"{name}.mp4").write_bytes(bytes(range(256)) * (size // 256))
-    monkeypatch.setattr("bluekoi.report.media.CLIP_BYTES", 2000)
-    monkeypatch.setattr("bluekoi.report.media.ALL_CLIPS_BYTES", 1200)
+    monkeypatch.setattr("bluekoi.report.media.MAX_CLIP_BYTES", 2000)
+    monkeypatch.setattr("bluekoi.report.media.MAX_ALL_CLIPS_BYTES", 1200)
     shown = clips(folder, tmp_path, found)
     assert [bool(clip.data) for clip in shown.values()] == [True, False, False, True]
     assert base64.b64decode(shown["T01"].data) == (folder / "T01.mp4").read_bytes()

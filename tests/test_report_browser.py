@@ -260,7 +260,7 @@ def test_a_click_in_an_interactive_figure_opens_the_trial(page, browser):
 
 
 def test_videos_beside_the_page_are_loaded_on_demand(tmp_path, browser, monkeypatch):
-    monkeypatch.setattr("bluekoi.report.media.CLIP_BYTES", 0)
+    monkeypatch.setattr("bluekoi.report.media.MAX_CLIP_BYTES", 0)
     found = searched(campaign())
     trial_overlay(found, "T02", tmp_path, tmp_path / "overlays" / "T02.mp4")
     page = written(found, tmp_path)

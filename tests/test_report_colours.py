@@ -73,7 +73,8 @@ PATHS = {
     "page": [re.search(rf"polyline\.{kind} {{ stroke: (#[0-9a-f]+)", CSS)[1]
              for kind in ("measured", "before", "after")],
     "figures": [style.MEASURED_COLOUR, style.BEFORE_COLOUR, style.AFTER_COLOUR],
-    "videos": [hex_of(getattr(overlay_frame, k)) for k in ("MEASURED", "BEFORE", "AFTER")],
+    "videos": [hex_of(getattr(overlay_frame, f"{k}_BGR"))
+               for k in ("MEASURED", "BEFORE", "AFTER")],
 }  # fmt: skip
 
 

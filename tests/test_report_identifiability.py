@@ -66,8 +66,8 @@ def test_a_drawn_profile_is_a_smooth_curve_with_the_fit_at_its_bottom(campaign) 
     }
     (one,) = identifiability.profiles(campaign)
     x, y = np.array([p.split(",") for p in one.points.split()], dtype=float).T
-    down = identifiability.HEIGHT * (
-        1 - 4.0 * ((x - one.value_x) / (one.value_x)) ** 2 / identifiability.TOP_MARGIN
+    down = identifiability.CURVE_HEIGHT * (
+        1 - 4.0 * ((x - one.value_x) / (one.value_x)) ** 2 / identifiability.MAX_DROP_SHOWN
     )
     assert y == pytest.approx(down, abs=0.5)
     assert len(x) > 30

@@ -14,7 +14,7 @@ from bluekoi.errors import InputError
 from bluekoi.files import read_json, write_json
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor.swimming import (
-    LIMITS,
+    PLAUSIBLE_RANGES,
     implausible_numbers,
     study_warnings,
     swimming_numbers,
@@ -140,7 +140,7 @@ def test_any_scaled_shifted_permuted_mirrored_or_truncated_trial_ends_in_a_named
         return
     assert steady.quality in QUALITIES
     assert steady.quality == "no_data" or np.isfinite(steady.speed_m_s)
-    assert set(numbers) == set(LIMITS)
+    assert set(numbers) == set(PLAUSIBLE_RANGES)
 
 
 def test_a_fit_without_a_solution_ends_in_words_with_the_doubts_about_the_trials(tmp_path):

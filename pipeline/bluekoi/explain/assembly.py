@@ -18,10 +18,14 @@ from ..engine.candidates import RESIDUAL, Sources
 from ..files import write_text
 from ..integrate import Effect, Parameter, System, kernel_folder
 from ..integrate.kernel import load_source
-from .model import OBSERVE, Cause, Model, arguments, channels_of, variables_of
+from .model import OBSERVE_STAGE, Cause, Model, arguments, channels_of, variables_of
 
-FORCES, ERRORS = "random_force", "lasting_error"
-CONSTANT = "constant"
+RANDOM_FORCE, LASTING_ERROR = "random_force", "lasting_error"
+"""Names of the effects that are present in every filter: random forces, lasting errors of the
+observations.
+"""
+CONSTANT_VARIABLE = "constant"
+"""Variable of a residual term that is constant."""
 STRENGTH_BOUND = 50.0
 """Bounds of a residual term's strength, in units of the typical force."""
 
@@ -63,7 +67,7 @@ def assembled(
         constants=(*(c.name for c in model.constants), *scale_names(model)),
         inputs=tuple(i.name for i in model.inputs),
         coefficients=tuple(model.coefficients),
-        stages=tuple(replace(s, open=True) if s.name == OBSERVE else s for s in model.stages),
+        stages=tuple(replace(s, open=True) if s.name == OBSERVE_STAGE else s for s in model.stages),
         observations=tuple(o.name for o in model.observations),
         effects=tuple(effects),
         zero_order_hold=tuple(i.name for i in model.inputs if i.held and hold),
@@ -94,7 +98,7 @@ def residual_terms(model: Model) -> list[Term]:
               if o.angle and s.observed == o.name}  # fmt: skip
     out: list[Term] = []
     for c in model.channels:
-        out.append(Term(f"{c}_constant", c, CONSTANT, "{k}"))
+        out.append(Term(f"{c}_constant", c, CONSTANT_VARIABLE, "{k}"))
         for v in scaled_variables(model):
             q = f"({v} / scale_{v})"
             if v in angles:
@@ -105,7 +109,8 @@ def residual_terms(model: Model) -> list[Term]:
     return [t for t in out if not any(_same_force(model, cause, t) for cause in model.causes)]
 
 
-DRAWS = 5
+PROBED_STATES = 5
+"""States, drawn at random, at which it is asked which outputs a cause changes."""
 
 
 def _same_force(model: Model, cause: Cause, term: Term) -> bool:
@@ -118,7 +123,7 @@ def _same_force(model: Model, cause: Cause, term: Term) -> bool:
     if not set(names) <= {strength, term.variable} or len(cause.parameters) > 1:
         return False
     rng, ratios = np.random.default_rng(1), []
-    for q in rng.uniform(0.5, 2.0, DRAWS) * np.array([1, -1, 1, -1, 1]):
+    for q in rng.uniform(0.5, 2.0, PROBED_STATES) * np.array([1, -1, 1, -1, 1]):
         given = {strength: 1.0, term.variable: float(q)}
         force = np.array(function(*(given[n] for n in names)), dtype=float)
         expected = _value(term, float(q))
@@ -141,10 +146,10 @@ def _generated(model: Model, terms: list[Term]) -> ModuleType:
     lines = ['"""Written by bluekoi.explain; not to be edited."""',
              "from bluekoi.integrate.branchless import sin_cos", ""]  # fmt: skip
     pushed = model.force.outputs if model.force is not None else ()
-    lines += _ornstein(FORCES, [f"g_{c}" for c in model.channels],
+    lines += _ornstein(RANDOM_FORCE, [f"g_{c}" for c in model.channels],
                        [f"g_{o}" if o in model.channels else "0.0" for o in pushed])  # fmt: skip
     errors = [f"e_{o.name}" for o in model.observations]
-    lines += _ornstein(ERRORS, errors, errors)
+    lines += _ornstein(LASTING_ERROR, errors, errors)
     if terms and model.force is not None:
         lines += _residual_lines(model, terms)
     text = "\n".join(lines) + "\n"
@@ -191,10 +196,10 @@ def _random(model: Model, module: ModuleType) -> list[Effect]:
     out = []
     stage = model.force
     parts = [] if stage is None else [
-        (FORCES, stage.name, tuple(f"g_{c}" for c in model.channels), model.random_force_s,
+        (RANDOM_FORCE, stage.name, tuple(f"g_{c}" for c in model.channels), model.random_force_s,
          model.channels)]  # fmt: skip
     errors = tuple(f"e_{o.name}" for o in model.observations)
-    parts.append((ERRORS, OBSERVE, errors, model.error_s, ()))
+    parts.append((LASTING_ERROR, OBSERVE_STAGE, errors, model.error_s, ()))
     for name, hook, states, (start, lower, upper), channels in parts:
         memories = tuple(Parameter(f"tau_{s}", "s", start, lower, upper, "correlation time")
                          for s in states)  # fmt: skip

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from ..errors import Finding, InputError, nearest
 from ..integrate import Parameter, Stage
 from .model import (
-    KINDS,
-    OBSERVE,
-    RATES,
+    CAUSE_KINDS,
+    OBSERVE_STAGE,
+    RATES_STAGE,
     Cause,
     Constant,
     Function,
@@ -44,13 +44,14 @@ def _finding(model: Model, where: str, found: object, expected: str, remedy: str
     return Finding(f"model '{model.name}'", where, str(found), expected, remedy)
 
 
-PARTS = {"states": State, "observations": Observation, "inputs": Input, "constants": Constant,
+FIELD_TYPES = {"states": State, "observations": Observation, "inputs": Input, "constants": Constant,
          "coefficients": Parameter, "stages": Stage, "causes": Cause}  # fmt: skip
+"""Field of a model -> type of its entries."""
 
 
 def _parts(model: Model) -> list[Finding]:
     """Parts of a model of the wrong type: not a sequence of its items, or not a number."""
-    out = [f for name, kind in PARTS.items()
+    out = [f for name, kind in FIELD_TYPES.items()
            for f in _sequence(model, name, getattr(model, name), kind)]  # fmt: skip
     if out:
         return out
@@ -92,7 +93,9 @@ def _names(model: Model) -> list[Finding]:
             out.append(_finding(model, what, "none", "one at least"))
     names = [x.name for x in model.variables] + [c.name for c in model.constants]
     names += [p.name for p in model.coefficients]
-    names += [o for s in model.stages if s.name not in (RATES, OBSERVE) for o in s.outputs]
+    names += [
+        o for s in model.stages if s.name not in (RATES_STAGE, OBSERVE_STAGE) for o in s.outputs
+    ]
     names += [s for c in model.causes for s in c.states]
     out += [_finding(model, "names", f"'{n}' stands for two things", "a name for each")
             for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
@@ -121,8 +124,8 @@ def _stages(model: Model) -> list[Finding]:
     out = []
     stages = {s.name: s for s in model.stages}
     for name, wanted, what in (
-        (RATES, [s.name for s in model.states], "states"),
-        (OBSERVE, [o.name for o in model.observations], "observations"),
+        (RATES_STAGE, [s.name for s in model.states], "states"),
+        (OBSERVE_STAGE, [o.name for o in model.observations], "observations"),
     ):
         if name not in stages:
             out.append(_finding(model, "stages", f"no stage '{name}'", f"one that gives {what}"))
@@ -136,7 +139,7 @@ def _stages(model: Model) -> list[Finding]:
         elif not stage.open:
             out.append(_finding(model, f"stage {stage.name}", "no function",
                                 "a function, or open=True"))  # fmt: skip
-        if stage.name not in (RATES, OBSERVE):
+        if stage.name not in (RATES_STAGE, OBSERVE_STAGE):
             known |= set(stage.outputs)
     outputs = [o for s in model.stages if s.open for o in s.outputs]
     out += [_finding(model, "pushed", f"'{n}'", "an output of an open stage", nearest(n, outputs))
@@ -161,7 +164,7 @@ def _asks(model: Model, where: str, function: Function, known: set[str]) -> list
 
 def _causes(model: Model) -> list[Finding]:
     out = []
-    opened = [s.name for s in model.stages if s.open or s.name == OBSERVE]
+    opened = [s.name for s in model.stages if s.open or s.name == OBSERVE_STAGE]
     names = [c.name for c in model.causes]
     out += [_finding(model, "causes", f"two named '{n}'", "a name for each")
             for n in sorted({n for n in names if names.count(n) > 1})]  # fmt: skip
@@ -169,8 +172,8 @@ def _causes(model: Model) -> list[Finding]:
         where = f"cause {c.name}"
         if not c.name.isidentifier():
             out.append(_finding(model, where, "the name", "letters, digits and _"))
-        if c.kind not in KINDS:
-            out.append(_finding(model, f"{where}: kind", f"'{c.kind}'", " or ".join(KINDS)))
+        if c.kind not in CAUSE_KINDS:
+            out.append(_finding(model, f"{where}: kind", f"'{c.kind}'", " or ".join(CAUSE_KINDS)))
         if not c.hooks:
             out.append(_finding(model, f"{where}: hooks", "none", "a function for a stage"))
         for stage in c.hooks:
@@ -195,12 +198,14 @@ def _causes(model: Model) -> list[Finding]:
 def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
     """Arguments of a cause's functions that nothing gives."""
     base = model.given_names | {p.argument for p in cause.parameters} | set(cause.states)
-    every = base | {o for s in model.stages if s.name not in (RATES, OBSERVE) for o in s.outputs}
+    every = base | {
+        o for s in model.stages if s.name not in (RATES_STAGE, OBSERVE_STAGE) for o in s.outputs
+    }
     out = []
     for stage, function in cause.hooks.items():
         known = set(base)
         for s in model.stages:
-            if s.name not in (RATES, OBSERVE):
+            if s.name not in (RATES_STAGE, OBSERVE_STAGE):
                 known |= set(s.outputs)  # of its own stage too: what the model gives there
             if s.name == stage:
                 break

@@ -23,9 +23,12 @@ from ..fitting import (
 )
 from .model import Model
 
-GROWTH = 6.0
+MAX_LOG_GROWTH = 6.0
 """Small differences may grow by e^6 over a compared segment."""
-MAX_FOLDS, MIN_FRAMES, MAX_PARAMETERS = 6, 8, 15
+MAX_FOLDS, MIN_SEGMENT_FRAMES, MAX_REFITTED_PARAMETERS = 6, 8, 15
+"""Groups of conditions left out in turn, observations of a compared segment, and parameters with
+states up to which the baseline is also fitted to trajectories.
+"""
 FLOOR_DRAWS, FLOOR_SEED = 2, 20240517
 PREDICTION_ERRORS, TRAJECTORIES = "prediction errors", "trajectories"
 
@@ -68,7 +71,8 @@ def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     kernel, base = problem.kernel, start_of(problem, model.causes, model.fit.by_label())
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
-    if own or len(model.fit.free) + states > MAX_PARAMETERS:  # states of causes have no free start
+    # States of causes have no free start.
+    if own or len(model.fit.free) + states > MAX_REFITTED_PARAMETERS:
         return out
     with np.errstate(all="ignore"):
         found = fit_paths(kernel, problem.series, base, model.fit.free, open_states=states,
@@ -157,7 +161,7 @@ def predictability_horizon_s(problem: Problem, model: FittedSet, series: Sequenc
         for frame in range(1, len(one.times)):
             growth = result.transitions[frame, :own, :own] @ growth
             size = np.linalg.norm(growth * scale / scale[:, None], 2)
-            if not np.isfinite(size) or size > np.exp(GROWTH):
+            if not np.isfinite(size) or size > np.exp(MAX_LOG_GROWTH):
                 longest[k] = float(one.times[frame] - one.times[0])
                 break
     return float(np.median(longest))
@@ -175,7 +179,7 @@ def segments_of(
         edges = np.linspace(0, len(one.times), count + 1).astype(int)
         states = smooth(result)[0] if count > 1 else result.filtered
         for a, b in pairwise(edges):
-            if b - a < MIN_FRAMES and count > 1:
+            if b - a < MIN_SEGMENT_FRAMES and count > 1:
                 continue
             part = one.frames(a, b)
             if a:

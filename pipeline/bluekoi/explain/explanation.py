@@ -34,9 +34,9 @@ from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
 from .preparation import Prepared, converged_step, prepare, runs_away
 from .sampling import at_rate
-from .trials import HELD_OUT, Trial, series_of, validated_trials, warnings_of
+from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials, warnings_of
 
-OVERDISPERSED, COMPARABLE = 2.0, 0.5
+MAX_OVERDISPERSION, MAX_RANDOM_FORCE_SHARE = 2.0, 0.5
 """Variance over trials against standard errors, and random force against the causes' own force,
 beyond which the report warns."""
 
@@ -106,7 +106,7 @@ def explain(
         requested_causes(
             replace(model, causes=[c for c in model.causes if c.name in names]), one, ()
         )
-    fit = [t for t in given if t.role != HELD_OUT]
+    fit = [t for t in given if t.role != HELD_OUT_ROLE]
     ready = prepare(model, fit, names, progress)
     try:
         visited = search(ready.problem)
@@ -124,7 +124,7 @@ def explain(
     gains = {c.name: gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
-    test = test_series(ready, [t for t in given if t.role == HELD_OUT])
+    test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
     errors = held_out(model, problem, bare.model, final, test)
     own, base = numbers(problem.kernel, final), numbers(problem.kernel, bare.model)
     return Explanation(
@@ -197,7 +197,7 @@ def _warnings(
     own: list[Number], base: list[Number],
 ) -> list[str]:  # fmt: skip
     out = [*ready.warnings, *warnings_of(ready.model, trials)]
-    if (c := best.overdispersion) > OVERDISPERSED:
+    if (c := best.overdispersion) > MAX_OVERDISPERSION:
         out.append(
             f"Parameters vary between trials {c:.1f} times more (in variance) than their "
             "standard errors allow: something is missing that no candidate describes."
@@ -227,7 +227,7 @@ def _random_forces(ready: Prepared, best: Scored, bare: Scored) -> list[str]:
     out = []
     for k, channel in enumerate(ready.model.channels):
         now, before = best.model.noise.disturbance[k], bare.model.noise.disturbance[k]
-        if best.causes and now > COMPARABLE * before and now > 0:
+        if best.causes and now > MAX_RANDOM_FORCE_SHARE * before and now > 0:
             out.append(f"The random force on {channel} is {now:.3g} with the named causes and "
                        f"{before:.3g} without: laws may hide in it.")  # fmt: skip
         if best.model.noise.tau[k] >= 0.99 * ready.model.random_force_s[2]:

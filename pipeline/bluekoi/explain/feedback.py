@@ -9,12 +9,12 @@ from scipy.stats import f as f_distribution
 
 from ..data import Float
 
-LAGS = 3
+LAG_SAMPLES = 3
 """Samples before each that may act on an input."""
-LEAST_SHARE, LEVEL = 0.05, 1e-3
+MIN_EXPLAINED_SHARE, F_TEST_LEVEL = 0.05, 1e-3
 """Share of the rest of an input that innovations explain, and level of the F test, from which on it
 is reported."""
-NOTHING = 1e-9
+MIN_RESIDUAL_SHARE = 1e-9
 """Share of an input's variance below which nothing is left that its own past does not give."""
 
 
@@ -28,21 +28,21 @@ def explained_by_innovations(
     whether an input acts after its sample only, so that the innovation at the same sample counts as
     earlier. In open loop innovations say nothing of later inputs.
     """
-    pairs = [(u, e) for u, e in zip(inputs, innovations, strict=True) if len(u) > 2 * LAGS]
+    pairs = [(u, e) for u, e in zip(inputs, innovations, strict=True) if len(u) > 2 * LAG_SAMPLES]
     if not pairs:
         return 0.0
-    target = np.concatenate([u[LAGS:] for u, _ in pairs])
+    target = np.concatenate([u[LAG_SAMPLES:] for u, _ in pairs])
     own = np.concatenate([_lagged(u[:, None], 1) for u, _ in pairs])
     own = np.column_stack([own, np.ones(len(own))])
     other = np.concatenate([_lagged(e, 0 if held else 1) for _, e in pairs])
     df = len(target) - own.shape[1] - other.shape[1]
     before, after = _squares(own, target), _squares(np.column_stack([own, other]), target)
-    if df <= 0 or before <= NOTHING * float(np.sum((target - target.mean()) ** 2)):
+    if df <= 0 or before <= MIN_RESIDUAL_SHARE * float(np.sum((target - target.mean()) ** 2)):
         return 0.0
     ratio = (before - after) / other.shape[1] / max(after / df, 1e-300)
     share = 1.0 - after / before
-    sure = f_distribution.sf(ratio, other.shape[1], df) < LEVEL
-    return float(share) if sure and share > LEAST_SHARE else 0.0
+    sure = f_distribution.sf(ratio, other.shape[1], df) < F_TEST_LEVEL
+    return float(share) if sure and share > MIN_EXPLAINED_SHARE else 0.0
 
 
 def feedback(
@@ -64,9 +64,11 @@ def feedback(
 
 
 def _lagged(columns: Float, first: int) -> Float:
-    """Columns (n, c) at `first` to `LAGS` samples before each, (n - LAGS, c (LAGS - first + 1))."""
+    """Columns (n, c) at `first` to L = `LAG_SAMPLES` samples before, (n - L, c (L - first + 1))."""
     count = len(columns)
-    return np.column_stack([columns[LAGS - k : count - k] for k in range(first, LAGS + 1)])
+    return np.column_stack(
+        [columns[LAG_SAMPLES - k : count - k] for k in range(first, LAG_SAMPLES + 1)]
+    )
 
 
 def _squares(design: Float, target: Float) -> float:

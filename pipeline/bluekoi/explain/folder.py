@@ -23,16 +23,21 @@ from ..data import Float
 from ..errors import Finding, InputError, input_error, nearest
 from ..files import read_text
 from .model import Model
-from .trials import FIT, Trial
+from .trials import FIT_ROLE, Trial
 from .units import conversion_factor
 
-DATA = "data.yaml"
-KEYS = ("columns", "constants", "trials")
+DATA_FILE = "data.yaml"
+DATA_KEYS = ("columns", "constants", "trials")
+"""Keys of data.yaml."""
 COLUMN_KEYS = ("column", "unit")
+"""Keys of an entry of `columns`."""
 TRIAL_KEYS = ("file", "name", "condition", "group", "role", "constants", "start_s", "end_s",
               "evidence")  # fmt: skip
-TIME = "time"
-SEPARATORS = (";", "\t")
+"""Keys of an entry of `trials`."""
+TIME_COLUMN = "time"
+"""Entry of `columns` for the time."""
+CSV_SEPARATORS = (";", "\t")
+"""Separators of a csv other than the comma."""
 
 
 def read_trials(model: Model, folder: Path) -> list[Trial]:
@@ -41,19 +46,19 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     Raises: InputError naming file, key or column, and what was expected.
     """
     if not folder.is_dir():
-        raise input_error(folder, "", "no such folder", f"a folder with {DATA} and csv files")
-    if model.read is not None and not (folder / DATA).exists():
+        raise input_error(folder, "", "no such folder", f"a folder with {DATA_FILE} and csv files")
+    if model.read is not None and not (folder / DATA_FILE).exists():
         return list(model.read(folder))
-    settings = _settings(folder / DATA)
-    columns = _columns(model, settings, folder / DATA)
+    settings = _settings(folder / DATA_FILE)
+    columns = _columns(model, settings, folder / DATA_FILE)
     rows = settings.get("trials")
     if rows is None:
         rows = [{"file": p.name} for p in sorted(folder.iterdir()) if p.suffix.lower() == ".csv"]
         if not rows:
             raise input_error(folder, "", "no csv", "one csv a trial")
     if not isinstance(rows, list) or not rows:
-        raise input_error(folder / DATA, "trials", rows, "a list of {file: NAME.csv}")
-    shared = _numbers(settings.get("constants", {}), folder / DATA, "constants")
+        raise input_error(folder / DATA_FILE, "trials", rows, "a list of {file: NAME.csv}")
+    shared = _numbers(settings.get("constants", {}), folder / DATA_FILE, "constants")
     return [_trial(model, folder, row, columns, shared) for row in rows]
 
 
@@ -66,8 +71,8 @@ def _settings(path: Path) -> dict[str, Any]:
     except yaml.YAMLError as error:
         raise input_error(path, "", " ".join(str(error).split()), "a yaml file") from None
     if not isinstance(found, dict):
-        raise input_error(path, "", type(found).__name__, f"keys {', '.join(KEYS)}")
-    _known(found, KEYS, path, "")
+        raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_KEYS)}")
+    _known(found, DATA_KEYS, path, "")
     return found
 
 
@@ -80,7 +85,7 @@ def _known(given: Mapping[str, Any], keys: tuple[str, ...], path: Path, where: s
 
 def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str, tuple[str, float]]:
     """Time, inputs and observations -> column of the csv and factor to the model's unit."""
-    wanted = {TIME: "s"} | {i.name: i.unit for i in model.inputs}
+    wanted = {TIME_COLUMN: "s"} | {i.name: i.unit for i in model.inputs}
     wanted |= {o.name: o.unit for o in model.observations}
     given = settings.get("columns")
     if not isinstance(given, dict):
@@ -106,7 +111,7 @@ def _trial(
     model: Model, folder: Path, row: Any, columns: Mapping[str, tuple[str, float]],
     shared: Mapping[str, float],
 ) -> Trial:  # fmt: skip
-    settings = folder / DATA
+    settings = folder / DATA_FILE
     if not isinstance(row, dict) or "file" not in row:
         raise input_error(settings, "trials", row, "{file: NAME.csv}")
     _known(row, TRIAL_KEYS, settings, "trials")
@@ -114,10 +119,13 @@ def _trial(
     table = _table(path, columns)
     start, end = (_number(row.get(k, d), settings, k) for k, d in (("start_s", -np.inf),
                                                                    ("end_s", np.inf)))  # fmt: skip
-    kept = (table[TIME] >= start) & (table[TIME] <= end) | ~np.isfinite(table[TIME])
+    kept = (table[TIME_COLUMN] >= start) & (table[TIME_COLUMN] <= end) | ~np.isfinite(
+        table[TIME_COLUMN]
+    )
     if len(kept) and not kept.any():
         raise input_error(path, "start_s, end_s", f"no sample from {start:g} to {end:g} s",
-                          f"times within those of the file, {_range(table[TIME])} s")  # fmt: skip
+                          f"times within those of the file, {_range(table[TIME_COLUMN])} s",
+                          )  # fmt: skip
     own = _numbers(row.get("constants", {}), settings, f"trials: {path.name}: constants")
     side = row.get("evidence", {})
     if not isinstance(side, dict):
@@ -125,13 +133,13 @@ def _trial(
     evidence = {str(k): _pair(v, settings, str(k)) for k, v in side.items()}
     return Trial(
         name=str(row.get("name", path.stem)),
-        times=table[TIME][kept],
+        times=table[TIME_COLUMN][kept],
         observed={o.name: table[o.name][kept] for o in model.observations},
         inputs={i.name: table[i.name][kept] for i in model.inputs},
         constants={**shared, **own},
         condition=str(row.get("condition", path.stem)),
         group=str(row.get("group", "all")),
-        role=str(row.get("role", FIT)),
+        role=str(row.get("role", FIT_ROLE)),
         evidence=evidence,
         source=str(path),
     )
@@ -160,7 +168,7 @@ def _cells(path: Path) -> pd.DataFrame:
         raise input_error(path, "", "no such file", "the csv that data.yaml names")
     try:
         head = path.read_text(encoding="utf-8-sig").partition("\n")[0]
-        separator = next((s for s in SEPARATORS if s in head), ",")
+        separator = next((s for s in CSV_SEPARATORS if s in head), ",")
         table = pd.read_csv(path, sep=separator, decimal="." if separator == "," else ",",
                             skipinitialspace=True, encoding="utf-8-sig")  # fmt: skip
     except UnicodeDecodeError:

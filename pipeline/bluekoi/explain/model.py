@@ -17,10 +17,11 @@ from ..fitting import TrialEffect
 from ..integrate import Parameter, Stage
 
 Function = Callable[..., Any]
-Memory = tuple[float, float, float]
+CorrelationTime = tuple[float, float, float]
 """Start, shortest and longest correlation time, s."""
-KINDS = ("physics", "measurement")
-FORCE, RATES, OBSERVE = "force", "rates", "observe"
+CAUSE_KINDS = ("physics", "measurement")
+FORCE_STAGE, RATES_STAGE, OBSERVE_STAGE = "force", "rates", "observe"
+"""Names of the stages that every model has."""
 
 
 @dataclass(frozen=True)
@@ -122,8 +123,8 @@ class Model:
     inputs: Sequence[Input] = ()
     constants: Sequence[Constant] = ()
     pushed: tuple[str, ...] | None = None
-    random_force_s: Memory = (0.5, 0.02, 10.0)
-    error_s: Memory = (0.2, 0.01, 2.0)
+    random_force_s: CorrelationTime = (0.5, 0.02, 10.0)
+    error_s: CorrelationTime = (0.2, 0.01, 2.0)
     per_group: tuple[str, ...] = ()
     varies: Sequence[TrialEffect] = ()
     path: tuple[str, ...] = ()
@@ -154,8 +155,8 @@ class Model:
         if self.pushed == ():
             return None
         for stage in self.stages:
-            if stage.open and stage.name not in (RATES, OBSERVE):
-                wanted = self.pushed is None and stage.name == FORCE
+            if stage.open and stage.name not in (RATES_STAGE, OBSERVE_STAGE):
+                wanted = self.pushed is None and stage.name == FORCE_STAGE
                 if wanted or (self.pushed and set(self.pushed) <= set(stage.outputs)):
                     return stage
         return None
@@ -182,7 +183,9 @@ def variables_of(model: Model, cause: Cause) -> tuple[str, ...]:
     """States, inputs and time that a cause depends on, directly or through stages before it;
     `constant` where it depends on none.
     """
-    makers = {o: s for s in model.stages for o in s.outputs if s.name not in (RATES, OBSERVE)}
+    makers = {
+        o: s for s in model.stages for o in s.outputs if s.name not in (RATES_STAGE, OBSERVE_STAGE)
+    }
     moving = {x.name for x in model.variables} | {"t"}
     todo = [a for f in cause.hooks.values() for a in arguments(f)]
     done: set[str] = set()
@@ -202,7 +205,7 @@ def channels_of(model: Model, cause: Cause) -> tuple[str, ...]:
     """Outputs of the stage `force` that a cause pushes: all of them where it acts before it, none
     where it acts on the observations alone.
     """
-    if cause.channels or set(cause.hooks) == {OBSERVE}:
+    if cause.channels or set(cause.hooks) == {OBSERVE_STAGE}:
         return cause.channels
     stage = model.force
     function = cause.hooks.get(stage.name) if stage else None

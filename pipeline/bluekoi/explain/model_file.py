@@ -15,7 +15,8 @@ from ..errors import InputError, input_error
 from .checks import checked_model
 from .model import Model
 
-NAME = "MODEL"
+MODEL_VARIABLE = "MODEL"
+"""Variable of a model file that holds the model."""
 
 
 def load_model(path: Path) -> Model:
@@ -27,11 +28,11 @@ def load_model(path: Path) -> Model:
         what = "no such file" if not path.is_file() else f"a {path.suffix or 'suffix-less'} file"
         raise input_error(path, "", what, "a python file that defines MODEL")
     module = _run(path.resolve())
-    found = getattr(module, NAME, None)
+    found = getattr(module, MODEL_VARIABLE, None)
     if not isinstance(found, Model):
-        what = type(found).__name__ if hasattr(module, NAME) else "no such name"
+        what = type(found).__name__ if hasattr(module, MODEL_VARIABLE) else "no such name"
         remedy = "See docs/own_models.md for an example."
-        raise input_error(path, NAME, what, "MODEL = Model(...)", remedy)
+        raise input_error(path, MODEL_VARIABLE, what, "MODEL = Model(...)", remedy)
     checked_model(found)
     return found
 

@@ -18,7 +18,7 @@ from .explanation import Explanation, test_series
 from .model import Model
 from .trials import Trial, validated_trials
 
-KNOWN_S, MIN_FOR_MEASURES = 1.0, 3
+DEFAULT_KNOWN_S, MIN_KNOWN_SAMPLES = 1.0, 3
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,12 @@ class Predicted:
 
 
 START_FITTED, START_ESTIMATED = "start fitted", "start from the first seconds"
+"""How the start of a free run was found."""
 
 
-def predict(found: Explanation, trials: Sequence[Trial], *, known_s: float = KNOWN_S) -> Predicted:
+def predict(
+    found: Explanation, trials: Sequence[Trial], *, known_s: float = DEFAULT_KNOWN_S
+) -> Predicted:
     """`Predicted` for trials that the model was not fitted to."""
     model = found.model
     series = test_series(found.prepared, validated_trials(model, trials))
@@ -87,7 +90,7 @@ def _groups(found: Explanation, series: Sequence[Series]) -> list[str]:
     return [f"Group '{g}' was not fitted: its coefficients are at their start values." for g in new]
 
 
-def predict_left_out(found: Explanation, *, known_s: float = KNOWN_S) -> Predicted:
+def predict_left_out(found: Explanation, *, known_s: float = DEFAULT_KNOWN_S) -> Predicted:
     """`Predicted` for the fitted trials, each condition by models fitted to the others."""
     problem, model = found.prepared.problem, found.model
     series = list(problem.series)
@@ -151,7 +154,7 @@ def _measures(model: Model, series: Series, observed: Float) -> dict[str, float]
     if model.measures is None:
         return {}
     known = np.isfinite(observed).all(axis=1)
-    if known.sum() < MIN_FOR_MEASURES:
+    if known.sum() < MIN_KNOWN_SAMPLES:
         return {}
     given = (series.times[known], observed[known], series.inputs[known])
     return {str(k): float(v) for k, v in model.measures(*given).items()}

@@ -17,14 +17,14 @@ from ..fitting.filtering import disturbance_slots
 from ..integrate import Kernel, compiled
 from .assembly import Assembly, assembled, scaled_variables
 from .model import Model
-from .sampling import MIN_IN_BLOCK, block_rate_hz
-from .stepping import CONVERGED, longest_step_s, rates_per_s, step_error
+from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
+from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, longest_step_s, rates_per_s, step_error
 from .trials import Trial, all_series, cut_trials, unit_of_time
 
-MIN_TRIALS, SEGMENTS, MIN_FRAMES = 4, 4, 50
+MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
 loses the information of the state before it: no more cuts than resampling needs."""
-MAX_CAUSES, MAX_FRAMES = 6, 6000
+MAX_CAUSES_PER_SET, MAX_SAMPLES = 6, 6000
 """Causes of a set, and samples of all trials beyond which they are averaged in blocks."""
 FORCE_GUESSES = tuple(10.0**k for k in np.arange(-4.0, 4.1, 1.0))
 """Random forces, in units of the channel, among which the first guess is chosen."""
@@ -77,7 +77,7 @@ def prepare(
         candidates=candidates_of(assembly.system, named, assembly.priors,
                                  assembly.residual_sources),
         noise=replace(noise, trial_effects=tuple(model.varies)), progress=progress,
-        most_causes=MAX_CAUSES,
+        most_causes=MAX_CAUSES_PER_SET,
     )  # fmt: skip
     return Prepared(model, assembly, problem, tuple(trials), tuple(series), scales, rate, step,
                     tuple(warnings))  # fmt: skip
@@ -88,7 +88,7 @@ def _enough(trials: Sequence[Trial]) -> tuple[Sequence[Trial], int]:
     if len(trials) >= MIN_TRIALS:
         return trials, 0
     shortest = min(len(t.times) for t in trials)
-    count = min(-(-SEGMENTS // len(trials)), shortest // MIN_FRAMES)
+    count = min(-(-MIN_SEGMENTS // len(trials)), shortest // MIN_SEGMENT_FRAMES)
     return (cut_trials(trials, count), len(trials)) if count > 1 else (trials, 0)
 
 
@@ -129,7 +129,7 @@ def _slopes(times: Float, values: Float) -> Float:
 
 
 def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
-    """Rate at which all trials together have `MAX_FRAMES` samples, or the model's own; infinite
+    """Rate at which all trials together have `MAX_SAMPLES` samples, or the model's own; infinite
     where they have fewer, and where blocks would hold fewer samples than an average needs.
     """
     samples = sum(len(t.times) for t in trials)
@@ -138,8 +138,8 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
     rate = np.inf
     if model.most_hz is not None and model.most_hz * step < 1.0:
         rate = model.most_hz
-    elif samples > MAX_FRAMES:
-        rate = min(MAX_FRAMES / seconds, 1.0 / (MIN_IN_BLOCK * step))
+    elif samples > MAX_SAMPLES:
+        rate = min(MAX_SAMPLES / seconds, 1.0 / (MIN_SAMPLES_PER_BLOCK * step))
     return block_rate_hz([t.times for t in trials], rate)
 
 
@@ -206,7 +206,7 @@ def converged_step(given: Prepared, values: Sequence[Float], noise: Noise) -> tu
     finer = assembled(given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz))
     change = step_error(given.problem.kernel, compiled(finer.system), given.problem.series, values,
                         noise)  # fmt: skip
-    if change <= CONVERGED:
+    if change <= MAX_LOG_LIKELIHOOD_CHANGE:
         return change, ""
     return change, (f"Half the integration step ({given.step_s:.3g} s) changes the log likelihood "
                     f"by {change:.2g}: the step is too long for this model.")  # fmt: skip

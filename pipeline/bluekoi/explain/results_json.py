@@ -14,7 +14,8 @@ from .explanation import Explanation
 from .numbers import Number
 from .prediction import Predicted
 
-MIN_RIVAL = 0.02
+MIN_RIVAL_PROBABILITY = 0.02
+"""Probability from which an alternative is listed."""
 
 
 def explanation_json(found: Explanation) -> dict[str, Any]:
@@ -102,7 +103,7 @@ def rival_rows(
     pairs += [("", n, p) for n, p in inclusion.items()]
     for place, other, p in pairs:
         name = shown(other)
-        if p >= MIN_RIVAL and name not in taken:
+        if p >= MIN_RIVAL_PROBABILITY and name not in taken:
             taken.add(name)
             out.append({"name": name, "in_place_of": place, "weight": p})
     return sorted(out, key=lambda r: -float(r["weight"]))
@@ -115,7 +116,7 @@ def _shown(found: Explanation, name: str) -> str:
 def residual_terms(found: Explanation) -> dict[str, float]:
     """Residual terms with their probabilities, the largest first."""
     rest = {n: p for n, p in found.posterior.inclusion.items()
-            if n not in found.model.by_name and p >= MIN_RIVAL}  # fmt: skip
+            if n not in found.model.by_name and p >= MIN_RIVAL_PROBABILITY}  # fmt: skip
     return dict(sorted(rest.items(), key=lambda x: -x[1]))
 
 

@@ -11,15 +11,16 @@ from scipy.linalg import solveh_banded
 from ..data import Float
 from ..fitting import Series
 
-MIN_IN_BLOCK = 5
+MIN_SAMPLES_PER_BLOCK = 5
 """Blocks of fewer samples are not averaged."""
-DEGREE = 2
+BLOCK_POLYNOMIAL_DEGREE = 2
+"""Degree of the polynomial through the samples of a block."""
 
 
 def block_rate_hz(times: Sequence[Float], rate_hz: float) -> float:
     """The rate, or infinity where some trial has fewer than five samples in a block of it."""
     sizes = [_block_size(t, rate_hz) for t in times]
-    enough = all(k >= MIN_IN_BLOCK and len(t) // k >= MIN_IN_BLOCK
+    enough = all(k >= MIN_SAMPLES_PER_BLOCK and len(t) // k >= MIN_SAMPLES_PER_BLOCK
                  for k, t in zip(sizes, times, strict=True))  # fmt: skip
     return rate_hz if enough else np.inf
 
@@ -41,7 +42,7 @@ def at_rate(series: Series, rate_hz: float, held: Sequence[bool]) -> Series:
     """
     step = float(np.median(np.diff(series.times)))
     size = _block_size(series.times, rate_hz)
-    if size < MIN_IN_BLOCK:
+    if size < MIN_SAMPLES_PER_BLOCK:
         return series
     count = len(series.times) // size
     edge = series.times[0] + np.arange(count + 1) * size * step - 0.5 * step
@@ -66,8 +67,10 @@ def _middle(series: Series, part: np.ndarray, time: float) -> tuple[Float, Float
     width = max(float(np.ptp(series.times[part])), 1e-12)
     for o in range(count):
         known = part[np.isfinite(series.seen[part, o])]
-        if len(known) >= MIN_IN_BLOCK:
-            design = np.vander((series.times[known] - time) / width, DEGREE + 1, increasing=True)
+        if len(known) >= MIN_SAMPLES_PER_BLOCK:
+            design = np.vander(
+                (series.times[known] - time) / width, BLOCK_POLYNOMIAL_DEGREE + 1, increasing=True
+            )
             weights = np.linalg.pinv(design)[0]
             seen[o], factor[o] = weights @ series.seen[known, o], float(np.sqrt(weights @ weights))
         elif len(known) > len(part) // 2:

@@ -11,20 +11,23 @@ from ..fitting import FilterResults, Noise, Series, filter_all
 from ..integrate import LANES, Kernel
 from ..integrate.batch import in_lanes, propagate
 
-MOMENT_S, DIFFERENCE = 1e-6, 1e-4
-MAX_STATES = 200
+RATE_INTERVAL_S, STATE_DIFFERENCE = 1e-6, 1e-4
+"""Interval over which a rate is taken, s, and difference of a state in its standard deviations."""
+MAX_LINEARISED_STATES = 200
+"""Points of the trials at which time constants are computed, at most."""
 STEP_PER_TIME_CONSTANT = 0.5
 """Runge and Kutta's fourth-order step is stable up to 2.78 time constants, and exact to 3e-4 of a
 decay over half of one."""
 LONGEST_STEP_S = 0.5
-CONVERGED = 0.5
+"""Longest integration step, s, of a model without fast dynamics."""
+MAX_LOG_LIKELIHOOD_CHANGE = 0.5
 """Log likelihood that a step of half the length may change."""
 
 
 def rates_per_s(kernel: Kernel, passes: FilterResults, values: Sequence[Float]) -> Float:
     """Largest |eigenvalue| (states visited,), 1/s, of the model's own states along trials."""
     out = []
-    each = max(1, MAX_STATES // max(len(passes), 1))
+    each = max(1, MAX_LINEARISED_STATES // max(len(passes), 1))
     for one, result, value in zip(passes.series, passes, values, strict=True):
         frames = np.unique(
             np.linspace(0, len(one.times) - 1, min(each, len(one.times))).astype(int)
@@ -47,15 +50,15 @@ def jacobians(
         columns = range(first, min(own, first + LANES - 1))
         lanes = in_lanes(states)
         for lane, k in enumerate(columns, start=1):
-            lanes[:, k, lane] += DIFFERENCE
+            lanes[:, k, lane] += STATE_DIFFERENCE
         _, after = propagate(
             kernel, lanes, *fixed,
-            times=one.times[frames, None] + np.array([0.0, MOMENT_S]), keep_states=True,
+            times=one.times[frames, None] + np.array([0.0, RATE_INTERVAL_S]), keep_states=True,
             inputs=np.repeat(one.inputs[frames, None], 2, axis=1), step_s=1.0,
         )  # fmt: skip
         moved = (after[:, 1, :own] - lanes[:, :own]) - (after[:, 1, :own, :1] - lanes[:, :own, :1])
         for lane, k in enumerate(columns, start=1):
-            out[:, :, k] = moved[:, :, lane] / (DIFFERENCE * MOMENT_S)
+            out[:, :, k] = moved[:, :, lane] / (STATE_DIFFERENCE * RATE_INTERVAL_S)
     return out
 
 

@@ -15,14 +15,14 @@ from .assembly import Assembly, scale_names
 from .model import Model
 from .sampling import at_rate
 
-FIT, HELD_OUT = "fit", "held_out"
+FIT_ROLE, HELD_OUT_ROLE = "fit", "held_out"
 MIN_SAMPLES = 3
 REPORTED_GAP = 20.0
 """A longer pause than this many usual sampling intervals is reported."""
 MAX_VALUE = 1e12
-WHOLE_TURN_DEG = 300.0
+MIN_JUMP_IN_DEGREES = 300.0
 """An angle in rad that jumps by more is one in degrees."""
-TOO_COARSE, TOO_SHORT, SLOWEST_PER_S = 20.0, 0.01, 0.05
+MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 20.0, 0.01, 0.05
 """Sampling intervals longer and trials shorter than so many of the model's shortest time constants
 are reported; models slower than 1 / 20 s have no time constant to compare with."""
 
@@ -44,7 +44,7 @@ class Trial:
     constants: Mapping[str, float] = field(default_factory=dict)
     condition: str = ""
     group: str = "all"
-    role: str = FIT
+    role: str = FIT_ROLE
     evidence: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
     source: str = ""
@@ -62,7 +62,7 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
                  for n in twice]  # fmt: skip
     if not trials:
         findings.append(Finding("trials", "", "no trial", "one trial at least"))
-    if not findings and all(t.role == HELD_OUT for t in trials):
+    if not findings and all(t.role == HELD_OUT_ROLE for t in trials):
         findings.append(Finding("trials", "role", "all trials held out", "a trial to fit"))
     if findings:
         raise InputError(findings)
@@ -99,8 +99,8 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
             for f in _degrees(file, o.name, np.asarray(trial.observed[o.name]))]  # fmt: skip
     out += [Finding(file, f"constant {n}", f"{v}", "a finite number")
             for n, v in trial.constants.items() if not np.isfinite(v)]  # fmt: skip
-    if trial.role not in (FIT, HELD_OUT):
-        out.append(Finding(file, "role", f"'{trial.role}'", f"'{FIT}' or '{HELD_OUT}'"))
+    if trial.role not in (FIT_ROLE, HELD_OUT_ROLE):
+        out.append(Finding(file, "role", f"'{trial.role}'", f"'{FIT_ROLE}' or '{HELD_OUT_ROLE}'"))
     known = {n for c in model.causes for n in c.evidence}
     out += [Finding(file, "evidence", f"'{n}'", "a side measurement of a cause",
                     nearest(n, known) if known else "The model has none.")
@@ -111,7 +111,7 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
 def _degrees(file: str, name: str, column: Float) -> list[Finding]:
     """An angle that jumps by a turn of degrees."""
     jumps = np.abs(np.diff(column))
-    if not np.any(jumps > WHOLE_TURN_DEG):
+    if not np.any(jumps > MIN_JUMP_IN_DEGREES):
         return []
     row = int(np.nanargmax(jumps)) + 1
     return [Finding(file, f"{name}, sample {row}", f"a jump by {jumps[row - 1]:.0f} rad",
@@ -196,9 +196,9 @@ def unit_of_time(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
     interval = float(np.median([np.median(np.diff(t.times)) for t in trials]))
     longest = max(float(np.ptp(t.times)) for t in trials)
     about = f"the model's shortest time constant is {1.0 / max(rate_per_s, 1e-9):.3g} s: check the "
-    if interval * rate_per_s > TOO_COARSE:
+    if interval * rate_per_s > MAX_INTERVAL_RATIO:
         return [f"Samples are {interval:.3g} s apart and {about}unit of time."]
-    if longest * rate_per_s < TOO_SHORT and rate_per_s > SLOWEST_PER_S:
+    if longest * rate_per_s < MIN_DURATION_RATIO and rate_per_s > MIN_MODEL_RATE_PER_S:
         return [f"The longest trial lasts {longest:.3g} s and {about}unit of time."]
     return []
 

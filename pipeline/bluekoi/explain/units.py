@@ -6,7 +6,7 @@ import math
 
 from ..errors import input_error
 
-FACTORS: dict[str, tuple[str, float]] = {
+SI_FACTORS: dict[str, tuple[str, float]] = {
     "mm": ("m", 1e-3), "cm": ("m", 1e-2), "km": ("m", 1e3), "um": ("m", 1e-6),
     "in": ("m", 0.0254), "ft": ("m", 0.3048),
     "ms": ("s", 1e-3), "us": ("s", 1e-6), "min": ("s", 60.0), "h": ("s", 3600.0),
@@ -26,10 +26,10 @@ def conversion_factor(given: str, wanted: str, file: str, where: str) -> float:
 
     Raises: InputError naming both, where one cannot become the other.
     """
-    base, own = FACTORS.get(given, (given, 1.0))
-    target, theirs = FACTORS.get(wanted, (wanted, 1.0))
+    base, own = SI_FACTORS.get(given, (given, 1.0))
+    target, theirs = SI_FACTORS.get(wanted, (wanted, 1.0))
     if base != target:
-        fitting = [wanted, *(u for u, (b, _) in FACTORS.items() if b == target)]
+        fitting = [wanted, *(u for u, (b, _) in SI_FACTORS.items() if b == target)]
         raise input_error(file, where, f"unit '{given}'", f"a unit of '{wanted}'",
                           f"Known: {', '.join(dict.fromkeys(fitting))}.")  # fmt: skip
     return own / theirs

@@ -19,7 +19,9 @@ import math
 
 from ..integrate.branchless import sin_cos
 
-REST = 1e-12  # m2/s2 beside V^2, so that directions exist at rest, where every force is zero
+MIN_SPEED_SQUARED = (
+    1e-12  # m2/s2 beside V^2, so that directions exist at rest, where every force is zero
+)
 
 
 def drive(head_angle: float, flap_hz: float) -> tuple[float, float]:
@@ -49,7 +51,7 @@ def flow(
     vl = vc - l * wr
     uh = uc * cphi - vl * sphi
     vh = uc * sphi + vl * cphi
-    return c, s, uc, vc, r - wr, r - wd, uh, vh, math.sqrt(uc * uc + vc * vc + REST)
+    return c, s, uc, vc, r - wr, r - wd, uh, vh, math.sqrt(uc * uc + vc * vc + MIN_SPEED_SQUARED)
 
 
 def thrust(rho: float, A: float, f: float, C_T: float) -> tuple[float]:

@@ -17,16 +17,16 @@ KIND = "residual"
 TO_ONE_SIDE = "speed, to one side"
 """Variable of side forces and moments: no mirror-symmetric law leaves them as its remainder."""
 Force = tuple[float, float, float]
-SPEEDS = (0.15, 0.2, 0.26, 0.42, 0.53)
-NARROW = 0.05
+TRIED_SPEEDS_M_S = (0.15, 0.2, 0.26, 0.42, 0.53)
+NARROW_WIDTH_M_S = 0.05
 """Other speeds are tried with this width: tries of several shapes go together, one by one."""
-SHAPE = (
+SHAPE_PARAMETERS = (
     Parameter("centre_speed", "m/s", 0.33, 0.05, 1.0, "speed of the largest change",
-              tries=SPEEDS, symbol="c"),
+              tries=TRIED_SPEEDS_M_S, symbol="c"),
     Parameter("width", "m/s", 0.07, 0.03, 0.25, "width in speed",
-              tries=(NARROW,) * len(SPEEDS), symbol="w"),
+              tries=(NARROW_WIDTH_M_S,) * len(TRIED_SPEEDS_M_S), symbol="w"),
 )  # fmt: skip
-STRENGTHS = {
+STRENGTH_PARAMETERS = {
     "surge": Parameter("added_drag", "1", 0.1, -5.0, 5.0,
                        "drag coefficient added at that speed, of the head plate", symbol="h"),
     "sway": Parameter("force", "N", 0.01, -1.0, 1.0, "force at that speed", symbol="h"),
@@ -64,7 +64,7 @@ def _effect(force: Callable[..., Force]) -> Effect:
         name=force.__name__,
         kind=KIND,
         statement=f"A {channel} force rises or falls about one speed.",
-        parameters=(STRENGTHS[channel], *SHAPE),
+        parameters=(STRENGTH_PARAMETERS[channel], *SHAPE_PARAMETERS),
         hooks={"force": force},
         module=__name__,
         channels=(channel,),
@@ -73,3 +73,4 @@ def _effect(force: Callable[..., Force]) -> Effect:
 
 
 EFFECTS = tuple(_effect(force) for force in (surge_near_speed, sway_near_speed, yaw_near_speed))
+"""Residual terms about one speed, one for each channel."""

@@ -17,11 +17,11 @@ from ..integrate.branchless import sin_cos
 
 KIND = "residual"
 Force = tuple[float, float, float]
-RATES = (1.2, 1.7, 2.2, 2.7, 3.2, 3.8, 4.4, 5.1, 5.9)
+TRIED_RATES_RAD_S = (1.2, 1.7, 2.2, 2.7, 3.2, 3.8, 4.4, 5.1, 5.9)
 """rad/s: neighbours differ by half a cycle in the 6 s of a usual trial."""
-WAVE_NUMBERS = (2.4, 3.4, 4.6, 6.2, 8.0)
+TRIED_WAVE_NUMBERS_PER_M = (2.4, 3.4, 4.6, 6.2, 8.0)
 """rad/m: from one wave in the pool's length to one in half its width."""
-HARMONICS = (1.0, 2.0, 3.0, 4.0)
+TRIED_HARMONICS = (1.0, 2.0, 3.0, 4.0)
 """Waves in a full turn."""
 
 
@@ -92,15 +92,16 @@ def yaw_with_heading(psi: float, phi: float, s: float, c: float, W: float, q: fl
 
 
 WAVES = {
-    "with_time": ("time", "rad/s", RATES),
-    "along_x": ("place", "rad/m", WAVE_NUMBERS),
-    "along_y": ("place", "rad/m", WAVE_NUMBERS),
-    "with_heading": ("heading", "1", 2 * HARMONICS),
+    "with_time": ("time", "rad/s", TRIED_RATES_RAD_S),
+    "along_x": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
+    "along_y": ("place", "rad/m", TRIED_WAVE_NUMBERS_PER_M),
+    "with_heading": ("heading", "1", 2 * TRIED_HARMONICS),
 }
 """Ending of a term's name -> the variable of its force, unit of W, and values tried."""
-OF_CORE_THEN_HEAD = len(HARMONICS) * (0.0,) + len(HARMONICS) * (1.0,)
+TRIED_HEADINGS = len(TRIED_HARMONICS) * (0.0,) + len(TRIED_HARMONICS) * (1.0,)
+"""The harmonics are tried with the heading of the core (0), then with that of the head (1)."""
 OF_HEAD = Parameter("of_head", "1", 0.0, 0.0, 1.0, "heading of the core (0) or of the head (1)",
-                    tries=OF_CORE_THEN_HEAD, symbol="q")  # fmt: skip
+                    tries=TRIED_HEADINGS, symbol="q")  # fmt: skip
 
 
 def _effect(force: Callable[..., Force]) -> Effect:
@@ -134,3 +135,4 @@ EFFECTS = tuple(
         yaw_with_heading,
     )
 )  # fmt: skip
+"""Residual terms that are sines of time, place or heading."""

@@ -19,6 +19,7 @@ COEFFICIENTS = (
     Parameter("C_Ma", "m", 0.1, -1.0, 2.0, "moment over sin 2 alpha"),
     Parameter("C_Md", "kg m2", 0.12, -0.1, 5.0, "damping of the yaw rate squared"),
 )
+"""Coefficients of the published model with unit, start value, bounds and meaning."""
 
 DYNAMICS = (
     Stage("drive", ("phi", "f"), equations.drive, open=True),
@@ -37,12 +38,14 @@ DYNAMICS = (
 STAGES = (observation.CLOCK, *DYNAMICS, observation.OBSERVE)
 
 STATES = ("x", "y", "psi", "u", "v", "r")
+"""States: position in the pool, heading of the core, surge, sway, yaw rate."""
 CONSTANTS = (
     "rho", "A", "A_ref", "l", "m", "I", "h", "span", "length", "x_hinge", "x_tail",
     "l_tail", "L_pool", "W_pool", "psi0", "t_start",
 )  # fmt: skip
 """Constants of the equations of motion; those of the observation model follow them."""
 INPUTS = ("head_angle", "flap_hz")
+"""Inputs: head angle and flapping frequency."""
 
 
 def effect_names(package: object = effects) -> tuple[str, ...]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 UNIT_READING = (
     "C_T read as 1e-3 m2 and C_Md as 1e-3 kg m2: as printed, straight speeds would be 9 to 18 m/s"
 )
+"""How the units of Table I are read, as a sentence."""
 
 FLAP_HZ = {50: 2.37, 75: 4.02, 100: 5.82}
+"""Flapping frequency by motor power, % (Table I)."""
 
 TABLE_1: dict[int, dict[str, float]] = {
     power: {"C_T": 4.5e-3, "C_D0": 0.5, "C_Da": c_da, "C_La": 3.14, "C_Ma": 0.1, "C_Md": c_md}

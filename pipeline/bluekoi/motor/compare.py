@@ -10,10 +10,11 @@ import numpy as np
 
 from ..data import Flapping
 
-SIGMAS = 3.0
+AGREEMENT_SIGMAS = 3.0
+"""Standard errors within which the tail's frequency agrees with the motor's."""
 SAME_CLOCK_TOLERANCE = 0.25
 """Ratios that differ by less than this share are errors of one clock, not another frame rate."""
-AGREEMENT = 0.02
+RATIO_TOLERANCE = 0.02
 """Trials agree on a ratio where theirs differ by less than this share."""
 
 
@@ -31,7 +32,7 @@ def compare(flapping: Flapping, ratio: float, std: float) -> Flapping:
     if not (math.isfinite(ratio) and math.isfinite(std)):
         return flapping
     near = abs(ratio - 1) < SAME_CLOCK_TOLERANCE
-    agrees = abs(ratio - 1) <= SIGMAS * std
+    agrees = abs(ratio - 1) <= AGREEMENT_SIGMAS * std
     own = math.sqrt(max(std**2 - (ratio * flapping.flap_hz_std / flapping.flap_hz) ** 2, 0.0))
     return replace(
         flapping,
@@ -59,7 +60,7 @@ def common_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | None:
     """
     ratios = np.array([f.ratio for f in flapping if math.isfinite(f.ratio)])
     middle = float(np.median(ratios)) if len(ratios) else math.nan
-    alike = ratios[np.abs(ratios / middle - 1) < AGREEMENT]
+    alike = ratios[np.abs(ratios / middle - 1) < RATIO_TOLERANCE]
     if len(alike) < 2 or 2 * len(alike) <= len(ratios):
         return None
     return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))

@@ -17,7 +17,8 @@ from ..data import Float
 from .shaft import wrapped
 
 MAX_DELAY_S = 2.0
-STEP_S = 0.002
+"""Largest delay tried, and the spacing of those tried."""
+DELAY_STEP_S = 0.002
 SAME_FREQUENCY = 0.03
 """Trials count as repeats whose frequencies differ by less than this share."""
 MAX_SCATTER_RAD = 0.5
@@ -26,10 +27,12 @@ LAG_STD_RAD = 0.05
 """ASSUME beyond a straight line over frequency, the lag of a tail varies by 3 degrees."""
 DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
 MIN_TRIALS = 6
+"""Trials without which no delay is estimated."""
 MAX_P_VALUE = 1e-3
+"""A fit whose misfit is less probable than this is refused."""
 CHI2_MARGIN = 12.0
 """Any other delay must fit worse by this, in chi squared, but for what a hill is not a parabola."""
-CHI2_TOLERANCE = 1.0
+CHI2_HILL_TOLERANCE = 1.0
 
 
 def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
@@ -44,7 +47,7 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
     if scatter > MAX_SCATTER_RAD:
         return None
     weights = 1.0 / (std_rad**2 + scatter**2 + repeats.sum(axis=1) * LAG_STD_RAD**2)
-    delays = np.arange(-MAX_DELAY_S, MAX_DELAY_S + STEP_S / 2, STEP_S)
+    delays = np.arange(-MAX_DELAY_S, MAX_DELAY_S + DELAY_STEP_S / 2, DELAY_STEP_S)
     angles = lag_rad + 2 * np.pi * delays[:, None] * flap_hz
     middle = np.angle(np.exp(1j * angles) @ weights)
     misfit = wrapped(angles - middle[:, None]) ** 2 @ weights
@@ -55,8 +58,11 @@ def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, 
     std = float(1.0 / (2 * np.pi * np.sqrt(spread)))
     if std > MAX_DELAY_S:
         return None
-    elsewhere = np.abs(delays - delays[best]) > np.sqrt(CHI2_MARGIN) * std + STEP_S
-    if elsewhere.any() and misfit[elsewhere].min() < misfit[best] + CHI2_MARGIN - CHI2_TOLERANCE:
+    elsewhere = np.abs(delays - delays[best]) > np.sqrt(CHI2_MARGIN) * std + DELAY_STEP_S
+    if (
+        elsewhere.any()
+        and misfit[elsewhere].min() < misfit[best] + CHI2_MARGIN - CHI2_HILL_TOLERANCE
+    ):
         return None
     return float(delays[best]), float(np.hypot(std, DELAY_STD_S))
 

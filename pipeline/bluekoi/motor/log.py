@@ -14,11 +14,13 @@ from ..errors import input_error
 from .shaft import Shaft, shaft_motion
 from .start import motor_start
 
-COLUMNS = ("time_s", "angle_deg")
-MIN_TURNS = 1.5
+LOG_COLUMNS = ("time_s", "angle_deg")
+"""Columns of a motor log."""
+MIN_SHAFT_TURNS = 1.5
+"""Turns of the shaft without which a log gives no frequency."""
 MAX_TURN_DEG = 400.0
 """A shaft angle that wraps after more than this is not in degrees."""
-GAP_S = 0.5
+MAX_GAP_S = 0.5
 """Longest hole in a log over which the turns are still counted."""
 
 
@@ -42,12 +44,12 @@ def flapping_from_log(path: str | Path) -> Flapping:
     first, last = _running(shaft)
     inside = shaft.good & (time_s >= first) & (time_s <= last)
     turns = abs(float(np.ptp(shaft.phase_rad[inside]))) / (2 * np.pi) if inside.any() else 0.0
-    if turns < MIN_TURNS:
+    if turns < MIN_SHAFT_TURNS:
         raise input_error(
             path,
             "angle_deg",
             f"{turns:.2f} turns of the shaft",
-            f"at least {MIN_TURNS} turns",
+            f"at least {MIN_SHAFT_TURNS} turns",
             "Log for longer, or give flap_hz in trials.csv instead of motor_log.",
         )
     fit = _fit(time_s[inside], shaft.phase_rad[inside])
@@ -82,7 +84,7 @@ def read_log(path: str | Path) -> tuple[Float, Float, tuple[str, ...]]:
 
     Raises: InputError as `flapping_from_log`.
     """
-    columns = read_columns(path, COLUMNS)
+    columns = read_columns(path, LOG_COLUMNS)
     known = np.isfinite(columns["time_s"]) & np.isfinite(columns["angle_deg"])
     time_s, angle_deg = columns["time_s"][known], columns["angle_deg"][known]
     if len(time_s) < 20:
@@ -95,7 +97,7 @@ def read_log(path: str | Path) -> tuple[Float, Float, tuple[str, ...]]:
     keep = _longest_stretch(time_s)
     if not keep.all():
         remarks.append(
-            f"the motor log has a hole of more than {GAP_S:g} s; only "
+            f"the motor log has a hole of more than {MAX_GAP_S:g} s; only "
             f"{time_s[keep][0]:.2f} to {time_s[keep][-1]:.2f} s is used"
         )
     return time_s[keep], np.radians(angle_deg[keep]), tuple(remarks)
@@ -143,7 +145,7 @@ def _check_angles(path: str | Path, angle_deg: Float) -> None:
 
 def _longest_stretch(time_s: Float) -> np.ndarray:
     """Samples (samples,) of the longest stretch without a hole."""
-    part = np.concatenate([[0], np.cumsum(np.diff(time_s) > GAP_S)])
+    part = np.concatenate([[0], np.cumsum(np.diff(time_s) > MAX_GAP_S)])
     spans = [np.ptp(time_s[part == i]) for i in range(part[-1] + 1)]
     return np.asarray(part == int(np.argmax(spans)))
 

@@ -17,9 +17,9 @@ from ..data import Float
 
 Mask = npt.NDArray[np.bool_]
 
-MIN_READINGS = 5
+MIN_READINGS_PER_WINDOW = 5
 """The line of a window takes so many readings."""
-BINS = 72
+SHAFT_BINS = 72
 """Bins of the shaft's circle in which the dead zone is looked for: 5 degrees each."""
 
 
@@ -85,13 +85,13 @@ def _windows(time_s: Float, angle_rad: Float, width_s: float) -> tuple[Float, Fl
     Windows are `width_s` long, or longer where readings are sparse.
     """
     span = time_s[-1] - time_s[0]
-    width_s = max(width_s, (MIN_READINGS + 1) * float(np.median(np.diff(time_s))))
+    width_s = max(width_s, (MIN_READINGS_PER_WINDOW + 1) * float(np.median(np.diff(time_s))))
     count = max(int(2 * span / width_s) - 1, 1)
     starts = time_s[0] + np.linspace(0.0, max(span - width_s, 0.0), count)
     rows = []
     for start in starts:
         inside = (time_s >= start) & (time_s <= start + width_s)
-        if inside.sum() >= MIN_READINGS:
+        if inside.sum() >= MIN_READINGS_PER_WINDOW:
             rows.append(_line(time_s[inside], angle_rad[inside], start + width_s / 2))
     rows = rows or [_line(time_s, angle_rad, float(time_s[0] + span / 2))]
     return tuple(np.array(column) for column in zip(*rows, strict=True))  # type: ignore[return-value]
@@ -128,11 +128,13 @@ def _guess(time_s: Float, center_s: Float, rate_hz: Float, phase_rad: Float) -> 
 
 
 def _bin(phase_rad: Float) -> npt.NDArray[np.int64]:
-    return np.minimum((phase_rad % (2 * np.pi)) / (2 * np.pi) * BINS, BINS - 1).astype(np.int64)
+    return np.minimum((phase_rad % (2 * np.pi)) / (2 * np.pi) * SHAFT_BINS, SHAFT_BINS - 1).astype(
+        np.int64
+    )
 
 
 def _dead_bins(phase_rad: Float, sound: Mask) -> Mask:
-    """Bins (BINS,) of the shaft's circle in which most readings are wrong."""
-    seen = np.bincount(_bin(phase_rad), minlength=BINS)
-    right = np.bincount(_bin(phase_rad), weights=sound.astype(float), minlength=BINS)
+    """Bins (SHAFT_BINS,) of the shaft's circle in which most readings are wrong."""
+    seen = np.bincount(_bin(phase_rad), minlength=SHAFT_BINS)
+    right = np.bincount(_bin(phase_rad), weights=sound.astype(float), minlength=SHAFT_BINS)
     return (seen > 2) & (right < 0.6 * seen)

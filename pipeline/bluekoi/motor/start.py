@@ -26,7 +26,7 @@ SPIN_UP_S, SPIN_UP_SHARE = 2.0, 0.4
 """A motor has reached its speed this long after its start, or after this share of a short log."""
 MIN_REST_S = 0.05
 """Shortest rest of the shaft at the start of a log that is one."""
-HARMONICS = (1, 2)
+READING_ERROR_HARMONICS = (1, 2)
 """Multiples of the shaft's angle in the reading error of a potentiometer."""
 
 
@@ -78,7 +78,7 @@ def _turns(shaft: Shaft, direction: float) -> Float:
 
 def _columns(time_s: Float, turns: Float) -> Float:
     """Columns (n, 7): 1, t, t^2 / 2 and the reading error's harmonics of the shaft's angle."""
-    waves = [g(2 * np.pi * k * turns) for k in HARMONICS for g in (np.cos, np.sin)]
+    waves = [g(2 * np.pi * k * turns) for k in READING_ERROR_HARMONICS for g in (np.cos, np.sin)]
     return np.column_stack([np.ones_like(time_s), time_s, 0.5 * time_s**2, *waves])
 
 

@@ -19,11 +19,11 @@ import numpy as np
 
 from ..data import Flapping, Positions, Steady
 from ..study import Robot
-from .compare import AGREEMENT
+from .compare import RATIO_TOLERANCE
 from .tailbeat import tail_excursion
 
-GRAVITY = 9.81
-LIMITS: Mapping[str, tuple[float, float, str]] = {
+GRAVITY_M_S2 = 9.81
+PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
     "body_lengths_s": (0.0, 10.0, "a speed of {} body lengths per second (plausible: up to 10)"),
     "froude": (0.0, 0.5, "a Froude number of {} (plausible near the surface: up to 0.5)"),
     "stride_lengths": (0.0, 1.2, "{} body lengths per tail beat (plausible: up to 1.2)"),
@@ -43,14 +43,14 @@ REMEDY = (
 def swimming_numbers(
     steady: Steady, flapping: Flapping, positions: Positions, robot: Robot
 ) -> dict[str, float]:
-    """Dimensionless numbers of one trial by the names of `LIMITS`, NaN where not known."""
+    """Dimensionless numbers of one trial, as in `PLAUSIBLE_RANGES`; NaN where not known."""
     length, speed, hz = robot.body_length_m, steady.speed_m_s, flapping.flap_hz
     if not (np.isfinite(speed) and speed > 0):
-        return dict.fromkeys(LIMITS, float("nan"))
+        return dict.fromkeys(PLAUSIBLE_RANGES, float("nan"))
     beating = hz > 0
     return {
         "body_lengths_s": speed / length,
-        "froude": speed / np.sqrt(GRAVITY * length),
+        "froude": speed / np.sqrt(GRAVITY_M_S2 * length),
         "stride_lengths": speed / (hz * length) if beating else float("nan"),
         "strouhal": hz * tail_excursion(positions) / speed if beating else float("nan"),
     }
@@ -70,9 +70,9 @@ def study_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def implausible_numbers(trials: Sequence[Mapping[str, float | None]]) -> str:
-    """What lies outside `LIMITS` in these trials, with its range; empty where nothing does."""
+    """What lies outside `PLAUSIBLE_RANGES` in these trials, with its range, or no text."""
     parts = []
-    for name, (low, high, phrase) in LIMITS.items():
+    for name, (low, high, phrase) in PLAUSIBLE_RANGES.items():
         values = [v for trial in trials if (v := trial.get(name)) is not None]
         outside = [v for v in values if v < low or v > high]
         if outside:
@@ -84,7 +84,7 @@ def implausible_numbers(trials: Sequence[Mapping[str, float | None]]) -> str:
 def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
     """One sentence for each group of trials that share a wrong clock, the largest first."""
     while ratios:
-        groups = ([j for j, b in ratios.items() if abs(b / a - 1) < AGREEMENT]
+        groups = ([j for j, b in ratios.items() if abs(b / a - 1) < RATIO_TOLERANCE]
                   for a in ratios.values())  # fmt: skip
         group = max(groups, key=len)
         value = float(np.mean([ratios.pop(i) for i in group]))

@@ -15,21 +15,24 @@ from ..data import Flapping, Float, Pose, Positions, confident
 from ..data.quality import correlation_time
 from .shaft import wrapped
 
-TAIL = ("tail_tip", "tail_base", "core_center")
+TAIL_PARTS = ("tail_tip", "tail_base", "core_center")
+"""Keypoints between which the tail's angle is measured."""
 FRAME_RATE_FACTORS = (1 / 8, 1 / 4, 1 / 2, 2.0, 4.0, 8.0)
 """Usual mistakes of a frame rate: slow motion played at another rate, 240 for 29.97, and so on."""
 MIN_POWER_RATIO = 2.0
 MAX_BEAT_STD_SHARE = 1e-3
 """Relative deviation of a tail beat that is there: noise alone gives ten times that."""
-SAME_RATE = 0.01
+ALIAS_TOLERANCE = 0.01
 """A beat above half the frame rate that is off the motor's frequency by more may be an alias."""
-CHUNK = 256
-RANGE = 0.25
+FREQUENCIES_AT_ONCE = 256
+"""Frequencies whose spectrum is computed at once, to bound memory."""
+SEARCH_RANGE_SHARE = 0.25
 """The beat is looked for within this share of the guess, on both sides."""
 MAX_BEATS_A_FRAME = 2.0
 """With more beats than that between frames, any frequency fits as well as any other."""
 MIN_FRAMES = 12
-CLEAR_LAG_RAD = 0.5
+"""Frames without which no tail beat is looked for."""
+MAX_LAG_STD_RAD = 0.5
 """A lag with a larger standard error is not reported."""
 BACKGROUND_BEATS = 3.0
 """The slow background has one spline knot per so many beats."""
@@ -55,7 +58,7 @@ def tail_beat(
     if guessed and guess_hz * step > MAX_BEATS_A_FRAME:
         return float("nan"), float("nan")
     span = float(np.ptp(time_s))
-    near = ((1 - RANGE) * guess_hz, (1 + RANGE) * guess_hz)
+    near = ((1 - SEARCH_RANGE_SHARE) * guess_hz, (1 + SEARCH_RANGE_SHARE) * guess_hz)
     low, high = near if guessed else (2 / span, 0.45 / step)
     reference = guess_hz if guessed else np.sqrt(low * high)
     warp = _motor_time(time_s, flapping)
@@ -89,7 +92,7 @@ def beat_lag(source: Positions | Pose, flapping: Flapping) -> tuple[float, float
     variance = float(residual @ (weights * residual)) / max(float(weights.sum()) - len(value), 1.0)
     variance *= correlation_time(residual * np.sqrt(weights))
     std = float(np.sqrt(2.0 * variance / len(signal)) / max(np.hypot(along, across), 1e-12))
-    return (float(np.arctan2(across, along)), std) if std < CLEAR_LAG_RAD else nothing
+    return (float(np.arctan2(across, along)), std) if std < MAX_LAG_STD_RAD else nothing
 
 
 def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, float]:
@@ -105,7 +108,7 @@ def clock_ratio(source: Positions | Pose, flapping: Flapping) -> tuple[float, fl
     hz, std = tail_beat(source, motor_hz, flapping=flapping)
     known, least = (hz, std), 0.0
     step = float(np.median(np.diff(source.time_s))) if len(source.time_s) > 1 else np.inf
-    if np.isfinite(hz) and not (hz * step > 0.5 and abs(hz / motor_hz - 1) > SAME_RATE):
+    if np.isfinite(hz) and not (hz * step > 0.5 and abs(hz / motor_hz - 1) > ALIAS_TOLERANCE):
         least = MIN_POWER_RATIO * _amplitude(source, hz, flapping)
     for factor in FRAME_RATE_FACTORS:
         stretched = replace(source, time_s=source.time_s * factor)
@@ -133,7 +136,7 @@ def tail_excursion(positions: Positions) -> float:
 
     2 sqrt(2) times the standard deviation of (tail tip - tail base) across the core.
     """
-    if not set(TAIL) <= set(positions.names):
+    if not set(TAIL_PARTS) <= set(positions.names):
         return float("nan")
     tail = positions.part("tail_tip") - positions.part("tail_base")
     across = np.linalg.norm(tail, axis=1) * np.sin(_tail_angle(positions))
@@ -174,8 +177,8 @@ def _misfits(hz: Float, time_s: Float, signal: Float, background: Float, weights
     basis = np.linalg.qr(background * root[:, None])[0]
     rest = signal * root - basis @ (basis.T @ (signal * root))
     left = np.empty(len(hz))
-    for first in range(0, len(hz), CHUNK):
-        some = slice(first, first + CHUNK)
+    for first in range(0, len(hz), FREQUENCIES_AT_ONCE):
+        some = slice(first, first + FREQUENCIES_AT_ONCE)
         wave = root[:, None] * np.exp(2j * np.pi * np.outer(time_s - time_s.mean(), hz[some]))
         wave -= basis @ (basis.T @ wave)
         c, s = wave.real, wave.imag
@@ -190,7 +193,7 @@ def _signal(source: Positions | Pose) -> tuple[Float, Float]:
     """Times and beating angle (rad) in the frames where it is seen."""
     if isinstance(source, Pose):
         angle = source.values[:, 2]
-    elif set(TAIL) <= set(source.names):
+    elif set(TAIL_PARTS) <= set(source.names):
         angle = _tail_angle(source)
     else:
         return np.zeros(0), np.zeros(0)
@@ -201,7 +204,9 @@ def _signal(source: Positions | Pose) -> tuple[Float, Float]:
 def _tail_angle(positions: Positions) -> Float:
     tail = positions.part("tail_tip") - positions.part("tail_base")
     core = positions.part("tail_base") - positions.part("core_center")
-    sure = confident(positions.likelihood[:, [positions.names.index(n) for n in TAIL]]).all(axis=1)
+    sure = confident(positions.likelihood[:, [positions.names.index(n) for n in TAIL_PARTS]]).all(
+        axis=1
+    )
     angle = wrapped(np.arctan2(tail[:, 1], tail[:, 0]) - np.arctan2(core[:, 1], core[:, 0]))
     return np.where(sure, angle, np.nan)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..integrate import Stage
 
 OBSERVATIONS = ("x", "y", "heading", "head_angle")
+"""What the camera observes: place, heading of the core, head angle."""
 
 
 def clock() -> tuple[float]:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields
 from ..camera.displacement import error_forms
 from ..study import Setup
 
-NEVER_S = 1e9
+NO_SHIFT_S = 1e9
+"""Time of a displacement of the camera that never comes, s."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class View:
     Q_lens: float = 0.0
     ax_lens: float = 0.0
     ay_lens: float = 0.0
-    t_shift: float = NEVER_S
+    t_shift: float = NO_SHIFT_S
     x_shift: float = 1.0
     y_shift: float = 0.0
     ahead: float = 0.0

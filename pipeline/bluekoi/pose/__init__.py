@@ -14,16 +14,18 @@ import numpy as np
 from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, poorly_seen
 from ..errors import input_error
 from ..study import Robot
-from .body import RIGID, Body, body_lengths, trusted_points
+from .body import RIGID_PARTS, Body, body_lengths, trusted_points
 from .fit import PoseFit, systematic_offsets, usable_frames, with_noise, without_outliers
 
 LENGTH_TOLERANCE = 0.02
+"""Relative error of a rigid length above which the pose carries a remark."""
 LONG_GAP_S = 1.0
-WINDOW = 9
+"""Gap in the keypoints above which the track carries a remark."""
+AVERAGED_FRAMES = 9
 """Frames in the moving average of the direction; fewer where they span half a turn."""
-GAP_STEPS, MIN_STRETCH = 1.5, 0.5
+GAP_STEPS, MIN_STRETCH_SHARE = 1.5, 0.5
 """A step of so many median ones is a gap; a stretch beside it must be this part as long."""
-UNKNOWN_RAD = 0.5
+MAX_DIRECTION_STD_RAD = 0.5
 """A direction with a larger std does not count turns, however long it lasts: half a second of
 exchanged labels, with a std of 4 rad, wound the heading by a whole turn.
 """
@@ -85,10 +87,10 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
     if len(known) == 0:
         return angle
     poor = poorly_seen(variance[known], np.nanmedian(variance[known]))
-    unknown = variance[known] > max(UNKNOWN_RAD**2, float(np.nanmedian(variance[known])))
+    unknown = variance[known] > max(MAX_DIRECTION_STD_RAD**2, float(np.nanmedian(variance[known])))
     well = known[~(_in_short_runs(poor) | _in_short_runs(unknown, len(unknown)))]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
-    window = int(np.clip(np.pi / max(step, 1e-9), 1, min(WINDOW, len(well))))
+    window = int(np.clip(np.pi / max(step, 1e-9), 1, min(AVERAGED_FRAMES, len(well))))
     mean = np.convolve(np.exp(1j * angle[well]), np.ones(window), mode="same")
     near = np.interp(times, times[well], _unwrapped_mean(np.angle(mean), times[well]))
     return angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi))
@@ -109,7 +111,7 @@ def _unwrapped_mean(angle: Float, times: Float) -> Float:
         after = slice(k + 1, min(later, int(np.searchsorted(times, times[k + 1] + span[k]))))
         turns = [_half_turn_at_most(step[k] - on) + on for on in (
             step[s].sum() * span[k] / span[s].sum()
-            for s in (before, after) if span[s].sum() > MIN_STRETCH * span[k])]  # fmt: skip
+            for s in (before, after) if span[s].sum() > MIN_STRETCH_SHARE * span[k])]  # fmt: skip
         if turns:
             step[k] = turns[0] if np.ptp(turns) < 1.0 else min(turns, key=abs)
     return angle[0] + np.concatenate([[0.0], np.cumsum(step)])
@@ -119,7 +121,7 @@ def _half_turn_at_most(angle: Float) -> Float:
     return -((np.pi - angle) % (2 * np.pi) - np.pi)
 
 
-def _in_short_runs(marked: np.ndarray, max_length: int = WINDOW) -> np.ndarray:
+def _in_short_runs(marked: np.ndarray, max_length: int = AVERAGED_FRAMES) -> np.ndarray:
     """Which marked frames (n,) stand in runs of `max_length` at most, between good frames: nothing
     else shows how far the heading has turned over a longer run or before the first good frame.
     """
@@ -150,8 +152,9 @@ def _offset_remarks(body: Body) -> tuple[str, ...]:
     if not off.any():
         return ()
     return (
-        f"pose: keypoints are systematically off the rigid body, {RIGID[int(np.argmax(off))]} by "
-        f"{1000 * off.max():.1f} mm: one of them is marked in the wrong place",
+        "pose: keypoints are systematically off the rigid body, "
+        f"{RIGID_PARTS[int(np.argmax(off))]} by {1000 * off.max():.1f} mm: "
+        "one of them is marked in the wrong place",
     )
 
 
@@ -169,7 +172,7 @@ def _frame_remarks(time_s: Float, known: np.ndarray, dropped: int) -> tuple[str,
 
 def _nothing_usable(positions: Positions, xy: Float) -> Exception:
     counts = np.isfinite(xy[:, :, 0]).sum(axis=0)
-    seen = ", ".join(f"{name} in {n}" for name, n in zip(RIGID, counts, strict=True))
+    seen = ", ".join(f"{name} in {n}" for name, n in zip(RIGID_PARTS, counts, strict=True))
     return input_error(
         "keypoints",
         "",

@@ -9,28 +9,29 @@ import numpy as np
 from ..data import Float, Positions, confident
 from ..study import Robot
 
-RIGID = ("head_tip", "hinge", "core_center", "tail_base")
+RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
+"""Keypoints on the rigid head and core, in the order of all arrays."""
 
 
 @dataclass(frozen=True)
 class Body:
     """Distances of one trial, m: hinge and tail base from centre of mass, head tip from hinge.
 
-    offset_m: (4, 2), systematic offset of each of RIGID, along and to the left of the head (head
-    tip) or of the core (the others).
+    offset_m: (4, 2), systematic offset of each of RIGID_PARTS, along and to the left of the head
+    (head tip) or of the core (the others).
     """
 
     hinge_m: float
     tail_m: float
     head_m: float
-    offset_m: Float = field(default_factory=lambda: np.zeros((len(RIGID), 2)))
+    offset_m: Float = field(default_factory=lambda: np.zeros((len(RIGID_PARTS), 2)))
 
 
 def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float) -> Body:
     """Median distances of one trial, the share that noise adds across the axis (s^2 / 2d) removed.
 
-    xy_m: (frames, 4, 2) of RIGID; cov_m2: (frames, 4, 2, 2). Where the centre of mass is never
-    seen with a neighbour, hinge to tail base is divided as the robot's own lengths are.
+    xy_m: (frames, 4, 2) of RIGID_PARTS; cov_m2: (frames, 4, 2, 2). Where the centre of mass is
+    never seen with a neighbour, hinge to tail base is divided as the robot's own lengths are.
     """
     hinge = _distance(xy_m, cov_m2, 1, 2)
     tail = _distance(xy_m, cov_m2, 2, 3)
@@ -49,7 +50,7 @@ def trusted_points(positions: Positions) -> tuple[Float, Float]:
     """Points (frames, 4, 2) of the rigid parts, NaN where not trusted, and their covariance."""
     n = len(positions.time_s)
     xy, cov = np.full((n, 4, 2), np.nan), np.full((n, 4, 2, 2), np.nan)
-    for i, name in enumerate(RIGID):
+    for i, name in enumerate(RIGID_PARTS):
         if name in positions.names:
             k = positions.names.index(name)
             trusted = confident(positions.likelihood[:, k])

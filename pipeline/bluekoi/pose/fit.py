@@ -11,11 +11,15 @@ from ..data import Float
 from .body import Body
 
 ITERATIONS = 6
+"""Gauss-Newton steps of a pose, and rounds in which poses and noise are estimated in turn."""
 NOISE_ITERATIONS = 12
-FALSE_ALARM = 1e-5
+FALSE_ALARM_PROBABILITY = 1e-5
+"""Probability with which a right frame is taken for an outlier."""
 MIN_STD_M = 1e-6
-MIN_OFFSET_SIGMAS, MIN_OFFSET = 2.0, 0.005
+"""Least standard deviation of a keypoint."""
+MIN_OFFSET_SIGMAS, MIN_OFFSET_SHARE = 2.0, 0.005
 MIN_FRAMES = 20
+"""Frames without which no systematic offset of a keypoint is estimated."""
 
 
 @dataclass(frozen=True)
@@ -142,8 +146,8 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
     """Systematic offset of each point (4, 2), along and to the left of its part, m.
 
     Median residual of the rigid body over all frames, all points of one weight; zero unless one of
-    them exceeds `MIN_OFFSET_SIGMAS` times its std and `MIN_OFFSET` of the body. Without it, a point
-    would be left out of some frames only and bend the pose there.
+    them exceeds `MIN_OFFSET_SIGMAS` times its std and `MIN_OFFSET_SHARE` of the body. Without
+    it, a point would be left out of some frames only and bend the pose there.
     """
     fit = fitted(xy, np.broadcast_to(np.eye(2), (*xy.shape, 2)), body)
     toward = np.column_stack([fit.state[:, 3], *[fit.state[:, 2]] * 3])
@@ -155,7 +159,7 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
         return np.zeros((4, 2))
     offset = np.median(own[seen], axis=0)
     spread = 1.48 * np.median(np.abs(own[seen] - offset), axis=0)
-    least = MIN_OFFSET * (body.hinge_m + body.tail_m)
+    least = MIN_OFFSET_SHARE * (body.hinge_m + body.tail_m)
     steady = (np.abs(offset) > MIN_OFFSET_SIGMAS * spread) & (np.abs(offset) > least)
     return offset if steady.any() else np.zeros((4, 2))
 
@@ -190,5 +194,5 @@ def _degrees_of_freedom(xy: Float) -> Float:
 
 def _too_far(misfit: Float, xy: Float) -> np.ndarray:
     free = _degrees_of_freedom(xy)
-    limit = chdtri(np.maximum(free, 1), FALSE_ALARM)
+    limit = chdtri(np.maximum(free, 1), FALSE_ALARM_PROBABILITY)
     return (free > 0) & (np.nan_to_num(misfit) > limit)

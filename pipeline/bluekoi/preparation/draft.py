@@ -23,10 +23,13 @@ from ..files import atomic_write, read_text
 from ..study.keys import keys
 from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
 
-NAMES = ("study.yaml", "trials.csv")
-BACKUP = ".backup"
-REQUIRED = {key.name for key in keys() if key.default == "required"}
-MAX_BYTES = 10_000_000
+STUDY_FILES = ("study.yaml", "trials.csv")
+"""Files of a study, in the order of their texts."""
+BACKUP_FOLDER = ".backup"
+"""Folder in the study to which a file is copied before it is changed."""
+REQUIRED_KEYS = {key.name for key in keys() if key.default == "required"}
+"""Keys and columns that a study must have."""
+MAX_FILE_BYTES = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -76,14 +79,14 @@ def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
     wanted = rendered(draft, folder, texts)
     changed = [
         (name, old, new)
-        for name, old, new in zip(NAMES, texts, wanted, strict=True)
+        for name, old, new in zip(STUDY_FILES, texts, wanted, strict=True)
         if old is None or old != new
     ]
     with ExitStack() as files:
         for name, old, new in changed:
             target = (folder / name).resolve()
             if old is not None:
-                _keep(target, folder / BACKUP)
+                _keep(target, folder / BACKUP_FOLDER)
             files.enter_context(atomic_write(target)).write_text(new, encoding="utf-8")
     done = [f"{name} {'saved' if old is None else 'changed'}" for name, old, _ in changed]
     return read_draft(folder), done
@@ -101,14 +104,14 @@ def texts_of(folder: Path) -> tuple[str | None, str | None]:
 
     def text(name: str) -> str | None:
         try:
-            return read_text(folder / name, MAX_BYTES)
+            return read_text(folder / name, MAX_FILE_BYTES)
         except FileNotFoundError:
             return None
         except (OSError, UnicodeDecodeError) as error:
             raise input_error(folder / name, "", f"no readable text ({error})", "a file in UTF-8",
                               "Mend it in an editor; it was left as it is.") from error  # fmt: skip
 
-    return text(NAMES[0]), text(NAMES[1])
+    return text(STUDY_FILES[0]), text(STUDY_FILES[1])
 
 
 def _revision(texts: Sequence[str | None]) -> str:
@@ -128,12 +131,13 @@ def _document(folder: Path, text: str | None) -> CommentedMap:
     try:
         content = _yaml().load(blank_study_yaml() if text is None else text)
     except (YAMLError, ValueError, RecursionError) as error:
-        raise input_error(folder / NAMES[0], "", f"no readable yaml ({error})", "yaml",
+        raise input_error(folder / STUDY_FILES[0], "", f"no readable yaml ({error})", "yaml",
                           "Mend it in an editor; it was left as it is.") from error  # fmt: skip
     if content is None:
         content = _yaml().load(blank_study_yaml())
     if not isinstance(content, CommentedMap):
-        raise input_error(folder / NAMES[0], "", "no keys", "keys pool, robot, camera and others",
+        raise input_error(folder / STUDY_FILES[0], "", "no keys",
+                          "keys pool, robot, camera and others",
                           "Mend it in an editor; it was left as it is.")  # fmt: skip
     return content
 
@@ -147,11 +151,12 @@ def _table(folder: Path, text: str | None) -> tuple[list[str], list[dict[str, st
             row for row in csv.reader(io.StringIO(text, newline="")) if any(map(str.strip, row))
         ]
     except csv.Error as error:
-        raise input_error(folder / NAMES[1], "", f"no readable csv ({error})", "a csv file",
+        raise input_error(folder / STUDY_FILES[1], "", f"no readable csv ({error})", "a csv file",
                           "Mend it in an editor; it was left as it is.") from error  # fmt: skip
     header = [cell.strip() for cell in lines[0]] if lines else []
     if len(set(header)) < len(header) or any(len(row) > len(header) for row in lines):
-        raise input_error(folder / NAMES[1], "", "a column twice, or a row longer than the header",
+        raise input_error(folder / STUDY_FILES[1], "",
+                          "a column twice, or a row longer than the header",
                           "a column for each cell",
                           "Mend it in an editor; it was left as it is.")  # fmt: skip
     rows = [dict(zip(header, map(str.strip, row), strict=False)) for row in lines[1:]]
@@ -219,7 +224,7 @@ def _edit(content: CommentedMap, values: Mapping[str, str]) -> bool:
     for name in before.keys() - given.keys():
         section, _, key = name.partition(".")
         parent = content[section] if key else content
-        if name in REQUIRED:
+        if name in REQUIRED_KEYS:
             parent[key or section] = None
         else:
             _remove(parent, key or section)

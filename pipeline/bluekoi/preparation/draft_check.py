@@ -12,10 +12,11 @@ from ..study import Setup, Study, missing_files
 from ..study.csv_file import read_trials
 from ..study.keys import keys
 from ..study.yaml_file import read_setup
-from .draft import NAMES, Draft, rendered, texts_of
+from .draft import STUDY_FILES, Draft, rendered, texts_of
 from .input_check import file_findings, setup_findings
 
-SECTIONS = {key.name for key in keys() if "." not in key.name and key.file == NAMES[0]}
+STUDY_SECTIONS = {key.name for key in keys() if "." not in key.name and key.file == STUDY_FILES[0]}
+"""Sections of study.yaml."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,10 @@ def _checked(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Find
     findings: list[Finding] = []
     with tempfile.TemporaryDirectory() as name:
         texts = rendered(draft, folder, texts_of(folder))
-        for file, text in zip(NAMES, texts, strict=True):
+        for file, text in zip(STUDY_FILES, texts, strict=True):
             (Path(name) / file).write_text(text, encoding="utf-8")
-        setup = read_setup(Path(name) / NAMES[0], findings)
-        trials = read_trials(Path(name) / NAMES[1], findings)
+        setup = read_setup(Path(name) / STUDY_FILES[0], findings)
+        trials = read_trials(Path(name) / STUDY_FILES[1], findings)
     findings = [replace(finding, file=Path(finding.file).name) for finding in findings]
     study = Study.model_construct(root=folder.resolve(), setup=setup, trials=tuple(trials))
     findings += missing_files(study)
@@ -70,11 +71,13 @@ def _placed(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
     remedy = f" {finding.remedy}" if finding.remedy else ""
     text = f"found {finding.found}; expected {finding.expected}.{remedy}"
     file = Path(finding.file).name
-    if file == NAMES[0]:
-        known = [key.name for key in keys() if key.name not in SECTIONS or key.name == "bodyparts"]
+    if file == STUDY_FILES[0]:
+        known = [
+            key.name for key in keys() if key.name not in STUDY_SECTIONS or key.name == "bodyparts"
+        ]
         place = next((k for k in known if f"{finding.where}.".startswith(f"{k}.")), "")
         return DraftFinding(text if place else f"{finding.where}: {text}", key=place)
-    if file != NAMES[1]:
+    if file != STUDY_FILES[1]:
         return _of_file(finding, text, draft, folder)
     row = _row_of(finding.where, draft)
     column = finding.where.rpartition(", ")[2] if "," in finding.where else ""

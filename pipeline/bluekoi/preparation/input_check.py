@@ -14,15 +14,18 @@ from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source
 from ..motor import flapping_from_log
-from ..pose.body import RIGID
+from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
 from ..study import Setup, Study, Trial
 from ..study.filmed import setup_in_film_pixels
 from ..study.rules import robot_doubts
 
 MIN_FRAMES = 2
-STATED_SHARE = 0.05
-"""A stated flapping frequency is that of its log to this share."""
+"""Usable frames that a keypoint file must have."""
+FREQUENCY_TOLERANCE = 0.05
+"""Relative difference of `flap_hz` and the frequency of the motor log above which they
+contradict each other.
+"""
 
 
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
@@ -88,7 +91,7 @@ def _read(study: Study, trial: Trial) -> None:
 
 
 def _compare_stated(study: Study, trial: Trial, log_hz: float) -> None:
-    if trial.flap_hz is not None and abs(trial.flap_hz / log_hz - 1) > STATED_SHARE:
+    if trial.flap_hz is not None and abs(trial.flap_hz / log_hz - 1) > FREQUENCY_TOLERANCE:
         raise input_error(
             study.root / "trials.csv", f"trial {trial.trial_id}, flap_hz", f"{trial.flap_hz:g}",
             f"{log_hz:.3g} Hz, as {trial.motor_log} has it",
@@ -102,11 +105,13 @@ def _seen(path: Path, found: Keypoints) -> None:
     """
     sure = dict(zip(found.names, confident(found.likelihood.T), strict=True))
     never = np.zeros(len(found.time_s), dtype=bool)
-    frames = int(usable_frames(np.column_stack([sure.get(name, never) for name in RIGID])).sum())
+    frames = int(
+        usable_frames(np.column_stack([sure.get(name, never) for name in RIGID_PARTS])).sum()
+    )
     if frames < MIN_FRAMES:
         raise input_error(
             path, "", f"{frames} of {len(found.time_s)} frames with head_tip and two of "
-            f"{', '.join(RIGID[1:])} at likelihood {MIN_LIKELIHOOD} or more",
+            f"{', '.join(RIGID_PARTS[1:])} at likelihood {MIN_LIKELIHOOD} or more",
             f"{MIN_FRAMES} at least",
             "Are the likelihoods there, and are the names under bodyparts: the right ones?",
         )  # fmt: skip

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import InputError
 
-MAX_LINES = 400
+MAX_LOG_LINES = 400
 INTERNAL_ERROR = "a defect of this program ended the work; the terminal has more"
 
 
@@ -68,7 +68,7 @@ class Run:
 
     def __init__(self, words: Sequence[str], report: Path) -> None:
         self.words, self.report = list(words), report
-        self._lines: deque[str] = deque(maxlen=MAX_LINES)
+        self._lines: deque[str] = deque(maxlen=MAX_LOG_LINES)
         self._process: subprocess.Popen[str] | None = None
 
     def start(self) -> None:

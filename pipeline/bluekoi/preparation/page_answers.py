@@ -28,7 +28,7 @@ from .pictures import Luma, frame_of, rounded_points
 from .prefill import study_files, trial_rows
 from .robot_outline import robot_outline
 
-SECTIONS: dict[str, type[BaseModel]] = {
+SECTION_MODELS: dict[str, type[BaseModel]] = {
     "pool": Pool,
     "water": Water,
     "robot": Robot,
@@ -172,7 +172,7 @@ def _section(name: str, values: Mapping[str, str]) -> Any:
     ]
     if missing:
         raise InputError(missing)
-    model = SECTIONS[name]
+    model = SECTION_MODELS[name]
     try:
         return model.model_validate(given)
     except ValidationError as error:

@@ -16,20 +16,23 @@ from ..study import VIDEO_SUFFIXES, Trial
 from ..study.image_files import IMAGE_SUFFIXES, natural
 from ..study.keys import keys
 
-HEADER_BYTES = 4096
+MAX_HEADER_BYTES = 4096
 MAX_FILES = 100_000
 MIN_PICTURES = 50
 """A folder with fewer pictures is one of calibration boards rather than a recording."""
-REQUIRED = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
-POWER = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
-PERCENT = re.compile(r"(?i)(\d{1,3})(?:pct|percent|%)")
-ANGLE = re.compile(
+REQUIRED_COLUMNS = tuple(name for name, info in Trial.model_fields.items() if info.is_required())
+POWER_PATTERN = re.compile(r"(?i)(?:^|[_\-. ])(?:power|pwr|p)[_-]?(\d{1,3})(?=$|[_\-. %])")
+"""Power and head angle in the name of a file: p50, 70pct, phi-20."""
+PERCENT_PATTERN = re.compile(r"(?i)(\d{1,3})(?:pct|percent|%)")
+ANGLE_PATTERN = re.compile(
     r"(?i)(?:^|[_\-. ])(?:head[_-]?angle|angle|phi|a)_?(m|minus|-|\+)?(\d{1,3}(?:\.\d+)?)"
     r"(?:deg)?(?=$|[_\-. ])"
 )
-LOG_WORDS = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
+LOG_WORDS_PATTERN = re.compile(r"(?i)^(motor|log|angle|shaft|encoder)[_\-. ]|"
                        r"[_\-. ](motor|log|angle|shaft|encoder)s?$")  # fmt: skip
-OPTIONAL = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
+"""Words that the name of a motor log may have beside that of its recording."""
+OPTIONAL_KEYS = {"camera": ("matrix", "distortion"), "robot": ("keypoint_depth_m",)}
+"""Section -> keys that a new study.yaml shows as comments."""
 
 
 @dataclass(frozen=True)
@@ -92,9 +95,9 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
 def condition_of_name(stem: str) -> dict[str, str]:
     """Power and head angle where the name of a file states them: column to text."""
     found = {}
-    if power := PERCENT.search(stem) or POWER.search(stem):
+    if power := PERCENT_PATTERN.search(stem) or POWER_PATTERN.search(stem):
         found["power_pct"] = f"{int(power[1])}"
-    if angle := ANGLE.search(stem):
+    if angle := ANGLE_PATTERN.search(stem):
         sign = "-" if (angle[1] or "").lower() in ("m", "minus", "-") else ""
         found["head_angle_deg"] = f"{sign}{float(angle[2]):g}"
     return found
@@ -103,7 +106,7 @@ def condition_of_name(stem: str) -> dict[str, str]:
 def trials_csv(rows: Sequence[Mapping[str, str]], header: Sequence[str] = ()) -> str:
     """Text of trials.csv: the required columns, those of `header` and those that a row uses."""
     used = {name for row in rows for name, text in row.items() if text.strip()}
-    known = [name for name in Trial.model_fields if name in used or name in REQUIRED]
+    known = [name for name in Trial.model_fields if name in used or name in REQUIRED_COLUMNS]
     first = list(header) or known
     columns = [*first, *(name for name in known if name not in first)]
     columns += sorted(used - set(columns))
@@ -132,7 +135,7 @@ def blank_study_yaml() -> str:
         needed = key.default == "required" or section == "pool"
         value = "" if needed else key.default
         off = "" if needed or value else "# "
-        off = "# " if name in OPTIONAL.get(section, ()) else off
+        off = "# " if name in OPTIONAL_KEYS.get(section, ()) else off
         lines += [f"  # {key.meaning}{unit}", f"  {off}{name}: {value}".rstrip()]
     return "\n".join(lines) + "\n"
 
@@ -169,7 +172,7 @@ def _logs_by_name(logs: Sequence[str]) -> dict[str, str]:
     for name in logs:
         stem = Path(name).stem
         found.setdefault(stem.casefold(), name)
-        found.setdefault(LOG_WORDS.sub("", stem).casefold(), name)
+        found.setdefault(LOG_WORDS_PATTERN.sub("", stem).casefold(), name)
     return found
 
 
@@ -190,7 +193,7 @@ def _first_cells(path: Path) -> list[str]:
     """Cells of the first line of a csv file; nothing where it cannot be read."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as file:
-            return [cell.strip() for cell in file.readline(HEADER_BYTES).split(",")]
+            return [cell.strip() for cell in file.readline(MAX_HEADER_BYTES).split(",")]
     except OSError:
         return []
 

@@ -16,8 +16,8 @@ from ..keypoints import source
 from ..study import Study, Trial
 from ..study.filmed import setup_in_film_pixels
 
-FRAMES = 20
-FEW = 0.5
+PREVIEWED_FRAMES = 20
+FEW_FRAMES_SHARE = 0.5
 """Share of the frames below which the preview looks for a reason."""
 
 
@@ -47,7 +47,7 @@ class Preview:
 
 def spread_frames(
     paths: Sequence[Path], *, fps: float | None = None, part_s: tuple[float | None, float | None] =
-    (None, None), colour: bool = False, consecutive: bool = False, count: int = FRAMES,
+    (None, None), colour: bool = False, consecutive: bool = False, count: int = PREVIEWED_FRAMES,
 ) -> list[Frame]:  # fmt: skip
     """At most `count` frames of the part (start, end) of a recording, numbered: evenly spread, or
     the first ones.
@@ -70,7 +70,7 @@ def spread_frames(
 
 
 def preview_trial(study: Study, trial_id: str) -> Preview:
-    """The detection on `FRAMES` frames of a trial, spread over it.
+    """The detection on `PREVIEWED_FRAMES` frames of a trial, spread over it.
 
     Of a trial with start_x_px and start_y_px, the first frames: among several bodies the intended
     one can only be followed from frame to frame.
@@ -113,11 +113,11 @@ def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints])
     where the detector says why.
     """
     count = len(found.time_s)
-    if _confident(found) >= FEW * count or not np.isfinite(found.xy_px).any():
+    if _confident(found) >= FEW_FRAMES_SHARE * count or not np.isfinite(found.xy_px).any():
         return ()
     if angle := trial.head_angle_deg:
         mirrored = _confident(detect(trial.model_copy(update={"head_angle_deg": -angle})))
-        if mirrored >= FEW * count:
+        if mirrored >= FEW_FRAMES_SHARE * count:
             return (
                 f"with head_angle_deg {-angle:g} the robot is found in {mirrored} of {count} "
                 f"frames: is the sign of {angle:g} wrong? It is positive where the head points "

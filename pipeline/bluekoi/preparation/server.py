@@ -21,12 +21,14 @@ from .draft_check import draft_findings, draft_study
 from .jobs import Jobs, Run
 from .pictures import jpeg, preview
 
-PAGE = Path(__file__).parent / "page"
+PAGE_FOLDER = Path(__file__).parent / "page"
 HOST = "127.0.0.1"
-MAX_BYTES = 20_000_000
-THREADS = 6
-POLICY = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; " \
-    "frame-ancestors 'none'; form-action 'none'; base-uri 'none'"  # fmt: skip
+MAX_REQUEST_BYTES = 20_000_000
+SERVER_THREADS = 6
+CONTENT_SECURITY_POLICY = (
+    "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
+    "frame-ancestors 'none'; form-action 'none'; base-uri 'none'"
+)
 
 
 class SetupServer:
@@ -43,8 +45,8 @@ class SetupServer:
         self.token = secrets.token_urlsafe(24)
         self.jobs, self.run = Jobs(), Run(run_words, results / "report.html")
         self._server = waitress.create_server(
-            self._application(), host=HOST, port=port, threads=THREADS,
-            max_request_body_size=MAX_BYTES, ident=None,
+            self._application(), host=HOST, port=port, threads=SERVER_THREADS,
+            max_request_body_size=MAX_REQUEST_BYTES, ident=None,
         )  # fmt: skip
         self.port = int(self._server.effective_port)
 
@@ -104,8 +106,8 @@ class SetupServer:
         bottle.response.set_header("Referrer-Policy", "no-referrer")
 
     def _static(self, name: str) -> Any:
-        found = bottle.static_file(name, root=str(PAGE))
-        found.set_header("Content-Security-Policy", POLICY)
+        found = bottle.static_file(name, root=str(PAGE_FOLDER))
+        found.set_header("Content-Security-Policy", CONTENT_SECURITY_POLICY)
         found.set_header("Cache-Control", "no-store")
         return found
 

@@ -26,10 +26,10 @@ from ..explain.text import (
 from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR, RC_PARAMS
 from ..files import write_text
 from ..fitting import free_runs
-from .findings import HEADINGS
+from .findings import VERDICT_HEADINGS
 from .page import rendered
 
-MAX_TRIALS = 4
+MAX_TRIALS_SHOWN = 4
 
 
 def write_explanation(found: Explanation, predicted: Predicted | None, path: Path) -> None:
@@ -39,7 +39,7 @@ def write_explanation(found: Explanation, predicted: Predicted | None, path: Pat
 
 def explanation_page(found: Explanation, predicted: Predicted | None = None) -> str:
     """Text of the page."""
-    held, heading = found.held_out, HEADINGS[found.verdict]
+    held, heading = found.held_out, VERDICT_HEADINGS[found.verdict]
     if found.named:
         heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
     samples = sum(len(s.times) for s in found.prepared.series)
@@ -73,7 +73,7 @@ def trials_figure(found: Explanation) -> Figure:
     """Observations over time of a few trials, measured and simulated by both models."""
     model, problem = found.model, found.prepared.problem
     every = problem.series
-    chosen = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MAX_TRIALS).round())
+    chosen = [every[i] for i in np.unique(np.linspace(0, len(every) - 1, MAX_TRIALS_SHOWN).round())
               .astype(int)]  # fmt: skip
     with mpl.rc_context(RC_PARAMS):
         figure = Figure(figsize=(3.0 * len(chosen), 2.0 * len(model.observations)),

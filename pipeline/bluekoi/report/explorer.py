@@ -13,13 +13,14 @@ from .packing import gzip_base64_json, quantised_differences
 
 MAX_POINTS = 2000
 """Longer trials are thinned to this many points."""
-RESOLUTION = {
+COLUMN_RESOLUTION = {
     "time_s": 1e-4, "x_m": 1e-4, "y_m": 1e-4, "speed_m_s": 1e-4, "speed_m_s_std": 1e-5,
     "heading_rad": 1e-3, "head_angle_rad": 1e-4, "yaw_rate_rad_s": 1e-4,
     "yaw_rate_rad_s_std": 1e-4,
 }  # fmt: skip
 """Columns shown, and the resolution to which they are stored (far below their uncertainty)."""
-MODELS = {"before": "joint", "after": "extended"}
+SIMULATION_COLUMNS = {"before": "joint", "after": "extended"}
+"""Model -> beginning of the names of its columns in the explorer's data."""
 
 
 def series(campaign: Campaign, trial_id: str) -> str:
@@ -32,11 +33,11 @@ def series(campaign: Campaign, trial_id: str) -> str:
         return ""
     count = len(track.time_s)
     kept = np.unique(np.linspace(0, count - 1, min(count, MAX_POINTS)).round().astype(int))
-    columns = {name: np.asarray(getattr(track, name))[kept] for name in RESOLUTION}
+    columns = {name: np.asarray(getattr(track, name))[kept] for name in COLUMN_RESOLUTION}
     given = campaign.model_columns(trial_id)
     models = {
         name: _model(given, prefix, track.time_s[kept])
-        for name, prefix in MODELS.items()
+        for name, prefix in SIMULATION_COLUMNS.items()
         if f"{prefix}_x_m" in given
     }
     return gzip_base64_json({
@@ -62,5 +63,6 @@ def _model(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Fl
 def _stored(columns: Mapping[str, Float]) -> dict[str, Any]:
     limited = {name: np.where(np.abs(v) < 1e6, v, np.nan) for name, v in columns.items()}
     return {
-        name: quantised_differences(values, RESOLUTION[name]) for name, values in limited.items()
+        name: quantised_differences(values, COLUMN_RESOLUTION[name])
+        for name, values in limited.items()
     }

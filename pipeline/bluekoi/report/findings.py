@@ -17,7 +17,7 @@ from ..motor.swimming import study_warnings
 from ..study.rules import robot_doubts
 from .numbers import measured, number, probability, readable, unit, units, with_readable_names
 
-HEADINGS = {
+VERDICT_HEADINGS = {
     "none": "No mismatch beyond the noise",
     "physics": "Missing physics",
     "measurement": "Measurement error",
@@ -69,7 +69,7 @@ def verdict(campaign: Campaign) -> dict[str, str]:
             "sentence": "This run did not search for causes of a mismatch.",
         }
     kind = str(found.get("verdict", "missing"))
-    heading = HEADINGS.get(kind, kind)
+    heading = VERDICT_HEADINGS.get(kind, kind)
     causes = [(str(c.get("kind", kind)), readable(str(c["name"])))
               for c in found.get("causes") or []]  # fmt: skip
     if kind in ("physics", "measurement") and causes:
@@ -83,7 +83,9 @@ def named_heading(kind: str, causes: Sequence[tuple[str, str]]) -> str:
     kind stands first.
     """
     kinds = dict.fromkeys((kind, *(own for own, _ in causes)))
-    parts = [(HEADINGS[k], " and ".join(name for own, name in causes if own == k)) for k in kinds]
+    parts = [
+        (VERDICT_HEADINGS[k], " and ".join(name for own, name in causes if own == k)) for k in kinds
+    ]
     return "; ".join(f"{words}: {names}" for words, names in parts if names)
 
 

@@ -10,12 +10,13 @@ from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
 from .findings import Row
 from .numbers import number
 
-ERRORS = (
+ERROR_ROWS = (
     ("path, rms (mm)", "path_rmse_m", 1000.0),
     ("turn radius (%)", "radius_error_pct", 1.0),
     ("steady speed (%)", "speed_error_pct", 1.0),
 )
-FITTED_TO = {
+"""Label of a row, key of mismatch.json, factor to the unit of the label."""
+CRITERION_SENTENCES = {
     "prediction errors": "The baseline was fitted to one-step prediction errors.",
     "trajectories": "The baseline was fitted to whole trajectories, the strongest baseline for "
     "these errors.",
@@ -33,7 +34,7 @@ def held_out(campaign: Campaign) -> list[Row]:
     if not (campaign.mismatch or {}).get("held_out"):
         return []
     rows = []
-    for label, key, factor in ERRORS:
+    for label, key, factor in ERROR_ROWS:
         errors = [campaign.held_out_error(model, key) for model in campaign.held_out_models]
         floor = _noise_floor(campaign) if key == "path_rmse_m" else ""
         rows.append(Row(label, (*(_scaled(error, factor) for error in errors), floor)))
@@ -52,7 +53,7 @@ def text(campaign: Campaign) -> dict[str, str]:
     stretch = found.get("stretch_s")
     common = {
         "stretch": f" over segments of {float(stretch):.1f} s" if stretch else "",
-        "baseline": FITTED_TO.get(str(found.get("baseline_fitted_to")), ""),
+        "baseline": CRITERION_SENTENCES.get(str(found.get("baseline_fitted_to")), ""),
     }
     if no_trial_held_out(campaign):
         return common | {

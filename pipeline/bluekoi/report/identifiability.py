@@ -16,8 +16,9 @@ from .numbers import number, unit
 
 DROP_AT_95 = 1.92
 """Drop in log likelihood at the ends of a 95 % interval: half of chi-squared(1) at 0.95."""
-WIDTH, HEIGHT, TOP_MARGIN = 100.0, 60.0, 6.0
-POINTS = 41
+CURVE_WIDTH, CURVE_HEIGHT, MAX_DROP_SHOWN = 100.0, 60.0, 6.0
+"""Size of a curve's drawing, and the largest drop in log likelihood that it shows."""
+CURVE_POINTS = 41
 COMBINATION_TERM = re.compile(r"([+-]\d*\.?\d+) d(\w+)/")
 
 
@@ -30,7 +31,7 @@ class Profile:
     value_x: float
     interval: str
     ends: tuple[str, str]
-    limit_y: float = HEIGHT * (1.0 - DROP_AT_95 / TOP_MARGIN)
+    limit_y: float = CURVE_HEIGHT * (1.0 - DROP_AT_95 / MAX_DROP_SHOWN)
 
 
 def spectrum(campaign: Campaign) -> list[Row]:
@@ -77,13 +78,16 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
     order = np.argsort(at[known])
     at, lost = _between(at[known][order], lost[known][order], float(best))
     span = float(np.ptp(at)) or 1.0
-    x, y = WIDTH * (at - at[0]) / span, HEIGHT * (1.0 - np.clip(lost, 0.0, TOP_MARGIN) / TOP_MARGIN)
+    x, y = (
+        CURVE_WIDTH * (at - at[0]) / span,
+        CURVE_HEIGHT * (1.0 - np.clip(lost, 0.0, MAX_DROP_SHOWN) / MAX_DROP_SHOWN),
+    )
     low, high = (_missing(cell, side) for side in ("lower", "upper"))
     words = f"{_end(one.get('lower'), low)} to {_end(one.get('upper'), high)}"
     return Profile(
         name,
         " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True)),
-        WIDTH * (float(best) - float(at[0])) / span,
+        CURVE_WIDTH * (float(best) - float(at[0])) / span,
         f"{words} {unit(str(cell.get('unit', '')))}".replace(" –", ""),
         (number(at[0]), number(at[-1])),
     )
@@ -92,7 +96,7 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
 def _between(at: Float, lost: Float, best: float) -> tuple[Float, Float]:
     """A smooth profile: interpolated in its signed square root, which is linear for a parabola."""
     root = np.sqrt(np.maximum(lost, 0.0)) * np.sign(at - best)
-    every = np.union1d(at, np.linspace(at[0], at[-1], POINTS))
+    every = np.union1d(at, np.linspace(at[0], at[-1], CURVE_POINTS))
     return every, np.interp(every, at, root) ** 2
 
 

@@ -16,13 +16,14 @@ from ..campaign import Campaign
 from ..files import optional_json
 from .packing import gzip_base64
 
-CLIP_BYTES = 3_000_000
+MAX_CLIP_BYTES = 3_000_000
 """A larger video is loaded from the file beside the page."""
-ALL_CLIPS_BYTES = 12_000_000
+MAX_ALL_CLIPS_BYTES = 12_000_000
 """Limit for all embedded videos together, so that the page opens within 2 s; the others are loaded
 from the files when their trial is selected."""
-FIRST = ("fig3", "fig5", "fig6", "paths", "mismatch_laws", "mismatch_map",
+FIGURE_ORDER = ("fig3", "fig5", "fig6", "paths", "mismatch_laws", "mismatch_map",
          "mismatch_dependence", "mismatch_held_out", "mismatch_candidates")  # fmt: skip
+"""Figures that come first in the report, in this order."""
 
 
 @dataclass(frozen=True)
@@ -59,20 +60,20 @@ def plotting_library() -> str:
 
 def pictures(texts: Mapping[str, tuple[str, str]], folder: Path, beside: Path) -> list[Picture]:
     """Figures with titles and captions, those of the paper first."""
-    order = [*(n for n in FIRST if n in texts), *(n for n in texts if n not in FIRST)]
+    order = [*(n for n in FIGURE_ORDER if n in texts), *(n for n in texts if n not in FIGURE_ORDER)]
     return [_picture(folder / f"{name}.png", texts[name], beside) for name in order]
 
 
 def clips(folder: Path, beside: Path, campaign: Campaign) -> dict[str, Clip]:
     """Video of every trial that has one, embedded in the order of trials.csv up to the limit."""
     out: dict[str, Clip] = {}
-    room = ALL_CLIPS_BYTES
+    room = MAX_ALL_CLIPS_BYTES
     for trial in campaign.study.trials:
         path = folder / f"{trial.trial_id}.mp4"
         if not path.is_file():
             continue
         size = path.stat().st_size
-        embed = size <= min(CLIP_BYTES, room)
+        embed = size <= min(MAX_CLIP_BYTES, room)
         room -= size if embed else 0
         data = _base64(path) if embed else ""
         out[trial.trial_id] = Clip(data, _link(path, beside), _start_s(path))

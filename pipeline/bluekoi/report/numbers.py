@@ -11,7 +11,8 @@ from typing import Any
 from ..model import plates
 
 Z_95 = 1.96
-UNITS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "": "–"}
+UNIT_SYMBOLS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "": "–"}
+"""Unit as in the files -> unit as the report prints it."""
 
 
 def number(value: Any, digits: int = 3) -> str:
@@ -60,7 +61,7 @@ def estimate(cell: Mapping[str, Any]) -> str:
 
 def unit(name: str) -> str:
     """Unit as printed."""
-    return UNITS.get(name, name)
+    return UNIT_SYMBOLS.get(name, name)
 
 
 def percent(value: Any, places: int = 1) -> str:

@@ -17,10 +17,10 @@ from ..footage import encode, frames, open_recording
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
-    AFTER,
-    BEFORE,
-    MEASURED,
-    STRIP_PX,
+    AFTER_BGR,
+    BEFORE_BGR,
+    MEASURED_BGR,
+    STRIP_HEIGHT_PX,
     Line,
     Picture,
     Scene,
@@ -30,7 +30,8 @@ from .overlay_frame import (
 
 WIDTH_PX = 640
 MAX_FPS = 30.0
-CRF = 29
+VIDEO_CRF = 29
+"""Constant rate factor of the encoder: larger is smaller and coarser."""
 
 
 def trial_overlay(
@@ -75,7 +76,7 @@ def write_overlay(
     """
     width, height = film_size(scene.size_px)
     pictures = _pictures(scene, source, (width, height), fps)
-    return encode(path, pictures, fps=fps, size=(width, height + STRIP_PX), crf=CRF)
+    return encode(path, pictures, fps=fps, size=(width, height + STRIP_HEIGHT_PX), crf=VIDEO_CRF)
 
 
 def film_size(size_px: tuple[int, int]) -> tuple[int, int]:
@@ -123,9 +124,9 @@ def paths(
         return project(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
 
     measured = projected(track.x_m, track.y_m)
-    lines = [Line("measured path", track.time_s, measured, MEASURED, width_px=6)]
+    lines = [Line("measured path", track.time_s, measured, MEASURED_BGR, width_px=6)]
     before = "model before" if "extended_x_m" in columns else "model"
-    names = {"extended": ("model after", AFTER, False), "joint": (before, BEFORE, True)}
+    names = {"extended": ("model after", AFTER_BGR, False), "joint": (before, BEFORE_BGR, True)}
     for prefix, (name, colour, dashed) in names.items():
         if f"{prefix}_x_m" in columns:
             path_px = projected(columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"])

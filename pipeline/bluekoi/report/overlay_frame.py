@@ -15,17 +15,17 @@ from ..data import Float, Keypoints, confident
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
-STRIP_PX = 40
+STRIP_HEIGHT_PX = 40
 MAX_OFFSET_S = 1 / 60
 """Largest time between a detection and the frame it is drawn on."""
 FRACTIONAL_BITS = 4  # OpenCV draws at 1/16 px with this many fractional bits
 
 # BGR; distinguishable with colour vision deficiencies, and by dashes and width
-DARK: Colour = (46, 38, 32)
-MEASURED: Colour = (255, 255, 255)
-BEFORE: Colour = (0, 130, 255)
-AFTER: Colour = (255, 200, 60)
-POINT: Colour = (80, 240, 250)
+STRIP_BGR: Colour = (46, 38, 32)
+MEASURED_BGR: Colour = (255, 255, 255)
+BEFORE_BGR: Colour = (0, 130, 255)
+AFTER_BGR: Colour = (255, 200, 60)
+KEYPOINT_BGR: Colour = (80, 240, 250)
 
 
 @dataclass(frozen=True)
@@ -84,11 +84,11 @@ def _draw_line(canvas: Picture, line: Line, time_s: float, scale: float) -> None
         return
     pieces = _dashes(path) if line.dashed else [path]
     for piece in pieces if line.width_px > 2 else []:
-        _polyline(canvas, piece, DARK, line.width_px + 2)
+        _polyline(canvas, piece, STRIP_BGR, line.width_px + 2)
     for piece in pieces:
         _polyline(canvas, piece, line.colour, line.width_px)
     end = _fixed_point(path[-1])
-    cv2.circle(canvas, end, 5 << FRACTIONAL_BITS, DARK, -1, cv2.LINE_AA, FRACTIONAL_BITS)
+    cv2.circle(canvas, end, 5 << FRACTIONAL_BITS, STRIP_BGR, -1, cv2.LINE_AA, FRACTIONAL_BITS)
     cv2.circle(canvas, end, 3 << FRACTIONAL_BITS, line.colour, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
@@ -102,12 +102,12 @@ def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float)
             canvas,
             _fixed_point(point),
             4 << FRACTIONAL_BITS,
-            DARK,
+            STRIP_BGR,
             -1,
             cv2.LINE_AA,
             FRACTIONAL_BITS,
         )
-        cv2.circle(canvas, _fixed_point(point), 40, POINT, -1, cv2.LINE_AA, FRACTIONAL_BITS)
+        cv2.circle(canvas, _fixed_point(point), 40, KEYPOINT_BGR, -1, cv2.LINE_AA, FRACTIONAL_BITS)
 
 
 def _dashes(path: Float, length_px: float = 9.0) -> list[Float]:
@@ -134,18 +134,18 @@ def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
 
 
 def _strip(scene: Scene, time_s: float, width: int) -> Picture:
-    """Label, time and legend, (STRIP_PX, width, 3)."""
-    strip = np.full((STRIP_PX, width, 3), DARK, np.uint8)
-    _write(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED)
+    """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
+    strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
+    _write(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)
     entries = [(line.name, line.colour) for line in scene.lines]
     if scene.keypoints is not None:
-        entries.insert(0, ("keypoints", POINT))
+        entries.insert(0, ("keypoints", KEYPOINT_BGR))
     for i, (name, colour) in enumerate(entries):
         left = 8 + 155 * i
         dot = name == "keypoints"
         end = (left + 4 if dot else left + 18, 30)
         cv2.line(strip, (left, 30), end, colour, 4 if dot else 2, cv2.LINE_AA)
-        _write(strip, name, (left + 24, 34), MEASURED)
+        _write(strip, name, (left + 24, 34), MEASURED_BGR)
     return strip
 
 

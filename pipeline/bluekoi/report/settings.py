@@ -8,8 +8,9 @@ from importlib.metadata import PackageNotFoundError, version
 from ..campaign import Campaign
 from ..files import flattened
 
-PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", "numba", "filterpy",
+LISTED_PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", "numba", "filterpy",
             "matplotlib")  # fmt: skip
+"""Packages whose versions the report lists."""
 
 
 def settings(campaign: Campaign) -> list[tuple[str, str]]:
@@ -20,7 +21,10 @@ def settings(campaign: Campaign) -> list[tuple[str, str]]:
 
 def versions() -> list[tuple[str, str]]:
     """Versions of Python and of the packages that affect the results."""
-    return [("python", platform.python_version()), *((name, _version(name)) for name in PACKAGES)]
+    return [
+        ("python", platform.python_version()),
+        *((name, _version(name)) for name in LISTED_PACKAGES),
+    ]
 
 
 def _version(name: str) -> str:

@@ -12,10 +12,10 @@ from bluekoi.campaign import Campaign
 from bluekoi.data import Frame, Keypoints
 from bluekoi.report.overlay import frame_rate, paths, trial_overlay, write_overlay
 from bluekoi.report.overlay_frame import (
-    AFTER_RGB,
-    BEFORE_RGB,
-    KEYPOINT_RGB,
-    MEASURED_RGB,
+    AFTER_BGR,
+    BEFORE_BGR,
+    KEYPOINT_BGR,
+    MEASURED_BGR,
     Line,
     Scene,
     annotated_frame,
@@ -57,17 +57,17 @@ def test_paths_are_drawn_where_the_camera_sees_them(base):
     picture = annotated_frame(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]
     assert [line.name for line in lines] == ["measured path", "model after", "model before"]
-    assert near(picture, pixel(x, y), MEASURED_RGB)
-    assert near(picture, pixel(x - 0.1, y), AFTER_RGB)
+    assert near(picture, pixel(x, y), MEASURED_BGR)
+    assert near(picture, pixel(x - 0.1, y), AFTER_BGR)
     ends = track.x_m[60], track.y_m[60]
-    assert near(picture, pixel(ends[0] + 0.1, ends[1]), BEFORE_RGB)
-    assert not near(picture, pixel(track.x_m[80], track.y_m[80]), MEASURED_RGB)
+    assert near(picture, pixel(ends[0] + 0.1, ends[1]), BEFORE_BGR)
+    assert not near(picture, pixel(track.x_m[80], track.y_m[80]), MEASURED_BGR)
 
 
 def test_dashes_leave_gaps_and_keep_to_the_line():
     time = np.linspace(0, 1, 50)
     way = np.column_stack([np.linspace(300, 1500, 50), np.full(50, 540.0)])
-    scene = Scene("x", (1920, 1080), (Line("model before", time, way, BEFORE_RGB, dashed=True),))
+    scene = Scene("x", (1920, 1080), (Line("model before", time, way, BEFORE_BGR, dashed=True),))
     picture = annotated_frame(np.zeros((360, 640, 3), np.uint8), scene, 1.0, SCALE)
     drawn = (picture[STRIP + 180, 100:500] > 60).any(axis=1)
     assert 0.35 < drawn.mean() < 0.8
@@ -84,9 +84,9 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
     scene = Scene("x", (1920, 1080), (), keypoints=found)
     dark = np.zeros((360, 640, 3), np.uint8)
     first = annotated_frame(dark.copy(), scene, 0.0, SCALE)
-    assert near(first, (STRIP + 100, 200), KEYPOINT_RGB)
-    assert not near(first, (STRIP + 200, 300), KEYPOINT_RGB)
-    assert near(annotated_frame(dark.copy(), scene, 1.0, SCALE), (STRIP + 100, 233), KEYPOINT_RGB)
+    assert near(first, (STRIP + 100, 200), KEYPOINT_BGR)
+    assert not near(first, (STRIP + 200, 300), KEYPOINT_BGR)
+    assert near(annotated_frame(dark.copy(), scene, 1.0, SCALE), (STRIP + 100, 233), KEYPOINT_BGR)
     assert not annotated_frame(dark.copy(), scene, 0.5, SCALE)[STRIP:].any()
 
 
@@ -106,8 +106,8 @@ def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
     rim = pictures[0][pixel(1.3, 0.0)]
     assert np.all(rim > 180)
     track = base.tracks["T02"]
-    assert near(pictures[-1], pixel(track.x_m[-40], track.y_m[-40]), MEASURED_RGB)
-    assert not near(pictures[10], pixel(track.x_m[-40], track.y_m[-40]), MEASURED_RGB)
+    assert near(pictures[-1], pixel(track.x_m[-40], track.y_m[-40]), MEASURED_BGR)
+    assert not near(pictures[10], pixel(track.x_m[-40], track.y_m[-40]), MEASURED_BGR)
 
 
 def test_frames_keep_their_times(tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +17,10 @@ from .types import Float
 def write_columns(path: str | Path, columns: dict[str, Any]) -> None:
     """Write equally long columns as csv, whole or not at all; NaN as an empty cell."""
     names = list(columns)
-    rows = zip(*columns.values(), strict=True)
+    rows = zip(*map(_cells, columns.values()), strict=True)
     with atomic_write(path) as temporary, temporary.open("w", encoding="utf-8") as out:
         out.write(",".join(names) + "\n")
-        out.writelines(",".join(_cell(cell) for cell in row) + "\n" for row in rows)
+        out.writelines(",".join(row) + "\n" for row in rows)
 
 
 def read_columns(path: str | Path, required: tuple[str, ...]) -> dict[str, Float]:
@@ -53,13 +55,23 @@ def _names(path: str | Path, number: int, line: str, required: tuple[str, ...]) 
 
 
 def _row(path: str | Path, number: int, line: str, width: int) -> list[float]:
-    cells = [cell.strip().strip('"') for cell in line.split(",")]
+    cells = line.split(",")
     if len(cells) != width:
         raise input_error(path, f"row {number}", f"{len(cells)} cells", f"{width} cells")
     try:
-        return [float(cell) if cell else float("nan") for cell in cells]
+        return [float(cell) if cell else math.nan for cell in cells]
+    except ValueError:  # as a cell with quotes or blanks, which are rare
+        cells = [cell.strip().strip('"') for cell in cells]
+    try:
+        return [float(cell) if cell else math.nan for cell in cells]
     except ValueError as error:
         raise input_error(path, f"row {number}", str(error), "numbers") from error
+
+
+def _cells(column: Any) -> Iterable[str]:
+    if isinstance(column, np.ndarray) and column.dtype.kind == "f":
+        return [f"{x:.9g}" if math.isfinite(x) else "" for x in column.tolist()]
+    return map(_cell, column)
 
 
 def _cell(value: Any) -> str:

@@ -494,3 +494,16 @@ def test_a_run_says_nothing_before_its_answer(tmp_path, monkeypatch):
     assert done.returncode == 0, done.stderr
     assert done.stderr.startswith("[0/")
     assert done.stdout == ""
+
+
+def test_a_run_imports_no_numerics_in_the_process_that_waits(tmp_path):
+    """It starts Snakemake and reads how the trials went."""
+    program = ("import sys; from pathlib import Path; from bluekoi.cli.run import _went_wrong;"
+               "print(_went_wrong(Path(sys.argv[1]), 'x'), *sys.modules)")  # fmt: skip
+    status = tmp_path / "status"
+    status.mkdir()
+    (status / "T01.json").write_text('{"ok": true, "message": ""}')
+    run = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True,
+                         text=True, check=True, cwd=tmp_path)  # fmt: skip
+    assert not {"numpy", "scipy", "cv2"} & set(run.stdout.split())
+    assert run.stdout.startswith("[]")

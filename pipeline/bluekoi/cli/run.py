@@ -150,7 +150,7 @@ def _returned(words: list[str]) -> int:
 def _went_wrong(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.outcome import failure_reason  # noqa: PLC0415
+    from ..stages.failure import failure_reason  # noqa: PLC0415
 
     found = {p.stem: p for folder in ("status/keypoints", "status")
              for p in sorted((results / folder).glob("*.json"))}  # fmt: skip

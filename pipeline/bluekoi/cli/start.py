@@ -53,10 +53,13 @@ class Interruption:
 def main() -> None:
     """Run Snakemake on the words of the command line.
 
+    Snakemake imports pandas where it is installed, to see whether a parameter is a table; none is,
+    and that import is an eighth of a run in which nothing is due.
     Raises SystemExit as Snakemake does, with 130 where it was interrupted before all was done.
     """
     interruption = Interruption()
     logging.getLogger("snakemake.logging").addFilter(_is_no_announcement)
+    sys.modules.setdefault("pandas", None)  # type: ignore[arg-type]
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
 

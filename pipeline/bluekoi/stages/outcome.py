@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from ..camera.length_warnings import length_warnings
 from ..files import optional_json, read_json, write_json
@@ -12,6 +10,7 @@ from ..motor.powers import power_warnings
 from ..motor.swimming import study_warnings
 from ..study import load_study
 from ..study.rules import robot_doubts
+from .failure import failure_reason
 from .layout import Layout, remove
 from .manifest import write_manifest
 
@@ -42,9 +41,3 @@ def outcome(study: Path, results: Path) -> list[str]:
         return [*bad, *(f"Warning: {text}" for text in warnings)]
     write_json(done, {"trials": len(powers), "all_good": True, "warnings": warnings})
     return []
-
-
-def failure_reason(status: Mapping[str, Any]) -> str:
-    """Why a trial counts as bad, in one line; empty for a good one."""
-    text = status.get("cut_short", "") if status["ok"] else status["message"]
-    return " ".join(str(text or "").split())

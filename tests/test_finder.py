@@ -30,6 +30,7 @@ from bluekoi.mismatch import (
     folds,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
+from bluekoi.mismatch.drift import drifting_trial
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.results_json import details_json, mismatch_json
@@ -176,6 +177,24 @@ def test_displacements_are_found_where_and_when_they_are(bare: Measured) -> None
     slot = kernel.system.constants.index("t_shift")
     displaced = [s.constants[slot] < 1e3 for s in with_displacements(kernel, few, found)]
     assert displaced == [k == 2 for k in range(len(few))]
+
+
+def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:
+    """By 8 cm, as 40 px would: the verdict alone is clean, or names a wrong cause."""
+    kernel, few = compiled(plates()), downsampled(bare.series)
+    tuned = tune(few)
+    assert drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
+    since = few[3].times - few[3].times[0]
+    seen = few[3].seen.copy()
+    seen[:, :2] += np.outer(since / since[-1], [0.05, -0.06])
+    few[3] = replace(few[3], seen=seen)
+    tuned = tune(few)
+    drift = drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
+    assert drift is not None
+    assert drift.trial == few[3].name
+    assert np.all(np.abs(drift.size_m - [0.05, -0.06]) < 4 * drift.std_m + 0.02)
+    assert "stabilised" in drift.sentence
+    assert drifting_trial(kernel, few[:2], [tuned.base] * 2, tuned.noise) is None
 
 
 def _displaced(one: Series, by: np.ndarray) -> Series:

@@ -309,6 +309,37 @@ def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(seen, change):
     study, _, _ = seen
     assert robot_doubts(study.setup) == []
     robot = study.setup.robot.model_copy(update=change)
-    (text,) = robot_doubts(study.setup.model_copy(update={"robot": robot}))
+    text, *_ = robot_doubts(study.setup.model_copy(update={"robot": robot}))
     assert "a radius of gyration of 0.0" in text
     assert "all coefficients are proportional to mass_kg" in text
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_head_span_that_is_not_the_body_s_height_is_a_warning(seen, factor):
+    """No motion shows it: coefficients of forces would come out inversely proportional."""
+    study, _, _ = seen
+    span = factor * study.setup.robot.head_span_m
+    robot = study.setup.robot.model_copy(update={"head_span_m": span})
+    (text,) = robot_doubts(study.setup.model_copy(update={"robot": robot}))
+    assert f"head_span_m {span:g}" in text
+    assert "inversely proportional to head_span_m" in text
+
+
+def test_a_copied_recording_is_no_further_trial(tmp_path):
+    study = small_study(tmp_path / "study")
+    copy, original = study / "keypoints/T11.csv", study / "keypoints/T10.csv"
+    copy.write_bytes(original.read_bytes())
+    (finding,) = file_findings(load_study(study))
+    assert "T11.csv, whole, as trial T10 has it (the same content as T10.csv)" in str(finding)
+
+
+def test_the_frame_rate_of_a_trial_without_a_log_is_checked_by_the_logs_of_its_power():
+    powers = dict.fromkeys("ABC", 50.0)
+    found = flapping_at(A=2.35, B=2.36, C=1.96)
+    for name, source in (("A", "motor_log"), ("B", "motor_log"), ("C", "video")):
+        found[name]["flapping"]["source"] = source
+    (text,) = power_warnings(found, powers)
+    assert text.startswith("Trial C, without a motor log, flaps 0.83 times as fast")
+    assert "Check fps" in text
+    found["C"]["flapping"]["source"] = "motor_log"
+    assert power_warnings(found, powers)[0].startswith("Trials at 50 % power flap at 1.96 Hz (C)")

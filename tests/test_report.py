@@ -136,6 +136,15 @@ def test_names_and_variables_are_written_in_words(tmp_path, found):
     assert "linear yaw damping: N_r (N m s)" in text
 
 
+def test_no_condition_is_suggested_for_a_difference_below_the_noise(tmp_path, found):
+    why = "no trial of 4 s separates a from b: they differ by at most 0.2 mm, the noise is 1.1 mm"
+    proposed = {"power_pct": 50, "head_angle_deg": 30.0, "why": why, "above_noise": False}
+    mismatch = {**found.mismatch, "next_trial": proposed}
+    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
+    assert "N" + why[1:] in text
+    assert "30 degrees head angle" not in text
+
+
 def test_a_diverged_model_is_reported_as_diverging(tmp_path, found):
     errors = {"path_rmse_m": 3.9e10, "radius_error_pct": 27342.0, "speed_error_pct": None}
     mismatch = {**found.mismatch, "verdict": "none", "held_out": {

@@ -168,6 +168,7 @@ def test_at_390_px_nothing_is_wider_than_the_page_and_corners_move_by_keys(video
         drawn = "document.querySelector('.frame > svg polyline').getAttribute('points')"
         magnified = "document.querySelector('.magnifier svg polyline').getAttribute('points')"
         assert page.tab.evaluate(magnified) == page.tab.evaluate(drawn)
+        page.until("document.querySelector('#robot-drawing svg [data-key]')")
         for step in ("pool", "camera", "robot", "trials", "preview", "run"):
             page.step(step)
             time.sleep(0.5)

@@ -39,6 +39,7 @@ from ..study import Study
 from ..study.data_split import has_roles, held_out_trials
 from ..tuning import Tuned, downsampled, steady_errors, tune
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
+from .drift import Drift, drifting_trial
 from .free_run_errors import path_errors
 from .locate import Dependence, covariates, dependences
 from .robot_problem import robot_problem
@@ -98,9 +99,7 @@ def find_mismatch(
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
     baseline = tune([s for s in averaged if s.name not in held_out])
-    displaced = detect_displacements(
-        kernel, averaged, baseline.trial_values(kernel, averaged), baseline.noise
-    )
+    displaced, drifting = _moved_pictures(kernel, averaged, baseline)
     series = with_displacements(kernel, series, displaced)
     averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
     if not has_roles(study):
@@ -150,8 +149,16 @@ def find_mismatch(
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
         held_out=[s.name for s in test], errors=errors, floor_m=paths.floor_m,
         stretch_s=paths.horizon_s, displacements=displaced,
-        warnings=model_warnings(kernel, train, best),
+        warnings=[*model_warnings(kernel, train, best), *([drifting.sentence] if drifting else [])],
     )  # fmt: skip
+
+
+def _moved_pictures(
+    kernel: Kernel, series: Sequence[Series], model: Tuned
+) -> tuple[list[CameraDisplacement], Drift | None]:
+    """Trials whose camera was displaced, and the one that drifts."""
+    fitted = kernel, series, model.trial_values(kernel, series), model.noise
+    return detect_displacements(*fitted), drifting_trial(*fitted)
 
 
 SINGLE_TRIAL_FACTOR = 2.0

@@ -1,4 +1,4 @@
-"""Whether trials of one motor power flap alike, and faster at a higher power."""
+"""Whether trials of one motor power flap alike, logged or not, and faster at a higher power."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 
 SAME_POWER_SHARE = 0.2
 """Frequencies at one power differ by less: an emptying battery loses some 15 % of its voltage."""
+UNLOGGED_SHARE = 0.1
+"""A trial without a log beats as the logs of its power say to this share."""
 REMEDY = "Check power_pct, and whether the motor logs are those of these trials."
 
 
@@ -25,11 +27,34 @@ def power_warnings(
         hz = (status.get("flapping") or {}).get("flap_hz")
         if status.get("ok") and hz:
             groups.setdefault(powers[name], {})[name] = hz
-    return [*_apart(groups), *_falling(groups)]
+    logged = {name for name, status in statuses.items()
+              if (status.get("flapping") or {}).get("source") == "motor_log"}  # fmt: skip
+    unlogged = _unlogged(groups, logged)
+    same = {power: {n: v for n, v in hz.items() if n not in unlogged}
+            for power, hz in groups.items()}  # fmt: skip
+    return [*_apart(same), *unlogged.values(), *_falling(groups)]
+
+
+def _unlogged(groups: Mapping[float, Mapping[str, float]], logged: set[str]) -> dict[str, str]:
+    """Trial without a log whose tail beats at another frequency than the logs of its power have ->
+    a sentence: nothing else checks its frame rate.
+    """
+    out = {}
+    for power, hz in sorted(groups.items()):
+        logs = [value for name, value in hz.items() if name in logged]
+        for name in sorted(hz.keys() - logged if logs else ()):
+            ratio = hz[name] / float(np.median(logs))
+            if abs(ratio - 1) > UNLOGGED_SHARE:
+                out[name] = (
+                    f"Trial {name}, without a motor log, flaps {ratio:.2f} times as fast as the "
+                    f"logs of other trials at {power:g} % power. Check fps and power_pct of this "
+                    "trial: its speed may be wrong by that factor."
+                )
+    return out
 
 
 def _apart(groups: Mapping[float, Mapping[str, float]]) -> Iterator[str]:
-    for power, hz in sorted(groups.items()):
+    for power, hz in sorted((p, hz) for p, hz in groups.items() if hz):
         slow, fast = min(hz, key=hz.__getitem__), max(hz, key=hz.__getitem__)
         if hz[fast] > (1 + SAME_POWER_SHARE) * hz[slow]:
             yield (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from filecmp import cmp
 from pathlib import Path
 
 import numpy as np
@@ -64,14 +65,31 @@ def _shared(study: Study) -> list[Finding]:
     """A finding for each pair of trials that take the same file whole, naming the first such."""
     found: dict[tuple[str, str], Finding] = {}
     owner: dict[Path, str] = {}
+    same_as = _copies({p for t in study.trials if not t.reads_images for p in study.paths(t)})
     whole = [t for t in study.trials if t.start_s is None and t.end_s is None]
     for trial, path in ((t, p) for t in whole for p in study.paths(t)):
-        if (first := owner.setdefault(path, trial.trial_id)) != trial.trial_id:
-            name = f"{path.name}, whole, as trial {first} has it"
+        original = same_as.get(path, path)
+        if (first := owner.setdefault(original, trial.trial_id)) != trial.trial_id:
+            copy = "" if original == path else f" (the same content as {original.name})"
+            name = f"{path.name}, whole, as trial {first} has it{copy}"
             expected = "a file of its own, or a part of one by start_s and end_s"
             place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
             found.setdefault((first, trial.trial_id), Finding(*place, name, expected))
     return list(found.values())
+
+
+def _copies(paths: set[Path]) -> dict[Path, Path]:
+    """File -> the first file of the same content, for copies: they are no further measurement."""
+    by_size: dict[int, list[Path]] = {}
+    out = {}
+    for path in sorted(p for p in paths if p.is_file()):
+        alike = by_size.setdefault(path.stat().st_size, [])
+        original = next((one for one in alike if cmp(one, path, shallow=False)), None)
+        if original is None:
+            alike.append(path)
+        else:
+            out[path] = original
+    return out
 
 
 def _read(study: Study, trial: Trial) -> None:

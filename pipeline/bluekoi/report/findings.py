@@ -187,6 +187,9 @@ def next_trial(campaign: Campaign) -> str:
     found = (campaign.mismatch or {}).get("next_trial")
     if not found:
         return ""
+    if found.get("above_noise") is False:
+        why = _sentence(found.get("why"))
+        return why[:1].upper() + why[1:]
     parts = [f"{number(found['power_pct'])} % power"] if "power_pct" in found else []
     if "head_angle_deg" in found:
         parts.append(f"{float(found['head_angle_deg']):g} degrees head angle")

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 COMBINED_FIELDS = "together"
 MIN_GYRATION_LENGTHS = 0.1
 """Radius of gyration over length: below, all mass would lie in the middle third of the body."""
+WIDTHS = (0.2, 1.5)
+"""Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
 MARGIN = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
 
@@ -79,8 +81,13 @@ def setup_problems(setup: Setup) -> list[Problem]:
 
 
 def robot_doubts(setup: Setup) -> list[str]:
-    """A sentence where mass and yaw inertia are not those of one body of the stated length."""
-    robot = setup.robot
+    """A sentence where mass, yaw inertia and size are not those of one body. No motion shows them:
+    coefficients are proportional to the mass, those of forces inversely to head span and density.
+    """
+    return [*_gyration_doubts(setup.robot), *_volume_doubts(setup)]
+
+
+def _gyration_doubts(robot: Robot) -> list[str]:
     length = robot.body_length_m + robot.tail_length_m
     radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
     if radius >= MIN_GYRATION_LENGTHS * length:
@@ -90,6 +97,22 @@ def robot_doubts(setup: Setup) -> list[str]:
         f"radius of gyration of {radius:.3f} m, {radius / length:.2f} of the length from nose to "
         "tail tip (a uniform rod has 0.29). Check both and their units: all coefficients are "
         "proportional to mass_kg."
+    ]
+
+
+def _volume_doubts(setup: Setup) -> list[str]:
+    """A body displaces its own mass of water: mean width = mass / (density x length x span)."""
+    robot = setup.robot
+    side = setup.water.density_kg_m3 * robot.body_length_m * robot.head_span_m
+    width = robot.mass_kg / side
+    share = width / robot.head_span_m
+    if WIDTHS[0] <= share <= WIDTHS[1]:
+        return []
+    return [
+        f"mass_kg {robot.mass_kg:g} displaces the water of a body {1000 * width:.0f} mm wide where "
+        f"it is as high as head_span_m {robot.head_span_m:g}: width over height {share:.2g} "
+        f"(plausible: {WIDTHS[0]:g} to {WIDTHS[1]:g}). Check both and their units: coefficients of "
+        "forces are proportional to mass_kg and inversely proportional to head_span_m."
     ]
 
 

@@ -32,7 +32,7 @@ from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
 from bluekoi.integrate import compiled
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
 from bluekoi.tuning import downsampled
-from bluekoi.tuning.joint import FIRST_NOISE
+from bluekoi.tuning.joint import START_NOISE
 from robots import SETUP
 
 TRUTH = dict(TABLE_1[75])
@@ -116,9 +116,9 @@ def nine(seconds: float, *, slow: bool) -> None:
         "ours, trajectories, 54 start states free": lambda: fit_paths(
             kernel, series, base, free, start=START).fit.values,
         "ours, prediction errors, starts free": lambda: fit(
-            kernel, series, base, free, FIRST_NOISE, start=START).values,
+            kernel, series, base, free, START_NOISE, start=START).values,
         "ours, the same at ten observations a second": lambda: fit(
-            kernel, downsampled(series), base, free, FIRST_NOISE, start=START).values,
+            kernel, downsampled(series), base, free, START_NOISE, start=START).values,
     }  # fmt: skip
     print("six coefficients to 9 trials of 241 frames, one core, processor time")
     times = {}
@@ -153,7 +153,7 @@ def many(seconds: float) -> None:
         series = [trial(i, rng, 151) for i in range(count)]
         few = downsampled(series)
         ways: dict[str, Callable[[], Fit]] = {
-            "prediction errors": lambda f=few: fit(kernel, f, base, free, FIRST_NOISE, start=START),
+            "prediction errors": lambda f=few: fit(kernel, f, base, free, START_NOISE, start=START),
             "trajectories": lambda s=series: fit_paths(kernel, s, base, free, start=START).fit,
         }
         for name, way in ways.items():

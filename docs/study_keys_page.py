@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from bluekoi.study.keys import FILES, keys
+from bluekoi.study.keys import FILE_MODELS, keys
 
 PAGE = Path(__file__).resolve().parent / "study_keys.md"
 HEAD = """# Keys of a study
@@ -21,7 +21,7 @@ seen from above."""
 
 def page() -> str:
     """Text of docs/study_keys.md."""
-    return "\n".join([HEAD, *(line for file in FILES for line in _table(file))]) + "\n"
+    return "\n".join([HEAD, *(line for file in FILE_MODELS for line in _table(file))]) + "\n"
 
 
 def _table(file: str) -> Iterator[str]:

@@ -13,14 +13,14 @@ import pytest
 import yaml
 
 import bluekoi
-from bluekoi.workflow.provenance import PACKAGE, fingerprint, source_files
+from bluekoi.workflow.provenance import PACKAGE_FOLDER, fingerprint, source_files
 from bluekoi.workflow.stage_call import stage_names
 
-ROOT = PACKAGE.parents[1]
+ROOT = PACKAGE_FOLDER.parents[1]
 SNAKEFILE = (ROOT / "Snakefile").read_text(encoding="utf-8")
 MODULES = {
     path.stem if path.is_file() else path.name
-    for path in PACKAGE.iterdir()
+    for path in PACKAGE_FOLDER.iterdir()
     if (path.suffix == ".py" or (path / "__init__.py").is_file()) and path.stem[:2] != "__"
 }
 
@@ -74,7 +74,7 @@ def test_rules_stand_in_the_order_of_the_flow():
 
 def test_stages_have_one_function_named_like_their_file():
     for name in stage_names():
-        tree = ast.parse((PACKAGE / "stages" / f"{name}.py").read_text())
+        tree = ast.parse((PACKAGE_FOLDER / "stages" / f"{name}.py").read_text())
         functions = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
         assert name in functions
 
@@ -98,7 +98,10 @@ def test_a_fingerprint_follows_imports_inside_functions_and_whole_registries():
 
 
 def test_the_fingerprint_of_one_figure_leaves_the_others_out():
-    others = {path.stem for path in (PACKAGE / "figures").glob("*.py")} - {"__init__", "fig3"}
+    others = {path.stem for path in (PACKAGE_FOLDER / "figures").glob("*.py")} - {
+        "__init__",
+        "fig3",
+    }
     found = source_files("stages.figure", "figures.fig3")
     assert "figures/fig3.py" in found
     assert "figures/drawing/style.py" in found
@@ -112,8 +115,8 @@ def test_a_fingerprint_changes_with_a_file_it_covers(stage, tmp_path, monkeypatc
     from bluekoi.workflow import provenance
 
     copy = tmp_path / "bluekoi"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(provenance, "PACKAGE", copy)
+    shutil.copytree(PACKAGE_FOLDER, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(provenance, "PACKAGE_FOLDER", copy)
     assert fingerprint(f"stages.{stage}") == (before := fingerprint(f"stages.{stage}"))
     covered = copy / source_files(f"stages.{stage}")[-1]
     covered.write_text(covered.read_text() + "\n# changed\n")
@@ -124,7 +127,7 @@ def test_a_fingerprint_changes_with_a_file_it_covers(stage, tmp_path, monkeypatc
 def test_files_are_short_enough_to_read_in_one_go():
     long = {
         str(path.relative_to(ROOT)): len(path.read_text().splitlines())
-        for path in PACKAGE.rglob("*.py")
+        for path in PACKAGE_FOLDER.rglob("*.py")
         if len(path.read_text().splitlines()) > 300
     }
     assert long == {}
@@ -132,7 +135,7 @@ def test_files_are_short_enough_to_read_in_one_go():
 
 def test_compiled_functions_are_declared_by_the_njit_that_knows_the_vectors():
     direct = re.compile(r"^(?:import numba|from numba import .*\bnjit\b)", re.M)
-    found = {path.name for path in PACKAGE.rglob("*.py") if direct.search(path.read_text())}
+    found = {path.name for path in PACKAGE_FOLDER.rglob("*.py") if direct.search(path.read_text())}
     assert found == {"vectors.py"}
 
 
@@ -155,14 +158,14 @@ def test_every_file_of_the_package_is_installed_with_it():
     """`pip install .` takes what package-data names; a template left out breaks the first fit."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     patterns = project["package-data"]["bluekoi"]
-    named = {path for pattern in patterns for path in PACKAGE.glob(pattern)}
+    named = {path for pattern in patterns for path in PACKAGE_FOLDER.glob(pattern)}
     other = {
         path
-        for path in PACKAGE.rglob("*")
+        for path in PACKAGE_FOLDER.rglob("*")
         if path.is_file() and path.suffix != ".py" and "__pycache__" not in path.parts
     }
     assert other - named == set()
-    assert all((path.parent / "__init__.py").is_file() for path in PACKAGE.rglob("*.py"))
+    assert all((path.parent / "__init__.py").is_file() for path in PACKAGE_FOLDER.rglob("*.py"))
 
 
 def test_tests_assert():

@@ -22,7 +22,7 @@ from bluekoi.tuning import (
     three_steps,
     tune,
 )
-from bluekoi.tuning.joint import FIRST_NOISE, Tuned
+from bluekoi.tuning.joint import START_NOISE, Tuned
 from bluekoi.tuning.results import straight_swimming
 from campaigns import COEFFICIENTS, Errors, plans, sixteen
 from robots import SETUP
@@ -48,7 +48,7 @@ def tuned(
     normal = Normal(H, g + H @ push, np.zeros(trials))
     found = Fit(tuple(Free(n) for n in NAMES), values, normal, "", 1)
     spread = cluster_covariance(normal, off_bounds(kernel, found))
-    return Tuned(found, FIRST_NOISE, spread.cov, plates().values({}), spread.df)
+    return Tuned(found, START_NOISE, spread.cov, plates().values({}), spread.df)
 
 
 def at_lower_bound(pull: float, **more: float) -> Tuned:

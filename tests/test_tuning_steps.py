@@ -22,7 +22,7 @@ from bluekoi.integrate import compiled
 from bluekoi.model import plates
 from bluekoi.tuning import Tuned, downsampled, tune
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
-from bluekoi.tuning.joint import FIRST_NOISE
+from bluekoi.tuning.joint import START_NOISE
 from bluekoi.tuning.paper_steps import _second, draws
 from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
 from campaigns import Errors, plans, sixteen
@@ -34,7 +34,7 @@ PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 def given(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
-    return Tuned(fit, FIRST_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
+    return Tuned(fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
 
 
 def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:

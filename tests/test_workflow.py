@@ -289,8 +289,8 @@ def test_a_result_that_was_deleted_comes_back(home):
 def test_trials_whose_results_are_gone_or_cut_short_are_due(done, tmp_path, monkeypatch):
     shutil.copytree(done[0].root, tmp_path / "home")
     monkeypatch.chdir(tmp_path / "home")
-    monkeypatch.setattr(plan_module, "PACKAGE", tmp_path / "home/pipeline/bluekoi")
-    monkeypatch.setattr(provenance, "PACKAGE", tmp_path / "home/pipeline/bluekoi")
+    monkeypatch.setattr(plan_module, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
+    monkeypatch.setattr(provenance, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     plan = make_plan({**SETTINGS, "study": "study"})
     assert plan.due == {"keypoints": set(), "tracks": set(), "overlay": set()}
     track = plan.results / "tracks/T10.csv"

@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import EXIT_INTERRUPTED
-from ..workflow.client import COMMAND
+from ..workflow.client import COMMAND_VARIABLE
 from .named import Named, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
@@ -102,7 +102,7 @@ def run(
 
     FURTHER options go to Snakemake as they stand, after `--`.
     """
-    os.environ[COMMAND] = shlex.join(["bluekoi", *sys.argv[1:]])
+    os.environ[COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
     returned = _returned(command(study, results, cores, further))
     folder = _folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)

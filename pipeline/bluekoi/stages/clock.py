@@ -26,7 +26,7 @@ from ..motor.compare import SAME_CLOCK_TOLERANCE
 from ..study import Study
 
 CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
-CAUSE = "clock_error"
+CLOCK_CAUSE = "clock_error"
 
 
 @dataclass(frozen=True)
@@ -124,19 +124,19 @@ def with_clock_cause(
         return dict(content)
     factor = max(factors.values(), key=list(factors.values()).count)
     alike = sorted(n for n, f in factors.items() if f == factor)
-    fine = next((c for c in content["causes"] if c["name"] == CAUSE), None)
+    fine = next((c for c in content["causes"] if c["name"] == CLOCK_CAUSE), None)
     value = factor.value * (1 + (fine["parameters"]["rate_error"]["value"] if fine else 0.0))
     all_trials = len(alike) == trials
     of = "" if all_trials else f" in {len(alike)} of {trials} trials"
     said = f"fps is {value:.4g} times the true frame rate{of}"
     cause = {
-        "name": CAUSE,
+        "name": CLOCK_CAUSE,
         "kind": clock_error.KIND,
         "channels": list(clock_error.CHANNELS),
         "regime": clock_error.REGIME if all_trials else f"trials {', '.join(alike)}",
         "parameters": {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
         "weight": 1.0,
-        "credible_set": [CAUSE],
+        "credible_set": [CLOCK_CAUSE],
         "log_evidence_gain": 0.5 * factor.sigmas**2,
         "sentence": f"The frame rate is wrong by a factor: {said}. The tail beats "
         f"{factor.value:.4g} times as fast in the video as the motor does.",
@@ -148,7 +148,7 @@ def with_clock_cause(
         "verdict": clock_error.KIND,
         "sentence": f"The measurement is at fault: clock_error, {said}.{rest}",
         "causes": [cause, *others],
-        "rivals": [r for r in content["rivals"] if r["name"] != CAUSE],
-        "probabilities": {**content["probabilities"], CAUSE: 1.0},
+        "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
+        "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},
         "clock_factor": {n: f.value for n, f in sorted(factors.items())},
     }

@@ -19,11 +19,11 @@ from ..study import Study, Trial
 from .depth import keypoint_depth
 from .layout import Layout
 
-SMALL_BYTES = 2**20
+MAX_COMPARED_BYTES = 2**20
 """Files up to this size are compared by content, larger ones (videos) by size and date."""
-MAX_READ = 20
+MAX_FILES_READ = 20
 """Source files of a trial whose content is read to compare them; more are pictures."""
-NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
+COLUMNS_NOT_READ = ("role", "power_pct", "head_angle_deg", "head_length_m", "motor_log", "flap_hz")
 """Columns of trials.csv without meaning for the reading of a keypoint file."""
 
 
@@ -59,7 +59,7 @@ def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
     if not trial.reads_keypoints:
         return [without_keys(trial_row(trial), "role"), setup.model_dump(mode="json"), files]
     return [
-        without_keys(trial_row(trial), *NOT_READ),
+        without_keys(trial_row(trial), *COLUMNS_NOT_READ),
         setup.bodyparts,
         setup.detection.model_dump(),
         files,
@@ -83,7 +83,7 @@ def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
 
 def states_of(paths: Sequence[Path]) -> list[str]:
     """State of each source file; of many pictures, one hash of their names, sizes and dates."""
-    if len(paths) <= MAX_READ:
+    if len(paths) <= MAX_FILES_READ:
         return [state_of(path) for path in paths]
     found = [(path, path.stat()) for path in paths if path.is_file()]
     return [hash_of([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]
@@ -100,7 +100,7 @@ def state_of(path: Path) -> str:
 
 @cache
 def _state(path: Path, size: int, changed_ns: int) -> str:
-    large = size > SMALL_BYTES or not path.is_file()
+    large = size > MAX_COMPARED_BYTES or not path.is_file()
     content = f"{size} {changed_ns}".encode() if large else path.read_bytes()
     return hashlib.sha256(content).hexdigest()[:12]
 

@@ -17,7 +17,8 @@ from ..study import Study, Trial, load_study, missing_of
 from .layout import Layout
 from .status import run_with_status
 
-MIN_LOST = 3
+MIN_LOST_FRAMES = 3
+"""Frames in a row without the body that are reported."""
 MAX_LENGTHS = 80
 """Frames of a trial whose whole length is kept; more add no information."""
 
@@ -103,7 +104,7 @@ def unreadable_frames_remark(trial: Trial, recording: Any, time_s: Float) -> tup
     """
     lost = recording.frames_present - len(time_s)
     whole = trial.start_s is None and trial.end_s is None
-    if not whole or lost < MIN_LOST or len(time_s) < 2:
+    if not whole or lost < MIN_LOST_FRAMES or len(time_s) < 2:
         return ()
     step = np.diff(time_s)
     at = int(np.argmax(step))

@@ -14,17 +14,18 @@ from ..errors import Finding
 from ..pose.body import body_lengths, trusted_points
 from ..study import Study, Trial
 
-LENGTH_SHARE, MIN_LENGTH_M = 0.25, 0.02
+MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
 """A rigid part may be off the trial's own scale by so much, the larger of share and length."""
 MAX_SCALE = 1.5
 """All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
-HEAD_ANGLE_DEG = 25.0
-OUTSIDE_SHARE, OUTSIDE_FRAMES = 0.1, 0.25
+MAX_HEAD_ANGLE_ERROR_DEG = 25.0
+"""Difference of commanded and measured head angle above which a trial is refused."""
+OUTSIDE_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
 """A quarter of the frames further beyond a wall than this share of the pool's longer side."""
 JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
 MEDIAN_HALF_WINDOW = 3
-APART_LENGTHS = 0.25
+WAYPOINT_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
@@ -53,7 +54,7 @@ def _lengths(
     if not 1 / MAX_SCALE < scale < MAX_SCALE:
         return [_size(place, study, scale)]
     off = np.abs(seen - scale * said)
-    bad = off > np.maximum(LENGTH_SHARE * scale * said, MIN_LENGTH_M)
+    bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, MAX_LENGTH_ERROR_M)
     remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
     return [
         Finding(
@@ -94,10 +95,10 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
         return []
     seen = float(np.degrees(np.angle(np.exp(1j * angle).mean())))
     apart = (seen - trial.head_angle_deg + 180) % 360 - 180
-    if abs(apart) <= HEAD_ANGLE_DEG:
+    if abs(apart) <= MAX_HEAD_ANGLE_ERROR_DEG:
         return []
     found = f"a head angle of {seen:.0f} degrees in the second half of the recording"
-    mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= HEAD_ANGLE_DEG / 2
+    mirrored = abs((seen + trial.head_angle_deg + 180) % 360 - 180) <= MAX_HEAD_ANGLE_ERROR_DEG / 2
     convention = "head_angle_deg is positive where the head points to the robot's right."
     remedy = (
         f"The sign is the other one: write head_angle_deg {-trial.head_angle_deg:g} if the head "
@@ -114,7 +115,7 @@ def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]
     pool = study.setup.pool
     beyond = np.maximum(-seen, seen - np.array([pool.length_m, pool.width_m])).max(axis=1)
     out = beyond > OUTSIDE_SHARE * max(pool.length_m, pool.width_m)
-    if len(seen) == 0 or out.mean() < OUTSIDE_FRAMES:
+    if len(seen) == 0 or out.mean() < OUTSIDE_FRAMES_SHARE:
         return []
     x, y = np.median(seen[out], axis=0)
     found = f"a robot outside of the pool, near x = {x:.2f} m, y = {y:.2f} m"
@@ -130,7 +131,7 @@ def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Findin
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
     length = study.setup.robot.body_length_m
-    kept = waypoints(xy, APART_LENGTHS * length)
+    kept = waypoints(xy, WAYPOINT_LENGTHS * length)
     way, heading = np.diff(xy[kept], axis=0), heading[kept][:-1]
     gone = np.linalg.norm(way, axis=1)
     if gone.sum() < length:

@@ -19,7 +19,8 @@ from .layout import remove
 log = logging.getLogger(__name__)
 
 MEMORY_ADVICE = "run fewer jobs at once (--cores 1) or close other programs, then start again"
-NO_WARNING = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
+DEFAULT_ADVICE = "Check fps, head_angle_deg and the lengths of study.yaml, and add trials."
+"""Advice where no warning on the study says more."""
 
 
 def run_with_status(
@@ -91,7 +92,7 @@ def with_numerical_failures_explained(
                 "",
                 f"a fit without a solution ({error})",
                 "trials that the model can describe",
-                " ".join(study_warnings(found)) or NO_WARNING,
+                " ".join(study_warnings(found)) or DEFAULT_ADVICE,
             ) from error
 
     return explained

@@ -13,21 +13,26 @@ from .circle import Circle, fit_circle
 from .errors import error_cov, error_length, scatter_cov
 from .plateau import Plateau, fit_plateau
 
-STRAIGHT_DEG = 20.0
+MIN_BEND_DEG = 20.0
 """A path that bends less than this determines no radius."""
 MIN_ARC_DEG = 25.0
-TOLERANCES = (0.005, 0.01, 0.02)
+"""Arc below which a turn determines no radius."""
+SPEED_TOLERANCES = (0.005, 0.01, 0.02)
 """Steady: the speed changes by less than this share over the segment, the turning rate by less than
 twice the share."""
-STRAIGHT_RATE = 0.01
+RATE_TOLERANCE_RAD_S = 0.01
 """A change of turning rate, rad/s, that counts as none."""
 MAX_EXTRAPOLATION = 1.2
 """v_inf of the start-up is accepted up to this multiple of the last speed."""
 MIN_DISTANCE_M = 0.02
+"""Extent of a path below which the robot did not swim."""
 MIN_DURATION_S = 0.7
+"""Shortest steady part of a trial."""
 MIN_FRAMES = 8
-SUFFICIENT = ("good", "straight")
-RADIUS_SHARE = 0.05
+"""Frames without which no steady part is looked for."""
+SUFFICIENT_QUALITIES = ("good", "straight")
+"""Qualities with which no further part of the trial is looked at."""
+MAX_RADIUS_STD_SHARE = 0.05
 """A radius with a larger relative error counts as too short an arc."""
 
 
@@ -57,7 +62,8 @@ def steady_state(track: Track, flapping: Flapping, head_angle_rad: float) -> Ste
     )
     strictest = next(candidates)
     return next(
-        (one for one in chain([strictest], candidates) if one.quality in SUFFICIENT), strictest
+        (one for one in chain([strictest], candidates) if one.quality in SUFFICIENT_QUALITIES),
+        strictest,
     )
 
 
@@ -82,7 +88,7 @@ def _steady_over(
         quality="",
         reason="",
     )
-    if abs(np.degrees(arc)) < STRAIGHT_DEG and abs(head_angle_rad) < np.radians(2.0):
+    if abs(np.degrees(arc)) < MIN_BEND_DEG and abs(head_angle_rad) < np.radians(2.0):
         return _straight(base, segment, plateau)
     return _turning(base, track, segment, arc)
 
@@ -102,7 +108,7 @@ def _steady_segments(track: Track, plateau: Plateau) -> Iterator[_Segment]:
     starts = np.searchsorted(t, np.linspace(t[0], latest, 40)).tolist()
     parts = [slice(start, len(t)) for start in starts if len(t) - start >= MIN_FRAMES]
     steady = False
-    for tolerance in TOLERANCES:
+    for tolerance in SPEED_TOLERANCES:
         at = next((part for part in parts if _does_not_change(track, part, tolerance)), None)
         if at is not None:
             steady = True
@@ -125,7 +131,7 @@ def _does_not_change(track: Track, at: slice, tolerance: float) -> bool:
     fast, turning = abs(float(np.mean(speed))), abs(float(np.mean(rate)))
     limit = max(tolerance * fast, min(detectable, 3 * tolerance * fast))
     bend = max(
-        2 * tolerance * turning, min(detectable_bend, 6 * tolerance * turning), STRAIGHT_RATE
+        2 * tolerance * turning, min(detectable_bend, 6 * tolerance * turning), RATE_TOLERANCE_RAD_S
     )
     return abs(float(slope @ speed)) < limit and abs(float(slope @ rate)) < bend
 
@@ -212,7 +218,7 @@ def _quality_and_reason(
 ) -> tuple[str, str]:
     if not segment.settled:
         return "not_steady", "speed or turning rate still change at the end: film for longer"
-    if base.arc_deg < MIN_ARC_DEG or circle.radius_std_m > RADIUS_SHARE * circle.radius_m:
+    if base.arc_deg < MIN_ARC_DEG or circle.radius_std_m > MAX_RADIUS_STD_SHARE * circle.radius_m:
         return "short_arc", (
             f"an arc of {base.arc_deg:.0f} degrees leaves the radius "
             f"uncertain by {circle.radius_std_m:.3f} m: film for longer, or start where the turn "

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..data import Steady, write_columns
 from ..errors import input_error
 
-NUMBERS = (
+NUMBER_COLUMNS = (
     "flap_hz",
     "speed_m_s",
     "speed_std_m_s",
@@ -19,20 +19,21 @@ NUMBERS = (
     "steady_from_s",
     "steady_to_s",
 )
-CENTER = ("center_x_m", "center_y_m")
-COLUMNS = ("trial_id", *NUMBERS, "quality", "reason", "turn", *CENTER)
+CENTER_COLUMNS = ("center_x_m", "center_y_m")
+STEADY_COLUMNS = ("trial_id", *NUMBER_COLUMNS, "quality", "reason", "turn", *CENTER_COLUMNS)
+"""Columns of steady.csv."""
 
 
 def write_steady(path: str | Path, steady: Mapping[str, Steady]) -> None:
     """Write steady.csv whole; an infinite radius as `inf`, NaN as an empty cell."""
     rows = list(steady.values())
     columns: dict[str, list[object]] = {"trial_id": list(steady)}
-    for name in NUMBERS:
+    for name in NUMBER_COLUMNS:
         columns[name] = [_number(getattr(row, name)) for row in rows]
     columns["quality"] = [row.quality for row in rows]
     columns["reason"] = [row.reason for row in rows]
     columns["turn"] = [row.turn for row in rows]
-    for i, name in enumerate(CENTER):
+    for i, name in enumerate(CENTER_COLUMNS):
         columns[name] = [row.center_m[i] for row in rows]
     write_columns(path, columns)
 
@@ -45,7 +46,7 @@ def read_steady(path: str | Path) -> dict[str, Steady]:
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as lines:
             table = csv.DictReader(lines)
-            missing = [name for name in COLUMNS[:11] if name not in (table.fieldnames or [])]
+            missing = [name for name in STEADY_COLUMNS[:11] if name not in (table.fieldnames or [])]
             rows = list(table)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise input_error(path, "", f"an unreadable file ({error})", "steady.csv") from error
@@ -56,8 +57,8 @@ def read_steady(path: str | Path) -> dict[str, Steady]:
 
 def _read(path: str | Path, number: int, row: dict[str, str]) -> Steady:
     try:
-        values = {name: _float(row[name]) for name in NUMBERS}
-        x, y = (_float(row.get(name, "")) for name in CENTER)
+        values = {name: _float(row[name]) for name in NUMBER_COLUMNS}
+        x, y = (_float(row.get(name, "")) for name in CENTER_COLUMNS)
         turn = int(float(row.get("turn") or 0))
     except (TypeError, ValueError) as error:
         raise input_error(path, f"row {number}", str(error), "numbers") from error

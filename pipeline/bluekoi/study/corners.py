@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 Corner = tuple[float, float]
-EXPECTED = (
+EXPECTED_CORNERS = (
     "the images of pool (0,0), (length,0), (length,width), (0,width) "
     "in this order, seen from above (counter-clockwise in the pool, image v downwards)"
 )
@@ -18,8 +18,8 @@ def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
     if all(turn < 0 for turn in turns):
         return []
     if all(turn > 0 for turn in turns):
-        return [EXPECTED + "; these go round the other way: swap the second and the fourth"]
-    return [EXPECTED + "; these cross over or lie on a line"]
+        return [EXPECTED_CORNERS + "; these go round the other way: swap the second and the fourth"]
+    return [EXPECTED_CORNERS + "; these cross over or lie on a line"]
 
 
 def _turn(a: Corner, b: Corner, c: Corner) -> float:

@@ -14,11 +14,11 @@ from .image_files import names_images
 from .messages import explain
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
 
-MAX_BYTES, MAX_TRIALS = 10_000_000, 10_000
+MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
 """Ten times the largest study that was tried; a larger file is hardly a list of trials."""
 Rows = list[tuple[int, list[str]]]
 PATH_RULE = "a path without '..': relative to the study folder, or absolute"
-UNREADABLE = (OSError, UnicodeDecodeError, csv.Error)
+READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
 
 
 def read_trials(path: Path, findings: list[Finding], *, only: str | None = None) -> list[Trial]:
@@ -56,12 +56,12 @@ def _name(names: list[str], row: list[str]) -> str | None:
 def _rows(path: Path, findings: list[Finding]) -> Rows:
     """Rows that are not blank, each with its line number in the file."""
     try:
-        reader = csv.reader(io.StringIO(read_text(path, MAX_BYTES), newline=""))
+        reader = csv.reader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
         rows = [(reader.line_num, row) for row in reader if any(c.strip() for c in row)]
     except FileNotFoundError:
         findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
         return []
-    except UNREADABLE as error:
+    except READ_ERRORS as error:
         remedy = "Save it as CSV UTF-8." if isinstance(error, UnicodeDecodeError) else ""
         found = f"no readable csv ({error})"
         findings.append(Finding(str(path), "", found, "a csv file in UTF-8", remedy))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from .types import Study
 
 HELD_OUT_SHARE = 0.25
+"""Share of the trials that is held out at most."""
 
 
 def has_roles(study: Study) -> bool:

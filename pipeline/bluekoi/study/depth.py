@@ -7,9 +7,9 @@ from typing import Any
 
 from .types import Setup, Study
 
-MAX_STD_M = 0.01
+MAX_DEPTH_STD_M = 0.01
 """An estimate less certain than this is worth less than the usual depth."""
-DIGITS = 3
+DEPTH_DECIMALS = 3
 """An estimate is used to the millimetre, 0.03 % of a length seen from 3 m: the last digits change
 with every trial, and each change would place all keypoints again.
 """
@@ -18,9 +18,9 @@ with every trial, and each change would place all keypoints again.
 def usable_depth_m(setup: Setup, estimate_m: float, std_m: float) -> float:
     """Depth to use, m, given an estimate and its standard deviation (0: no estimate)."""
     inside = 0 <= estimate_m < setup.pool.depth_m
-    if setup.robot.depth_given or not (0 < std_m < MAX_STD_M and inside):
+    if setup.robot.depth_given or not (0 < std_m < MAX_DEPTH_STD_M and inside):
         return setup.robot.keypoint_depth_m
-    return round(estimate_m, DIGITS)
+    return round(estimate_m, DEPTH_DECIMALS)
 
 
 def with_depth(setup: Setup, geometry: Mapping[str, Any] | None) -> Setup:

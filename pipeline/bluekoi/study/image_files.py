@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm")
-PATTERN = re.compile(r"[*?\[]|%0?\d*d")
+IMAGE_PATTERN = re.compile(r"[*?\[]|%0?\d*d")
+"""Signs in a source by which it is a pattern of picture files."""
 
 
 def names_images(name: str) -> bool:
@@ -30,7 +31,7 @@ def expanded(root: Path, name: str) -> tuple[Path, ...]:
     A pattern has `*`, `?`, `[...]` or a number as `%05d`; it is relative to `root`, or absolute.
     """
     path = root / name
-    if PATTERN.search(name) and not path.exists():
+    if IMAGE_PATTERN.search(name) and not path.exists():
         found = _matching(path)
     elif path.is_dir():
         found = [one for one in path.iterdir() if one.suffix.lower() in IMAGE_SUFFIXES]
@@ -42,7 +43,7 @@ def expanded(root: Path, name: str) -> tuple[Path, ...]:
 def _matching(path: Path) -> list[Path]:
     """Pictures that a pattern stands for; a number is digits alone."""
     parts = path.relative_to(path.anchor).parts
-    fixed = next(i for i, part in enumerate(parts) if PATTERN.search(part))
+    fixed = next(i for i, part in enumerate(parts) if IMAGE_PATTERN.search(part))
     base = Path(path.anchor, *parts[:fixed])
     shell = "/".join(re.sub(r"%0?\d*d", "*", part) for part in parts[fixed:])
     form = re.compile(_digits(parts[-1]), re.IGNORECASE)

@@ -18,13 +18,15 @@ from ..errors import input_error, nearest
 from .setup import Setup
 from .types import Trial
 
-FILES: dict[str, type[BaseModel]] = {"study.yaml": Setup, "trials.csv": Trial}
-LIMITS = {
+FILE_MODELS: dict[str, type[BaseModel]] = {"study.yaml": Setup, "trials.csv": Trial}
+"""File of a study -> model of its keys."""
+LIMIT_PHRASES = {
     "gt": "more than {:g}",
     "ge": "at least {:g}",
     "lt": "less than {:g}",
     "le": "at most {:g}",
 }
+"""Constraint of a field -> how it is worded."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Key:
 
 def keys() -> list[Key]:
     """All keys, sections before what stands in them."""
-    return [key for file, model in FILES.items() for key in _keys(file, model, "")]
+    return [key for file, model in FILE_MODELS.items() for key in _keys(file, model, "")]
 
 
 def explain_key(name: str) -> str:
@@ -105,7 +107,7 @@ def _allowed(field: FieldInfo) -> str:
     bounds = [m for one in metadata for m in (getattr(one, "metadata", None) or [one])]
     return ", ".join(
         text.format(value)
-        for name, text in LIMITS.items()
+        for name, text in LIMIT_PHRASES.items()
         if (value := next((v for m in bounds if (v := getattr(m, name, None)) is not None), None))
         is not None
     )

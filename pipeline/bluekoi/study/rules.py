@@ -21,7 +21,7 @@ MIN_GYRATION_LENGTHS = 0.1
 """Radius of gyration over length: below, all mass would lie in the middle third of the body."""
 WIDTHS = (0.2, 1.5)
 """Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
-MARGIN = 0.25
+CORNER_MARGIN_SHARE = 0.25
 """Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
 
 
@@ -192,7 +192,7 @@ def _outside(camera: Camera, corners: str) -> list[Problem]:
 
 
 def _beyond(value: float, size: int) -> bool:
-    return not -MARGIN * size <= value <= (1 + MARGIN) * size
+    return not -CORNER_MARGIN_SHARE * size <= value <= (1 + CORNER_MARGIN_SHARE) * size
 
 
 def trial_problems(trial: Trial) -> list[Problem]:

@@ -14,8 +14,8 @@ from ..files import read_text
 from .messages import brief, explain
 from .setup import Setup
 
-MAX_BYTES = 250_000
-UNREADABLE = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
+MAX_YAML_BYTES = 250_000
+READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
 
 
 class _OnceLoader(yaml.SafeLoader):
@@ -61,11 +61,11 @@ def lacks_corners(path: Path) -> bool:
 def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
     try:
         # A subclass of SafeLoader: plain values only, no Python objects.
-        content = yaml.load(read_text(path, MAX_BYTES), _OnceLoader)  # noqa: S506
+        content = yaml.load(read_text(path, MAX_YAML_BYTES), _OnceLoader)  # noqa: S506
     except FileNotFoundError:
         findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
         return None
-    except UNREADABLE as error:
+    except READ_ERRORS as error:
         reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
         findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "yaml in UTF-8"))
         return None

@@ -19,11 +19,12 @@ from ..model import plates
 from .bounds import bound_sides
 from .joint import UNDETERMINED_ABOVE, Z_95, Tuned
 
-POINTS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
+PROFILE_POINTS_STDS = (-2.5, -1.25, -0.6, 0.6, 1.25, 2.5)
 """Where a profile is taken, in standard deviations from the fit."""
-QUANTILE_95 = 1.92
+HALF_CHI2_95 = 1.92
 """Half of the 95 % quantile of chi squared with one degree of freedom."""
 PROFILE_RANGE_STDS = 3.0
+"""Half range of a profile, in standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -131,9 +132,9 @@ def _profile(
     kernel, found = compiled(plates()), tuned.fit
     held = found.free[index]
     parameter = plates().parameters[plates().slot[held.name]]
-    unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])),
-               PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(POINTS))  # fmt: skip
-    values = np.clip(found.values[index] + unit * np.array(POINTS), parameter.lower,
+    largest = PROFILE_RANGE_STDS * parameter_scales(tuned)[index] / max(PROFILE_POINTS_STDS)
+    unit = min(max(tuned.std[index], np.sqrt(found.naive_cov[index, index])), largest)
+    values = np.clip(found.values[index] + unit * np.array(PROFILE_POINTS_STDS), parameter.lower,
                      parameter.upper)  # fmt: skip
     free = [f for i, f in enumerate(found.free) if i != index]
 
@@ -154,9 +155,9 @@ def _bounds(best: float, values: Float, lost: Float) -> tuple[float | None, floa
         order = np.argsort(np.abs(values[side] - best))
         at = np.concatenate([[best], values[side][order]])
         root = np.concatenate([[0.0], np.sqrt(np.maximum(lost[side][order], 0.0))])
-        reached = len(root) > 1 and root.max() > np.sqrt(QUANTILE_95)
+        reached = len(root) > 1 and root.max() > np.sqrt(HALF_CHI2_95)
         root = np.maximum.accumulate(root)
-        out.append(float(np.interp(np.sqrt(QUANTILE_95), root, at)) if reached else None)
+        out.append(float(np.interp(np.sqrt(HALF_CHI2_95), root, at)) if reached else None)
     return out[0], out[1]
 
 

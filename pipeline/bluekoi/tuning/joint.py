@@ -32,7 +32,8 @@ from ..integrate.system import Parameter
 from ..model import COEFFICIENTS, plates
 from .bounds import LOWER, UPPER, bound_sides, one_sided, parameter_of
 
-HEAD_ANGLE = 3
+HEAD_ANGLE_COLUMN = 3
+"""Column of the head angle among the observations."""
 HEAD_ANGLE_ERROR = "head_angle_offset.offset"
 """The parameter that a servo's error in one trial changes."""
 UNDETERMINED_ABOVE, Z_95 = 0.3, 1.96
@@ -41,7 +42,7 @@ normal law's 95 % interval over its deviation.
 """
 START_SCALES = (0.3, 0.1, 0.03, 0.0)
 """Shares of the usual coefficients from which a fit begins where the model runs away at those."""
-FIRST_NOISE = Noise(
+START_NOISE = Noise(
     np.array([0.005, 0.005, 0.0005, 3e-4, 3e-4, 3e-3]),
     np.array([0.5, 0.5, 0.5, 0.2, 0.2, 0.2]),
     np.ones(4),
@@ -52,7 +53,7 @@ FIRST_NOISE = Noise(
 
 def downsampled(series: Sequence[Series], rate_hz: float = RATE_HZ) -> list[Series]:
     """The trials as fits take them: about ten observations a second, head angle once a trial."""
-    return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE,)) for s in series]
+    return [block_averaged(s, rate_hz, constant=(HEAD_ANGLE_COLUMN,)) for s in series]
 
 
 @dataclass(frozen=True)
@@ -112,10 +113,10 @@ def tune(
     kernel = compiled(plates())
     free = tuple(free or (Free(p.name) for p in COEFFICIENTS))
     base = plates().values({}) if base is None else base
-    found = _first_fit(kernel, series, base, free, noise=noise or FIRST_NOISE, start=start)
+    found = _first_fit(kernel, series, base, free, noise=noise or START_NOISE, start=start)
     if noise is None:
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
-        noise = fit_noise(kernel, series, points, FIRST_NOISE, rounds=5)
+        noise = fit_noise(kernel, series, points, START_NOISE, rounds=5)
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo_random_effect(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)

@@ -19,8 +19,10 @@ from .identify import Combination, parameter_scales
 from .joint import UNDETERMINED_ABOVE, Tuned
 from .turning_trials import TURN_COEFFICIENTS, all_straight
 
-ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
+CANDIDATE_ANGLES_DEG = (0.0, 15.0, 30.0, 45.0, 60.0)
+"""Head angles of the trials that may be recommended."""
 NEW_TRIAL_S, NEW_RATE_HZ = 5.0, 10.0
+"""Duration and observation rate assumed for a recommended trial."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ def _variance(fisher: Float, direction: Float) -> float:
 def _conditions(series: Sequence[Series], setup: Setup) -> list[tuple[str, float, float]]:
     powers = sorted({s.group for s in series}, key=float)
     head = setup.robot.head_length_m
-    return [(p, a, h) for p in powers for a in ANGLES_DEG for h in (head, 1.5 * head)]
+    return [(p, a, h) for p in powers for a in CANDIDATE_ANGLES_DEG for h in (head, 1.5 * head)]
 
 
 def _imagined(

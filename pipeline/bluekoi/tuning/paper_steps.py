@@ -25,12 +25,16 @@ from .draws import clip_to_bounds, sample_parameters
 from .joint import Tuned, coefficient_cell, tune
 from .two_step_covariance import step_sensitivity, with_step_covariance
 
-STRAIGHT_BELOW_DEG = 3.0
-DRAWS, DRAW_SEED = 60, 0
-MIN_SHARE = 1.0
+MAX_STRAIGHT_ANGLE_DEG = 3.0
+"""Head angle below which a trial is a straight run."""
+STEP_DRAWS, DRAW_SEED = 60, 0
+"""Draws of the coefficients of a step, and their seed."""
+MIN_VARIANCE_SHARE = 1.0
 """No variance of a step is less than this share of the naive one."""
-COMMON = ("C_T", "C_D0", "C_La", "C_Ma")
-PER_POWER = ("C_Da", "C_Md")
+COMMON_COEFFICIENTS = ("C_T", "C_D0", "C_La", "C_Ma")
+"""Coefficients that the paper holds equal at all powers."""
+COEFFICIENTS_PER_POWER = ("C_Da", "C_Md")
+"""Coefficients that the paper fits at each power."""
 
 
 def three_steps(
@@ -44,7 +48,11 @@ def three_steps(
     one_x = [s for s in series if _is_one_x(study, trials[s.name])]
     straight = [s for s in one_x if is_straight(trials[s.name])]
     turns = [s for s in one_x if not is_straight(trials[s.name])]
-    first = tune(straight, [Free("C_T"), Free("C_D0")], min_share=MIN_SHARE) if straight else None
+    first = (
+        tune(straight, [Free("C_T"), Free("C_D0")], min_share=MIN_VARIANCE_SHARE)
+        if straight
+        else None
+    )
     own = _second(turns, first) if turns else None
     sensitivity = step_sensitivity(turns, own, first) if own and first else None
     second = (
@@ -64,12 +72,12 @@ def three_steps(
 def draws(
     fits: tuple[Tuned | None, Tuned | None], sensitivity: Float | None, rng: np.random.Generator
 ) -> dict[str, list[float]]:
-    """`DRAWS` values of every number that was fitted, by label, step by step.
+    """`STEP_DRAWS` values of every number that was fitted, by label, step by step.
 
     fits: as fitted. sensitivity: how step 2's numbers go with those of step 1, draw by draw.
     """
     out: dict[str, list[float]] = {}
-    rows = [sample_parameters(one, DRAWS, rng) if one else None for one in fits]
+    rows = [sample_parameters(one, STEP_DRAWS, rng) if one else None for one in fits]
     if (
         fits[0]
         and fits[1]
@@ -96,7 +104,7 @@ def _ensemble(sampled: Mapping[str, list[float]], power: str) -> dict[str, Any]:
 
 def is_straight(trial: Trial) -> bool:
     """Whether the head was straight."""
-    return abs(trial.head_angle_deg) < STRAIGHT_BELOW_DEG
+    return abs(trial.head_angle_deg) < MAX_STRAIGHT_ANGLE_DEG
 
 
 def _is_one_x(study: Study, trial: Trial) -> bool:
@@ -105,11 +113,15 @@ def _is_one_x(study: Study, trial: Trial) -> bool:
 
 def _second(turns: Sequence[Series], first: Tuned | None) -> Tuned:
     groups = sorted({s.group for s in turns}, key=float)
-    free = [Free("C_La"), Free("C_Ma"), *(Free(c, g) for g in groups for c in PER_POWER)]
+    free = [
+        Free("C_La"),
+        Free("C_Ma"),
+        *(Free(c, g) for g in groups for c in COEFFICIENTS_PER_POWER),
+    ]
     base = plates().values(first.fit.by_label() if first else {})
     if first is None:
         free = [Free("C_T"), Free("C_D0"), *free]
-    return tune(turns, free, base=base, min_share=MIN_SHARE)
+    return tune(turns, free, base=base, min_share=MIN_VARIANCE_SHARE)
 
 
 def _power(
@@ -121,7 +133,10 @@ def _power(
 ) -> dict[str, Any]:
     here = [s for s in series if s.group == power]
     flap_hz = float(np.mean([s.inputs[0, 1] for s in here]))
-    coefficients = {name: _coefficient(name, power, fits) for name in (*COMMON, *PER_POWER)}
+    coefficients = {
+        name: _coefficient(name, power, fits)
+        for name in (*COMMON_COEFFICIENTS, *COEFFICIENTS_PER_POWER)
+    }
     values = {name: c["value"] for name, c in coefficients.items()}
     return {
         "flap_hz": flap_hz,
@@ -173,7 +188,7 @@ def _comparisons(
 def _step_of(study: Study, angle: float, length: float) -> int:
     if abs(length - study.setup.robot.head_length_m) > 1e-6:
         return 3
-    return 1 if angle < STRAIGHT_BELOW_DEG else 2
+    return 1 if angle < MAX_STRAIGHT_ANGLE_DEG else 2
 
 
 def _compare(
@@ -188,12 +203,12 @@ def _compare(
         coefficients,
         setup=study.setup,
         head_length_m=length,
-        head_angle_rad=np.radians(angle if angle >= STRAIGHT_BELOW_DEG else 0.0),
+        head_angle_rad=np.radians(angle if angle >= MAX_STRAIGHT_ANGLE_DEG else 0.0),
         flap_hz=flap_hz,
     )
     speeds = [s.speed_m_s for s in measured if np.isfinite(s.speed_m_s)]
     radii = [
-        s.radius_m for s in measured if np.isfinite(s.radius_m) and angle >= STRAIGHT_BELOW_DEG
+        s.radius_m for s in measured if np.isfinite(s.radius_m) and angle >= MAX_STRAIGHT_ANGLE_DEG
     ]
     seen_radius = float(np.mean(radii)) if radii else None
     return {

@@ -26,8 +26,8 @@ from .turning_trials import (
 )
 from .undetermined import as_json, is_undetermined, undetermined_combinations
 
-DRAWS, GROWTH_DRAWS = 200, 60
-MIN_TURNS = 2
+ENSEMBLE_DRAWS, GROWTH_DRAWS = 200, 60
+MIN_TURNING_TRIALS = 2
 """Trials with the head turned, below which nothing is said of straight swimming: one cannot tell
 how trials disagree.
 """
@@ -41,7 +41,7 @@ def coefficients(
     steps, _, _ = three_steps(study, few, steady)
     joint = tune(few)
     values = joint.fit.by_label()
-    draws = sample_parameters(joint, DRAWS, np.random.default_rng(seed))
+    draws = sample_parameters(joint, ENSEMBLE_DRAWS, np.random.default_rng(seed))
     return {
         "unit_reading": UNIT_READING,
         "paper_steps": steps,
@@ -78,7 +78,7 @@ def straight_swimming(
     names = list(joint.fit.by_label())
     by_power = {power: growth(joint.fit.by_label(), power) for power in steps}
     worst = max(by_power, key=lambda power: by_power[power])
-    if count_turning_trials(series) < MIN_TURNS or depends_on_one_trial(joint):
+    if count_turning_trials(series) < MIN_TURNING_TRIALS or depends_on_one_trial(joint):
         return undetermined_stability(by_power[worst]) | {"by_power": by_power}
     over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
     return verdict(by_power[worst], over) | {"by_power": by_power}

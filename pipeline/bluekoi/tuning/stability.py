@@ -14,8 +14,9 @@ from ..model import constants, plates, simulate
 from ..study import Setup, Study
 from .joint import Tuned
 
-SPAN_S = 0.02
-STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
+LINEARISATION_S = 0.02
+"""Interval over which the motion is linearised."""
+LINEARISED_STATES = (2, 3, 4, 5)  # psi, u, v, r: x and y do not act back
 
 
 def growth_per_s(
@@ -36,7 +37,7 @@ def growth_per_s(
     kernel = compiled(plates())
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, 3] = run.speed_m_s[-1]
-    for lane, i in enumerate(STATES, start=1):
+    for lane, i in enumerate(LINEARISED_STATES, start=1):
         state[0, i, lane] += 1e-6
     values = plates().values(coefficients, effects)
     _, states = propagate(
@@ -44,21 +45,21 @@ def growth_per_s(
         state,
         in_lanes(values[None]),
         in_lanes(constants(setup, head)[None]),
-        times=np.array([[0.0, SPAN_S]]),
+        times=np.array([[0.0, LINEARISATION_S]]),
         inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
         keep_states=True,
     )
-    end = states[0, 1, STATES, :]
-    F = (end[:, 1 : 1 + len(STATES)] - end[:, :1]) / 1e-6
+    end = states[0, 1, LINEARISED_STATES, :]
+    F = (end[:, 1 : 1 + len(LINEARISED_STATES)] - end[:, :1]) / 1e-6
     if not np.isfinite(F).all():
         return float("nan")
     # the heading's own eigenvalue is 1 (0 per second): leave it out
-    return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / SPAN_S)
+    return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / LINEARISATION_S)
 
 
 MIN_GROWTH_PER_S = 0.05
 """Below this a small turn counts as fading."""
-LOST_DRAWS = 0.05
+MAX_LOST_DRAWS_SHARE = 0.05
 """Where more of the draws than this have no steady straight run, nothing is asserted."""
 
 
@@ -71,7 +72,7 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     low, high = np.quantile([growth, *finite], [0.025, 0.975]).tolist()
     growth_json = {"eigenvalue_per_s": growth, "interval_95": [low, high] if finite else None}
     lost = 1.0 - (1 + len(finite)) / (1 + len(draws))
-    if low <= MIN_GROWTH_PER_S < high or lost > LOST_DRAWS:
+    if low <= MIN_GROWTH_PER_S < high or lost > MAX_LOST_DRAWS_SHARE:
         sentence = (
             "Whether the fitted model swims straight is not determined by these trials: within the "
             f"coefficients' deviations a small turn goes as e^({low:+.1f} t) to e^({high:+.1f} t)."
@@ -105,7 +106,7 @@ def _range(growth_json: Mapping[str, Any]) -> str:
     return " (95 %: {:+.1f} to {:+.1f} per second)".format(*growth_json["interval_95"])
 
 
-GROWTH = 6.0
+MAX_LOG_GROWTH = 6.0
 """Small differences may grow by e^6 = 400 over a segment: from 0.1 mm to 40 mm."""
 MIN_HORIZON_S = 1.0
 
@@ -113,7 +114,7 @@ MIN_HORIZON_S = 1.0
 def predictability_horizon_s(
     study: Study, kernel: Kernel, tuned: Tuned, series: Sequence[Series]
 ) -> float:
-    """Time in which small differences grow by e^`GROWTH` in straight swimming, s."""
+    """Time in which small differences grow by e^`MAX_LOG_GROWTH` in straight swimming, s."""
     times = [np.inf]
     flap = {s.group: float(s.inputs[-1, 1]) for s in series}
     values = tuned.trial_values(kernel, series)
@@ -122,5 +123,5 @@ def predictability_horizon_s(
         coefficients, effects = kernel.system.named_values(point)
         growth = growth_per_s(coefficients, setup=study.setup, flap_hz=hz, effects=effects)
         if growth > 0:
-            times.append(GROWTH / growth)
+            times.append(MAX_LOG_GROWTH / growth)
     return max(MIN_HORIZON_S, min(times))

@@ -13,7 +13,9 @@ from .bounds import bound_sides, one_sided, parameter_of
 from .joint import Tuned
 
 TURN_COEFFICIENTS = ("C_Da", "C_La", "C_Ma", "C_Md")
-STRAIGHT_BELOW_RAD = np.radians(3.0)
+"""Coefficients that only turns determine."""
+MAX_STRAIGHT_ANGLE_RAD = np.radians(3.0)
+"""Head angle below which a trial is a straight run."""
 
 
 def undetermined_without_turns(
@@ -78,4 +80,4 @@ def _consistent_with_start(tuned: Tuned) -> list[int]:
 
 def all_straight(series: Sequence[Series]) -> bool:
     """Whether no trial turns its head."""
-    return all(abs(s.inputs[:, 0]).max() < STRAIGHT_BELOW_RAD for s in series)
+    return all(abs(s.inputs[:, 0]).max() < MAX_STRAIGHT_ANGLE_RAD for s in series)

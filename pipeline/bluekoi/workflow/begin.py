@@ -13,10 +13,10 @@ from typing import Any
 
 from ..errors import InputError, printable
 from ..stages.manifest import RUN
-from .client import COMMAND
+from .client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
-from .provenance import PACKAGE, fingerprint
+from .provenance import PACKAGE_FOLDER, fingerprint
 from .settings import check_settings
 
 
@@ -41,8 +41,8 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
             if names:
                 sys.stderr.write(f"{stage} is due for {len(names)}: {', '.join(sorted(names))}\n")
         return plan
-    run = {"command": os.environ.get(COMMAND) or shlex.join(sys.argv), "settings": dict(config),
-            "code": fingerprint("stages")}  # fmt: skip
+    command = os.environ.get(COMMAND_VARIABLE) or shlex.join(sys.argv)
+    run = {"command": command, "settings": dict(config), "code": fingerprint("stages")}
     os.environ[RUN] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
@@ -58,7 +58,7 @@ def shell_prefix(workflow: Any) -> str:
     Without activating its environment, `snakemake` would run whatever `python3` is on the PATH.
     """
     if workflow.deployment_settings.deployment_method:
-        return f"export PYTHONPATH={shlex.quote(str(PACKAGE.parent))}; "
+        return f"export PYTHONPATH={shlex.quote(str(PACKAGE_FOLDER.parent))}; "
     return f'export PATH={shlex.quote(str(Path(sys.executable).parent))}:"$PATH"; '
 
 

@@ -6,9 +6,9 @@ import os
 import socket
 from collections.abc import Sequence
 
-ADDRESS = "BLUEKOI_PRELOADED"
+ADDRESS_VARIABLE = "BLUEKOI_PRELOADED"
 """Environment variable with the path of the socket that the preloaded process listens on."""
-COMMAND = "BLUEKOI_COMMAND"
+COMMAND_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
 END_OF_REQUEST = b"\0\0"
 BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -30,7 +30,7 @@ def request_stage(words: Sequence[str]) -> int | None:
     None where no such process answers (a cluster's node, a process that was killed): the caller
     then runs the stage itself.
     """
-    address = os.environ.get(ADDRESS)
+    address = os.environ.get(ADDRESS_VARIABLE)
     if not address:
         return None
     with socket.socket(socket.AF_UNIX) as connection:

@@ -24,13 +24,13 @@ from importlib.metadata import version
 from pathlib import Path
 
 from .client import END_OF_REQUEST
-from .provenance import PACKAGE
+from .provenance import PACKAGE_FOLDER
 from .stage_call import in_fork, run_stage
 
-LONGEST = 2**20
+MAX_REQUEST_BYTES = 2**20
 COMPILE = "bluekoi.stages.compiling"
 """Modules whose names begin so have functions that compile what is not compiled yet."""
-COMPILING = b"compiling (once on a machine, half a minute)\n"
+COMPILING_MESSAGE = b"compiling (once on a machine, half a minute)\n"
 
 
 @dataclass(frozen=True)
@@ -90,16 +90,16 @@ class Server:
 
     def _accept(self) -> None:
         connection, _ = self.listener.accept()
-        request, fds, _, _ = socket.recv_fds(connection, LONGEST, 2)
+        request, fds, _, _ = socket.recv_fds(connection, MAX_REQUEST_BYTES, 2)
         while request and not request.endswith(END_OF_REQUEST):
-            request += connection.recv(LONGEST)
+            request += connection.recv(MAX_REQUEST_BYTES)
         folder, *words = (
             os.fsdecode(word) for word in request[: -len(END_OF_REQUEST)].split(b"\0")
         )
         self._load(words[0])
         job = Job(connection, fds, folder, words)
         if self.loaders[words[0]] in self.compiling.values():
-            os.write(fds[-1], COMPILING)
+            os.write(fds[-1], COMPILING_MESSAGE)
             self.held.append(job)
         else:
             self._start(job)
@@ -186,7 +186,7 @@ def _stamp(load: Callable[[], None]) -> Path:
     from ..integrate import kernel_folder  # noqa: PLC0415  heavy
 
     digest = hashlib.sha256(f"{load.__module__} {load.__name__} {version('numba')}".encode())
-    for path in sorted(PACKAGE.rglob("*.py")):
+    for path in sorted(PACKAGE_FOLDER.rglob("*.py")):
         state = path.stat()
         digest.update(f"{path} {state.st_mtime_ns} {state.st_size}".encode())
     return kernel_folder() / f"compiled-{digest.hexdigest()[:16]}"

@@ -9,7 +9,7 @@ from typing import IO
 
 from ..errors import input_error
 
-TEMPORARY = re.compile(r"\..+-[a-z0-9_]{8}(\.\w+)?")
+TEMPORARY_FILE_NAME = re.compile(r"\..+-[a-z0-9_]{8}(\.\w+)?")
 
 
 def acquire_lock(results: Path) -> IO[str]:
@@ -51,7 +51,7 @@ def remove_stale_locks(locks: Path, results: Path) -> list[Path]:
 
 def remove_temporary_files(results: Path) -> list[Path]:
     """Half-written temporary files of a killed run taken away; `files.whole_file` names them."""
-    left = [path for path in results.rglob(".*-*") if TEMPORARY.fullmatch(path.name)]
+    left = [path for path in results.rglob(".*-*") if TEMPORARY_FILE_NAME.fullmatch(path.name)]
     for path in left:
         path.unlink(missing_ok=True)
     return left

@@ -18,17 +18,17 @@ from ..errors import input_error
 from ..stages.freshness import hash_of, inputs_of, is_fresh, status_file, trial_row, without_keys
 from ..stages.layout import Layout
 from ..study import Study, load_study
-from .provenance import PACKAGE, fingerprint
+from .provenance import PACKAGE_FOLDER, fingerprint
 
-RESULTS = (
+RESULT_FILES = (
     "geometry.json", "steady.csv", "coefficients.json", "table1.csv", "table2.csv",
     "mismatch.json", "report.html",
 )  # fmt: skip
-FOLDERS = (
+RESULT_FOLDERS = (
     "benchmarks", "extended", "figures", "keypoints", "logs", "overlays", "poses", "simulations",
     "status", "steady", "tracks",
 )  # fmt: skip
-MIN_BATCH, MAX_BATCHES = 6, 50
+MIN_TRIALS_PER_BATCH, MAX_BATCHES = 6, 50
 """Trials with keypoint files share a process: six, or more where that would make over 50 jobs. A
 trial takes 0.3 s, a process of its own as much again. A video takes longer and is a job of its own.
 """
@@ -36,6 +36,7 @@ DUE_SUFFIX = "-due"
 """Ending of the marker of a batch that has to run, in a dry run: a missing file is listed there."""
 """Ending of the file that says that a batch of trials has to run."""
 FORBIDDEN_CHARACTERS = {*"{}<>", *map(chr, range(32))}
+"""Characters that Snakemake does not allow in the path of a results folder."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Plan:
     @cached_property
     def batches(self) -> dict[str, list[str]]:
         """Trials that share a process, by the name of their batch."""
-        size = max(MIN_BATCH, -(-len(self.trials) // MAX_BATCHES))
+        size = max(MIN_TRIALS_PER_BATCH, -(-len(self.trials) // MAX_BATCHES))
         read = [t.trial_id for t in self.study.trials if t.reads_keypoints]
         groups = [read[first : first + size] for first in range(0, len(read), size)]
         groups += [[t.trial_id] for t in self.study.trials if not t.reads_keypoints]
@@ -155,7 +156,7 @@ class Plan:
     def targets(self) -> list[str]:
         """Files that a run is made for."""
         stages = [path for stage in self.due for path in self.markers(stage)]
-        return [*stages, *(str(self.results / name) for name in RESULTS), *self.figures()]
+        return [*stages, *(str(self.results / name) for name in RESULT_FILES), *self.figures()]
 
     def memory_mb(self, base: int, each: int) -> int:
         """Memory to ask a cluster for, of a stage that holds all trials at once."""
@@ -183,7 +184,7 @@ class Plan:
 
     def figure_title_and_caption(self, wildcards: Any) -> dict[str, str]:
         """Title and caption of a figure, read from its file without running it."""
-        return figure_title_and_caption(PACKAGE / f"figures/{wildcards.figure}.py")
+        return figure_title_and_caption(PACKAGE_FOLDER / f"figures/{wildcards.figure}.py")
 
     def geometry_fingerprint(self) -> str:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
@@ -199,7 +200,7 @@ class Plan:
 
 def figure_names() -> list[str]:
     """Names of the figures: the modules of pipeline/bluekoi/figures."""
-    names = (path.stem for path in (PACKAGE / "figures").glob("*.py"))
+    names = (path.stem for path in (PACKAGE_FOLDER / "figures").glob("*.py"))
     return sorted(name for name in names if not name.startswith("_"))
 
 
@@ -246,7 +247,10 @@ def _check_apart(study: Study, results: Path) -> None:
     here = results.resolve()
     for path in study.files():
         for at in (path.absolute(), path.resolve()):
-            if at.is_relative_to(here) and at.relative_to(here).parts[0] in (*FOLDERS, at.name):
+            if at.is_relative_to(here) and at.relative_to(here).parts[0] in (
+                *RESULT_FOLDERS,
+                at.name,
+            ):
                 raise input_error(
                     results, "", f"a folder that holds {path.name}, a file of the study",
                     "a folder of its own for the results", "Name another one with --results.",

@@ -12,15 +12,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .client import ADDRESS, BLAS_THREADS
+from .client import ADDRESS_VARIABLE, BLAS_THREADS
 from .plan import Plan
 
 DETECTOR = "keypoints=compiling_detector"
-COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
+FORKSERVER_COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
 class Preloaded:
-    """A process that stages are forked from; jobs find it by the environment variable ADDRESS."""
+    """A process that stages are forked from; jobs find it by the variable ADDRESS_VARIABLE."""
 
     def __init__(self, stages: Sequence[str]) -> None:
         address = str(Path(tempfile.mkdtemp(prefix="bluekoi-")) / "socket")
@@ -28,18 +28,18 @@ class Preloaded:
             listener.bind(address)
             listener.listen(128)
             self.process = subprocess.Popen(  # noqa: S603
-                [*COMMAND, str(listener.fileno()), *stages],
+                [*FORKSERVER_COMMAND, str(listener.fileno()), *stages],
                 stdin=subprocess.PIPE,
                 start_new_session=True,  # Ctrl-C ends the jobs, and so their forks
                 pass_fds=[listener.fileno()],
                 env={**dict.fromkeys(BLAS_THREADS, "1"), **os.environ},
             )
-        os.environ[ADDRESS] = address
+        os.environ[ADDRESS_VARIABLE] = address
         atexit.register(self.close)
 
     def close(self) -> None:
         """End the process and its forks."""
-        os.environ.pop(ADDRESS, None)
+        os.environ.pop(ADDRESS_VARIABLE, None)
         if self.process.stdin:
             self.process.stdin.close()
         self.process.wait()

@@ -37,22 +37,24 @@ HIDDEN_MESSAGES = (
     "At least one job did not complete",
     "Exiting because a job",
 )
-LOCKED = (
+LOCKED_MESSAGE = (
     "Another run is at work in this folder. Wait for it to end. If none is running, the last one "
     "was killed: `snakemake --unlock`, then start again; finished trials are kept."
 )
-KILLED = (
+KILLED_MESSAGE = (
     "A stage was killed from outside ({}), by a person or for want of memory. Start again; what is "
     "done is kept. With `--cores 1` less memory is needed at once."
 )
-TRACEBACK = "Traceback (most recent call last)"
+TRACEBACK_HEADER = "Traceback (most recent call last)"
 INTERRUPT_MESSAGES = ("KeyboardInterrupt", "CancelledError")
-EVERY_S = 2.0
+PRINT_EVERY_S = 2.0
+"""Time between lines of progress."""
 TICK_S = 1.0
-QUIET_S = 30.0
+"""Time between updates of the line on a terminal."""
+SILENT_S = 30.0
 """On a file, so long without a job that ends brings a line on the one that runs."""
-CLOCK_S = 2.0  # by so much a file system's clock may lag behind ours
-WIDEST = 60
+FILE_CLOCK_TOLERANCE_S = 2.0  # by so much a file system's clock may lag behind ours
+MAX_WORD_CHARACTERS = 60
 """Characters of a stage's own last word."""
 
 
@@ -76,7 +78,7 @@ class Hush(logging.Filter):
     def _of_the_stop(self, record: logging.LogRecord) -> bool:
         """Whether a reported fault is only Snakemake's way of being interrupted."""
         text = record.getMessage()
-        return TRACEBACK in text and (self.progress.stopped or _by_hand(text))
+        return TRACEBACK_HEADER in text and (self.progress.stopped or _by_hand(text))
 
 
 def _ours(record: logging.LogRecord) -> bool:
@@ -134,8 +136,8 @@ class Progress(logging.Handler):
         elif name := killed_by(record.getMessage()):
             self._killed(name)
         elif "cannot be locked" in record.getMessage():
-            self._print(LOCKED)
-        elif TRACEBACK in record.getMessage() and _by_hand(record.getMessage()):
+            self._print(LOCKED_MESSAGE)
+        elif TRACEBACK_HEADER in record.getMessage() and _by_hand(record.getMessage()):
             self._interrupted()
         elif record.getMessage().startswith("Nothing to be done"):
             self._print("Everything is up to date.")
@@ -143,7 +145,7 @@ class Progress(logging.Handler):
 
     def _killed(self, name: str) -> None:
         if name != "SIGINT":
-            self._print(KILLED.format(name))
+            self._print(KILLED_MESSAGE.format(name))
         else:
             self._interrupted()
 
@@ -174,13 +176,13 @@ class Progress(logging.Handler):
 
     def still(self) -> None:
         """Print what runs if nothing was printed for a while."""
-        silent = time.monotonic() - self.last_s > (TICK_S if self.live else QUIET_S)
+        silent = time.monotonic() - self.last_s > (TICK_S if self.live else SILENT_S)
         if silent and self.timing.started and not self.stopped:
             self._line(self.timing.running(), now=True)
 
     def _line(self, name: str, *, now: bool) -> None:
         moment = time.monotonic()
-        if not (self.live or now or moment - self.last_s > EVERY_S):
+        if not (self.live or now or moment - self.last_s > PRINT_EVERY_S):
             return
         self.last_s = moment
         left = self.timing.left_s(moment)
@@ -194,11 +196,11 @@ class Progress(logging.Handler):
         """Last line that a job that runs has written to its log, after a colon; or nothing."""
         for path, since in reversed(self.logs.values()):
             with contextlib.suppress(OSError):
-                if path.stat().st_mtime < since - CLOCK_S:
+                if path.stat().st_mtime < since - FILE_CLOCK_TOLERANCE_S:
                     continue  # of an earlier run
                 words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
                 if words:
-                    return f": {printable(words[-1])[:WIDEST]}"
+                    return f": {printable(words[-1])[:MAX_WORD_CHARACTERS]}"
         return ""
 
     def _trouble(self, found: dict[str, Any]) -> None:

@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-PACKAGE = Path(__file__).resolve().parents[1]
+PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 """Folder of the installed package, wherever the Snakefile stands."""
 
 TEXT_SUFFIXES = {".py", ".html", ".css", ".js", ".txt", ".yaml", ".json"}
-IMPORT = re.compile(
+IMPORT_STATEMENT = re.compile(
     r"^[ \t]*(?:from[ ]+(?P<base>[.\w]+)[ ]+import[ ]+(?P<names>\([^)]*\)|[^\n]+)"
     r"|import[ ]+(?P<modules>[^\n]+))",
     re.M,
@@ -30,18 +30,18 @@ def fingerprint(*modules: str) -> str:
     """Short hash of the modules (`stages.keypoints`, ...) and of all that they import in here."""
     digest = hashlib.sha256()
     for path in sorted(_closure(modules)):
-        digest.update(f"{path.relative_to(PACKAGE)} {_read(path)[0]}\n".encode())
+        digest.update(f"{path.relative_to(PACKAGE_FOLDER)} {_read(path)[0]}\n".encode())
     return digest.hexdigest()[:12]
 
 
 def source_files(*modules: str) -> list[str]:
     """Files, relative to the package, that the fingerprint of `modules` covers."""
-    return sorted(str(path.relative_to(PACKAGE)) for path in _closure(modules))
+    return sorted(str(path.relative_to(PACKAGE_FOLDER)) for path in _closure(modules))
 
 
 def _closure(modules: tuple[str, ...]) -> set[Path]:
     seen: set[Path] = set()
-    todo = [path for name in modules for path in _files(PACKAGE, tuple(name.split(".")))]
+    todo = [path for name in modules for path in _files(PACKAGE_FOLDER, tuple(name.split(".")))]
     while todo:
         path = todo.pop()
         if path not in seen:
@@ -55,8 +55,8 @@ def _read(path: Path) -> tuple[str, tuple[Path, ...]]:
     """Hash of a file, and the files of the package that it imports, in functions as well."""
     content = path.read_bytes()
     text = content.decode() if path.suffix == ".py" else ""
-    names = {name for found in IMPORT.finditer(text) for name in _names(found, path)}
-    files = tuple(file for name in sorted(names) for file in _files(PACKAGE, name))
+    names = {name for found in IMPORT_STATEMENT.finditer(text) for name in _names(found, path)}
+    files = tuple(file for name in sorted(names) for file in _files(PACKAGE_FOLDER, name))
     return hashlib.sha256(content).hexdigest(), files
 
 
@@ -66,7 +66,7 @@ def _names(found: re.Match[str], path: Path) -> Iterator[tuple[str, ...]]:
     words = [part.split()[0] for part in listed.split(",") if part.strip()]
     if found["modules"]:
         parts = [tuple(word.split(".")) for word in words]
-        yield from (name[1:] for name in parts if name[0] == PACKAGE.name and len(name) > 1)
+        yield from (name[1:] for name in parts if name[0] == PACKAGE_FOLDER.name and len(name) > 1)
     elif (base := _base(found["base"], path)) is not None:
         yield from ((*base, word) for word in words)
 
@@ -75,8 +75,8 @@ def _base(name: str, path: Path) -> tuple[str, ...] | None:
     module = name.lstrip(".")
     level, parts = len(name) - len(module), tuple(module.split(".")) if module else ()
     if level == 0:
-        return parts[1:] if parts[:1] == (PACKAGE.name,) else None
-    here = path.parent.relative_to(PACKAGE).parts
+        return parts[1:] if parts[:1] == (PACKAGE_FOLDER.name,) else None
+    here = path.parent.relative_to(PACKAGE_FOLDER).parts
     return here[: len(here) - (level - 1)] + parts
 
 

@@ -28,14 +28,16 @@ Stage = Callable[..., list[str] | None]
 log = logging.getLogger(__name__)
 PR_SET_PDEATHSIG = 1  # linux/prctl.h: the signal to get when the parent ends
 
-FOLDER = Path(__file__).resolve().parents[1] / "stages"
-SOME_TRIALS_BAD = 3
+STAGES_FOLDER = Path(__file__).resolve().parents[1] / "stages"
+"""Folder of the stages, a file each."""
+EXIT_SOME_TRIALS_FAILED = 3
+"""Exit code of a stage in which some trials failed."""
 UNITS_PER_MB = 2**20 if sys.platform == "darwin" else 2**10  # of ru_maxrss
 
 
 def stage_names() -> list[str]:
     """Names of the stages: modules of `stages` that have a function of their name."""
-    texts = {path.stem: path.read_text(encoding="utf-8") for path in FOLDER.glob("*.py")}
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in STAGES_FOLDER.glob("*.py")}
     return sorted(name for name, text in texts.items() if f"\ndef {name}(" in text)
 
 
@@ -61,7 +63,7 @@ def run_stage(words: Sequence[str]) -> int:
     function = getattr(import_module(f"bluekoi.stages.{options.name}"), options.name)
     try:
         code = run_trials(function, options) if options.trials else _run(function, options)
-        if code in (0, SOME_TRIALS_BAD):
+        if code in (0, EXIT_SOME_TRIALS_FAILED):
             _write_usage(options, time.monotonic() - start_s)
     except InputError as error:
         sys.stderr.write(printable(str(error)) + "\n")
@@ -73,7 +75,7 @@ def _run(function: Stage, options: argparse.Namespace, **more: Any) -> int:
     takes, given = inspect.signature(function).parameters, {**vars(options), **more}
     lines = function(**{key: value for key, value in given.items() if key in takes})
     sys.stderr.writelines(f"{line}\n" for line in lines or [])
-    return SOME_TRIALS_BAD if lines else 0
+    return EXIT_SOME_TRIALS_FAILED if lines else 0
 
 
 def run_trials(function: Stage, options: argparse.Namespace) -> int:

@@ -101,13 +101,13 @@ def test_a_lens_out_of_line_moves_places_as_its_candidate_says():
     assert abs(strengths[2]) > 5 * abs(strengths[1])
 
 
-@pytest.mark.parametrize("index", [1.0, WATER])
+@pytest.mark.parametrize("index", [1.0, 1.1, WATER])
 def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_says(index):
-    """Left out: index 1 is stated. Else the keypoints lie 30 mm deeper than stated."""
-    depth = DEPTH_M + (0.0 if index == 1.0 else 0.03)
+    """Left out: index 1 is stated, or one of no liquid. Else keypoints lie 30 mm too deep."""
+    depth = DEPTH_M + (0.03 if index == WATER else 0.0)
     pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -depth)]))
     seen = to_pool(camera(index), pixels, DEPTH_M) - PLACES
-    given = named(stated(index=index), ("x_cam", "y_cam", "bend"))
+    given = named(stated(index=index), ("x_cam", "y_cam", "bend")) | {"q": 1.0}
     assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
     assert share_left(fitted(uncorrected_refraction.observe, given, 0.01, seen), seen) < 0.03
 
@@ -133,7 +133,11 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
      (lens_error, ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))],
 )  # fmt: skip
 def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect, names):
-    forms = {lens_error: {"q": 1.0, "p_x": 0.01, "p_y": -0.02}, scale_error: {"a": 0.3}}
+    forms = {
+        lens_error: {"q": 1.0, "p_x": 0.01, "p_y": -0.02},
+        scale_error: {"a": 0.3},
+        uncorrected_refraction: {"q": 0.7},
+    }
     given = named(stated(), names) | {"k": 0.02} | forms.get(effect, {})
     c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15
     back = effect.observe(0.7, 0.4, c, s, ahead=ahead, **given)

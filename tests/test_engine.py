@@ -15,13 +15,16 @@ from bluekoi.engine import (
     Priors,
     Problem,
     candidates_of,
+    expanded,
     fitted,
     named_causes,
+    own_noise,
     posterior,
     search,
 )
 from bluekoi.engine.evidence import Layout, laplace
-from bluekoi.engine.search import score
+from bluekoi.engine.expansion import likely_strengths
+from bluekoi.engine.scored import score
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
@@ -196,6 +199,16 @@ def test_strengths_of_probable_causes_are_those_that_acted() -> None:
     values = visited.best.model.fit.by_label()
     assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
+
+
+def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
+    """Also where the sign is other than that of the usual start."""
+    for true in (0.3, -0.2):
+        whole = problem(driven(0.0, true))
+        first = own_noise(whole, fitted(whole, (), whole.noise, {}))
+        start = likely_strengths(whole, expanded(whole, first), "constant_force")
+        (value,) = start.values()
+        assert value == pytest.approx(true, rel=0.3)
 
 
 def test_order_of_the_trials_changes_no_probability() -> None:

@@ -21,8 +21,8 @@ from .pool import PoolCamera, to_pool
 
 WATER_INDEX = 1.333
 """Refractive index of water."""
-MIN_CORRECTED_INDEX = 1.05
-"""A study with a smaller index leaves refraction out; with a larger one the depth may be wrong."""
+INDEX_TOLERANCE = 0.02
+"""A stated index nearer to that of water is right, and the depth may be wrong."""
 GRID_POINTS, TABLE_RADII = (12, 8), 50
 """Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
 WALL_MARGIN_M = 0.08
@@ -78,13 +78,18 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
     """The b of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
 
     Snell's law, t = rho / H the tangent of the angle in air: in water it is
-    t / sqrt(n^2 + (n^2 - 1) t^2). Not corrected at all, t less that is seen too far out; corrected
-    for a wrong depth, that alone. Places are weighed by their area.
+    t / sqrt(n^2 + (n^2 - 1) t^2). Corrected with another index (1: not at all), that of the index
+    less that of water is seen too far out; corrected for a wrong depth, that of water alone. Places
+    are weighed by their area.
     """
     rho = np.linspace(0.0, reach_m, TABLE_RADII)[1:]
     t = rho / height_m
-    in_water = t / np.sqrt(WATER_INDEX**2 + (WATER_INDEX**2 - 1) * t**2)
-    drawn_in = t - in_water if index < MIN_CORRECTED_INDEX else in_water
+
+    def in_water(n: float) -> Float:
+        return np.asarray(t / np.sqrt(n**2 + (n**2 - 1) * t**2))
+
+    other = abs(index - WATER_INDEX) > INDEX_TOLERANCE
+    drawn_in = in_water(index) - in_water(WATER_INDEX) if other else in_water(WATER_INDEX)
     design = np.column_stack([rho, rho**3]) * np.sqrt(rho)[:, None]
     first, third = np.linalg.lstsq(design, drawn_in * np.sqrt(rho), rcond=None)[0]
     return float(third / first)

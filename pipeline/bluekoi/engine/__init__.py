@@ -5,6 +5,7 @@ problem     a system, its trials, its candidates
 refit       nonlinear fits of a set of causes with its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
 evidence    marginal likelihood of a set of causes
+scored      log posterior of a fitted set, its discrepancy integrated out
 search      which sets are worth a fit
 posterior   probabilities of sets and causes, averaged over samples of trials
 naming      what is named, and what may act in its place
@@ -16,7 +17,8 @@ from .naming import Named, best_set, named_causes
 from .posterior import Posterior, posterior
 from .problem import Problem
 from .refit import FittedSet, fitted, own_noise, unconstrained, without_discrepancy
-from .search import Scored, Visited, search
+from .scored import Scored
+from .search import Visited, search
 
 __all__ = [
     "Candidate",

@@ -95,11 +95,10 @@ def expanded(
                                                 {system.slot[form.name]: offset}))  # fmt: skip
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
-    count = len(changes)
     normal = _products(problem, model, points, changes, frees)
-    turn = _form_differences(strengths, forms, count)
-    whole = Expansion(model, turn.T @ normal.hessian @ turn, normal.gradient @ turn,
-                      normal.log_likelihood, own_columns, strengths, forms)  # fmt: skip
+    hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
+    whole = Expansion(model, hessian, gradient, normal.log_likelihood, own_columns, strengths,
+                      forms)  # fmt: skip
     return _likeliest_forms(whole, tried)
 
 
@@ -165,6 +164,19 @@ def _likeliest_forms(
                    strengths=moved(strengths), forms=moved(whole.forms), starts=starts)  # fmt: skip
 
 
+def likely_strengths(problem: Problem, expansion: Expansion, cause: str) -> dict[str, float]:
+    """Label -> strength of a further cause by one Newton step of it and the set's own numbers,
+    where that is possible: a fit that begins with the wrong sign loses the cause's form.
+    """
+    strengths = problem.by_name[cause].strengths
+    columns = [*expansion.own, *expansion.strengths[cause]]
+    step = _newton_step(expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0), columns)
+    rows = [parameter(problem.kernel.system, f) for f in strengths]
+    return {f.label: float(value)
+            for f, p, value in zip(strengths, rows, step[len(expansion.own) :], strict=True)
+            if p.lower < value < p.upper and value != 0}  # fmt: skip
+
+
 def _gain(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
     """Fall of the misfit by the columns when the set's own numbers are fitted with them."""
     both = [*own, *columns]
@@ -172,10 +184,14 @@ def _gain(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
 
 
 def _fall(H: Float, g: Float, columns: list[int]) -> float:
+    return 0.5 * float(g[columns] @ _newton_step(H, g, columns))
+
+
+def _newton_step(H: Float, g: Float, columns: list[int]) -> Float:
     scale = 1.0 / np.sqrt(np.maximum(np.diag(H)[columns], 1e-30))
     A = H[np.ix_(columns, columns)] * np.outer(scale, scale)
-    step = np.linalg.lstsq(A, scale * g[columns], rcond=1e-10)[0]
-    return 0.5 * float((scale * g[columns]) @ step)
+    step: Float = scale * np.linalg.lstsq(A, scale * g[columns], rcond=1e-10)[0]
+    return step
 
 
 def _strength_change(
@@ -198,14 +214,19 @@ def _form_offset(system: System, form: Free) -> float:
 
 
 def _form_differences(
-    strengths: Mapping[str, tuple[int, ...]], forms: Mapping[str, tuple[int, ...]], count: int
-) -> Float:
-    """Matrix (count, count) that turns columns at another form into differences of forms."""
-    turn = np.eye(count)
-    for name, columns in forms.items():
-        for column in columns:
-            turn[strengths[name][0], column] = -1.0
-    return turn
+    hessian: Float, gradient: Float, strengths: Mapping[str, tuple[int, ...]],
+    forms: Mapping[str, tuple[int, ...]],
+) -> tuple[Float, Float]:  # fmt: skip
+    """Information (t, p, p) and gradient (t, p) whose columns at another form are turned into
+    differences from the leading one.
+    """
+    others = [c for columns in forms.values() for c in columns]
+    leading = [strengths[name][0] for name, columns in forms.items() for _ in columns]
+    hessian, gradient = hessian.copy(), gradient.copy()
+    hessian[:, :, others] -= hessian[:, :, leading]
+    hessian[:, others, :] -= hessian[:, leading, :]
+    gradient[:, others] -= gradient[:, leading]
+    return hessian, gradient
 
 
 def sub(hessian: Float, columns: Sequence[int]) -> Float:

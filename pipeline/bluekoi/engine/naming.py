@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .candidates import Candidate
 from .posterior import Posterior
-from .search import Scored
+from .scored import Scored
 
 NAMED = 0.5
 """A cause is named where it is more probable than not (the median probability model: Barbieri and

@@ -20,7 +20,7 @@ import numpy as np
 
 from ..data import Float
 from .problem import Problem
-from .search import Scored
+from .scored import Scored
 
 DRAWS = 1000
 """Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 1000)^1/2 =

@@ -14,21 +14,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..fitting import cov_hc2
 from .candidates import Candidate
-from .evidence import Layout, discrepancy_at_best, layout, log_evidence, log_prior
-from .expansion import Expansion, expanded
+from .evidence import layout, log_evidence, log_prior
+from .expansion import Expansion, expanded, likely_strengths
 from .plausible import residual_sizes
 from .problem import Problem
 from .refit import FittedSet, fitted, likeliest_start, own_noise, quiet, starts_of
+from .scored import Scored, score, with_discrepancy
 
 REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
-CLOSE = 20.0
+CLOSE, NESTED_CLOSE = 20.0, 8.0
 """Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
-costs a set up to that much."""
+costs a set up to that much. One that adds a cause to a probable set began at the final noise of
+that set, and is left at e^8."""
 QUIET_REFITS = 2
 """How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
@@ -37,44 +38,6 @@ more than e^-6."""
 HOPELESS = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""
-
-
-@dataclass(frozen=True)
-class Scored:
-    """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
-
-    model: FittedSet
-    expansion: Expansion
-    layout: Layout
-    log_posterior: float
-
-    @property
-    def causes(self) -> tuple[str, ...]:
-        """Names of the set's causes."""
-        return self.model.causes
-
-    @property
-    def log_joint(self) -> float:
-        """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
-        compared by it, since evidence extrapolated from a poor fit is uncertain.
-        """
-        if not np.isfinite(self.log_posterior):
-            return -np.inf
-        own = self.layout.gaussian & ~self.layout.included
-        return self.model.log_likelihood - 0.5 * float(
-            self.layout.precision[own] @ self.layout.at[own] ** 2)  # fmt: skip
-
-    @property
-    def overdispersion(self) -> float:
-        """Mean generalised design effect tr(H C) / p of the set's numbers (Rao and Scott 1981): how
-        many times more they vary between trials than one Fisher matrix H says; C is HC2.
-        """
-        move = ~self.model.at_bound
-        if not move.any():
-            return 1.0
-        H = self.model.fit.normal.hessian.sum(axis=0)[np.ix_(move, move)]
-        C = cov_hc2(self.model.fit.normal, move)[np.ix_(move, move)]
-        return float(np.trace(H @ C) / move.sum())
 
 
 @dataclass
@@ -123,7 +86,7 @@ class Visited:
     def converge(self) -> None:
         """Fit noise and numbers of the probable sets until they no longer improve."""
         while todo := [k for k, s in self.sets.items() if k not in self.converged
-                       and s.log_posterior > self.best.log_posterior - CLOSE]:  # fmt: skip
+                       and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
             key = max(todo, key=lambda k: self.sets[k].log_posterior)
             self.converged.add(key)
             model = own_noise(self.problem, self.sets[key].model)
@@ -135,56 +98,19 @@ class Visited:
                 self.sets[key] = found
                 self.full.pop(key, None)
 
+    def _reach(self, key: frozenset[str]) -> float:
+        """How much less probable than the best a set may be for its fit to be continued."""
+        likely = self.best.log_posterior - NESTED_CLOSE
+        nested = any(other < key and self.sets[other].log_posterior > likely
+                     for other in self.converged)  # fmt: skip
+        return NESTED_CLOSE if nested else CLOSE
+
     def expansion(self, scored: Scored) -> Expansion:
         """Expansion about a set in the numbers of all candidates."""
         key = scored.model.key
         if key not in self.full:
             self.full[key] = expanded(self.problem, scored.model)
         return self.full[key]
-
-
-def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
-    """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
-    that fits better: such a remainder is not random.
-    """
-    if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
-        return scored
-    left = discrepancy_at_best(problem, scored.expansion, scored.layout)
-    if not left or not all(map(np.isfinite, left.values())):
-        return scored
-    model = scored.model
-    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
-                   free=model.fit.free, discrepancy=left)  # fmt: skip
-    if not again.usable:
-        return scored
-    other = score(problem, own_noise(problem, again, two_starts=False))
-    return max(scored, other, key=lambda s: s.log_joint)
-
-
-def score(problem: Problem, model: FittedSet) -> Scored:
-    """Log posterior of a fitted set, its causes' discrepancy integrated out."""
-    causes = [problem.by_name[c] for c in model.causes]
-    covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
-               or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
-    expansion = at_optimum(problem, expanded(problem, model, covered))
-    lay = layout(problem, expansion, model.causes)
-    value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
-    return Scored(model, expansion, lay, value if np.isfinite(value) else -np.inf)
-
-
-def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
-    """An expansion whose gradient in fitted numbers of the observations alone is 0, as at a fit.
-
-    With the filter's gains held, a number that scales the observations has a gradient that no refit
-    follows: the innovations' covariance would go along.
-    """
-    seen = {e.name for e in problem.kernel.system.effects if set(e.hooks) == {"observe"}}
-    model = expansion.model
-    own = [k for k, (f, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True))
-           if not held and f.name.partition(".")[0] in seen]  # fmt: skip
-    gradient = expansion.gradient.copy()
-    gradient[:, own] -= gradient[:, own].mean(axis=0)
-    return replace(expansion, gradient=gradient)
 
 
 def proposals(
@@ -226,6 +152,7 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
         done.add(best.model.key)
         if len(best.causes) < visited.problem.most_causes:
             _further(visited, best, REFITS)
+            _beneath_the_noise(visited, best)
             visited.converge()
         if visited.best.model.key != best.model.key:
             continue
@@ -280,8 +207,7 @@ def _further(visited: Visited, scored: Scored, count: int) -> None:
         visited.add((*scored.causes, name), scored.model)
     for i, (gain, name) in enumerate(found[:count]):
         if gain > found[0][0] - HOPELESS and (i < LEAST_REFITS or gain > UNLIKELY):
-            visited.add((*scored.causes, name), scored.model, expansion.starts.get(name))
-    _beneath_the_noise(visited, scored)
+            visited.add((*scored.causes, name), scored.model, _start(visited, expansion, name))
 
 
 def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
@@ -296,4 +222,9 @@ def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
     expansion = expanded(problem, model)
     found = proposals(problem, expansion, allowed(problem, scored.causes))
     for _, name in found[:QUIET_REFITS]:
-        visited.add((*scored.causes, name), model, expansion.starts.get(name), anew=True)
+        visited.add((*scored.causes, name), model, _start(visited, expansion, name), anew=True)
+
+
+def _start(visited: Visited, expansion: Expansion, name: str) -> dict[str, float]:
+    """Where the fit of a further cause begins: at the strength and the form of the expansion."""
+    return likely_strengths(visited.problem, expansion, name) | expansion.starts.get(name, {})

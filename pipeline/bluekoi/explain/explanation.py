@@ -24,7 +24,7 @@ from ..engine import (
 )
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..engine.problem import silent
-from ..engine.search import score
+from ..engine.scored import score
 from ..errors import Finding, InputError, nearest
 from ..fitting import Series
 from .checks import checked_model

@@ -1,8 +1,8 @@
 """Refraction at the surface not corrected, or for the wrong depth.
 
 For a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears closer to
-that point: seen = true - k (true - c) (1 + b rho^2), with b from the camera's height
-(camera/displacement.py).
+that point: seen = true - k (true - c) (1 + q b rho^2), with b from the height of the camera and the
+index stated (camera/displacement.py), q = 1 where either index or depth is wrong.
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
 
@@ -21,14 +21,17 @@ CONFUSED_WITH = ("scale_error", "lens_error")
 PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,
               "share by which positions appear too close to the camera axis", symbol="k"),
+    Parameter("bending_ratio", "1", 1.0, 0.0, 3.0,
+              "bending over that of a wrong index or of a wrong depth alone", spread=0.5,
+              symbol="q"),
 )  # fmt: skip
 
 
 def observe(
     x: float, y: float, cpsi: float, spsi: float, x_cam: float, y_cam: float, bend: float,
-    ahead: float, k: float,
+    ahead: float, k: float, q: float,
 ) -> tuple[float, float, float, float]:  # fmt: skip
     """Change of what is seen (m, m, rad, rad); ahead: see `scale_error`."""
     dx, dy = x + ahead * cpsi - x_cam, y + ahead * spsi - y_cam
-    s = -k * (1.0 + bend * (dx * dx + dy * dy))
+    s = -k * (1.0 + q * bend * (dx * dx + dy * dy))
     return s * dx, s * dy, 0.0, 0.0

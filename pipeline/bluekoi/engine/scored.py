@@ -1,0 +1,95 @@
+"""Log posterior of a fitted set of causes, its discrepancy integrated out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..fitting import cov_hc2
+from .evidence import Layout, discrepancy_at_best, layout, log_evidence, log_prior
+from .expansion import Expansion, expanded
+from .problem import Problem
+from .refit import FittedSet, fitted, own_noise
+
+
+@dataclass(frozen=True)
+class Scored:
+    """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
+
+    model: FittedSet
+    expansion: Expansion
+    layout: Layout
+    log_posterior: float
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Names of the set's causes."""
+        return self.model.causes
+
+    @property
+    def log_joint(self) -> float:
+        """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
+        compared by it, since evidence extrapolated from a poor fit is uncertain.
+        """
+        if not np.isfinite(self.log_posterior):
+            return -np.inf
+        own = self.layout.gaussian & ~self.layout.included
+        return self.model.log_likelihood - 0.5 * float(
+            self.layout.precision[own] @ self.layout.at[own] ** 2)  # fmt: skip
+
+    @property
+    def overdispersion(self) -> float:
+        """Mean generalised design effect tr(H C) / p of the set's numbers (Rao and Scott 1981): how
+        many times more they vary between trials than one Fisher matrix H says; C is HC2.
+        """
+        move = ~self.model.at_bound
+        if not move.any():
+            return 1.0
+        H = self.model.fit.normal.hessian.sum(axis=0)[np.ix_(move, move)]
+        C = cov_hc2(self.model.fit.normal, move)[np.ix_(move, move)]
+        return float(np.trace(H @ C) / move.sum())
+
+
+def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
+    """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
+    that fits better: such a remainder is not random.
+    """
+    if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
+        return scored
+    left = discrepancy_at_best(problem, scored.expansion, scored.layout)
+    if not left or not all(map(np.isfinite, left.values())):
+        return scored
+    model = scored.model
+    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy=left)  # fmt: skip
+    if not again.usable:
+        return scored
+    other = score(problem, own_noise(problem, again, two_starts=False))
+    return max(scored, other, key=lambda s: s.log_joint)
+
+
+def score(problem: Problem, model: FittedSet) -> Scored:
+    """Log posterior of a fitted set, its causes' discrepancy integrated out."""
+    causes = [problem.by_name[c] for c in model.causes]
+    covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
+               or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
+    expansion = at_optimum(problem, expanded(problem, model, covered))
+    lay = layout(problem, expansion, model.causes)
+    value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
+    return Scored(model, expansion, lay, value if np.isfinite(value) else -np.inf)
+
+
+def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
+    """An expansion whose gradient in fitted numbers of the observations alone is 0, as at a fit.
+
+    With the filter's gains held, a number that scales the observations has a gradient that no refit
+    follows: the innovations' covariance would go along.
+    """
+    seen = {e.name for e in problem.kernel.system.effects if set(e.hooks) == {"observe"}}
+    model = expansion.model
+    own = [k for k, (f, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True))
+           if not held and f.name.partition(".")[0] in seen]  # fmt: skip
+    gradient = expansion.gradient.copy()
+    gradient[:, own] -= gradient[:, own].mean(axis=0)
+    return replace(expansion, gradient=gradient)

@@ -232,7 +232,7 @@ def test_the_figure_shows_the_map_and_the_hypotheses():
     left, middle, right = figure.axes[:3]
     assert left.collections[0].get_array().compressed() == pytest.approx([-1.4, -1.6])
     assert middle.get_title() == "likeliest source: scale error"
-    assert [t.get_text() for t in right.get_yticklabels()] == ["scale error: scale"]
+    assert [t.get_text() for t in right.get_yticklabels()] == ["scale error"]
     assert "-1.50 +- 0.20 %" in figure.get_suptitle()
     assert "keypoint depth 40 mm, from study.yaml" in figure.get_suptitle()
 

@@ -33,6 +33,7 @@ from bluekoi.mismatch.camera_displacement import detect_displacements, with_disp
 from bluekoi.mismatch.drift import drifting_trial
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
+from bluekoi.mismatch.next_trial import open_question
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.mismatch.sentences import sentence
@@ -177,6 +178,13 @@ def test_displacements_are_found_where_and_when_they_are(bare: Measured) -> None
     slot = kernel.system.constants.index("t_shift")
     displaced = [s.constants[slot] < 1e3 for s in with_displacements(kernel, few, found)]
     assert displaced == [k == 2 for k in range(len(few))]
+
+
+def test_the_next_trial_asks_what_two_sets_of_causes_disagree_on() -> None:
+    assert open_question(["fin"], ["fin", "scale_error"]) == "whether scale_error acts"
+    assert open_question(["a", "b"], []) == "whether a and b act"
+    assert open_question(["fin", "a"], ["fin", "b"]) == "whether it is a or b"
+    assert open_question([], []) == "whether anything else acts"
 
 
 def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:

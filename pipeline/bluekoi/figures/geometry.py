@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -52,8 +52,11 @@ def draw(campaign: Campaign) -> Figure:
     _map(left, campaign, grid, span, "excess")
     picture = _map(middle, campaign, grid, span, "model")
     figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
-    left.set_title("measured vs stated length")
-    middle.set_title(f"likeliest source: {_readable(found['likely'])}")
+    left.set_title("measured vs stated length (±: standard error, %)")
+    likely = str(found["likely"])
+    middle.set_title(
+        "no error detected" if likely == "nothing" else f"likeliest source: {_readable(likely)}"
+    )
     _error_sources(right, found["estimates"])
     figure.suptitle(_summary(found), fontsize=8.5, color="#5b6570")
     return figure
@@ -107,9 +110,7 @@ def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
 def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     best = estimates[:MAX_ERRORS_SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
-    names = [
-        f"{_readable(one['name'])}: {', '.join(map(_readable, one['parameters']))}" for one in best
-    ]
+    names = [_readable(one["name"]) + _several(one["parameters"]) for one in best]
     fills = [DETECTABLE_COLOUR if one["detectable"] else "white" for one in best]
     axes.barh(
         range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE_COLOUR, height=0.6
@@ -122,6 +123,10 @@ def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     axes.set_xlim(1, AXIS_HEADROOM * max(10.0, *gains))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("reduction in chi-squared\n(at the bars: rms length change)")
+
+
+def _several(parameters: Sequence[str]) -> str:
+    return f": {', '.join(map(_readable, parameters))}" if len(parameters) > 1 else ""
 
 
 def _readable(name: str) -> str:

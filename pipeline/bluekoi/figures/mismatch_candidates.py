@@ -17,13 +17,13 @@ CAPTION = (
 )
 NEEDS = ("mismatch",)
 MAX_BARS_SHOWN = 16
-NOT_SELECTED_COLOUR = "#9aa5af"
+NOT_NAMED_COLOUR = "#9aa5af"
 
 
 def draw(campaign: Campaign) -> Figure:
     """Horizontal bars, the largest on top."""
     found = campaign.mismatch or {}
-    selected = {str(cause["name"]) for cause in found.get("causes") or []}
+    named = {str(cause["name"]) for cause in found.get("causes") or []}
     given = {str(k): float(v) for k, v in (found.get("probabilities") or {}).items()}
     bars = sorted(given.items(), key=lambda bar: -bar[1])[:MAX_BARS_SHOWN]
     figure = Figure(figsize=(6.0, 0.9 + 0.24 * (len(bars) or 4)), layout="constrained")
@@ -31,21 +31,21 @@ def draw(campaign: Campaign) -> Figure:
     if not bars:
         placeholder(axes, "this search reports no candidates")
         return figure
-    _bars(axes, bars, selected)
-    axes.set_xlabel("probability of inclusion")
-    shown = {name in selected for name, _ in bars}
-    handles = [Patch(color=AFTER_COLOUR, label="selected")] * (True in shown)
-    handles += [Patch(color=NOT_SELECTED_COLOUR, label="not selected")] * (False in shown)
+    _bars(axes, bars, named)
+    axes.set_xlabel("probability that the cause acts")
+    shown = {name in named for name, _ in bars}
+    handles = [Patch(color=AFTER_COLOUR, label="named")] * (True in shown)
+    handles += [Patch(color=NOT_NAMED_COLOUR, label="not named")] * (False in shown)
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     return figure
 
 
-def _bars(axes: Axes, bars: list[tuple[str, float]], selected: set[str]) -> None:
+def _bars(axes: Axes, bars: list[tuple[str, float]], named: set[str]) -> None:
     for place, (name, value) in enumerate(bars):
         axes.barh(
             place,
             value,
-            color=AFTER_COLOUR if name in selected else NOT_SELECTED_COLOUR,
+            color=AFTER_COLOUR if name in named else NOT_NAMED_COLOUR,
             height=0.7,
         )
         axes.annotate(f"{value:.2f}", (value, place), xytext=(3, 0), textcoords="offset points",

@@ -26,17 +26,24 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
     base = found.baseline.base
     values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
-    names = [" and ".join(m.causes) or "the baseline" for m in (first, other)]
+    question = open_question(first.causes, other.causes)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
     apart = float(str(best["apart_mm"]))
     if not apart > floor:
-        why = (f"no trial of 4 s separates {names[0]} from {names[1]}: they differ by at most "
-               f"{apart:.1f} mm, the noise is {floor:.1f} mm; repeat trials instead")  # fmt: skip
+        why = (f"no trial of 4 s shows {question}: paths differ by at most {apart:.1f} mm, the "
+               f"noise is {floor:.1f} mm; repeat trials instead")  # fmt: skip
     else:
-        why = (
-            f"separates {names[0]} from {names[1]} best: paths differ by {apart:.0f} mm rms in 4 s"
-        )
+        why = f"shows best {question}: paths differ by {apart:.0f} mm rms in 4 s"
     return best | {"why": why, "above_noise": bool(apart > floor)}
+
+
+def open_question(first: Sequence[str], other: Sequence[str]) -> str:
+    """What two sets of causes disagree on."""
+    more, fewer = ([c for c in a if c not in b] for a, b in ((first, other), (other, first)))
+    if more and fewer:
+        return f"whether it is {' and '.join(more)} or {' and '.join(fewer)}"
+    names = more or fewer or ["anything else"]
+    return f"whether {' and '.join(names)} {'acts' if len(names) == 1 else 'act'}"
 
 
 def best_next_trial(

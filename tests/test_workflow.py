@@ -32,6 +32,7 @@ from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_tempo
 from bluekoi.workflow.plan import figure_names, make_plan
 from bluekoi.workflow.progress import Hush, Progress, killed_by
 from bluekoi.workflow.remaining import Timing, duration, usual
+from forked_snakemake import snakemake
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -57,23 +58,18 @@ class Home:
         (self.root / "pipeline").unlink()
         shutil.copytree(ROOT / "pipeline", self.root / "pipeline", ignore=unfinished)
 
+    def words(self, *arguments: str) -> list[str]:
+        profile = ["--workflow-profile", "config/profiles/default"]
+        return ["--cores", "2", *profile, *arguments, "--config", "study=study"]
+
     def command(self, *arguments: str) -> list[str]:
-        command = [sys.executable, "-m", "snakemake", "--cores", "2", "--workflow-profile"]
-        return [*command, "config/profiles/default", *arguments, "--config", "study=study"]
+        return [sys.executable, "-m", "snakemake", *self.words(*arguments)]
 
     def environment(self) -> dict[str, str]:
         return {**os.environ, "PYTHONPATH": str(self.root / "pipeline")}
 
     def snakemake(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            self.command(*arguments),
-            cwd=self.root,
-            env=self.environment(),
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=300,
-        )
+        return snakemake(self.words(*arguments), self.root, self.environment())
 
     def planned(self) -> dict[str, int]:
         """How many trials, or jobs, of each rule a run would process now, except `outcome`."""

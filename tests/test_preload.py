@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from bluekoi.study import load_study
 from bluekoi.study.setup import Detection
 from bluekoi.workflow.plan import Plan
+from bluekoi.workflow.stage_call import stage_names
 from studies import small_study
 
 COMPILED = """
@@ -46,6 +48,13 @@ silhouette.detect(lambda: film, Setup(**study_contents(design), detection={"body
     head_length_m=plan.head_length_m))
 print(json.dumps([before, compiled()]))
 """
+
+
+@pytest.mark.parametrize("stage", stage_names())
+def test_what_a_stage_loads_ahead_can_be_loaded(stage):
+    """A fault there would only make each job load it again."""
+    module = import_module(f"bluekoi.stages.{stage}")
+    assert getattr(module, "preload", lambda: None)() is None
 
 
 def test_what_is_preloaded_is_all_that_the_detector_compiles():

@@ -19,8 +19,7 @@ def figure(study: Path, results: Path, figure: str) -> None:
 
 
 def preload() -> None:
-    """Import all figures, and load fonts."""
+    """Import all figures."""
     figures = import_module("bluekoi.figures")
     for name in figures.names():
         figures.title(name)
-    figures.notice("$x$", "")

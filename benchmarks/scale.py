@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path[:0] = [str(ROOT), str(ROOT / "tests")]  # validation/, then what tests share
 
 from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
 from bluekoi.synthetic.conditions import Conditions  # noqa: E402

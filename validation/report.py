@@ -36,7 +36,7 @@ PAGE = ROOT / "docs/evidence.md"
 PLOT = ROOT / "docs/evidence/calibration.svg"
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
 DEVELOPMENT = ("quasi_steady", "strip_theory", "kirchhoff", "manoeuvring", "wake_memory",
-               "field_lab", "tow_tank")  # fmt: skip
+               "field_lab", "tow_tank", "coupled_bodies", "potential_flow")  # fmt: skip
 """Generators whose studies were inspected while the finder was developed."""
 OWN = ("concealed", "concealed_footage")
 """Our own generator, from keypoints and from footage."""

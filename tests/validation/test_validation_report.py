@@ -27,9 +27,9 @@ STUDIES = [
     scored("000", "kirchhoff", ["stall"], {"stall": 0.97}),
     scored("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
     scored("002", "kirchhoff", [], {}, group="null"),
-    scored("000", "potential_flow", ["sinking"], {"wave_drag": 0.55}, trials=9),
-    scored("001", "potential_flow", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
-    scored("002", "potential_flow", [], {"clock_error": 0.58}, group="null", failure="boom"),
+    scored("000", "unseen_water", ["sinking"], {"wave_drag": 0.55}, trials=9),
+    scored("001", "unseen_water", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
+    scored("002", "unseen_water", [], {"clock_error": 0.58}, group="null", failure="boom"),
 ]
 
 
@@ -46,7 +46,7 @@ def row(text, label):
 
 
 def test_a_file_for_each_generator_comes_back_as_it_was_written(runs):
-    assert [r.generator for r in runs] == ["potential_flow", "kirchhoff"]
+    assert [r.generator for r in runs] == ["unseen_water", "kirchhoff"]
     assert [r.development for r in runs] == [False, True]
     assert runs[1].studies[1]["named"] == {"stall": 0.91, "lift_lag": 0.62}
     assert [s["strict"] for s in runs[1].studies] == [True, False, True]
@@ -67,7 +67,7 @@ def test_scores_by_generator_have_their_intervals(runs):
         "1 of 3: 33 % (1 to 91)",
         "",
     ]
-    assert row(text, "`potential_flow`")[5].startswith("1 of 1")
+    assert row(text, "`unseen_water`")[5].startswith("1 of 1")
     assert row(text, "nine trials or fewer")[1].startswith("0 of 1")
 
 
@@ -119,5 +119,5 @@ def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
 
 def test_a_certain_cause_stands_in_the_last_bin_although_rounded_above_one():
     """Sums of probabilities may exceed 1 by rounding."""
-    study = scored("009", "potential_flow", ["stall"], {"stall": 1.0 + 4e-16})
+    study = scored("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
     assert [(b["from"], b["count"]) for b in calibration([study])] == [(pytest.approx(0.9), 1)]

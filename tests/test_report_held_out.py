@@ -65,7 +65,7 @@ def test_without_an_identified_cause_there_is_one_model(spared: Campaign) -> Non
         "measured", BASELINE_NAME, EXTENDED_NAME, NOISE_FLOOR_NAME,
     ]  # fmt: skip
     assert legend("mismatch_held_out", none) == ["measured", "model", NOISE_FLOOR_NAME]
-    assert "selected" in legend("mismatch_candidates", spared)
+    assert "named" in legend("mismatch_candidates", spared)
     assert "selected" not in legend("mismatch_candidates", none)
     assert len(legend("paths", spared)) == 3
     assert legend("paths", none) == ["measured", "model"]

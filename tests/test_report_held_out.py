@@ -66,7 +66,7 @@ def test_without_an_identified_cause_there_is_one_model(spared: Campaign) -> Non
     ]  # fmt: skip
     assert legend("mismatch_held_out", none) == ["measured", "model", NOISE_FLOOR_NAME]
     assert "named" in legend("mismatch_candidates", spared)
-    assert "selected" not in legend("mismatch_candidates", none)
+    assert "named" not in legend("mismatch_candidates", none)
     assert len(legend("paths", spared)) == 3
     assert legend("paths", none) == ["measured", "model"]
     assert 'class="after"' in page(spared, [], {})

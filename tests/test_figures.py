@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -252,6 +253,16 @@ def test_motion_variables_of_a_steady_turn(whole):
     assert variable(whole, one, "yaw_rate_rad_s") == pytest.approx(
         -steady.speed_m_s / steady.radius_m
     )
+
+
+def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_force(whole):
+    forces = {name: dict(entry) for name, entry in whole.mismatch_detail["forces"].items()}
+    lost = next(iter(forces))
+    forces[lost] |= {k: [None] * len(forces[lost]["time_s"]) for k in ("surge_N", "sway_N")}
+    rest = replace(whole, mismatch_detail=whole.mismatch_detail | {"forces": forces})
+    assert set(missing_forces(rest)) == set(missing_forces(whole)) - {lost}
+    for name in ("mismatch_dependence", "mismatch_map"):
+        assert extract(figures.draw(name, rest))
 
 
 def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, whole):

@@ -30,7 +30,7 @@ from bluekoi.mismatch import (
     folds,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
-from bluekoi.mismatch.drift import drifting_trial
+from bluekoi.mismatch.drift import drifting_trial, p_value
 from bluekoi.mismatch.find import verdict_of
 from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
 from bluekoi.mismatch.next_trial import open_question
@@ -203,6 +203,15 @@ def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:
     assert np.all(np.abs(drift.size_m - [0.05, -0.06]) < 4 * drift.std_m + 0.02)
     assert "stabilised" in drift.sentence
     assert drifting_trial(kernel, few[:2], [tuned.base] * 2, tuned.noise) is None
+
+
+def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None:
+    """Fisher's g for n = 3: P(g > x) = 3 (1 - x)^2 where x is above 1/2."""
+    assert p_value(np.array([6.0, 1.0, 1.0])) == pytest.approx(3 * 0.25**2)
+    assert p_value(np.ones(10)) == 1.0
+    draws = np.random.default_rng(4).exponential(7.0, (4000, 20))
+    rate = np.mean([p_value(row) < 0.05 for row in draws])
+    assert rate == pytest.approx(0.05, abs=0.012)
 
 
 def _displaced(one: Series, by: np.ndarray) -> Series:

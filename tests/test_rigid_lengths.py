@@ -13,10 +13,11 @@ from bluekoi.files import to_json_types
 from bluekoi.fitting import Free, Series, SharedMeasurement
 from bluekoi.fitting.side_measurements import side_measurement_terms
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.rigid_lengths import ERRORS, length_measurement
+from bluekoi.mismatch.rigid_lengths import length_measurement, stretching
 from bluekoi.model import plates
 
 SYSTEM = plates()
+ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
 VIEW = {"L_pool": 2.6, "W_pool": 1.6, "x_cam": 1.3, "y_cam": 0.8, "bend": -0.05, "x_lens": 1.3,
         "y_lens": 0.8, "Q_lens": 2.33, "ax_lens": 0.0, "ay_lens": 0.0, "ahead": 0.0}  # fmt: skip
 LENGTHS = (0.12, 0.04, 0.16)
@@ -127,12 +128,16 @@ def test_right_lengths_speak_for_no_error_and_their_misfit_is_chi_squared() -> N
     assert np.max(misfits) < 35
 
 
-def test_a_label_that_is_off_feigns_no_error_of_scale() -> None:
+def test_a_label_that_is_off_is_not_taken_for_an_error_of_scale() -> None:
     """Six millimetres on one pair: with a scale of its own the pair would say 5 %."""
     right = swum(np.random.default_rng(8))
     off = replace(right, excess_m=right.excess_m + np.where(right.pair == 0, 0.006, 0.0))
     value, std, _ = estimate(measured(off), "scale_error")
     assert abs(value[0]) < 3.5 * std[0]
+
+
+def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() -> None:
+    assert {e.name for e in stretching(SYSTEM)} == set(ERRORS)
 
 
 def test_few_lengths_are_no_measurement() -> None:

@@ -201,7 +201,7 @@ def test_a_source_replaced_by_an_older_file_runs_its_trial_again(home):
     assert home.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | AFTER_TRACKS
 
 
-def test_a_source_that_was_only_copied_anew_runs_nothing_again(home):
+def test_a_source_that_was_only_copied_again_runs_nothing_again(home):
     os.utime(home.study / "keypoints/T10.csv")
     os.utime(home.study / "motor/T11.csv")
     assert home.planned() == {}

@@ -14,6 +14,7 @@ from bluekoi.cli import Plainly
 from . import report, running, scoring, sealing
 
 FOLDER = click.argument("folder", type=click.Path(path_type=Path))
+FOLDERS = click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
 WORKERS = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
 
 
@@ -59,7 +60,7 @@ def find(folder: Path, workers: int, label: str, only: str) -> None:
 
 
 @main.command()
-@click.argument("folders", nargs=-1, type=click.Path(path_type=Path))
+@FOLDERS
 @click.option("--label", required=True)
 @click.option("--out", type=click.Path(path_type=Path), help="Json of summary and studies.")
 def score(folders: tuple[Path, ...], label: str, out: Path | None) -> None:
@@ -84,7 +85,7 @@ def ground_truth(study: Path, results: Path, truth: Path | None) -> None:
 
 
 @main.command()
-@click.argument("folders", nargs=-1, type=click.Path(path_type=Path))
+@FOLDERS
 @click.option("--label", required=True, help="Label of the verdicts; also the finder's name.")
 @click.option("--commit", required=True, help="Commit at which the finder was run.")
 @click.option("--date", required=True, help="Day of the run, 2026-11-23.")
@@ -104,12 +105,33 @@ def discrepancy(folder: Path) -> None:
     from .discrepancy import relative_residuals, report  # noqa: PLC0415  compiles the model
 
     values: dict[str, list[float]] = {}
-    for name in running.study_names(folder):
-        if (folder / "tracks" / name / "measured.json").is_file():
-            found = relative_residuals(folder / "studies" / name, folder / "tracks" / name)
-            for cause, own in found.items():
-                values.setdefault(cause, []).extend(own)
+    for name in running.measured_names(folder):
+        found = relative_residuals(folder / "studies" / name, folder / "tracks" / name)
+        for cause, own in found.items():
+            values.setdefault(cause, []).extend(own)
     click.echo(report(values))
+
+
+@main.command()
+@FOLDERS
+def drift(folders: tuple[Path, ...]) -> None:
+    """Count drifting trials that are reported in the measured studies of FOLDERS, with and without
+    a drift.
+    """
+    from .drifts import report, reported  # noqa: PLC0415  compiles the model
+
+    studies = [(folder, name) for folder in folders for name in running.measured_names(folder)]
+    click.echo(report([reported(f / "studies" / name, f / "tracks" / name) for f, name in studies]))
+
+
+@main.command()
+@FOLDERS
+def lengths(folders: tuple[Path, ...]) -> None:
+    """Compare the rigid lengths in the measured studies of FOLDERS with right geometry."""
+    from .lengths import misfit, report  # noqa: PLC0415  loads the model
+
+    rows = [misfit(folder, name) for folder in folders for name in running.measured_names(folder)]
+    click.echo(report([row for row in rows if row is not None]))
 
 
 @main.command("report")

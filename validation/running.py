@@ -45,10 +45,8 @@ def analyse_all(directory: Path, label: str, workers: int, *, only: str = "") ->
     """Analyse every measured study without a verdict under `label`; a line for each as it ends."""
     names = [
         name
-        for name in study_names(directory)
-        if only in name
-        and _has_tracks(directory, name)
-        and not verdict_path(directory, label, name).is_file()
+        for name in measured_names(directory)
+        if only in name and not verdict_path(directory, label, name).is_file()
     ]
     yield from in_processes(partial(_analyse, label), directory, names, workers=workers)
 
@@ -60,6 +58,11 @@ def _analyse(label: str, directory: Path, name: str) -> str:
 def verdict_path(directory: Path, label: str, name: str) -> Path:
     """Where the verdict of one study stands."""
     return directory / "verdicts" / label / f"{name}.json"
+
+
+def measured_names(directory: Path) -> list[str]:
+    """Names of the studies that have tracks, in alphabetical order."""
+    return [name for name in study_names(directory) if _has_tracks(directory, name)]
 
 
 def _has_tracks(directory: Path, name: str) -> bool:

@@ -1,11 +1,10 @@
 """Coming round into its own wake.
 
-After about a circle (tight ones earlier: a wake is wider than the body) the robot swims in water
-that it has set in motion: the drag changes by the share -k, smoothly from n_1 - b/2 to n_1 + b/2
-turns, and by g times as much again with each
-further turn. Where the wake fades, it counts by its age 2 pi / |r| as (age / 6 s)^-a. The part j
-acts as moving water does, with the speed and not with its square. Vanishes in straight runs and
-short arcs.
+After about a circle (in a tight one earlier, since a wake is wider than the body) the robot swims
+in water that it has set in motion: the drag changes by the share -k, smoothly from n_1 - b/2 to n_1
++ b/2 turns, and by g times as much again with each further turn. Where the wake fades, it counts by
+its age 2 pi / |r| as (age / 6 s)^-a. The part j acts as moving water does, with the speed and not
+with its square. Vanishes in straight runs and short arcs.
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).
 """
@@ -25,7 +24,7 @@ PARAMETERS = (
     Parameter("drag_loss", "1", 0.2, -3.0, 3.0,
               "share of the drag 1/2 rho A V^2 that is lost in the wake", symbol="k"),
     Parameter("entry_turns", "1", 0.9, 0.1, 1.5, "turns after which it meets its wake",
-              spread=0.3, tries=(0.4,), symbol="n_1"),
+              spread=0.3, symbol="n_1"),
     Parameter("entry_width", "1", 0.3, 0.05, 1.5, "turns over which the change grows",
               spread=0.3, symbol="b"),
     Parameter("growth_per_turn", "1", 0.0, 0.0, 1.5, "further change with each further turn",

@@ -182,7 +182,7 @@ def own_noise(
     """A set under its own noise, estimated in turn with its numbers until neither improves.
 
     Two starting points, random forces as estimated before and small ones under which the numbers
-    are fitted anew: what a law explains must not stay random, and the numbers that were fitted
+    are fitted again: what a law explains must not stay random, and the numbers that were fitted
     beside large random forces may leave it random. With a single round, the likelier noise alone;
     two_starts False: of a set whose second start has been tried, the first alone.
     """

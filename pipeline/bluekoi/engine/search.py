@@ -26,10 +26,13 @@ REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
-CLOSE, NESTED_CLOSE = 20.0, 8.0
+CLOSE = 20.0
 """Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
-costs a set up to that much. One that adds a cause to a probable set began at the final noise of
-that set, and is left at e^8."""
+costs a set up to that much."""
+NESTED_CLOSE = float(np.log(3000))
+"""As `CLOSE` for a set that adds a cause to a probable set, from whose final noise it began: it is
+left with a posterior odds below 1 / 3000, which changes a probability by a fiftieth of its Monte
+Carlo error (`posterior.DRAWS`)."""
 QUIET_REFITS = 2
 """How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
@@ -60,14 +63,14 @@ class Visited:
         near: FittedSet,
         start: dict[str, float] | None = None,
         *,
-        anew: bool = False,
+        refit: bool = False,
     ) -> Scored | None:
         """Fit a set, begun at another's values and noise, under its own noise; None where it runs
-        away. anew: also a set that has been fitted, whose better fit stays.
+        away. refit: also a set that has been fitted; its better fit is kept.
         """
         key = frozenset(causes)
         before = self.sets.get(key)
-        if before is not None and not anew:
+        if before is not None and not refit:
             return before
         self.problem.progress(" + ".join(causes) or "baseline")
         known = {**near.fit.by_label(), **(start or {})}
@@ -152,7 +155,7 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
         done.add(best.model.key)
         if len(best.causes) < visited.problem.most_causes:
             _further(visited, best, REFITS)
-            _beneath_the_noise(visited, best)
+            _under_small_forces(visited, best)
             visited.converge()
         if visited.best.model.key != best.model.key:
             continue
@@ -210,7 +213,7 @@ def _further(visited: Visited, scored: Scored, count: int) -> None:
             visited.add((*scored.causes, name), scored.model, _start(visited, expansion, name))
 
 
-def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
+def _under_small_forces(visited: Visited, scored: Scored) -> None:
     """Fit the most promising further causes by the expansion under small random forces, and begin
     there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
@@ -222,7 +225,7 @@ def _beneath_the_noise(visited: Visited, scored: Scored) -> None:
     expansion = expanded(problem, model)
     found = proposals(problem, expansion, allowed(problem, scored.causes))
     for _, name in found[:QUIET_REFITS]:
-        visited.add((*scored.causes, name), model, _start(visited, expansion, name), anew=True)
+        visited.add((*scored.causes, name), model, _start(visited, expansion, name), refit=True)
 
 
 def _start(visited: Visited, expansion: Expansion, name: str) -> dict[str, float]:

@@ -52,7 +52,7 @@ def draw(campaign: Campaign) -> Figure:
     _map(left, campaign, grid, span, "excess")
     picture = _map(middle, campaign, grid, span, "model")
     figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
-    left.set_title("measured vs stated length (±: standard error, %)")
+    left.set_title("error of length (±: standard error, %)")
     likely = str(found["likely"])
     middle.set_title(
         "no error detected" if likely == "nothing" else f"likeliest source: {_readable(likely)}"

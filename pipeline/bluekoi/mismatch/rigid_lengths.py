@@ -20,31 +20,37 @@ import inspect
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from itertools import product
 
 import numpy as np
+from scipy.optimize import minimize
 
 from ..camera.distances import LENGTH_STD_SHARE, Distances, keypoint_patterns
 from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System
+from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD
 
-ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
-"""Effects that stretch the picture; each predicts by its own `observe`."""
-CALIBRATED = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
-"""Strengths within which camera and depth count as right: a lens that would change lengths by
-0.05 % (1/m2), and a depth wrong by 2 mm, seen from 1.5 m."""
-UNKNOWN_DEPTH = 0.02
-"""As `CALIBRATED` where the depth was itself estimated from the lengths: by 4 cm."""
-LABEL_STDS_M = (0.0001, 0.0003, 0.001, 0.003, 0.01)
-TRIAL_STDS = (0.0001, 0.0005, 0.0015, 0.005)
-NOISE_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)
-"""Values among which keypoint errors, scales of trials and the width of the noise are estimated."""
+CALIBRATION_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
+"""Strengths of errors that a careful calibration leaves: those that change lengths by
+`SYSTEMATIC_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by 2 mm seen
+from 1.5 m."""
+PRIOR_WIDTH = 3.0
+"""While variances are estimated, strengths have normal priors of this many plausible magnitudes:
+80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
 MAX_TRIALS = 60
-LARGE = 3.0
-SPAN = 1e-6
-"""Patterns that add less than this share of the largest one's information are left out."""
+"""Trials beyond which the study's own errors, not the noise, limit what lengths determine."""
+MIN_INFORMATION_SHARE = 1e-6
+"""Combinations of patterns with less than this share of the largest information are left out:
+differences of patterns that rounding determines."""
+
+
+def stretching(system: System) -> tuple[Effect, ...]:
+    """Effects that displace what is seen by an amount that varies over the picture, and so change
+    the lengths seen.
+    """
+    return tuple(e for e in system.effects
+                 if "observe" in e.hooks and {"x", "y"} <= set(_arguments(e)))  # fmt: skip
 
 
 def length_measurement(
@@ -57,13 +63,13 @@ def length_measurement(
     detector that is the same in all trials.
     """
     windows = _of_some_trials(windows)
-    effects = tuple(system.effect(name) for name in ERRORS)
+    effects = stretching(system)
     camera = _Camera(effects, dict(constants), windows)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
         return None
-    beside = _beside(camera, windows, depth_given=depth_given, systematic=systematic)
-    whitener = _whitener(patterns, beside, windows)
+    others = _other_errors(camera, windows, depth_given=depth_given, systematic=systematic)
+    whitener = _whitener(patterns, others, windows)
     seen = whitener @ windows.excess_m
 
     @lru_cache(maxsize=256)
@@ -119,11 +125,11 @@ class _Camera:
         return np.asarray(np.sum((front - back) * along, axis=1))
 
     def patterns(self) -> Float:
-        """Excess (n, m) by each strength, at the leading form and at other ones, where it is
-        `LARGE` times as large as is usual.
+        """Excess (n, m) by each strength at its prior standard deviation, for the leading form and
+        for other ones.
         """
         return np.column_stack([
-            LARGE * strength.typical * self.excess(effect, (*unit, *form))
+            PRIOR_WIDTH * strength.typical * self.excess(effect, (*unit, *form))
             for effect in self.effects
             for form in _forms(effect)
             for strength, unit in zip(effect.parameters, np.eye(effect.strengths), strict=False)
@@ -168,7 +174,7 @@ def _arguments(effect: Effect) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class _Beside:
+class _OtherErrors:
     """Patterns Z (n, z) of what else changes lengths, with variances (z,) where known: those of
     labels and of trials are estimated (`labels`, `trials`: which columns).
     """
@@ -179,9 +185,9 @@ class _Beside:
     trials: np.ndarray
 
 
-def _beside(
+def _other_errors(
     camera: _Camera, windows: Distances, *, depth_given: bool, systematic: float
-) -> _Beside:
+) -> _OtherErrors:
     known, pair = windows.known_m, windows.pair.round()
     groups: list[tuple[str, Float, float]] = []
     for length in sorted(set(zip(pair, known.round(4), strict=True))):
@@ -193,47 +199,53 @@ def _beside(
     groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
                for t in np.unique(windows.trial)]  # fmt: skip
     middle = 0.5 * (windows.front_m + windows.back_m)
-    x, y = ((middle - middle.mean(axis=0)) / np.ptp(middle, axis=0)).T * 2.0
+    reach = np.maximum(np.ptp(middle, axis=0), known.max())
+    x, y = ((middle - middle.mean(axis=0)) / reach).T * 2.0
     groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
-    for name, size in CALIBRATED.items():
-        std = size if name == "lens_error" or depth_given else UNKNOWN_DEPTH
+    for name, size in CALIBRATION_STD.items():
+        known_depth = depth_given or name != "uncorrected_refraction"
+        std = size if known_depth else UNKNOWN_DEPTH_STD
         effect = next(e for e in camera.effects if e.name == name)
         unit = (1.0, *np.zeros(effect.strengths - 1), *_forms(effect)[0])
         groups.append(("calibrated", camera.excess(effect, unit), std))
     kind = np.array([g[0] for g in groups])
-    return _Beside(np.column_stack([g[1] for g in groups]), np.array([g[2] ** 2 for g in groups]),
-                   kind == "label", kind == "trial")  # fmt: skip
+    columns, stds = (np.array([g[k] for g in groups]) for k in (1, 2))
+    return _OtherErrors(columns.T, stds**2, kind == "label", kind == "trial")
 
 
-def _whitener(basis: Float, beside: _Beside, windows: Distances) -> Float:
+def _whitener(basis: Float, others: _OtherErrors, windows: Distances) -> Float:
     """Rows (m, n) that turn excesses into independent numbers of unit variance, in the space of the
     patterns (n, k), each as large as is plausible.
     """
     root = 1.0 / windows.std_m
     stack = np.column_stack([basis, windows.excess_m]) * root[:, None]
-    Z = beside.columns * root[:, None]
+    Z = others.columns * root[:, None]
     inner, cross, outer = Z.T @ Z, Z.T @ stack, stack.T @ stack
-    settings = product(LABEL_STDS_M, TRIAL_STDS, NOISE_FACTORS)
 
     def variances(label: float, trial: float) -> Float:
-        return np.where(beside.labels, label**2, np.where(beside.trials, trial**2, beside.variance))
+        known = np.where(others.trials, trial**2, others.variance)
+        return np.where(others.labels, label**2, known)
 
-    def likelihood(setting: tuple[float, float, float]) -> float:
-        label, trial, nu = setting
+    def misfit(logs: Float) -> float:
+        label, trial, nu = np.exp(logs)
         prior = nu**2 / variances(label, trial)
         A = inner + np.diag(prior)
         left = (outer - cross.T @ np.linalg.solve(A, cross)) / nu**2
         H, g = left[:-1, :-1] + np.eye(len(left) - 1), left[:-1, -1]
-        misfit = left[-1, -1] - g @ np.linalg.solve(H, g)
+        squares = left[-1, -1] - g @ np.linalg.solve(H, g)
         determinants = (np.linalg.slogdet(A)[1] - np.log(prior).sum() + np.linalg.slogdet(H)[1]
                         + 2.0 * len(root) * np.log(nu))  # fmt: skip
-        return -0.5 * float(misfit + determinants)
+        return 0.5 * float(squares + determinants)
 
-    label, trial, nu = max(settings, key=likelihood)
+    start = np.log([LABEL_STD_M, LENGTH_STD_SHARE, 1.0])
+    simplex = start + np.vstack([np.zeros(3), np.eye(3)])
+    precision = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.05}
+    found = minimize(misfit, start, method="Nelder-Mead", options=precision)
+    label, trial, nu = np.exp(found.x)
     A = inner + np.diag(nu**2 / variances(label, trial))
     precise = (basis * root[:, None] - Z @ np.linalg.solve(A, cross[:, :-1])) / nu**2  # C^-1 P
     H = basis.T @ (precise * root[:, None])
     size, vectors = np.linalg.eigh(0.5 * (H + H.T))
-    keep = size > SPAN * size[-1]
+    keep = size > MIN_INFORMATION_SHARE * size[-1]
     out: Float = (precise @ vectors[:, keep] / np.sqrt(size[keep])).T * root
     return out

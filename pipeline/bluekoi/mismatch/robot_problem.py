@@ -36,9 +36,11 @@ TOLERANCES = {
     * float(np.hypot(1 / CORE_LABEL_DISTANCE_M, 1 / HEAD_LABEL_DISTANCE_M)),
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
-HOMOGRAPHY_SCALE = {"scale_error.length_error": 0.02}
-"""A homography from the pool's corners puts keypoints on the water's plane: those d below appear
-too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
+UNKNOWN_DEPTH_STD = 0.02
+"""Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
+are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
+HOMOGRAPHY_SCALE = {"scale_error.length_error": UNKNOWN_DEPTH_STD}
+"""A homography from the pool's corners puts keypoints on the water's plane."""
 KINDS = ("physics", "measurement", "residual")
 
 

@@ -22,10 +22,10 @@ DELAY_STEP_S = 0.002
 SAME_FREQUENCY = 0.03
 """Trials count as repeats whose frequencies differ by less than this share."""
 MAX_SCATTER_RAD = 0.5
-"""Lags of repeats that differ by more say nothing."""
+"""Where lags of repeats scatter by more, half a radian, phases no longer determine a delay."""
 LAG_STD_RAD = 0.05
 """ASSUME beyond a straight line over frequency, the lag of a tail varies by 3 degrees."""
-DELAY_STD_S = 0.03  # ASSUME what lag the tail gains with frequency feigns no more than this
+DELAY_STD_S = 0.03  # ASSUME the lag that a tail gains with frequency looks like at most this delay
 MIN_TRIALS = 6
 """Trials without which no delay is estimated."""
 MAX_P_VALUE = 1e-3
@@ -37,8 +37,8 @@ CHI2_HILL_TOLERANCE = 1.0
 
 def clock_delay(flap_hz: Float, lag_rad: Float, std_rad: Float) -> tuple[float, float] | None:
     """By how much the log's clock is ahead of the video's and the standard deviation, s, from the
-    lags of the trials (n,); None where they do not hang together or leave several delays. How far
-    lags vary between trials is taken from those at one frequency.
+    lags of the trials (n,); None where they are inconsistent or fit several delays. The scatter of
+    lags is estimated from the trials at one frequency.
     """
     if len(flap_hz) < MIN_TRIALS:
         return None

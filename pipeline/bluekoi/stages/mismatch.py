@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..camera.distances import LENGTH_STD_SHARE
 from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
 from ..camera.length_windows import from_columns
 from ..campaign import load_campaign
@@ -163,9 +164,18 @@ def with_rigid_lengths(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
         from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
         depth_given=setup.robot.depth_given and not by_homography,
-        systematic=geometry.get("min_share", SYSTEMATIC_SHARE),
+        systematic=_detector_share(geometry),
     )  # fmt: skip
     return [replace(s, shared=shared) for s in series]
+
+
+def _detector_share(geometry: Mapping[str, Any]) -> float:
+    """Relative error of the detector that is the same in all trials; a whole length's `min_share`
+    contains that of the stated lengths.
+    """
+    if "min_share" not in geometry:
+        return SYSTEMATIC_SHARE
+    return float(np.sqrt(max(geometry["min_share"] ** 2 - LENGTH_STD_SHARE**2, 0.0)))
 
 
 def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:

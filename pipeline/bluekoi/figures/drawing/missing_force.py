@@ -57,14 +57,18 @@ class MissingForce:
 
 
 def missing_forces(campaign: Campaign) -> dict[str, MissingForce]:
-    """Missing force by trial, from mismatch_detail.json and the tracks; empty without forces."""
+    """Missing force by trial, from mismatch_detail.json and the tracks; empty without forces.
+
+    A trial along which the filter ran away has none: its forces are not numbers.
+    """
     forces = (campaign.mismatch_detail or {}).get("forces") or {}
     needed = {"time_s", "x_m", "y_m", *FORCE_COLUMNS.values(), *(f"{c}_std" for c in CHANNELS)}
-    return {
+    found = {
         name: _missing_force(name, entry, campaign.tracks[name])
         for name, entry in forces.items()
         if name in campaign.tracks and needed <= entry.keys()
     }
+    return {name: one for name, one in found.items() if np.isfinite(one.force).all()}
 
 
 def variable(campaign: Campaign, one: MissingForce, name: str) -> Float:

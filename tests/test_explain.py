@@ -327,7 +327,7 @@ FAULTY = {
         GOOD + "trials: [{file: run.csv}, {file: run.csv}]\n",
         "two trials of that name",
     ),
-    "unknown constant": (None, GOOD + "constants: {mass: 2}\n", "'mass'.*has no constant"),
+    "unknown constant": (None, GOOD + "constants: {mass: 2}\n", "'mass'.*The model has none"),
     "constant that is text": (
         None,
         GOOD + "constants: {mass: heavy}\n",

@@ -29,10 +29,11 @@ from ..errors import Finding, InputError, nearest
 from ..fitting import Series
 from .checks import checked_model
 from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, errors_of_sets, held_out, with_criterion
+from .diagnosis import compiling, runs_away
 from .feedback import feedback
 from .model import Model
 from .numbers import Number, at_bounds, numbers, undetermined
-from .preparation import Prepared, converged_step, prepare, runs_away
+from .preparation import Prepared, converged_step, prepare
 from .sampling import at_rate
 from .trials import HELD_OUT_ROLE, Trial, series_of, validated_trials, warnings_of
 
@@ -107,15 +108,16 @@ def explain(
             replace(model, causes=[c for c in model.causes if c.name in names]), one, ()
         )
     fit = [t for t in given if t.role != HELD_OUT_ROLE]
-    ready = prepare(model, fit, names, progress)
+    with compiling(model):
+        ready = prepare(model, fit, names, progress)
     try:
         visited = search(ready.problem)
     except np.linalg.LinAlgError:
-        raise runs_away(model.name) from None
+        raise runs_away(model, fit) from None
     problem = visited.problem
     ready = replace(ready, problem=problem)
     if not np.isfinite(visited.best.log_posterior):
-        raise runs_away(model.name)
+        raise runs_away(model, fit)
     progress("probabilities")
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)

@@ -59,6 +59,8 @@ def read_trials(model: Model, folder: Path) -> list[Trial]:
     if not isinstance(rows, list) or not rows:
         raise input_error(folder / DATA_FILE, "trials", rows, "a list of {file: NAME.csv}")
     shared = _numbers(settings.get("constants", {}), folder / DATA_FILE, "constants")
+    _known(shared, tuple(c.name for c in model.constants), folder / DATA_FILE, "constants",
+           "a constant of the model")  # fmt: skip
     return [_trial(model, folder, row, columns, shared) for row in rows]
 
 
@@ -69,17 +71,22 @@ def _settings(path: Path) -> dict[str, Any]:
     try:
         found = yaml.safe_load(read_text(path))
     except yaml.YAMLError as error:
-        raise input_error(path, "", " ".join(str(error).split()), "a yaml file") from None
+        tab = "Indent by spaces, not by tabs." if "'\\t'" in str(error) else ""
+        raise input_error(path, "", " ".join(str(error).split()), "a yaml file", tab) from None
     if not isinstance(found, dict):
         raise input_error(path, "", type(found).__name__, f"keys {', '.join(DATA_KEYS)}")
     _known(found, DATA_KEYS, path, "")
     return found
 
 
-def _known(given: Mapping[str, Any], keys: tuple[str, ...], path: Path, where: str) -> None:
+def _known(
+    given: Mapping[str, Any], keys: tuple[str, ...], path: Path, where: str,
+    expected: str = "a known key",
+) -> None:  # fmt: skip
     unknown = [str(k) for k in given if k not in keys]
     if unknown:
-        raise InputError([Finding(str(path), where or k, f"'{k}'", "a known key", nearest(k, keys))
+        raise InputError([Finding(str(path), where or k, f"'{k}'", expected,
+                                  nearest(k, keys) if keys else "The model has none.")
                           for k in unknown])  # fmt: skip
 
 
@@ -104,7 +111,23 @@ def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str,
         out[name] = (str(entry["column"]),
                      conversion_factor(str(entry["unit"]), unit, str(path),
                                        f"columns: {name}"))  # fmt: skip
+    _one_unit_each(given, path)
     return out
+
+
+def _one_unit_each(columns: Mapping[str, Mapping[str, Any]], path: Path) -> None:
+    """Nothing, where no column of the csv is said to be in two units."""
+    units: dict[str, dict[str, str]] = {}
+    for name, entry in columns.items():
+        units.setdefault(str(entry["column"]), {})[str(entry["unit"])] = name
+    twice = {c: names for c, names in units.items() if len(names) > 1}
+    if twice:
+        raise InputError([
+            Finding(str(path), "columns", " and ".join(
+                f"'{c}' in {unit} as {name}" for unit, name in names.items()
+            ), "one unit of a column", "Each quantity needs a column of its own.")
+            for c, names in twice.items()
+        ])  # fmt: skip
 
 
 def _trial(
@@ -119,6 +142,9 @@ def _trial(
     table = _table(path, columns)
     start, end = (_number(row.get(k, d), settings, k) for k, d in (("start_s", -np.inf),
                                                                    ("end_s", np.inf)))  # fmt: skip
+    if start > end:
+        raise input_error(path, "start_s, end_s", f"an end at {end:g} s before the start at "
+                          f"{start:g} s", "a start before the end")  # fmt: skip
     kept = (table[TIME_COLUMN] >= start) & (table[TIME_COLUMN] <= end) | ~np.isfinite(
         table[TIME_COLUMN]
     )
@@ -179,7 +205,9 @@ def _cells(path: Path) -> pd.DataFrame:
         raise input_error(path, "", " ".join(str(error).split()), expected) from None
     if not isinstance(table.index, pd.RangeIndex):
         names = f"{len(table.columns)} names above {len(table.columns) + table.index.nlevels} cells"
-        raise input_error(path, "header", names, "a name for each column")
+        raise input_error(path, "header", names, "a name for each column",
+                          "If the decimals follow a comma, columns must be apart by semicolons."
+                          )  # fmt: skip
     return table.rename(columns=lambda c: str(c).strip())
 
 
@@ -191,10 +219,12 @@ def _present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
         raise input_error(path, "header", found, "the columns that data.yaml names",
                           f"The first row is: {', '.join(names)}.")  # fmt: skip
     again = [c for c in wanted if f"{c}.1" in names]
-    findings = [Finding(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
-                        nearest(c, names)) for c in lacking]  # fmt: skip
-    findings += [Finding(str(path), "header", f"two columns '{c}'", "a name for each column")
-                 for c in again]  # fmt: skip
+    findings = [Finding(str(path), "header", f"two columns '{c}'", "a name for each column")
+                for c in again]  # fmt: skip
+    findings = findings or [
+        Finding(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
+                nearest(c, names)) for c in lacking
+    ]  # fmt: skip
     if findings:
         raise InputError(findings)
 

@@ -57,7 +57,8 @@ def _deviations(model: FittedSet, move: np.ndarray) -> np.ndarray:
 def at_bounds(found: list[Number]) -> list[str]:
     """A sentence for each number at a bound."""
     return [f"{n.label} stands at its {n.at_bound} bound, {n.value:g} {n.unit}: its value is not "
-            "determined; widen the bound or leave out what it belongs to."
+            "determined; check the units of the columns, widen the bound or leave out what it "
+            "belongs to."
             for n in found if n.at_bound]  # fmt: skip
 
 

@@ -11,11 +11,11 @@ import numpy as np
 from ..data import Float
 from ..engine import Problem, candidates_of
 from ..engine.candidates import RESIDUAL
-from ..errors import InputError, input_error
 from ..fitting import Free, Noise, Series, filter_all, trial_values
 from ..fitting.filtering import disturbance_slots
 from ..integrate import Kernel, compiled
 from .assembly import Assembly, assembled, scaled_variables
+from .diagnosis import runs_away
 from .model import Model
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
 from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, longest_step_s, rates_per_s, step_error
@@ -64,6 +64,8 @@ def prepare(
     base, free = assembly.system.values({}), coefficients_of(model, trials)
     series = all_series(model, assembly, trials, scales, rate)
     noise = first_noise(kernel, series, base)
+    if noise is None:
+        raise runs_away(model, trials)
     fastest = partial(max_rate_per_s, kernel, series, base, noise=noise)
     warnings += unit_of_time(trials, fastest(names=()))
     step = longest_step_s(fastest(names=names))
@@ -143,9 +145,9 @@ def rate_of_fit_hz(model: Model, trials: Sequence[Trial]) -> float:
     return block_rate_hz([t.times for t in trials], rate)
 
 
-def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise:
+def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise | None:
     """Initial estimate of the random part: the likeliest of `FORCE_GUESSES` for random forces,
-    errors that last as large as the stated ones.
+    errors that last as large as the stated ones. None where the model runs away with all of them.
     """
     forces = [e for e in kernel.system.effects if e.kind == "disturbance" and e.channels]
     pushed = len(forces[0].states) if forces else 0
@@ -168,20 +170,7 @@ def first_noise(kernel: Kernel, series: Sequence[Series], base: Float) -> Noise:
 
     found = {size: likelihood(size) for size in (FORCE_GUESSES if pushed else (0.0,))}
     best = max(found, key=lambda size: found[size])
-    if not np.isfinite(found[best]):
-        raise runs_away(kernel.system.name)
-    return noise(best)
-
-
-def runs_away(name: str) -> InputError:
-    """A fault of a model that cannot be followed along its trials."""
-    return input_error(
-        f"model '{name}'",
-        "",
-        "a simulation that runs away from the trials",
-        "start values of the coefficients at which the model stays near its trials",
-        "Check signs and units of the equations, and the units of the columns.",
-    )
+    return noise(best) if np.isfinite(found[best]) else None
 
 
 def max_rate_per_s(

@@ -14,6 +14,7 @@ from ..fitting import Series
 from .assembly import Assembly, scale_names
 from .model import Model
 from .sampling import at_rate
+from .slips import copies, spike
 
 FIT_ROLE, HELD_OUT_ROLE = "fit", "held_out"
 MIN_SAMPLES = 3
@@ -22,9 +23,10 @@ REPORTED_GAP = 20.0
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
 """An angle in rad that jumps by more is one in degrees."""
-MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 20.0, 0.01, 0.05
+MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 5.0, 0.01, 0.05
 """Sampling intervals longer and trials shorter than so many of the model's shortest time constants
-are reported; models slower than 1 / 20 s have no time constant to compare with."""
+are reported: less than e^-5 of a motion lasts from one sample to the next. Models slower than
+1 / 20 s have no time constant to compare with."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
         findings.append(Finding("trials", "", "no trial", "one trial at least"))
     if not findings and all(t.role == HELD_OUT_ROLE for t in trials):
         findings.append(Finding("trials", "role", "all trials held out", "a trial to fit"))
+    findings = findings or copies(trials)
     if findings:
         raise InputError(findings)
     return [_prepared(model, t) for t in trials]
@@ -123,7 +126,8 @@ def _name_faults(
     file: str, what: str, given: Mapping[str, object], known: Sequence[str],
     required: Sequence[str] | None = None,
 ) -> list[Finding]:  # fmt: skip
-    out = [Finding(file, what, f"'{n}'", f"an {what} of the model", nearest(n, known) if known else
+    a = "an" if what[0] in "aeiou" else "a"
+    out = [Finding(file, what, f"'{n}'", f"{a} {what} of the model", nearest(n, known) if known else
                    f"The model has no {what}.") for n in given if n not in known]  # fmt: skip
     lacking = [n for n in (known if required is None else required) if n not in given]
     return out + [Finding(file, what, f"no '{n}'", f"a value for each {what} of the model",
@@ -146,7 +150,7 @@ def _column_faults(
     if missing and np.isfinite(column).sum() < MIN_SAMPLES:
         return [Finding(file, name, f"{int(np.isfinite(column).sum())} values",
                         f"{MIN_SAMPLES} or more that are not missing")]  # fmt: skip
-    return []
+    return spike(file, name, column) if missing else []
 
 
 def _prepared(model: Model, trial: Trial) -> Trial:
@@ -183,6 +187,8 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
         changed = np.concatenate([np.diff(c) for c in columns])
+        if not changed.any():
+            out.append(f"Input {i.name} never changes: is it the right column?")
         if not i.held and _is_stepwise(changed):
             out.append(f"Input {i.name} changes in steps; if it was held between samples, declare "
                        "it held=True in the model.")  # fmt: skip

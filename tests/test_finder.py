@@ -346,7 +346,7 @@ def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) 
         v[kernel.system.slot["tail_fin_lift.lift_area"]] = 5.0
     assert not all(np.isfinite(f.log_likelihood)
                    for f in filter_all(kernel, few, wild, baseline.noise))  # fmt: skip
-    assert fit_noise(kernel, few, wild, baseline.noise) is baseline.noise
+    assert fit_noise(kernel, few, wild, baseline.noise).noise is baseline.noise
 
 
 def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> None:

@@ -73,7 +73,7 @@ def test_fit_noise_finds_force_error_and_white_noise() -> None:
     n, true = 400, Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     trials = [a_series(_pushed(rng, n, true)) for _ in range(12)]
     first = Noise(np.array([0.15, 0.004]), np.array([0.5, 0.3]), np.full(1, 2.0))
-    found = fit_noise(kernel, trials, [values] * 12, first, rounds=20)
+    found = fit_noise(kernel, trials, [values] * 12, first, rounds=20).noise
 
     def likelihood(noise: Noise) -> float:
         return sum(filter_series(kernel, t, values, noise).log_likelihood for t in trials)

@@ -101,18 +101,25 @@ def fitted(
     known: Mapping[str, float],
     *,
     predictor: FilterResults | None = None,
-    passes: int = 2,
+    passes: int = 3,
     iterations: int = 12,
     free: Sequence[Free] | None = None,
     discrepancy: Mapping[str, float] | None = None,
 ) -> FittedSet:
-    """A set fitted under one noise; the filter's gains follow the fit `passes` times."""
+    """A set fitted under one noise. The filter's gains are held during a fit and follow it,
+    `passes` times or until the numbers rest.
+
+    predictor: the filter's pass whose gains are held at first; without, one at the start.
+    """
     frees = free_of(problem, causes) if free is None else tuple(free)
     point = start_of(problem, causes, known, discrepancy)
     start = {f.label: known.get(f.label, float(point[problem.kernel.system.slot[f.name]]))
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
     found = None
+    if predictor is None:
+        points = local.points(frees, np.array([start[f.label] for f in frees]))
+        predictor = filter_all(problem.kernel, problem.series, points, noise)
     for _ in range(passes):
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
                     iterations=iterations, tolerance=TOLERANCE, predictor=predictor)  # fmt: skip
@@ -123,7 +130,6 @@ def fitted(
         if moved < 1.0:
             break
     assert found is not None
-    assert predictor is not None
     normal = normal_equations(problem.kernel, problem.series, point, frees, found.values,
                               noise=noise, predictor=predictor)  # fmt: skip
     rows = [parameter(problem.kernel.system, f) for f in frees]
@@ -171,7 +177,7 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted to a problem's trials with the formulas of its causes alone, under its own
     noise.
     """
-    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=2,
                    free=model.fit.free)  # fmt: skip
     return own_noise(problem, plain, most=2)
 
@@ -187,16 +193,18 @@ def own_noise(
     two_starts False: of a set whose second start has been tried, the first alone.
     """
     if most == 1:
-        points = _points(problem, model)
-        start = _likelier(problem, points, (model.noise, quiet(problem, model.noise)))
-        return _round(problem, model, start, near=start is model.noise)
+        small = quiet(problem, model.noise)
+        passes = filter_all(problem.kernel, problem.series, _points(problem, model), small)
+        if _total(passes) > _total(model.passes):
+            return _round(problem, model, small, passes, near=False)
+        return _round(problem, model, model.noise, model.passes, near=True)
     best = model
     begins = (model, _beneath(problem, model)) if two_starts else (model,)
-    for k, begin in enumerate(begins):
-        first = _round(problem, begin, begin.noise, near=k == 0)
+    for begin in begins:
+        first = _round(problem, begin, begin.noise, begin.passes, near=begin is model)
         best = max(best, first, key=lambda m: m.log_likelihood)
     for _ in range(most - 1):
-        again = _round(problem, best, best.noise, near=True)
+        again = _round(problem, best, best.noise, best.passes, near=True)
         if again.log_likelihood - best.log_likelihood < LEAST_GAIN:
             break
         best = again
@@ -206,18 +214,25 @@ def own_noise(
 def _beneath(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted under small random forces."""
     return fitted(problem, model.causes, quiet(problem, model.noise), model.fit.by_label(),
-                  passes=1, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+                  passes=2, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
 
 
-def _round(problem: Problem, model: FittedSet, start: Noise, *, near: bool) -> FittedSet:
+def _round(
+    problem: Problem, model: FittedSet, start: Noise, passes: FilterResults, *, near: bool
+) -> FittedSet:
     """Noise estimated from a start at a set's numbers, and the numbers fitted under it; the set as
     it was where that is not likelier.
+
+    passes: the filter's with the start. near: whether it is near enough for quasi-Newton steps.
     """
     if not model.usable:
         return model
-    noise = _estimated(problem, _points(problem, model), start, near=near)
-    again = fitted(problem, model.causes, noise, model.fit.by_label(), passes=1,
-                   free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+    points = _points(problem, model)
+    found = fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
+                      line_searches=not near, max_trials=len(points), passes=passes)  # fmt: skip
+    again = fitted(problem, model.causes, found.noise, model.fit.by_label(), passes=2,
+                   free=model.fit.free, discrepancy=model.discrepancy,
+                   predictor=found.passes)  # fmt: skip
     return max(model, again, key=lambda m: m.log_likelihood)
 
 
@@ -226,19 +241,10 @@ def _points(problem: Problem, model: FittedSet) -> list[Float]:
     return replace(problem, base=base).points(model.fit.free, model.fit.values)
 
 
-def _estimated(problem: Problem, points: Sequence[Float], start: Noise, *, near: bool) -> Noise:
-    """Noise at given numbers; near: whether the start is near enough for quasi-Newton steps."""
-    return fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                     line_searches=not near, max_trials=len(points))  # fmt: skip
-
-
-def _likelier(problem: Problem, points: Sequence[Float], noises: Sequence[Noise]) -> Noise:
-    """The likeliest of several noises at given numbers."""
-    if len(noises) == 1:
-        return noises[0]
-    likely = [sum(f.log_likelihood for f in filter_all(problem.kernel, problem.series, points, n))
-              for n in noises]  # fmt: skip
-    return noises[int(np.argmax(np.nan_to_num(likely, nan=-np.inf)))]
+def _total(passes: FilterResults) -> float:
+    """Log likelihood of all trials; -inf where the model diverges."""
+    total = sum(f.log_likelihood for f in passes)
+    return total if np.isfinite(total) else -np.inf
 
 
 def quiet(problem: Problem, noise: Noise) -> Noise:

@@ -76,7 +76,7 @@ class Visited:
         known = {**near.fit.by_label(), **(start or {})}
         for cause in key - near.key:
             known |= likeliest_start(self.problem, near, cause)
-        model = fitted(self.problem, causes, near.noise, known, predictor=None)
+        model = fitted(self.problem, causes, near.noise, known)
         if not model.usable:
             return before
         found = score(self.problem, own_noise(self.problem, model, most=1))
@@ -190,7 +190,7 @@ def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
     covered = {f.label for c in problem.candidates if any(problem.covers(own, c) for own in causes)
                for f in c.strengths}  # fmt: skip
     left = {label: v for label, v in source.discrepancy.items() if label in covered}
-    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
+    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=2,
                    free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
     if again.log_likelihood <= model.log_likelihood:
         return
@@ -219,7 +219,7 @@ def _under_small_forces(visited: Visited, scored: Scored) -> None:
     """
     problem = visited.problem
     model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
-                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free)  # fmt: skip
+                   scored.model.fit.by_label(), passes=2, free=scored.model.fit.free)  # fmt: skip
     if not model.usable:
         return
     expansion = expanded(problem, model)

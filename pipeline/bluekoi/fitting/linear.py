@@ -23,6 +23,7 @@ from ..integrate.batch import active_effects, propagate, run_in_threads
 from .filtering import (
     DIFFERENCE,
     Filtered,
+    FilterResults,
     active_states,
     disturbance_slots,
     filter_all,
@@ -61,10 +62,11 @@ class LinearisedFilter:
 
 @np.errstate(over="ignore", invalid="ignore")  # a model that diverges has no likelihood
 def linearised(
-    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
-) -> LinearisedFilter:
-    """`LinearisedFilter` along the filter's pass with this noise."""
-    passed = filter_all(kernel, series, values, noise)
+    kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise,
+    passes: FilterResults | None = None,
+) -> LinearisedFilter:  # fmt: skip
+    """`LinearisedFilter` along the filter's pass with this noise, made here unless given."""
+    passed = filter_all(kernel, series, values, noise) if passes is None else passes
     on = active_effects(kernel.system, np.array([with_noise(kernel, v, noise) for v in values]))
     active = active_states(kernel.system, on)
     slots = disturbance_slots(kernel)[: len(noise.disturbance)]

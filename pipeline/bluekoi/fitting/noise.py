@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import minimize
 
 from ..data import Float
-from ..integrate import Kernel, Parameter
-from .filtering import filter_all, random_effects
+from ..integrate import Kernel, Parameter, System
+from .filtering import FilterResults, filter_all
 from .linear import (
     LinearisedFilter,
     NoiseGradient,
@@ -26,10 +27,18 @@ LOG_RANGE = 4.0
 """Strengths and correlation times are estimated within a factor of e^4 of their start."""
 
 
+@dataclass(frozen=True)
+class FittedNoise:
+    """A noise of maximum likelihood, and the filter's pass with it over the trials used."""
+
+    noise: Noise
+    passes: FilterResults
+
+
 def fit_noise(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise, *, rounds: int
-    = 2, max_trials: int = 12, line_searches: bool = True,
-) -> Noise:  # fmt: skip
+    = 2, max_trials: int = 12, line_searches: bool = True, passes: FilterResults | None = None,
+) -> FittedNoise:  # fmt: skip
     """Random forces, correlated tracking errors and white noise of maximum likelihood.
 
     One strength after the other, each by a parabola through three likelihoods over its logarithm,
@@ -37,21 +46,24 @@ def fit_noise(
     a trial. While a correlation time tau is varied, sigma sqrt(tau) stays: slow data determine that
     product alone. At most `max_trials` trials are used, evenly spread, since few numbers are
     estimated. line_searches: without, the quasi-Newton steps begin at once, for a near start.
+    passes: the filter's, over all trials with `noise`, where known.
     """
     chosen = np.unique(
         np.linspace(0, len(series) - 1, min(max_trials, len(series))).round().astype(int)
     )
     some = [series[i] for i in chosen]
     points = [values[i] for i in chosen]
+    if passes is None or len(chosen) < len(series):
+        passes = filter_all(kernel, some, points, noise)
     estimated = _estimated_places(kernel, noise)
     if not estimated:
-        return noise
+        return FittedNoise(noise, passes)
 
     def noise_of(logs: Float) -> Noise:
         return _with_estimates(kernel, noise, estimated, np.exp(logs))
 
     logs, width = np.log([max(_as_vector(noise)[k], MIN_STRENGTH) for k in estimated]), 0.7
-    linear = linearised(kernel, some, points, noise_of(logs))
+    linear = linearised(kernel, some, points, noise_of(logs), passes)
     before = best = _or_diverged(log_likelihood(linear, noise_of(logs)))
     if line_searches:
         for i in range(len(logs)):
@@ -64,8 +76,10 @@ def fit_noise(
         return _negative_log_likelihood(kernel, linear, noise_of(logs), estimated)
 
     found = noise_of(_quasi_newton_steps(objective, logs, rounds))
-    passed = sum(f.log_likelihood for f in filter_all(kernel, some, points, found))
-    return found if _or_diverged(passed) > before else noise
+    again = filter_all(kernel, some, points, found)
+    if _or_diverged(sum(f.log_likelihood for f in again)) > before:
+        return FittedNoise(found, again)
+    return FittedNoise(noise, passes)
 
 
 def _negative_log_likelihood(
@@ -139,14 +153,19 @@ def _estimated_places(kernel: Kernel, noise: Noise) -> list[int]:
 
 def _correlation_times(kernel: Kernel, count: int) -> dict[int, tuple[int, Parameter]]:
     """Random state with a correlation time -> how many states share it, and its parameter."""
+    return {k: v for k, v in _all_correlation_times(kernel.system).items() if k < count}
+
+
+@lru_cache(maxsize=64)
+def _all_correlation_times(system: System) -> dict[int, tuple[int, Parameter]]:
     out: dict[int, tuple[int, Parameter]] = {}
     at = 0
-    for effect in random_effects(kernel):
+    for effect in (e for e in system.effects if e.kind == "disturbance"):
         own = effect.parameters[1:]
         shared = len(effect.states) // len(own)
         out |= {at + i * shared: (shared, p) for i, p in enumerate(own)}
         at += len(effect.states)
-    return {k: v for k, v in out.items() if k < count}
+    return out
 
 
 def _with_estimates(kernel: Kernel, noise: Noise, estimated: Sequence[int], found: Float) -> Noise:

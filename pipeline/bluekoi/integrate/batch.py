@@ -30,6 +30,16 @@ def active_effects(system: System, values: Float) -> np.ndarray:
     return np.maximum.reduceat(used, first).astype(np.uint8)
 
 
+def _active_in_blocks(system: System, values: Float) -> np.ndarray:
+    """Which effects each block of parameter vectors (blocks, parameters, 16) uses, uint8 (blocks,
+    effects).
+    """
+    slots, first = system.strength_slots
+    if len(slots) == 0:
+        return np.zeros((len(values), 0), dtype=np.uint8)
+    return np.maximum.reduceat(values[:, slots].any(axis=2), first, axis=1).astype(np.uint8)
+
+
 def propagate(
     kernel: Kernel, state: Float, values: Float, constants: Float, *, times: Float, inputs: Float,
     frames: np.ndarray | None = None, seen: Float | None = None, gains: Float | None = None,
@@ -50,17 +60,20 @@ def propagate(
     counts = np.full(blocks, n) if frames is None else np.asarray(frames)
     seen = np.zeros((blocks, n, n_obs)) if seen is None else seen
     gains = np.zeros((blocks, 0, n_states, n_obs)) if gains is None else gains
-    on = active_effects(kernel.system, np.moveaxis(values, 1, -1))
+    on = _active_in_blocks(kernel.system, values)
+    changes = np.flatnonzero((on[1:] != on[:-1]).any(axis=1)) + 1
     step_s = step_s or kernel.system.step_s or MAX_STEP_S
     flat = [np.ascontiguousarray(a, dtype=np.float64).ravel() for a in (state, values, constants)]
     times = np.ascontiguousarray(times, dtype=np.float64)
     rest = [np.ascontiguousarray(a, dtype=np.float64) for a in (inputs, seen, gains)]
 
     def run(first: int, last: int) -> None:
-        kernel.propagate(
-            *flat, times, counts.astype(np.int64), *rest, on, step_s,
-            observed.reshape(-1), states.reshape(-1), first, last,
-        )  # fmt: skip
+        inner = changes[(changes > first) & (changes < last)].tolist()
+        for begin, end in itertools.pairwise([first, *inner, last]):  # blocks of the same effects
+            kernel.propagate(
+                *flat, times, counts.astype(np.int64), *rest, on[begin], step_s,
+                observed.reshape(-1), states.reshape(-1), begin, end,
+            )  # fmt: skip
 
     run_in_threads(run, blocks)
     return observed, states

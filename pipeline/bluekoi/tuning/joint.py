@@ -116,7 +116,7 @@ def tune(
     found = _first_fit(kernel, series, base, free, noise=noise or START_NOISE, start=start)
     if noise is None:
         points = [trial_values(kernel, base, free, found.values, s.group) for s in series]
-        noise = fit_noise(kernel, series, points, START_NOISE, rounds=5)
+        noise = fit_noise(kernel, series, points, START_NOISE, rounds=5).noise
         found = fit(kernel, series, base, free, noise, start=found.by_label())
     own = servo_random_effect(kernel, series, found, base, noise=noise)
     spread = cluster_covariance(found.normal, off_bounds(kernel, found), own, min_share=min_share)

@@ -12,6 +12,7 @@ from bluekoi.errors import InputError
 from bluekoi.explain import Stage, Trial, load_model, read_trials
 from bluekoi.explain.diagnosis import compiling, runs_away
 from bluekoi.explain.numbers import Number, at_bounds
+from bluekoi.explain.prediction import Run, runaways
 from bluekoi.explain.trials import unit_of_time, validated_trials, warnings_of
 
 MODEL = load_model(Path(__file__).parent / "cart_model.py")
@@ -89,16 +90,25 @@ def test_each_slip_has_one_message_that_leads_to_its_fix(settings, header, messa
     assert message in message_of(written(tmp_path, settings, header))
 
 
-def test_samples_further_apart_than_five_time_constants_are_reported():
+def test_samples_further_apart_than_ten_time_constants_are_reported():
     assert unit_of_time([trial()], 20.0) == []
-    (sentence,) = unit_of_time([replace(trial(), times=1000.0 * TIMES)], 0.2)
+    (sentence,) = unit_of_time([replace(trial(), times=1000.0 * TIMES)], 0.3)
     assert "check the unit of time" in sentence
 
 
-def test_an_input_that_never_changes_is_reported():
+def test_an_input_that_is_never_on_is_reported():
     assert warnings_of(MODEL, [trial()]) == []
     off = replace(trial(), inputs={"push": np.zeros(60)})
-    assert warnings_of(MODEL, [off]) == ["Input push never changes: is it the right column?"]
+    assert warnings_of(MODEL, [off]) == ["Input push is 0 throughout: is it the right column?"]
+
+
+@pytest.mark.parametrize("far", [100.0, np.inf, np.nan])
+def test_a_free_run_that_leaves_its_recording_is_named(far):
+    seen = np.column_stack([TIMES, np.where(TIMES < 1.0, np.nan, 0.0)])
+    near = Run("a", TIMES, seen + 1.0, seen, {}, {})
+    away = Run("b", TIMES, seen + far, seen, {}, {})
+    (sentence,) = runaways({("baseline", "start"): [near, away], ("extended", "start"): [near]})
+    assert sentence.startswith("Free runs of the baseline model leave b by more than 10 times")
 
 
 def test_a_number_at_its_bound_asks_for_the_units():

@@ -1,8 +1,11 @@
-"""Linear manoeuvring in dimensionless (prime) form, surge held up by the propeller.
+"""Manoeuvring in dimensionless (prime) form: linear, with drag across the flow.
 
-    v' = U/L (Y_v v + Y_r r L) + U^2/L Y_d delta
-    r' = U/L^2 (N_v v + N_r r L) + U^2/L^2 N_d delta
+    v' = U/L (Y_v v + Y_r r L) + U^2/L Y_d delta - Y_vv v |v| / L
+    r' = U/L^2 (N_v v + N_r r L) + U^2/L^2 N_d delta - N_rr r |r|
     u' = X_0 (U_0^2 - u^2) / L
+
+The propeller holds up the speed. The ship is unstable on a straight course: without the quadratic
+terms it has no steady turn, and simulated turning circles run away.
 
 Accelerations are taken in the ship's frame, the turning of the frame is in Y_r. Positions in the
 tank, x ahead and y to starboard, heading and rudder clockwise positive (rad).
@@ -33,6 +36,8 @@ COEFFICIENTS = (
     Parameter("N_v", "1", -2.0, -30.0, 30.0, "yaw from drift"),
     Parameter("N_r", "1", -2.0, -30.0, 5.0, "yaw damping"),
     Parameter("N_d", "1", 1.0, -10.0, 10.0, "yaw from the rudder"),
+    Parameter("Y_vv", "1", 0.3, -20.0, 40.0, "drag across the flow in sway"),
+    Parameter("N_rr", "1", 0.3, -20.0, 40.0, "drag across the flow in yaw"),
 )
 
 
@@ -61,11 +66,13 @@ def acceleration(
     N_v: float,
     N_r: float,
     N_d: float,
+    Y_vv: float,
+    N_rr: float,
 ) -> Three:
     """Surge, sway (m/s2) and yaw (rad/s2)."""
     X = X_0 * (U_0 * U_0 - u * u) / L
-    Y = U / L * (Y_v * v + Y_r * r * L) + U * U / L * Y_d * delta
-    N = U / (L * L) * (N_v * v + N_r * r * L) + U * U / (L * L) * N_d * delta
+    Y = (U * (Y_v * v + Y_r * r * L) + U * U * Y_d * delta - Y_vv * v * abs(v)) / L
+    N = (U * (N_v * v + N_r * r * L) + U * U * N_d * delta) / (L * L) - N_rr * r * abs(r)
     return X, Y, N
 
 
@@ -104,11 +111,6 @@ def slipstream(U: float, delta: float, L: float, U_0: float, k: float, k_y: floa
     """
     blown = (U_0 / U - 1.0) * U * U / L * delta
     return 0.0, k_y * blown, k * blown / L
-
-
-def crossflow(v: float, r: float, L: float, Y_vv: float, N_rr: float) -> Three:
-    """Y = -Y_vv v |v| / L, N = -N_rr r |r|."""
-    return 0.0, -Y_vv * v * abs(v) / L, -N_rr * r * abs(r)
 
 
 def cubic(v: float, r: float, U: float, L: float, N_vvr: float, N_vrr: float) -> Three:
@@ -190,16 +192,6 @@ CAUSES = (
         (
             Parameter("k", "1", 0.2, -10.0, 10.0, "of the moment"),
             Parameter("k_y", "1", 0.05, -5.0, 5.0, "of the side force"),
-        ),
-        strengths=2,
-    ),
-    Cause(
-        "crossflow_drag",
-        "Drag across the flow grows with its square.",
-        {"force": crossflow},
-        (
-            Parameter("Y_vv", "1", 0.3, -20.0, 40.0, "in sway"),
-            Parameter("N_rr", "1", 0.3, -20.0, 40.0, "in yaw"),
         ),
         strengths=2,
     ),

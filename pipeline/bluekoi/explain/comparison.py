@@ -110,6 +110,7 @@ def held_out(
     return HeldOut(trials, before, after, floor, (first, second), horizon)
 
 
+@np.errstate(all="ignore")
 def errors_of_sets(
     model: Model, problem: Problem, sets: Sequence[FittedSet], test: Sequence[Series],
     horizon_s: float,
@@ -220,6 +221,7 @@ def _total(errors: Sequence[Float]) -> float:
     return float(np.mean(known**2)) if len(known) and np.isfinite(known).all() else np.inf
 
 
+@np.errstate(all="ignore")
 def noise_floor(
     model: Model, problem: Problem, found: FittedSet, series: Sequence[Series], horizon_s: float
 ) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,8 @@ from .model import Model
 from .trials import Trial, validated_trials
 
 DEFAULT_KNOWN_S, MIN_KNOWN_SAMPLES = 1.0, 3
+RUNAWAY_RANGES = 10.0
+"""A free run that leaves its recording by so many times the range of an observation ran away."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ def predict(
             "The verdict is unexplained: forces without a name were fitted to other "
             "recordings, and predictions with them may be worse than the baseline's."
         )
-    messages += _groups(found, series)
+    messages += [*_groups(found, series), *runaways(runs)]
     return Predicted(runs, [_measures(model, s, s.seen) for s in series], known_s, site,
                      tuple(messages))  # fmt: skip
 
@@ -107,9 +109,28 @@ def predict_left_out(found: Explanation, *, known_s: float = DEFAULT_KNOWN_S) ->
                 every |= {r.trial: r for r in _runs(found, again, own, known)}
     ordered = {key: [rows[s.name] for s in series] for key, rows in runs.items()}
     measured = [_measures(model, s, s.seen) for s in series]
-    return Predicted(ordered, measured, known_s, (), ())
+    return Predicted(ordered, measured, known_s, (), tuple(runaways(ordered)))
 
 
+def runaways(runs: Mapping[tuple[str, str], Sequence[Run]]) -> list[str]:
+    """A sentence for each model that runs away from trials, whatever the start."""
+    away: dict[str, list[str]] = {}
+    for (name, _), rows in runs.items():
+        own = away.setdefault(name, [])
+        own += [r.trial for r in rows if r.trial not in own and _is_away(r)]
+    return [f"Free runs of the {name} model leave {', '.join(trials)} by more than "
+            f"{RUNAWAY_RANGES:g} times their range: small errors grow without limit there, or the "
+            "model does not hold." for name, trials in away.items() if trials]  # fmt: skip
+
+
+def _is_away(run: Run) -> bool:
+    known = np.isfinite(run.seen)
+    error = np.where(known, np.abs(run.simulated - run.seen), 0.0)
+    extent = np.nanmax(run.seen, axis=0) - np.nanmin(run.seen, axis=0)
+    return not (error <= RUNAWAY_RANGES * np.where(extent > 0.0, extent, np.inf)).all()
+
+
+@np.errstate(all="ignore")
 def _runs(found: Explanation, one: Fitted, series: Sequence[Series], known_s: float) -> list[Run]:
     problem, model = found.prepared.problem, found.model
     values = one.values(problem, series)

@@ -23,9 +23,9 @@ REPORTED_GAP = 20.0
 MAX_VALUE = 1e12
 MIN_JUMP_IN_DEGREES = 300.0
 """An angle in rad that jumps by more is one in degrees."""
-MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 5.0, 0.01, 0.05
+MAX_INTERVAL_RATIO, MIN_DURATION_RATIO, MIN_MODEL_RATE_PER_S = 10.0, 0.01, 0.05
 """Sampling intervals longer and trials shorter than so many of the model's shortest time constants
-are reported: less than e^-5 of a motion lasts from one sample to the next. Models slower than
+are reported (the fastest part of a model may fade within a sample and be right); models slower than
 1 / 20 s have no time constant to compare with."""
 
 
@@ -187,8 +187,8 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
         changed = np.concatenate([np.diff(c) for c in columns])
-        if not changed.any():
-            out.append(f"Input {i.name} never changes: is it the right column?")
+        if not np.any(np.concatenate(columns)):
+            out.append(f"Input {i.name} is 0 throughout: is it the right column?")
         if not i.held and _is_stepwise(changed):
             out.append(f"Input {i.name} changes in steps; if it was held between samples, declare "
                        "it held=True in the model.")  # fmt: skip

@@ -55,8 +55,9 @@ def prepare(
     warnings: list[str] = []
     trials, cut = _enough(trials)
     if cut:
-        warnings.append(f"{cut} recordings give {len(trials)} stretches that serve as trials; what "
-                        "differs from one recording to another cannot be judged.")  # fmt: skip
+        one = "1 recording gives" if cut == 1 else f"{cut} recordings give"
+        warnings.append(f"{one} {len(trials)} stretches that serve as trials; what differs from "
+                        "one recording to another cannot be judged.")  # fmt: skip
     scales = scales_of(model, trials)
     rate = rate_of_fit_hz(model, trials)
     assembly = assembled(model, hold=not np.isfinite(rate))

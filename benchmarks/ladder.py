@@ -27,7 +27,7 @@ import numpy as np
 
 from bluekoi.data import PARTS, Keypoints
 from bluekoi.footage import frames, open_recording
-from bluekoi.keypoints import source
+from bluekoi.keypoints import source_module
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.conditions import LADDER
@@ -148,7 +148,7 @@ def truth_of(study: Path) -> Path:
 
 def detected(study: Study, trial: Trial, name: str) -> Keypoints:
     """Keypoints of a trial's footage by a source."""
-    detector = source(name)
+    detector = source_module(name)
     recording = open_recording(study.paths(trial))
     film = partial(frames, recording, colour=getattr(detector, "COLOUR", False))
     setup = study.setup

@@ -8,7 +8,7 @@ import pytest
 
 from bluekoi.data import Frame
 from bluekoi.keypoints.outline.camera_motion import camera_remarks, common_motion, corner_shifts
-from bluekoi.keypoints.outline.plane import Plane, plane_of
+from bluekoi.keypoints.outline.plane import Plane, swimming_plane
 from bluekoi.study import Setup
 
 CORNERS = ((60.0, 420.0), (580.0, 420.0), (580.0, 100.0), (60.0, 100.0))
@@ -20,7 +20,7 @@ def plane() -> Plane:
         "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.3, "head_length_m": 0.12,
         "head_span_m": 0.07, "hinge_to_com_m": 0.04, "tail_length_m": 0.06,
     }  # fmt: skip
-    return plane_of(Setup(robot=robot, camera={"pool_corners_px": CORNERS}))
+    return swimming_plane(Setup(robot=robot, camera={"pool_corners_px": CORNERS}))
 
 
 def pool(move: np.ndarray | None = None) -> np.ndarray:

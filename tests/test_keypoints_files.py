@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from bluekoi.data import PARTS, Keypoints
 from bluekoi.errors import InputError
-from bluekoi.keypoints import deeplabcut, source, sources
+from bluekoi.keypoints import deeplabcut, source_module, source_names
 from bluekoi.keypoints.files.noise import white_noise_px
 from bluekoi.study import Trial
 from whole_files import read_whole
@@ -47,10 +47,10 @@ def save(path: Path, rows: list[list[str]]) -> Path:
 
 
 def test_sources_are_the_modules_of_the_folder():
-    assert {"deeplabcut", "sleap", "silhouette"} <= set(sources())
-    assert source("deeplabcut") is deeplabcut
+    assert {"deeplabcut", "sleap", "silhouette"} <= set(source_names())
+    assert source_module("deeplabcut") is deeplabcut
     with pytest.raises(InputError, match="Did you mean 'silhouette'"):
-        source("silhouete")
+        source_module("silhouete")
 
 
 def test_plain_csv(tmp_path):

@@ -16,7 +16,7 @@ from test_keypoints_files import trial
 from bluekoi.data import PARTS
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, sleap
-from bluekoi.keypoints.files.literals import NotLiteral, literal
+from bluekoi.keypoints.files.pickle_literals import NotLiteral, parse_literal
 from whole_files import read_whole
 
 
@@ -91,7 +91,7 @@ def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monk
     with pytest.raises(InputError, match="no readable h5"):
         deeplabcut.read(bad, trial())
     with pytest.raises(NotLiteral):
-        literal(pickle.dumps(Evil(), protocol))
+        parse_literal(pickle.dumps(Evil(), protocol))
     assert not (tmp_path / "unpickled").exists()
 
 
@@ -105,7 +105,7 @@ def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monk
 )
 @settings(max_examples=60, deadline=None)
 def test_literals_are_what_pickle_would_give(value, protocol):
-    assert literal(pickle.dumps(value, protocol)) == value
+    assert parse_literal(pickle.dumps(value, protocol)) == value
 
 
 @pytest.mark.parametrize(
@@ -121,14 +121,14 @@ def test_literals_are_what_pickle_would_give(value, protocol):
 )
 def test_a_mark_or_a_step_out_of_place_is_no_literal(content):
     with pytest.raises(NotLiteral):
-        literal(content)
+        parse_literal(content)
 
 
 @given(st.binary(max_size=200))
 @settings(max_examples=150, deadline=None)
 def test_any_bytes_are_a_literal_or_refused(content):
     with contextlib.suppress(NotLiteral):
-        assert isinstance(literal(content), (str, int, float, list, tuple, dict, type(None)))
+        assert isinstance(parse_literal(content), (str, int, float, list, tuple, dict, type(None)))
 
 
 def sleap_h5(path: Path, tracks: int = 1) -> Path:

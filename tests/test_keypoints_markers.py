@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bluekoi.keypoints import markers
-from bluekoi.keypoints.dots.spread import hidden_variances
-from bluekoi.keypoints.dots.unmixing import coverage_centroid
+from bluekoi.keypoints.dots.centroid import coverage_centroid
+from bluekoi.keypoints.dots.variances import occlusion_variances
 
 SKIN, WATER = np.array([84.0, 62, 47]), np.array([200.0, 190, 150])
 RADIUS, FINER = 5.0, 8
@@ -54,7 +54,7 @@ def test_a_dot_of_which_a_part_is_hidden_is_known_less_well():
     area = np.full((60, 2), 78.0) + np.random.default_rng(0).normal(0, 0.5, (60, 2))
     area[30, 1] *= 0.6
     area[40, 0] = np.nan
-    found = hidden_variances(area, np.full((60, 2), 5.0))
+    found = occlusion_variances(area, np.full((60, 2), 5.0))
     assert np.sqrt(found[30, 1]) == pytest.approx(0.4 * 4 * 5 / (3 * np.pi), rel=0.15)
     assert found[40, 0] > 1.0
     assert np.sqrt(np.delete(found[:, 1], 30)).max() < 0.05

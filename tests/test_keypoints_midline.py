@@ -10,7 +10,7 @@ import pytest
 
 from bluekoi.data import Frame, Keypoints
 from bluekoi.keypoints import silhouette
-from bluekoi.keypoints.midline.curve import midline
+from bluekoi.keypoints.midline.midline_fit import midline
 from bluekoi.study import Setup, Trial
 
 SIZE = (420, 300)

@@ -13,17 +13,17 @@ from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 from bluekoi.camera import pool_camera, project
 from bluekoi.data import Frame
 from bluekoi.keypoints.outline.background import (
-    STRIP_ROWS,
+    ROWS_PER_STRIP,
     grey_level_quantiles,
-    median,
-    sample,
+    median_image,
+    sample_frames,
     without_static_robot,
 )
 from bluekoi.keypoints.outline.edges import edge_offset
 from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
-from bluekoi.keypoints.outline.plane import plane_of
+from bluekoi.keypoints.outline.plane import swimming_plane
 from bluekoi.keypoints.outline.tail_detection import tail_length
-from bluekoi.keypoints.outline.template import first_template, median_seen, with_learned_stations
+from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_stations
 from bluekoi.synthetic.conditions import LADDER
 from bluekoi.synthetic.design import ladder_design
 from bluekoi.synthetic.optics import gopro_like
@@ -61,7 +61,7 @@ def test_plane_agrees_with_independent_optics():
     design = ladder_design(LADDER["middle"])
     trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
-    plane = plane_of(setup_of(design))
+    plane = swimming_plane(setup_of(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     length_m = design.tank.robot.body_length_m
     assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
@@ -74,7 +74,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     setup = setup_of(design)
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
     places = np.column_stack([x.ravel(), y.ravel()])
-    plane = plane_of(setup)
+    plane = swimming_plane(setup)
     seen = project(pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)]))
     length_m = setup.robot.body_length_m
     assert np.abs(plane.pixels(places / length_m) - seen).max() < 0.06
@@ -103,10 +103,10 @@ def test_a_tail_at_the_pictures_border_has_no_length_and_reads_nothing_beyond(ba
 
 def test_median_is_exact():
     images = np.random.default_rng(2).integers(0, 256, (7, 40, 60)).astype(np.uint8)
-    np.testing.assert_array_equal(median(images), np.median(images, axis=0).astype(np.uint8))
+    np.testing.assert_array_equal(median_image(images), np.median(images, axis=0).astype(np.uint8))
 
 
-@pytest.mark.parametrize("rows", [STRIP_ROWS - 1, STRIP_ROWS, 2 * STRIP_ROWS + 3])
+@pytest.mark.parametrize("rows", [ROWS_PER_STRIP - 1, ROWS_PER_STRIP, 2 * ROWS_PER_STRIP + 3])
 def test_ranked_pictures_are_those_of_a_sorted_stack(rows):
     images = list(np.random.default_rng(rows).integers(0, 256, (6, rows, 17), dtype=np.uint8))
     before = [image.copy() for image in images]
@@ -121,7 +121,7 @@ def test_median_of_what_is_seen_is_numpys():
     values[rng.random(values.shape) < 0.4] = np.nan
     values[:, 5], values[1:, 6] = np.nan, np.nan
     seen = np.isfinite(values).any(axis=0)
-    found = median_seen(values)
+    found = nan_median(values)
     np.testing.assert_array_equal(found[seen], np.nanmedian(values[:, seen], axis=0))
     assert np.isnan(found[~seen]).all()
 
@@ -129,7 +129,7 @@ def test_median_of_what_is_seen_is_numpys():
 @pytest.mark.parametrize("count", [1, 4, 9, 40, 200])
 def test_a_few_frames_from_all_of_a_film(count):
     film = [Frame(i, i / 30, np.full((4, 4), i % 256, np.uint8)) for i in range(count)]
-    few = sample(iter(film), 5)
+    few = sample_frames(iter(film), 5)
     assert 1 <= len(few) <= 5
     assert few[0].index == 0
     if count > 40:
@@ -145,7 +145,7 @@ def test_resting_body_is_bridged():
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
     design = ladder_design(LADDER["middle"])
     setup, trial = setup_of(design), trial_of(design.plans[1])
-    start = first_template(setup.robot, trial, 0.103, 60.0)
+    start = initial_template(setup.robot, trial, 0.103, 60.0)
     visible = start.visible_stations()
     shift = np.full((4, len(visible)), np.nan)
     shift[:, visible] = 0.006

@@ -13,23 +13,23 @@ from types import ModuleType
 from ..errors import input_error, nearest
 
 
-def sources() -> tuple[str, ...]:
+def source_names() -> tuple[str, ...]:
     """Names of the sources: the modules of this folder."""
     names = (path.stem for path in Path(__file__).parent.glob("*.py"))
     return tuple(sorted(name for name in names if not name.startswith("_")))
 
 
-def source(name: str) -> ModuleType:
+def source_module(name: str) -> ModuleType:
     """Module of a source.
 
     Raises: InputError with the nearest known name where there is none of that name.
     """
-    if name not in sources():
+    if name not in source_names():
         raise input_error(
             "study.yaml",
             "detection.source",
             f"'{name}'",
             "a keypoint source",
-            nearest(name, sources()),
+            nearest(name, source_names()),
         )
     return import_module(f"{__name__}.{name}")

@@ -20,7 +20,7 @@ from .sleap import is_sleap, read_slp
 from .sleap import read_table as read_sleap
 
 SCORER = "bluekoi"
-PAIRS = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
+COVARIANCE_ENTRIES = (("xx", 0, 0), ("xy", 0, 1), ("yy", 1, 1))
 
 
 def read(path: Path, trial: Trial, bodyparts: Mapping[str, str] | None = None) -> Keypoints:
@@ -95,19 +95,21 @@ def write(path: str | Path, keypoints: Keypoints) -> None:
 def _write_covariance(path: Path, keypoints: Keypoints) -> None:
     columns = {"time_s": keypoints.time_s}
     for k, name in enumerate(keypoints.names):
-        columns |= {f"{name}_{pair}": keypoints.cov_px2[:, k, i, j] for pair, i, j in PAIRS}
+        columns |= {
+            f"{name}_{pair}": keypoints.cov_px2[:, k, i, j] for pair, i, j in COVARIANCE_ENTRIES
+        }
     write_columns(path, columns)
 
 
 def _with_covariance(found: Keypoints, path: Path) -> Keypoints:
     """Keypoints with times and covariances of the sidecar, row by row."""
-    names = [f"{name}_{pair}" for name in found.names for pair, _, _ in PAIRS]
+    names = [f"{name}_{pair}" for name in found.names for pair, _, _ in COVARIANCE_ENTRIES]
     columns = read_columns(path, ("time_s", *names))
     if len(columns["time_s"]) != len(found.time_s):
         rows = f"{len(columns['time_s'])} rows"
         raise input_error(path, "", rows, f"{len(found.time_s)} rows, as the keypoints")
     cov = np.empty_like(found.cov_px2)
     for k, name in enumerate(found.names):
-        for pair, i, j in PAIRS:
+        for pair, i, j in COVARIANCE_ENTRIES:
             cov[:, k, i, j] = cov[:, k, j, i] = columns[f"{name}_{pair}"]
     return replace(found, time_s=columns["time_s"], cov_px2=cov)

@@ -17,20 +17,20 @@ import numpy.typing as npt
 from ..data import PARTS, Float, Frame, Keypoints, confident
 from ..errors import input_error
 from ..study import Setup, Trial
-from .dots.spread import hidden_variances, typical_variances
-from .dots.unmixing import coverage_centroid
-from .outline.plane import Plane, plane_of
+from .dots.centroid import coverage_centroid
+from .dots.variances import dot_variances, occlusion_variances
+from .outline.plane import Plane, swimming_plane
 
 NEEDS_COLOUR = True
 """The detector takes colour frames (bgr), not grey ones."""
 HUE_WIDTH_DEG = 20.0
 MIN_SATURATION = 70.0
 MIN_VALUE = 45.0
-RADIUS_BL = (0.0045, 0.09)
-LENGTH_TOLERANCE = 0.10
-MAX_DOTS = 4
-MARGIN_BL = 0.45
-SLACK_BL = 0.012
+MARKER_RADIUS_RANGE_BL = (0.0045, 0.09)
+DISTANCE_TOLERANCE_SHARE = 0.10
+MAX_DOTS_PER_HUE = 4
+SEARCH_MARGIN_BL = 0.45
+DISTANCE_TOLERANCE_BL = 0.012
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
         found = f"{len(hues)} hues"
         expected = "a hue in degrees for head_tip and two of hinge, core_center, tail_base"
         raise input_error("study.yaml", "detection.marker_hues_deg", found, expected)
-    plane, lengths = plane_of(setup), distances(setup, trial)
+    plane, lengths = swimming_plane(setup), distance_ranges(setup, trial)
     names = tuple(part for part in PARTS if part in hues)
     times, rows = [], []
     box: tuple[int, int, int, int] | None = None
@@ -71,7 +71,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
     return _keypoints(np.array(times), names, np.array(rows))
 
 
-def distances(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[float, float]]:
+def distance_ranges(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[float, float]]:
     """Least and greatest distance [body lengths] of each pair of parts; head and core are rigid."""
     robot = setup.robot
     unit = robot.body_length_m
@@ -89,7 +89,11 @@ def distances(setup: Setup, trial: Trial) -> dict[tuple[str, str], tuple[float, 
         for b in places:
             if a < b:
                 length = float(np.hypot(*(places[a] - places[b])))
-                slack = LENGTH_TOLERANCE * length + SLACK_BL + 0.1 * head * ("head_tip" in (a, b))
+                slack = (
+                    DISTANCE_TOLERANCE_SHARE * length
+                    + DISTANCE_TOLERANCE_BL
+                    + 0.1 * head * ("head_tip" in (a, b))
+                )
                 found[a, b] = (length - slack, length + slack)
     back = robot.tail_length_m / unit
     return found | {("tail_base", "tail_tip"): (0.5 * back, 1.15 * back)}
@@ -127,7 +131,7 @@ def _frame(
     sure = row[row[:, 2] > 0.5]
     if len(sure) < 2:
         return row, None
-    margin = MARGIN_BL * plane.px_per_bl
+    margin = SEARCH_MARGIN_BL * plane.px_per_bl
     low, high = sure[:, :2].min(axis=0) - margin, sure[:, :2].max(axis=0) + margin
     return row, (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
 
@@ -150,10 +154,10 @@ def _dots(hsv: npt.NDArray[np.float32], hue_deg: float, corner: Float, plane: Pl
     contours, _ = cv2.findContours(
         (weight > 8).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE
     )
-    area = np.pi * (np.array(RADIUS_BL) * plane.px_per_bl) ** 2
+    area = np.pi * (np.array(MARKER_RADIUS_RANGE_BL) * plane.px_per_bl) ** 2
     sized = [c for c in contours if area[0] < max(cv2.contourArea(c), len(c)) < area[1]]
     dots = [_dot(weight, contour, corner, plane) for contour in sized]
-    return sorted(dots, key=lambda dot: -dot.weight)[:MAX_DOTS]
+    return sorted(dots, key=lambda dot: -dot.weight)[:MAX_DOTS_PER_HUE]
 
 
 def _dot(
@@ -187,7 +191,7 @@ def _consistent_neighbours(
 
 def _keypoints(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
     xy, likelihood = rows[..., :2], rows[..., 2]
-    variance = typical_variances(names, xy, likelihood) + hidden_variances(
+    variance = dot_variances(names, xy, likelihood) + occlusion_variances(
         rows[..., 3], rows[..., 4]
     )
     cov = variance[..., None, None] * np.eye(2)

@@ -17,26 +17,26 @@ from ..errors import input_error
 from ..study import Setup, Trial
 from .midline import detection as midline
 from .outline.absence import absence_reason
-from .outline.background import median, noise_level, sample, without_static_robot
+from .outline.background import median_image, noise_level, sample_frames, without_static_robot
 from .outline.camera_motion import camera_remarks
-from .outline.ghost_removal import without_ghosts
-from .outline.learning import LearnedTemplate, learn
-from .outline.outcome import keypoints_of
-from .outline.plane import Plane, in_body_lengths, plane_of
+from .outline.ghost_removal import background_without_robot
+from .outline.learning import LearnedTemplate, learn_template
+from .outline.plane import Plane, in_body_lengths, swimming_plane
 from .outline.second_body import second_body_remark
-from .outline.template import length_of
-from .outline.tracking import Fit, Scene, follow
+from .outline.template import robot_length_bl
+from .outline.to_keypoints import keypoints_from_fits
+from .outline.tracking import Fit, Scene, track_robot
 
 LENGTHS_STATED = True
 """Keypoints lie at the robot's lengths of study.yaml: their distances measure nothing. What is
 measured is the whole length (`Keypoints.length_seen`)."""
-SAMPLES = (5, 15)
+SAMPLE_COUNTS = (5, 15)
 GOOD_SUPPORT = 0.9
 MIN_SUPPORT_SCORE = 0.6
 MIN_SUPPORT = 0.4
-GHOST_ROUNDS = 2
-RIGID_SHARE = 0.9
-"""A body is bending only if the rigid template fits fewer frames than the share `RIGID_SHARE`."""
+BACKGROUND_ROUNDS = 2
+MIN_RIGID_FRAMES_SHARE = 0.9
+"""A body counts as bending only if the rigid template fits a smaller share of the frames."""
 
 
 def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) -> Keypoints:
@@ -48,9 +48,9 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
 
     Raises: InputError where the footage holds no frame.
     """
-    plane = plane_of(setup)
+    plane = swimming_plane(setup)
     again = _seekable(frames)
-    samples = sample(again(), SAMPLES[0])
+    samples = sample_frames(again(), SAMPLE_COUNTS[0])
     if not samples:
         raise input_error(trial.source, "", "no frames", "footage with frames")
     if setup.detection.body == "bending":
@@ -58,7 +58,7 @@ def detect(frames: Callable[[], Iterable[Frame]], setup: Setup, trial: Trial) ->
             [frame.time_s for frame in again()], (_why(samples, plane, setup, trial),)
         )
     found = _rigid(again, samples, plane, setup=setup, trial=trial)
-    if setup.detection.body == "auto" and _likely_share(found) < RIGID_SHARE:
+    if setup.detection.body == "auto" and _likely_share(found) < MIN_RIGID_FRAMES_SHARE:
         bending = _bending(again, plane, setup, trial)
         return (
             found if bending is None or _likely_share(bending) < _likely_share(found) else bending
@@ -80,17 +80,19 @@ def _rigid(
         if outline is None:
             times = [frame.time_s for frame in film]
             return _nothing(times, (*remarks, _why(samples, plane, setup, trial)))
-        times, fits = follow(film, scene, outline.template)
+        times, fits = track_robot(film, scene, outline.template)
     if not times:
         raise input_error(trial.source, "", "no frames", "frames between start_s and end_s")
     remarks = (*remarks, *second_body_remark(outline, scene), *_missing_remark(times, fits))
-    return keypoints_of(times, fits, scene, outline.template, remarks)
+    return keypoints_from_fits(times, fits, scene, outline.template, remarks)
 
 
 def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> str:
     """The remark where nothing was found."""
     images = [frame.luma for frame in samples]
-    return f"No robot was found: {absence_reason(images, plane, length_of(setup.robot, trial))}"
+    return (
+        f"No robot was found: {absence_reason(images, plane, robot_length_bl(setup.robot, trial))}"
+    )
 
 
 def _likely_share(found: Keypoints) -> float:
@@ -102,8 +104,8 @@ def _bending(
     frames: Callable[[], Iterable[Frame]], plane: Plane, setup: Setup, trial: Trial
 ) -> Keypoints | None:
     """Keypoints of a bending body; None without one, or where it is not seen to bend."""
-    samples = sample(frames(), midline.SAMPLES)
-    body = midline.learned(samples, plane, setup.robot, trial)
+    samples = sample_frames(frames(), midline.SAMPLE_FRAMES)
+    body = midline.learn_body(samples, plane, setup.robot, trial)
     if body is None or not (body.bends or setup.detection.body == "bending"):
         return None
     found = midline.detect(frames(), body, setup.robot, trial)
@@ -140,8 +142,8 @@ def learned_scene(
     """
     found: list[tuple[Scene, LearnedTemplate | None]] = []
     notes: tuple[str, ...] = ()
-    for count in SAMPLES:
-        samples = samples if count == SAMPLES[0] else sample(frames(), count)
+    for count in SAMPLE_COUNTS:
+        samples = samples if count == SAMPLE_COUNTS[0] else sample_frames(frames(), count)
         found.append(_learned_from(samples, plane, setup, trial))
         notes = camera_remarks(samples, plane)
         outline = found[-1][1]
@@ -155,7 +157,7 @@ def learned_scene(
     if _support_score(best[1]) < MIN_SUPPORT_SCORE:
         size = in_body_lengths(setup.robot, setup.robot.head_span_m) * plane.px_per_bl
         bridged = replace(found[-1][0], floor=without_static_robot(found[-1][0].floor, size))
-        second = learn(samples, bridged, setup.robot, trial)
+        second = learn_template(samples, bridged, setup.robot, trial)
         if _support_score(second) > MIN_SUPPORT_SCORE:
             remark = "the robot hardly left its place: its background was bridged from around it"
             return bridged, second, (*notes, remark)
@@ -168,15 +170,19 @@ def _learned_from(
 ) -> tuple[Scene, LearnedTemplate | None]:
     """Scene of a few frames' median and the template learned from them."""
     images = [frame.luma for frame in samples]
-    floor = median(images)
+    floor = median_image(images)
     scene = Scene(floor, plane, noise_level(images, floor), trial.head_angle_rad)
-    outline = learn(samples, scene, setup.robot, trial)
-    for _ in range(GHOST_ROUNDS):
-        free = without_ghosts(outline, scene) if outline and outline.support > MIN_SUPPORT else None
+    outline = learn_template(samples, scene, setup.robot, trial)
+    for _ in range(BACKGROUND_ROUNDS):
+        free = (
+            background_without_robot(outline, scene)
+            if outline and outline.support > MIN_SUPPORT
+            else None
+        )
         if free is None:
             break
         scene = replace(scene, floor=free)
-        outline = learn(samples, scene, setup.robot, trial) or outline
+        outline = learn_template(samples, scene, setup.robot, trial) or outline
     return scene, outline
 
 

@@ -14,7 +14,7 @@ from ..data import Keypoints
 from ..errors import InputError, input_error
 from ..study import Trial
 from .files.safe_h5 import member, open_h5, strings
-from .files.table import Table, assemble, to_keypoints
+from .files.table import Table, build_table, to_keypoints
 
 REMEDY = (
     "Install SLEAP's reader (pip install sleap-io), or export the file in SLEAP (File, Export "
@@ -112,4 +112,4 @@ def _table(path: Path, names: list[str], who: list[str], values: np.ndarray) -> 
     coords = ("x", "y", "likelihood")
     labels = [(o, n, c) for o in owners for n in names for c in coords]
     columns = values.transpose(3, 0, 2, 1).reshape(values.shape[3], -1)
-    return assemble(path, labels, columns, np.arange(len(columns), dtype=float))
+    return build_table(path, labels, columns, np.arange(len(columns), dtype=float))

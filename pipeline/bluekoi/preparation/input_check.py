@@ -13,7 +13,7 @@ from ..camera import pool_camera
 from ..data import MIN_LIKELIHOOD, Keypoints, confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
-from ..keypoints import source
+from ..keypoints import source_module
 from ..motor import flapping_from_log
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
@@ -32,7 +32,7 @@ contradict each other.
 def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str, ...]]:
     """What is wrong with detector and camera of a study.yaml, and remarks on camera and robot."""
     try:
-        source(setup.detection.source)
+        source_module(setup.detection.source)
         return [], (*pool_camera(setup).remarks, *robot_doubts(setup))
     except InputError as found:
         return [_in(folder, finding) for finding in found.findings], ()
@@ -100,7 +100,7 @@ def _read(study: Study, trial: Trial) -> None:
         _compare_stated(study, trial, flapping_from_log(log).flap_hz)
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
-        _seen(path, source("deeplabcut").read(path, trial, study.setup.bodyparts))
+        _seen(path, source_module("deeplabcut").read(path, trial, study.setup.bodyparts))
     else:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s

@@ -12,7 +12,7 @@ import numpy as np
 from ..data import MIN_LIKELIHOOD, Float, Frame, Keypoints
 from ..errors import input_error
 from ..footage import frames, open_recording
-from ..keypoints import source
+from ..keypoints import source_module
 from ..study import Study, Trial
 from ..study.filmed import setup_in_film_pixels
 
@@ -78,7 +78,7 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
     Raises: InputError where the trial has no footage or it cannot be read.
     """
     trial = study.trial(trial_id)
-    detector = source(study.setup.detection.source)
+    detector = source_module(study.setup.detection.source)
     some = spread_frames(
         study.paths(trial), fps=trial.fps, part_s=(trial.start_s, trial.end_s),
         colour=getattr(detector, "NEEDS_COLOUR", False), consecutive=trial.start_px is not None,

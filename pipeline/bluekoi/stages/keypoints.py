@@ -65,7 +65,9 @@ def lengths_seen(found: Keypoints) -> list[list[float]]:
 
 
 def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
-    found = sources.source("deeplabcut").read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    found = sources.source_module("deeplabcut").read(
+        study.paths(trial)[0], trial, study.setup.bodyparts
+    )
     return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
 
 
@@ -76,7 +78,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     from ..study.filmed import setup_in_film_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
-    detector = sources.source(study.setup.detection.source)
+    detector = sources.source_module(study.setup.detection.source)
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )

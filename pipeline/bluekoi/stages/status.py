@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError, input_error
 from ..files import read_json, write_json
-from ..keypoints import source, sources
+from ..keypoints import source_module, source_names
 from ..motor.swimming import study_warnings
 from .layout import remove
 
@@ -70,7 +70,7 @@ def good_trials(statuses: Sequence[Path]) -> list[str]:
 def lengths_measured(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at stated lengths."""
     name = read_json(detection).get("source")
-    return name not in sources() or not getattr(source(name), "LENGTHS_STATED", False)
+    return name not in source_names() or not getattr(source_module(name), "LENGTHS_STATED", False)
 
 
 def with_numerical_failures_explained(

@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ...errors import InputError, input_error
-from .table import Table, assemble, frame_numbers
+from .table import Table, build_table, frame_numbers
 
-ROWS = ("scorer", "individuals", "bodyparts", "coords")
-COORDS = ("x", "y", "likelihood")
-EXPECTED = "DeepLabCut's header rows scorer, bodyparts, coords"
+HEADER_ROWS = ("scorer", "individuals", "bodyparts", "coords")
+COORDINATES = ("x", "y", "likelihood")
+EXPECTED_LAYOUT = "DeepLabCut's header rows scorer, bodyparts, coords"
 
 
 def read_csv(path: Path) -> Table:
@@ -24,7 +24,7 @@ def read_csv(path: Path) -> Table:
     """
     rows = _rows(path)
     header, body = _header(path, rows)
-    first = next((i for i, cell in enumerate(header["coords"]) if cell in COORDS), 0)
+    first = next((i for i, cell in enumerate(header["coords"]) if cell in COORDINATES), 0)
     if first == 0:
         raise input_error(
             path, "coords", ", ".join(header["coords"][:4]), "x, y[, likelihood] a part"
@@ -33,13 +33,13 @@ def read_csv(path: Path) -> Table:
     if not body:
         raise input_error(path, "", "a header without a single frame", "a row a frame")
     values = _values(path, body, first, header)
-    kept = [i for i in range(first, width) if header["coords"][i] in COORDS]
+    kept = [i for i in range(first, width) if header["coords"][i] in COORDINATES]
     who = header.get("individuals", [""] * width)
     labels = [(who[i], header["bodyparts"][i], header["coords"][i]) for i in kept]
     index = ["/".join(cell.strip() for cell in row[:first]) for _, row in body]
     lines = [number for number, _ in body]
     frame = frame_numbers(index, path, lines)
-    return assemble(path, labels, values[:, [i - first for i in kept]], frame, lines)
+    return build_table(path, labels, values[:, [i - first for i in kept]], frame, lines)
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
@@ -65,9 +65,9 @@ def _header(
     path: Path, rows: list[tuple[int, list[str]]]
 ) -> tuple[dict[str, list[str]], list[tuple[int, list[str]]]]:
     header: dict[str, list[str]] = {}
-    for _, row in rows[: len(ROWS)]:
+    for _, row in rows[: len(HEADER_ROWS)]:
         name = row[0].strip().lower()
-        if name not in ROWS or name in header:
+        if name not in HEADER_ROWS or name in header:
             break
         header[name] = [cell.strip() for cell in row]
     missing = [name for name in ("scorer", "bodyparts", "coords") if name not in header]
@@ -76,10 +76,12 @@ def _header(
         other = next((c for c in ";\t" if len(rows[0][1]) == 1 and c in rows[0][1][0]), "")
         name = {";": "semicolons", "\t": "tabs"}.get(other, "")
         remedy = f"The cells are separated by {name}: save it with commas." if other else ""
-        raise input_error(path, "header", found, EXPECTED, remedy)
+        raise input_error(path, "header", found, EXPECTED_LAYOUT, remedy)
     widths = {name: len(row) for name, row in header.items()}
     if len(set(widths.values())) > 1:
-        raise input_error(path, "header", f"rows of {sorted(set(widths.values()))} cells", EXPECTED)
+        raise input_error(
+            path, "header", f"rows of {sorted(set(widths.values()))} cells", EXPECTED_LAYOUT
+        )
     return header, rows[len(header) :]
 
 

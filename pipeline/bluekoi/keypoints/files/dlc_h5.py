@@ -1,7 +1,7 @@
 """DeepLabCut's h5 (a pandas DataFrame in PyTables layout), read with h5py alone.
 
 Fixed format: axis0 / axis1 levels and labels, block values. Table format: a compound dataset
-whose column names are a pickle, which is read as text (`literals.py`).
+whose column names are a pickle, which is read as text (`pickle_literals.py`).
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ import numpy as np
 
 from ...data import Float
 from ...errors import input_error
-from .literals import literal
+from .pickle_literals import parse_literal
 from .safe_h5 import member, open_h5, strings
-from .table import Table, assemble, frame_numbers
+from .table import Table, build_table, frame_numbers
 
-COORDS = ("x", "y", "likelihood")
+COORDINATES = ("x", "y", "likelihood")
 
 
 def read_h5(path: Path) -> Table:
@@ -35,11 +35,11 @@ def read_h5(path: Path) -> Table:
         labels, values, index = _fixed(group) if fixed else _table(group)
     if len(values) == 0:
         raise input_error(path, "", "a file without a single frame", "a row a frame")
-    kept = [i for i, label in enumerate(labels) if label[-1] in COORDS]
+    kept = [i for i, label in enumerate(labels) if label[-1] in COORDINATES]
     named = [_named(labels[i]) for i in kept]
     if not named:
         raise input_error(path, "columns", "no x and y", "DeepLabCut's columns")
-    return assemble(path, named, values[:, kept], frame_numbers(index, path))
+    return build_table(path, named, values[:, kept], frame_numbers(index, path))
 
 
 def _named(label: Sequence[str]) -> tuple[str, str, str]:
@@ -97,7 +97,7 @@ def _table(group: Any) -> tuple[list[tuple[str, ...]], Float, list[str]]:
     parts: list[Float] = []
     for name in rows.dtype.names:
         if f"{name}_kind" in table.attrs and name.startswith("values_block"):
-            labels += [_column(c) for c in literal(_bytes(table.attrs[f"{name}_kind"]))]
+            labels += [_column(c) for c in parse_literal(_bytes(table.attrs[f"{name}_kind"]))]
             parts.append(np.asarray(rows[name], dtype=float).reshape(len(rows), -1))
     values = np.concatenate(parts, axis=1)
     if len(labels) != values.shape[1]:

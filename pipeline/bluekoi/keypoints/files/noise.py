@@ -9,11 +9,11 @@ import numpy as np
 from ...data import Float
 from ...data.quality import confident
 
-ORDERS = (6, 2, 4, 8, 10)
-MIN_PX = 0.05
-UNKNOWN_PX = 2.0
+DIFFERENCE_ORDERS = (6, 2, 4, 8, 10)
+MIN_STD_PX = 0.05
+UNKNOWN_STD_PX = 2.0
 MIN_FRAMES = 12
-OUTLIER = 6.0
+OUTLIER_SIGMAS = 6.0
 
 
 def white_noise_px(xy_px: Float, likelihood: Float) -> float:
@@ -25,13 +25,13 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     xy_px: (frames, 2). Slow errors of a network are not seen in this way.
     """
     good = without_outliers(np.where(confident(likelihood)[:, None], xy_px, np.nan))
-    found = [_scale(np.diff(good, n=k, axis=0), k) for k in ORDERS]
+    found = [_scale(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
     known = [value for value in found if np.isfinite(value)]
     if not known:
-        return UNKNOWN_PX
+        return UNKNOWN_STD_PX
     usual = found[0] if np.isfinite(found[0]) else known[0]
     least = min(known)
-    return max(MIN_PX, least if least < 0.8 * usual else usual)
+    return max(MIN_STD_PX, least if least < 0.8 * usual else usual)
 
 
 def without_outliers(xy_px: Float, order: int = 6) -> Float:
@@ -43,7 +43,7 @@ def without_outliers(xy_px: Float, order: int = 6) -> Float:
         return xy_px
     size = np.pad(np.nan_to_num(np.hypot(*difference.T)), half)
     around = np.lib.stride_tricks.sliding_window_view(np.pad(size, half), order + 1).max(axis=1)
-    lone = (size > OUTLIER * scale) & (size == around)
+    lone = (size > OUTLIER_SIGMAS * scale) & (size == around)
     return np.where(lone[:, None], np.nan, xy_px)
 
 

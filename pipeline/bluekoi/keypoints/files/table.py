@@ -14,9 +14,9 @@ from ...errors import input_error, nearest
 from .noise import white_noise_px
 
 Column = tuple[str, str]
-LARGEST_PX = 1e6
-LARGEST_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
-LONGEST_GAP = 20_000
+MAX_COORDINATE_PX = 1e6
+MAX_LIKELIHOOD = 2.0  # scores of some networks reach a little over 1
+MAX_GAP_FRAMES = 20_000
 """Frames that may be missing in one go: more than five minutes at 60 frames a second."""
 CORE_PARTS = ("hinge", "core_center", "tail_base")
 
@@ -36,7 +36,7 @@ class Table:
     remarks: tuple[str, ...] = ()
 
 
-def assemble(
+def build_table(
     path: Path,
     labels: Sequence[tuple[str, ...]],
     values: Float,
@@ -83,14 +83,16 @@ def _row(k: int, lines: Sequence[int] | None) -> str:
 
 
 def _check_pixels(path: Path, xy: Float, lines: Sequence[int] | None) -> None:
-    rows = np.nonzero(np.any(np.abs(xy) > LARGEST_PX, axis=(1, 2)) & np.isfinite(xy).all((1, 2)))[0]
+    rows = np.nonzero(
+        np.any(np.abs(xy) > MAX_COORDINATE_PX, axis=(1, 2)) & np.isfinite(xy).all((1, 2))
+    )[0]
     if len(rows):
         k = int(rows[0])
         raise input_error(path, _row(k, lines), f"{np.abs(xy[k]).max():g}", "pixels")
 
 
 def _check_likelihood(path: Path, likelihood: Float, lines: Sequence[int] | None) -> None:
-    rows = np.nonzero(np.nan_to_num(likelihood, posinf=0.0).max(axis=1) > LARGEST_LIKELIHOOD)[0]
+    rows = np.nonzero(np.nan_to_num(likelihood, posinf=0.0).max(axis=1) > MAX_LIKELIHOOD)[0]
     if len(rows):
         k = int(rows[0])
         found = f"a likelihood of {np.nanmax(likelihood[k]):g}"
@@ -109,7 +111,7 @@ def frame_numbers(index: Sequence[str], path: Path, lines: Sequence[int] | None 
     """Frame numbers of an index of numbers or of picture paths; the row's place where neither.
 
     Picture paths count by the last number in their name, if that number grows from row to row.
-    lines: see `assemble`.
+    lines: see `build_table`.
 
     Raises: InputError where plain numbers do not grow (rows doubled, or in another order), are no
     whole numbers, or leave a gap that no recording has.
@@ -132,13 +134,13 @@ def _check_order(path: Path, numbers: Float, lines: Sequence[int] | None) -> Non
         k = int(odd[0])
         raise input_error(path, _row(k, lines), f"frame {numbers[k]:g}",
                     "whole numbers from 0 on in the first column")  # fmt: skip
-    wide = np.flatnonzero(np.diff(numbers) > LONGEST_GAP)
+    wide = np.flatnonzero(np.diff(numbers) > MAX_GAP_FRAMES)
     if len(wide):
         k = int(wide[0])
         raise input_error(
             path, _row(k + 1, lines),
             f"frame {numbers[k + 1]:.0f} after {numbers[k]:.0f}",
-            f"frames of one trial, at most {LONGEST_GAP} missing between two of them",
+            f"frames of one trial, at most {MAX_GAP_FRAMES} missing between two of them",
             "Is the frame number a slip of the pen?",
         )  # fmt: skip
     back = np.flatnonzero(np.diff(numbers) <= 0)

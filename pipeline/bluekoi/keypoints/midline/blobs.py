@@ -1,4 +1,4 @@
-"""What differs from the background, as midlines with two ends: where a bending body may be."""
+"""Blobs that differ from the background, each with its midline: candidates for a bending body."""
 
 from __future__ import annotations
 
@@ -12,25 +12,26 @@ import numpy.typing as npt
 from ...data import Float
 from ...vectors import njit
 from ..outline.background import Image, grey_level_quantiles, noise_level
+from ..outline.blob_detection import pool_mask
 from ..outline.plane import Plane
-from ..outline.search import pool_mask
-from .curve import JOINTS, REFERENCE, Image32, basis
+from .midline_fit import BEND_TERMS, REFERENCE_ARC, Image32, bending_basis
 
-RARE_SHARE = 0.1
-MIN_CHANGE, NOISE_FACTOR = 16.0, 5.0
-FINEST_PX = 96.0
-PLAUSIBLE_EXTENT, PLAUSIBLE_FILL = (0.45, 1.5), (0.02, 0.55)
+RARE_FRAMES_SHARE = 0.1
+MIN_CHANGE_GREY_LEVELS, MIN_CHANGE_NOISE_STDS = 16.0, 5.0
+REDUCED_BODY_LENGTH_PX = 96.0
+EXTENT_RANGE_LENGTHS, AREA_RANGE_SQUARE_LENGTHS = (0.45, 1.5), (0.02, 0.55)
 """Plausible extent of a body, in lengths, and share of its length's square that it fills."""
-BIN_PX = 2.0
+MIDLINE_BIN_PX = 2.0
 
 
 @dataclass(frozen=True)
-class Arena:
-    """The place without bodies.
+class BackgroundModel:
+    """The pool without bodies, and what distinguishes a body from it.
 
-    background: its picture. sign: 1 where bodies are darker, -1 where brighter. skin: their grey
-    level. level: least change that counts; noise: of a pixel, grey levels. length_px: of the
-    whole body at the pool's middle; factor: pictures are reduced by it.
+    background: image (height, width). sign: 1 if bodies are darker than it, -1 if brighter. skin:
+    grey level of a body. level: detection threshold of a change; noise: standard deviation of a
+    pixel; both in grey levels. length_px: nose to tail tip at the pool's middle. factor: images
+    are reduced by this factor before blobs are searched.
     """
 
     background: Image
@@ -44,22 +45,26 @@ class Arena:
 
 
 @dataclass(frozen=True)
-class Cut:
-    """A reduced part of a picture: change and depth [grey levels], and how it maps to pixels."""
+class ReducedImage:
+    """A reduced part of a frame.
+
+    change: background minus frame, times `sign` [grey levels]. depth: background minus body, times
+    `sign` [grey levels]. place: (3,) reduction factor, left, top.
+    """
 
     change: Image32
     depth: Image32
     place: Float
 
     def pixels(self, points: Float) -> Float:
-        """Pixels (n, 2) of the whole picture of points (n, 2) of the cut."""
+        """Pixels (n, 2) of the whole frame from pixels (n, 2) of the reduced part."""
         return (points + self.place[1:] + 0.5) * self.place[0] - 0.5
 
 
 @dataclass(frozen=True)
 class Blob:
-    """One thing: midline (n, 2) px from end to end, its length [px], area [px^2], mean change, and
-    how much thicker the half that begins the line is than the other.
+    """A connected region: midline (n, 2) px from end to end, length [px], area [px^2], mean change
+    [grey levels], and ratio of the mean thickness of the first half to that of the second.
     """
 
     line: Float
@@ -69,18 +74,19 @@ class Blob:
     thicker: float
 
 
-def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
-    """The place without bodies, from pictures spread over the film; total_bl: whole body length.
+def background_model(samples: list[Image], plane: Plane, total_bl: float) -> BackgroundModel:
+    """Background model from frames spread over the film; total_bl: nose to tail tip.
 
-    Where something passed, the usual grey level of a pixel is the background's; only where a body
-    rests for long it is the body's. So the swept pixels say whether bodies are darker or brighter,
-    and a pixel that is seldom otherwise shows the background then.
+    The median grey level of a pixel is the background's, except where a body rests for most of the
+    film. Pixels that a body passes show whether bodies are darker or brighter than the background.
+    If the 10 % or 90 % quantile on that side differs clearly from the median, a body rests there
+    and the quantile is the background.
     """
     least, low, usual, high, most = grey_level_quantiles(
-        samples, 0.0, RARE_SHARE, 0.5, 1 - RARE_SHARE, 1.0
+        samples, 0.0, RARE_FRAMES_SHARE, 0.5, 1 - RARE_FRAMES_SHARE, 1.0
     )
     noise = noise_level(samples, usual)
-    level = max(MIN_CHANGE, NOISE_FACTOR * noise)
+    level = max(MIN_CHANGE_GREY_LEVELS, MIN_CHANGE_NOISE_STDS * noise)
     inside = pool_mask(usual.shape, plane.corners_px) > 0
     darker, brighter = (
         float(away[inside & (away > 2 * level)].sum(dtype=float))
@@ -93,14 +99,16 @@ def arena_of(samples: list[Image], plane: Plane, total_bl: float) -> Arena:
     contrast = float(np.percentile(strong, 90)) if len(strong) else 2 * level
     usual_grey = float(np.median(background[inside]))
     length_px = total_bl * plane.px_per_bl
-    factor = max(1, int(length_px / FINEST_PX))
+    factor = max(1, int(length_px / REDUCED_BODY_LENGTH_PX))
     level = max(level, 0.25 * contrast)
     skin = usual_grey - sign * contrast
-    return Arena(background, plane, sign, skin, level, noise, length_px, factor)
+    return BackgroundModel(background, plane, sign, skin, level, noise, length_px, factor)
 
 
-def cut(luma: Image, arena: Arena, centre: Float | None = None, reach_px: float = 0.0) -> Cut:
-    """The part of a picture within a reach of a place; all of it without a place."""
+def reduced_image(
+    luma: Image, arena: BackgroundModel, centre: Float | None = None, reach_px: float = 0.0
+) -> ReducedImage:
+    """Reduced part of a frame around a centre (2,) px, within `reach_px`; all of it by default."""
     height, width = luma.shape
     left, top, right, low = 0, 0, width, height
     if centre is not None:
@@ -119,7 +127,7 @@ def cut(luma: Image, arena: Arena, centre: Float | None = None, reach_px: float 
         change, depth = (
             cv2.resize(one[whole], size, interpolation=cv2.INTER_AREA) for one in (change, depth)
         )
-    return Cut(change, depth, np.array([f, left / f, top / f]))
+    return ReducedImage(change, depth, np.array([f, left / f, top / f]))
 
 
 def _range(middle: float, reach: float, size: int) -> tuple[int, int]:
@@ -127,8 +135,8 @@ def _range(middle: float, reach: float, size: int) -> tuple[int, int]:
     return first, int(min(max(middle + reach, first + 8), size))
 
 
-def blobs(picture: Cut, arena: Arena) -> list[Blob]:
-    """Things of a body's size and slenderness, the most changed first."""
+def find_blobs(picture: ReducedImage, arena: BackgroundModel) -> list[Blob]:
+    """Blobs of a body's size and slenderness, those with the largest summed change first."""
     smooth = cv2.blur(picture.change, (3, 3))
     mask = ((smooth > arena.level) & (picture.depth > arena.level)).astype(np.uint8)
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
@@ -137,9 +145,17 @@ def blobs(picture: Cut, arena: Arena) -> list[Blob]:
     found = []
     for i in range(1, count):
         x, y, w, h, area = stats[i]
-        if not PLAUSIBLE_FILL[0] * length**2 < area < PLAUSIBLE_FILL[1] * length**2:
+        if (
+            not AREA_RANGE_SQUARE_LENGTHS[0] * length**2
+            < area
+            < AREA_RANGE_SQUARE_LENGTHS[1] * length**2
+        ):
             continue
-        if not PLAUSIBLE_EXTENT[0] * length < math.hypot(w, h) < PLAUSIBLE_EXTENT[1] * length:
+        if (
+            not EXTENT_RANGE_LENGTHS[0] * length
+            < math.hypot(w, h)
+            < EXTENT_RANGE_LENGTHS[1] * length
+        ):
             continue
         own = labels[y : y + h, x : x + w] == i
         blob = _blob(own, smooth[y : y + h, x : x + w], np.array([x, y], float), picture)
@@ -148,12 +164,14 @@ def blobs(picture: Cut, arena: Arena) -> list[Blob]:
     return sorted(found, key=lambda one: -one.change * one.area)
 
 
-def _blob(own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: Cut) -> Blob | None:
-    """Midline of a component: centres of its parts at equal distance, along it, from one end."""
-    away = distances(np.pad(own, 1))[1:-1, 1:-1]
+def _blob(
+    own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: ReducedImage
+) -> Blob | None:
+    """Midline of a connected component: centroids of its pixels at equal distance from one end."""
+    away = distances_from_end(np.pad(own, 1))[1:-1, 1:-1]
     v, u = np.nonzero(own)
     far = away[v, u]
-    bins = (far / BIN_PX).astype(int)
+    bins = (far / MIDLINE_BIN_PX).astype(int)
     weight = change[v, u].astype(float)
     total = np.maximum(np.bincount(bins, weight), 1e-9)
     line = np.column_stack([np.bincount(bins, weight * axis) / total for axis in (u, v)])
@@ -161,7 +179,7 @@ def _blob(own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: C
         return None
     padded = np.concatenate([line[:1], line, line[-1:]])
     line = 0.25 * padded[:-2] + 0.5 * padded[1:-1] + 0.25 * padded[2:]
-    length = float(np.hypot(*np.diff(line, axis=0).T).sum()) + BIN_PX
+    length = float(np.hypot(*np.diff(line, axis=0).T).sum()) + MIDLINE_BIN_PX
     half = len(line) // 2
     thicker = float(total[:half].sum() / total[-half:].sum())
     f = picture.place[0]
@@ -170,8 +188,8 @@ def _blob(own: npt.NDArray[np.bool_], change: Image32, corner: Float, picture: C
 
 
 @njit(cache=True)
-def distances(own: npt.NDArray[np.bool_]) -> Float:
-    """Distance within a connected mask from one of its two ends; its border is empty."""
+def distances_from_end(own: npt.NDArray[np.bool_]) -> Float:
+    """Geodesic distance [px] within a connected mask from one of its two ends; its border is 0."""
     height, width = own.shape
     v, u = np.nonzero(own)
     at_v, at_u = v[0], u[0]
@@ -200,8 +218,8 @@ def distances(own: npt.NDArray[np.bool_]) -> Float:
     return away
 
 
-def poses_of(blob: Blob, plane: Plane, length_bl: float) -> list[Float]:
-    """Poses (3 + JOINTS,) whose midline is the blob's, either end as the nose; likelier first."""
+def candidate_poses(blob: Blob, plane: Plane, length_bl: float) -> list[Float]:
+    """Two poses (3 + BEND_TERMS,) along the blob's midline, the thicker end as the nose first."""
     line = plane.body_lengths(blob.line)
     both = [line, line[::-1]] if blob.thicker >= 1 else [line[::-1], line]
     return [pose_from_midline(one, length_bl) for one in both]
@@ -214,8 +232,8 @@ def pose_from_midline(line: Float, length_bl: float) -> Float:
     slack = 0.5 * (length_bl - along[-1]) / length_bl
     arc = np.clip(slack + along / length_bl, 0.0, 1.0)
     heading = np.unwrap(np.arctan2(*(line[:-1] - line[1:]).T[::-1]))
-    terms = np.column_stack([np.ones(len(heading)), basis(0.5 * (arc[1:] + arc[:-1]))])
-    tie = np.diag([0.0] + [0.02 * len(heading)] * JOINTS)
+    terms = np.column_stack([np.ones(len(heading)), bending_basis(0.5 * (arc[1:] + arc[:-1]))])
+    tie = np.diag([0.0] + [0.02 * len(heading)] * BEND_TERMS)
     solved = np.linalg.solve(terms.T @ terms + tie, terms.T @ heading)
-    place = [np.interp(REFERENCE, arc, axis) for axis in line.T]
+    place = [np.interp(REFERENCE_ARC, arc, axis) for axis in line.T]
     return np.concatenate([place, solved])

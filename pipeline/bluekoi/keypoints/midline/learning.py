@@ -1,4 +1,4 @@
-"""The look of a bending body, learned from a few frames spread over the recording."""
+"""Template of a bending body, learned from a few frames spread over the recording."""
 
 from __future__ import annotations
 
@@ -9,34 +9,44 @@ import numpy as np
 
 from ...data import Float
 from ..outline.background import Image
-from ..outline.template import median_seen
-from .blobs import Arena, Blob, Cut, blobs, cut, pose_from_midline, poses_of
-from .curve import (
-    ACROSS,
+from ..outline.template import nan_median
+from .blobs import (
+    BackgroundModel,
+    Blob,
+    ReducedImage,
+    candidate_poses,
+    find_blobs,
+    pose_from_midline,
+    reduced_image,
+)
+from .midline_fit import (
     END_MARGIN,
-    STATIONS,
-    Shape,
-    arcs,
-    fit,
+    STATIONS_ACROSS,
+    STATIONS_ALONG,
+    BendingTemplate,
+    fit_pose,
     midline,
-    stations,
-    straightened_picture,
+    station_arcs,
+    station_positions,
+    straightened_image,
 )
 
-ROUNDS = 4
+LEARNING_ROUNDS = 4
 MAX_BODIES = 40
-USUAL_LENGTH = (0.7, 1.3)
+LENGTH_RATIO_RANGE = (0.7, 1.3)
 MIN_SUPPORT = 0.5
-TAIL = (0.75, 0.9)
+TAIL_ARC_RANGE = (0.75, 0.9)
 
 
-def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] | None:
-    """Shape learned from the bodies in some pictures, their poses and support; None without any.
+def learn_template(
+    samples: Sequence[Image], arena: BackgroundModel
+) -> tuple[BendingTemplate, Float, Float] | None:
+    """Template learned from the bodies in some frames, with their poses and support; else None.
 
-    All bodies of one picture that are alike count: they are of one kind.
+    All similar bodies of a frame are used, as they have the same shape.
     """
-    seen = [(picture, blob) for luma in samples for picture in [cut(luma, arena)]
-            for blob in blobs(picture, arena)]  # fmt: skip
+    seen = [(picture, blob) for luma in samples for picture in [reduced_image(luma, arena)]
+            for blob in find_blobs(picture, arena)]  # fmt: skip
     seen = _usual_blobs(seen)[:MAX_BODIES]
     if len(seen) < 2:
         return None
@@ -44,50 +54,55 @@ def learn(samples: Sequence[Image], arena: Arena) -> tuple[Shape, Float, Float] 
     length = float(np.median([blob.length for _, blob in seen])) / px_per_bl
     area = float(np.median([blob.area for _, blob in seen])) / px_per_bl**2
     half = 1.1 * area / length + 1.5 * arena.factor / px_per_bl
-    shape = Shape(length, half, np.zeros((STATIONS, ACROSS)), arena.skin)
-    pairs = [(p, poses[0]) for p, b in seen if (poses := poses_of(b, arena.plane, length))]
+    shape = BendingTemplate(length, half, np.zeros((STATIONS_ALONG, STATIONS_ACROSS)), arena.skin)
+    pairs = [(p, poses[0]) for p, b in seen if (poses := candidate_poses(b, arena.plane, length))]
     shape = _averaged(shape, pairs, arena)
-    for turn in range(ROUNDS):
+    for turn in range(LEARNING_ROUNDS):
         fits = [(p, *_best(p, shape, arena, pose, turned=turn == 0)) for p, pose in pairs]
         pairs = [(p, pose) for p, pose, support in fits if support > MIN_SUPPORT]
         if len(pairs) < 2:
             return None
         shape = _averaged(shape, pairs, arena)
-        if turn < ROUNDS - 1:
+        if turn < LEARNING_ROUNDS - 1:
             shape, pairs = _rescaled(shape, pairs, arena)
-    last = [fitted(picture, shape, arena, pose) for picture, pose in pairs]
+    last = [fit_to_image(picture, shape, arena, pose) for picture, pose in pairs]
     return shape, np.array([one[0] for one in last]), np.array([one[3][3] for one in last])
 
 
 def _best(
-    picture: Cut, shape: Shape, arena: Arena, pose: Float, *, turned: bool
+    picture: ReducedImage,
+    shape: BendingTemplate,
+    arena: BackgroundModel,
+    pose: Float,
+    *,
+    turned: bool,
 ) -> tuple[Float, float]:
     """Pose and support of the best fit from a pose, either way round if `turned`."""
     starts = [pose, reversed_pose(pose, shape)] if turned else [pose]
-    found = [fitted(picture, shape, arena, start) for start in starts]
+    found = [fit_to_image(picture, shape, arena, start) for start in starts]
     best = max(found, key=lambda one: float(one[3][3]) + 0.5 * max(float(one[3][:3].min()), -1.0))
     return best[0], float(best[3][3])
 
 
-def reversed_pose(pose: Float, shape: Shape) -> Float:
+def reversed_pose(pose: Float, shape: BendingTemplate) -> Float:
     """The pose with nose and tail exchanged."""
-    line, _ = midline(pose, shape.length_bl, np.linspace(1, 0, STATIONS))
+    line, _ = midline(pose, shape.length_bl, np.linspace(1, 0, STATIONS_ALONG))
     return pose_from_midline(line, shape.length_bl)
 
 
 def _rescaled(
-    shape: Shape, pairs: Sequence[tuple[Cut, Float]], arena: Arena
-) -> tuple[Shape, list[tuple[Cut, Float]]]:
+    shape: BendingTemplate, pairs: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
+) -> tuple[BendingTemplate, list[tuple[ReducedImage, Float]]]:
     """The shape with nose and tail tip at arcs 0 and 1, and the poses that go with it."""
     nose, tip = _ends(shape.cover)
     length = shape.length_bl * (tip - nose)
-    arc = np.linspace(nose, tip, STATIONS)
+    arc = np.linspace(nose, tip, STATIONS_ALONG)
     poses = [pose_from_midline(midline(pose, shape.length_bl, arc)[0], length) for _, pose in pairs]
     renewed = [(picture, pose) for (picture, _), pose in zip(pairs, poses, strict=True)]
     return _averaged(replace(shape, length_bl=length), renewed, arena), renewed
 
 
-def _usual_blobs(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
+def _usual_blobs(seen: list[tuple[ReducedImage, Blob]]) -> list[tuple[ReducedImage, Blob]]:
     """Those of the usual length and thickness, spread over the pictures."""
     if not seen:
         return []
@@ -96,48 +111,51 @@ def _usual_blobs(seen: list[tuple[Cut, Blob]]) -> list[tuple[Cut, Blob]]:
     kept = [
         (p, b)
         for p, b in seen
-        if USUAL_LENGTH[0] < b.length / length < USUAL_LENGTH[1] and 0.6 < b.area / area < 1.5
+        if LENGTH_RATIO_RANGE[0] < b.length / length < LENGTH_RATIO_RANGE[1]
+        and 0.6 < b.area / area < 1.5
     ]
     step = max(1, -(-len(kept) // MAX_BODIES))
     return kept[::step]
 
 
-def fitted(
-    picture: Cut, shape: Shape, arena: Arena, pose: Float
+def fit_to_image(
+    picture: ReducedImage, shape: BendingTemplate, arena: BackgroundModel, pose: Float
 ) -> tuple[Float, Float, Float, Float]:
-    """`fit` of a shape to a cut of a picture."""
+    """`fit_pose` of a template to a reduced image."""
     plane = arena.plane
     seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
     tolerance = max(3.0 * arena.noise, 0.3 * abs(float(np.median(arena.background)) - arena.skin))
-    return fit(seen, shape.tables, shape.size, pose, tolerance)
+    return fit_pose(seen, shape.tables, shape.size, pose, tolerance)
 
 
-def _averaged(shape: Shape, fits: Sequence[tuple[Cut, Float]], arena: Arena) -> Shape:
+def _averaged(
+    shape: BendingTemplate, fits: Sequence[tuple[ReducedImage, Float]], arena: BackgroundModel
+) -> BendingTemplate:
     """Shape whose coverage is the median over fits and both sides."""
     bend, *_ = shape.tables
     plane, covers = arena.plane, []
     for picture, pose in fits:
         seen = (picture.change, picture.depth, (plane.to_px, plane.scale_bl, picture.place))
-        line = stations(pose, shape.size, bend)
-        change, depth = straightened_picture(seen, pose, line, shape.size)
+        line = station_positions(pose, shape.size, bend)
+        change, depth = straightened_image(seen, pose, line, shape.size)
         cover = np.where(depth > arena.level, change / np.maximum(depth, arena.level), np.nan)
         covers += [cover, cover[:, ::-1]]
-    cover = np.nan_to_num(median_seen(np.array(covers)))
+    cover = np.nan_to_num(nan_median(np.array(covers)))
     cover = np.clip(cover - np.median(cover[[0, -1]]), 0.0, 1.2)
-    edge = np.abs(np.linspace(-1, 1, ACROSS))
+    edge = np.abs(np.linspace(-1, 1, STATIONS_ACROSS))
     return replace(shape, cover=cover * np.clip(6 * (1 - edge), 0, 1))
 
 
 def _ends(cover: Float) -> tuple[float, float]:
     """Arcs of nose and tail tip: half the coverage on the axis of the head, of the tail."""
-    arc, middle = arcs(), ACROSS // 2
+    arc, middle = station_arcs(), STATIONS_ACROSS // 2
     axis = cover[:, middle - 1 : middle + 2].mean(axis=1)
-    head = 0.5 * float(axis[: STATIONS // 2].max())
-    tail = 0.5 * float(axis[(arc > TAIL[0]) & (arc < TAIL[1])].mean())
+    head = 0.5 * float(axis[: STATIONS_ALONG // 2].max())
+    tail = 0.5 * float(axis[(arc > TAIL_ARC_RANGE[0]) & (arc < TAIL_ARC_RANGE[1])].mean())
     front = int(np.argmax(axis > head))
-    rear = STATIONS - 1 - int(np.argmax(axis[::-1] > tail))
+    rear = STATIONS_ALONG - 1 - int(np.argmax(axis[::-1] > tail))
     nose = _crossing(arc, axis, front - 1, head) if front else -END_MARGIN
-    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS - 1 else 1 + END_MARGIN
+    tip = _crossing(arc, axis, rear, tail) if rear < STATIONS_ALONG - 1 else 1 + END_MARGIN
     return nose, tip
 
 

@@ -1,4 +1,4 @@
-"""One body's fits from frame to frame, and where it is expected next."""
+"""One body's fits from frame to frame, and its predicted pose in the next frame."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...data import Float
-from .curve import MIN_SEEN
+from .midline_fit import MIN_SEEN_SHARE
 
-LOST_FRAMES, RECENT = 8, 25
+LOST_FRAMES, TYPICAL_SCORE_FRAMES = 8, 25
 
 
 @dataclass(frozen=True)
 class Fit:
-    """One frame's fit: pose; information and scores' outer product in body axes; support of head,
-    core, tail and all, and the share of the body seen.
+    """Fit of one frame.
+
+    pose: (P,). information: (P, P), and meat: (P, P) sum of g g' over the stations' scores g, both
+    in body axes (sandwich covariance: I^-1 meat I^-1). support: (5,) explained share of head, core,
+    tail and whole body, and the share of the body inside the picture.
     """
 
     pose: Float
@@ -26,8 +29,8 @@ class Fit:
 
     @property
     def support_score(self) -> float:
-        """Mean of the whole body's support and its worst third's, that at least -1; -1 unseen."""
-        if self.support[4] < MIN_SEEN:
+        """Mean of the whole body's support and of its worst third's (at least -1); -1 if unseen."""
+        if self.support[4] < MIN_SEEN_SHARE:
             return -1.0
         return 0.5 * float(self.support[3]) + 0.5 * max(float(self.support[:3].min()), -1.0)
 
@@ -49,7 +52,7 @@ class Track:
     @property
     def typical_score(self) -> float:
         """Upper quartile of the last fits' support scores."""
-        scores = [one.support_score for one in self.fits[-RECENT:] if one is not None]
+        scores = [one.support_score for one in self.fits[-TYPICAL_SCORE_FRAMES:] if one is not None]
         return float(np.quantile(scores, 0.75)) if scores else 1.0
 
     @property

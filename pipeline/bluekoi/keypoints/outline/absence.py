@@ -9,12 +9,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .background import Image, median, noise_level
+from .background import Image, median_image, noise_level
+from .blob_detection import LEVEL_NOISE_STDS, MIN_LEVEL_GREY_LEVELS, pool_mask
 from .plane import Plane
-from .search import LEVEL_NOISES, MIN_LEVEL, pool_mask
 
-MIN_PX = 40.0
-EXTENT = (0.6, 1.7)
+MIN_ROBOT_LENGTH_PX = 40.0
+EXTENT_RATIO_RANGE = (0.6, 1.7)
 
 
 def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> str:
@@ -23,13 +23,13 @@ def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> s
     length_bl: nose to caudal base, body lengths.
     """
     stated = length_bl * plane.px_per_bl
-    if stated < MIN_PX:
+    if stated < MIN_ROBOT_LENGTH_PX:
         return (
-            f"the robot is {stated:.0f} px long, at least {MIN_PX:.0f} are needed: film from "
-            "nearer or with more pixels, or check body_length_m and pool_corners_px"
+            f"the robot is {stated:.0f} px long, at least {MIN_ROBOT_LENGTH_PX:.0f} are needed: "
+            "film from nearer or with more pixels, or check body_length_m and pool_corners_px"
         )
-    floor = median(images)
-    level = max(MIN_LEVEL, LEVEL_NOISES * noise_level(images, floor))
+    floor = median_image(images)
+    level = max(MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS * noise_level(images, floor))
     seen = [_things(image, floor, level, plane) for image in images]
     most = max(contrast for contrast, _ in seen)
     if most < level:
@@ -43,7 +43,10 @@ def absence_reason(images: Sequence[Image], plane: Plane, length_bl: float) -> s
 
 def _by_size(seen: Sequence[npt.NDArray[np.float64]], stated: float) -> str:
     """What the extents [px] of the things in each picture say against the stated length."""
-    fitting = [int(np.sum((own > EXTENT[0] * stated) & (own < EXTENT[1] * stated))) for own in seen]
+    fitting = [
+        int(np.sum((own > EXTENT_RATIO_RANGE[0] * stated) & (own < EXTENT_RATIO_RANGE[1] * stated)))
+        for own in seen
+    ]
     if np.median(fitting) > 1:
         return (
             f"{np.median(fitting):.0f} bodies of about the stated {stated:.0f} px are in the "

@@ -12,10 +12,10 @@ from ...data import Frame
 from ...vectors import njit
 
 Image = npt.NDArray[np.uint8]
-STRIP_ROWS = 32
+ROWS_PER_STRIP = 32
 
 
-def sample(film: Iterable[Frame], count: int) -> list[Frame]:
+def sample_frames(film: Iterable[Frame], count: int) -> list[Frame]:
     """About `count` frames spread over a film, their luma copied.
 
     A film that can jump (`spread`) decodes those alone; another is run through once, keeping every
@@ -40,7 +40,7 @@ def _copied(frame: Frame) -> Frame:
     return Frame(frame.index, frame.time_s, np.array(frame.luma))
 
 
-def median(images: Sequence[Image]) -> Image:
+def median_image(images: Sequence[Image]) -> Image:
     """Median (height, width) of pictures, exact; the lower middle of an even number."""
     return grey_level_quantiles(images, 0.5)[0]
 
@@ -54,9 +54,9 @@ def grey_level_quantiles(images: Sequence[Image], *shares: float) -> npt.NDArray
     places = np.array([int(share * (len(images) - 1)) for share in shares])
     height, width = images[0].shape
     out = np.empty((len(shares), height, width), np.uint8)
-    strip = np.empty((len(images), STRIP_ROWS, width), np.uint8)
-    for y in range(0, height, STRIP_ROWS):
-        rows = min(STRIP_ROWS, height - y)
+    strip = np.empty((len(images), ROWS_PER_STRIP, width), np.uint8)
+    for y in range(0, height, ROWS_PER_STRIP):
+        rows = min(ROWS_PER_STRIP, height - y)
         for own, image in zip(strip, images, strict=True):
             own[:rows] = image[y : y + rows]
         out[:, y : y + rows] = _sorted(strip)[places, :rows]

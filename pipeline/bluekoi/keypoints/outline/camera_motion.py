@@ -13,13 +13,13 @@ from ...data import Float, Frame
 from .background import Image
 from .plane import Plane
 
-PATCH, MAX_SHIFT = 0.1, 0.05
+PATCH_HALF_SIZE_SHARE, MAX_SHIFT_SHARE = 0.1, 0.05
 """Half a patch and the farthest shift, as shares of the pool's shorter side."""
-BLUR_PX = 1.5
-MIN_PX = 0.6
-SUDDEN_SHARE = 0.7
-AGREED_PX, AGREED_SHARE = 0.5, 0.15
-MIN_LIKENESS = 0.25
+BLUR_STD_PX = 1.5
+MIN_SHIFT_PX = 0.6
+SUDDEN_SHIFT_SHARE = 0.7
+AGREEMENT_TOLERANCE_PX, AGREEMENT_TOLERANCE_SHARE = 0.5, 0.15
+MIN_CORRELATION = 0.25
 
 
 def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
@@ -29,7 +29,7 @@ def corner_shifts(samples: Sequence[Frame], plane: Plane) -> Float:
     clear peak inside that range counts.
     """
     found = np.full((len(samples), 4, 2), np.nan)
-    far = max(4, round(MAX_SHIFT * plane.side_px))
+    far = max(4, round(MAX_SHIFT_SHARE * plane.side_px))
     for k, corner in enumerate(plane.corners_px):
         patches = [_patch(frame.luma, corner, plane) for frame in samples]
         first = patches[0]
@@ -47,7 +47,7 @@ def _peak(likeness: npt.NDArray[np.float32]) -> tuple[float, float]:
     """Place (u, v) of a map's peak from its middle, to a part of a pixel; NaN without a peak."""
     _, most, _, (u, v) = cv2.minMaxLoc(likeness)
     height, width = likeness.shape
-    if most < MIN_LIKENESS or not (0 < u < width - 1 and 0 < v < height - 1):
+    if most < MIN_CORRELATION or not (0 < u < width - 1 and 0 < v < height - 1):
         return math.nan, math.nan
     along, across = likeness[v, u - 1 : u + 2], likeness[v - 1 : v + 2, u]
     return u + _top(along) - (width - 1) / 2, v + _top(across) - (height - 1) / 2
@@ -62,13 +62,13 @@ def _top(three: npt.NDArray[np.float32]) -> float:
 
 def _patch(luma: Image, corner: Float, plane: Plane) -> npt.NDArray[np.float32] | None:
     """Strength of the edges about a corner; None where it reaches out of the picture."""
-    half = int(PATCH * plane.side_px)
+    half = int(PATCH_HALF_SIZE_SHARE * plane.side_px)
     u, v = (round(float(value)) for value in corner)
     height, width = luma.shape
     if not (half <= u < width - half and half <= v < height - half):
         return None
     cut = luma[v - half : v + half, u - half : u + half].astype(np.float32)
-    return cv2.Laplacian(cv2.GaussianBlur(cut, (0, 0), BLUR_PX), cv2.CV_32F)
+    return cv2.Laplacian(cv2.GaussianBlur(cut, (0, 0), BLUR_STD_PX), cv2.CV_32F)
 
 
 def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
@@ -81,11 +81,11 @@ def camera_remarks(samples: Sequence[Frame], plane: Plane) -> tuple[str, ...]:
         return ()
     apart = np.sqrt(np.mean(np.sum((moved[known, None] - moved[known]) ** 2, axis=3), axis=2))
     most = float(apart.max())
-    if most < MIN_PX:
+    if most < MIN_SHIFT_PX:
         return ()
     steps = np.diagonal(apart, offset=1)
     k = int(np.argmax(steps))
-    if steps[k] > SUDDEN_SHARE * most:
+    if steps[k] > SUDDEN_SHIFT_SHARE * most:
         early, late = (samples[known[i]].time_s for i in (k, k + 1))
         what = f"the camera moved by about {most:.1f} px between {early:.2f} s and {late:.2f} s"
     else:
@@ -110,6 +110,9 @@ def common_motion(moved: Float, corners_px: Float) -> Float:
         found = step[:, 0] + 1j * step[:, 1]
         common = terms @ np.linalg.lstsq(terms[seen], found[seen], rcond=None)[0]
         size = float(np.abs(common).max())
-        if np.abs(common - found)[seen].max() < AGREED_PX + AGREED_SHARE * size:
+        if (
+            np.abs(common - found)[seen].max()
+            < AGREEMENT_TOLERANCE_PX + AGREEMENT_TOLERANCE_SHARE * size
+        ):
             out[i] = np.column_stack([common.real, common.imag])
     return out

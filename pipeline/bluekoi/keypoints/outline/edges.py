@@ -19,12 +19,12 @@ from ...vectors import njit
 Image = npt.NDArray[np.uint8]
 Pictures = tuple[Image, Image]
 
-MIN_CONTRAST = 12.0
-HALF_PX = 3
+MIN_CONTRAST_GREY_LEVELS = 12.0
+EDGE_HALF_WIDTH_PX = 3
 
 
 @njit(cache=True, error_model="numpy", inline="always")
-def bilinear(image: Image, u: float, v: float) -> float:
+def interpolate_bilinear(image: Image, u: float, v: float) -> float:
     """Bilinear value of a picture; the caller makes sure that it lies inside."""
     x, y = int(u), int(v)
     fx, fy = u - x, v - y
@@ -34,12 +34,12 @@ def bilinear(image: Image, u: float, v: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def bilinear_at(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
+def interpolate_where(image: Image, places: Float, wanted: npt.NDArray[np.bool_]) -> Float:
     """Values (n,) of a picture at places (n, 2) px; NaN where not wanted."""
     values = np.full(len(places), math.nan)
     for i in range(len(places)):
         if wanted[i]:
-            values[i] = bilinear(image, places[i, 0], places[i, 1])
+            values[i] = interpolate_bilinear(image, places[i, 0], places[i, 1])
     return values
 
 
@@ -63,18 +63,18 @@ def edge_offset(
     for k in range(count):
         u = place[0] + (k - reach) * place[2]
         v = place[1] + (k - reach) * place[3]
-        seen[k] = bilinear(luma, u, v)
-        clear[k] = bilinear(floor, u, v)
+        seen[k] = interpolate_bilinear(luma, u, v)
+        clear[k] = interpolate_bilinear(floor, u, v)
     at = _step(seen, clear, skin)
     gain = _gain(seen, clear, at)
     skin *= _shine(seen, at, skin)
     total = 0.0
     inner, outer, ends = 0.0, 0.0, 0
-    for k in range(at - HALF_PX, at + HALF_PX + 1):
+    for k in range(at - EDGE_HALF_WIDTH_PX, at + EDGE_HALF_WIDTH_PX + 1):
         if k < 0 or k >= count:
             continue
         depth = gain * clear[k] - skin
-        if abs(depth) < MIN_CONTRAST:
+        if abs(depth) < MIN_CONTRAST_GREY_LEVELS:
             return math.nan
         cover = min(max((gain * clear[k] - seen[k]) / depth, -0.3), 1.3)
         total += cover - (1.0 if k < at else 0.0)
@@ -83,7 +83,7 @@ def edge_offset(
             inner += 1.0 - cover
         if k > at:
             outer += cover
-    if ends < 2 * HALF_PX or inner > 1.0 or outer > 1.0:
+    if ends < 2 * EDGE_HALF_WIDTH_PX or inner > 1.0 or outer > 1.0:
         return math.nan
     return at + total - 0.5 - reach
 
@@ -95,8 +95,8 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
     cost = 0.0
     for k in range(count):
         depth = clear[k] - skin
-        if abs(depth) < MIN_CONTRAST:
-            depth = MIN_CONTRAST if depth >= 0 else -MIN_CONTRAST
+        if abs(depth) < MIN_CONTRAST_GREY_LEVELS:
+            depth = MIN_CONTRAST_GREY_LEVELS if depth >= 0 else -MIN_CONTRAST_GREY_LEVELS
         cover = min(max((clear[k] - seen[k]) / depth, -0.5), 1.5)
         clear_cost = cover * cover
         seen_cost = (1 - cover) * (1 - cover)
@@ -113,7 +113,7 @@ def _step(seen: Float, clear: Float, skin: float) -> int:
 def _shine(seen: Float, at: int, skin: float) -> float:
     """Brightness of the body just inside against what was learned: the light is on it too."""
     total, count = 0.0, 0
-    for k in range(max(0, at - HALF_PX - 3), at - HALF_PX + 1):
+    for k in range(max(0, at - EDGE_HALF_WIDTH_PX - 3), at - EDGE_HALF_WIDTH_PX + 1):
         total += seen[k]
         count += 1
     if count < 2 or skin <= 0.0:

@@ -13,17 +13,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ...vectors import njit
-from .background import STRIP_ROWS, Image, without_static_robot
+from .background import ROWS_PER_STRIP, Image, without_static_robot
 from .learning import LearnedTemplate
 from .template import Template
 from .tracking import Fit, Scene
 
-MARGIN_BL = 0.036
-TAIL_REACH = 1.15
-Cut = tuple[slice, slice]
+ROBOT_MARGIN_BL = 0.036
+TAIL_REACH_RATIO = 1.15
+Region = tuple[slice, slice]
 
 
-def mask_of(one: Fit, scene: Scene, template: Template) -> tuple[Cut, Image]:
+def robot_mask(one: Fit, scene: Scene, template: Template) -> tuple[Region, Image]:
     """Where in the picture the robot, its tail's reach and a margin lie, and their mask there."""
     x, y, heading, bend = one.pose
     turn = np.exp(1j * heading)
@@ -31,12 +31,12 @@ def mask_of(one: Fit, scene: Scene, template: Template) -> tuple[Cut, Image]:
     body = (outline[:, 0] + 1j * outline[:, 1]) * turn + x + 1j * y
     base = x + 1j * y - template.core_bl * turn
     swing = np.exp(1j * np.linspace(-1.1, 1.1, 9))
-    tail = np.concatenate([[base], base - TAIL_REACH * template.tail_bl * turn * swing])
+    tail = np.concatenate([[base], base - TAIL_REACH_RATIO * template.tail_bl * turn * swing])
     shapes = [
         scene.plane.pixels(np.column_stack([shape.real, shape.imag])).round().astype(np.int32)
         for shape in (body, tail)
     ]
-    margin = round(MARGIN_BL * scene.plane.px_per_bl)
+    margin = round(ROBOT_MARGIN_BL * scene.plane.px_per_bl)
     height, width = scene.floor.shape
     low = np.concatenate(shapes).min(axis=0) - margin
     high = np.concatenate(shapes).max(axis=0) + margin + 1
@@ -50,7 +50,7 @@ def mask_of(one: Fit, scene: Scene, template: Template) -> tuple[Cut, Image]:
     return (slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))), mask
 
 
-def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
+def background_without_robot(outline: LearnedTemplate, scene: Scene) -> Image | None:
     """Background free of the robot; None where its places do not overlap and the median is right.
 
     Only the frames that the outline was learned from count. Where the robot never left, the
@@ -58,7 +58,7 @@ def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
     """
     fits = outline.samples
     template = outline.template
-    masks = [mask_of(one, scene, template) for _, one in fits]
+    masks = [robot_mask(one, scene, template) for _, one in fits]
     cut = _around([place for place, _ in masks])
     often = np.zeros(scene.floor[cut].shape, np.uint8)
     for place, mask in masks:
@@ -79,7 +79,7 @@ def without_ghosts(outline: LearnedTemplate, scene: Scene) -> Image | None:
     return floor
 
 
-def _around(cuts: Sequence[Cut]) -> Cut:
+def _around(cuts: Sequence[Region]) -> Region:
     """The smallest cut that holds all of some."""
     rows, columns = zip(*cuts, strict=True)
     return _hull(rows), _hull(columns)
@@ -89,21 +89,21 @@ def _hull(ranges: Sequence[slice]) -> slice:
     return slice(min(r.start for r in ranges), max(r.stop for r in ranges))
 
 
-def _within(inner: Cut, outer: Cut) -> Cut:
+def _within(inner: Region, outer: Region) -> Region:
     rows, columns = (
         slice(i.start - o.start, i.stop - o.start) for i, o in zip(inner, outer, strict=True)
     )
     return rows, columns
 
 
-def _strips(cut: Cut) -> Iterator[Cut]:
+def _strips(cut: Region) -> Iterator[Region]:
     """A cut in strips of rows: stacks of whole 4K pictures would be 80 MB."""
     rows, columns = cut
-    for y in range(rows.start, rows.stop, STRIP_ROWS):
-        yield slice(y, min(y + STRIP_ROWS, rows.stop)), columns
+    for y in range(rows.start, rows.stop, ROWS_PER_STRIP):
+        yield slice(y, min(y + ROWS_PER_STRIP, rows.stop)), columns
 
 
-def _layers(masks: Sequence[tuple[Cut, Image]], strip: Cut) -> npt.NDArray[np.uint8]:
+def _layers(masks: Sequence[tuple[Region, Image]], strip: Region) -> npt.NDArray[np.uint8]:
     """Each mask's part in a strip that is as wide as all of them, (masks, rows, columns)."""
     rows, columns = strip
     layers = np.zeros((len(masks), rows.stop - rows.start, columns.stop - columns.start), np.uint8)

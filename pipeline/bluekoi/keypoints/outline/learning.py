@@ -10,15 +10,15 @@ import numpy as np
 
 from ...data import Float, Frame
 from ...study import Robot, Trial
-from .search import Blob, blobs, poses_of
-from .stations import measured_stations, without_biased
-from .template import Template, first_template, length_of, with_learned_stations
-from .tracking import Fit, Scene, fitted, is_plausible_blob, search_lengths_px
+from .blob_detection import Blob, candidate_poses, find_blobs
+from .stations import measure_stations, without_biased_stations
+from .template import Template, initial_template, robot_length_bl, with_learned_stations
+from .tracking import Fit, Scene, fit_frame, is_plausible_blob, search_ranges_px
 
-ROUNDS = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
-AREA = 0.16
+SEARCH_LENGTHS_BL = (0.048, 0.036, 0.030, 0.024, 0.024, 0.024)
+AREA_PER_LENGTH_SQUARED = 0.16
 GOOD_SUPPORT = 0.9
-BENT_RAD = 0.15
+MIN_BEND_RAD = 0.15
 START_OFFSETS_BL = ((0.0,), (-0.09, 0.0, 0.09), (-0.15, -0.075, 0.0, 0.075, 0.15))
 
 
@@ -45,7 +45,7 @@ class LearnedTemplate:
         return self.support * min(self.frames, 3) / 3
 
 
-def learn(
+def learn_template(
     samples: Sequence[Frame], scene: Scene, robot: Robot, trial: Trial
 ) -> LearnedTemplate | None:
     """Template learned from the samples in which a robot-like blob is found; None without any.
@@ -54,8 +54,8 @@ def learn(
     does not settle, look for the robot again with the width, grey level and core learned, all
     along each blob, and learn from the frames that agree best. The best outline counts.
     """
-    area = AREA * length_of(robot, trial) ** 2
-    seen = [(f, blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
+    area = AREA_PER_LENGTH_SQUARED * robot_length_bl(robot, trial) ** 2
+    seen = [(f, find_blobs((f.luma, scene.floor), scene.plane, scene.noise, area)) for f in samples]
     first = _first(seen, robot, trial)
     if first is None:
         return None
@@ -81,7 +81,7 @@ def learn(
 
 def generic_template(template: Template, robot: Robot, trial: Trial) -> Template:
     """Generic template of a learned one's width and grey level, its core as learned."""
-    generic = first_template(robot, trial, float(template.half.max()), template.skin)
+    generic = initial_template(robot, trial, float(template.half.max()), template.skin)
     return replace(generic, half=template.half, core_skin=template.core_skin)
 
 
@@ -95,14 +95,14 @@ def _better_half(fits: list[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
 def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) -> LearnedTemplate:
     """LearnedTemplate of fits that start where the robot roughly is."""
     fits = starts
-    for size in ROUNDS:
+    for size in SEARCH_LENGTHS_BL:
         shape = template.shape()
-        reach = search_lengths_px(scene, size, size, size)
+        reach = search_ranges_px(scene, size, size, size)
         bend = _common_bend(fits, scene)
         fits = [
             (
                 f,
-                fitted(
+                fit_frame(
                     f.luma,
                     scene,
                     shape,
@@ -115,18 +115,18 @@ def _refined(starts: list[tuple[Frame, Fit]], scene: Scene, template: Template) 
         ]
         kept = _agreeing(fits)
         template = with_learned_stations(
-            template, *measured_stations(kept, scene, template, int(reach[-1]))
+            template, *measure_stations(kept, scene, template, int(reach[-1]))
         )
     shape = template.shape()
     last = [
-        fitted(f.luma, scene, shape, one.pose, search_lengths_px(scene, 0.024, 0.024))
+        fit_frame(f.luma, scene, shape, one.pose, search_ranges_px(scene, 0.024, 0.024))
         for f, one in fits
     ]
     pairs = tuple((frame, one) for (frame, _), one in zip(fits, last, strict=True))
-    offsets, _ = measured_stations(
-        _agreeing(pairs), scene, template, int(search_lengths_px(scene, 0.024)[0])
+    offsets, _ = measure_stations(
+        _agreeing(pairs), scene, template, int(search_ranges_px(scene, 0.024)[0])
     )
-    template = without_biased(template, offsets * scene.plane.px_per_bl)
+    template = without_biased_stations(template, offsets * scene.plane.px_per_bl)
     return LearnedTemplate(template, pairs, float(np.median([one.support[2] for one in last])))
 
 
@@ -138,13 +138,13 @@ def _agreeing(fits: Sequence[tuple[Frame, Fit]]) -> list[tuple[Frame, Fit]]:
 
 def _first(seen: Sequence[tuple[Frame, list[Blob]]], robot: Robot, trial: Trial) -> Template | None:
     """Generic template of the width of the blobs that could be the robot by length and area."""
-    length = length_of(robot, trial)
+    length = robot_length_bl(robot, trial)
     sides = [_strongest_blobs(seen, length, sign) for sign in (1.0, -1.0)]
     likely = max(sides, key=_evidence)
     if not likely:
         return None
     half = float(np.median([b.half_width_bl for b in likely]))
-    return first_template(robot, trial, half, float(np.median([b.skin for b in likely])))
+    return initial_template(robot, trial, half, float(np.median([b.skin for b in likely])))
 
 
 def _strongest_blobs(
@@ -191,9 +191,9 @@ def _start(
     anywhere along it.
     """
     shape = template.shape()
-    reach = search_lengths_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
+    reach = search_ranges_px(scene, 0.078, 0.066, 0.054, 0.042, 0.036)
     tried = [
-        fitted(
+        fit_frame(
             frame.luma,
             scene,
             shape,
@@ -203,7 +203,7 @@ def _start(
         )
         for blob in found
         if is_plausible_blob(blob, template)
-        for pose in poses_of(blob, template, scene.head_angle_rad)
+        for pose in candidate_poses(blob, template, scene.head_angle_rad)
         for slide in slides_bl
     ]
     tried = [one for one in tried if abs(one.pose[3] - scene.head_angle_rad) < 0.6]
@@ -213,7 +213,7 @@ def _start(
 def _common_bend(fits: Sequence[tuple[Frame, Fit]], scene: Scene) -> float:
     """Head angle of all frames: the servo holds it, so that no single frame may bend the head."""
     bend = float(np.median([one.pose[3] for _, one in fits]))
-    return bend if abs(bend - scene.head_angle_rad) < BENT_RAD else scene.head_angle_rad
+    return bend if abs(bend - scene.head_angle_rad) < MIN_BEND_RAD else scene.head_angle_rad
 
 
 def with_head_angle(pose: Float, bend: float) -> Float:

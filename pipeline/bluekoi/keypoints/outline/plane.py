@@ -16,11 +16,11 @@ from ...data import Float
 from ...study import Camera, Robot, Setup
 from ...vectors import njit
 
-DEGREES = (5, 7, 9, 11)
+POLYNOMIAL_DEGREES = (5, 7, 9, 11)
 """Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""
-NEAR_PX = 0.05
-MARGIN = 0.12
-GRID = 17
+MAX_POLYNOMIAL_ERROR_PX = 0.05
+POOL_MARGIN_SHARE = 0.12
+GRID_POINTS_PER_SIDE = 17
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,22 @@ def in_body_lengths(robot: Robot, length_m: float) -> float:
     return round(length_m / robot.body_length_m, 12)
 
 
-def plane_of(setup: Setup) -> Plane:
+def swimming_plane(setup: Setup) -> Plane:
     """Plane at the keypoints' depth from lens and pool corners; at the marks without a lens."""
     sides = np.array([in_body_lengths(setup.robot, side)
                       for side in (setup.pool.length_m, setup.pool.width_m)])  # fmt: skip
-    xy = _grid(sides, GRID)
+    xy = _grid(sides, GRID_POINTS_PER_SIDE)
     uv = _seen(setup, sides, xy)
     scale_bl, scale_px = _scaling(xy), _scaling(uv)
-    between = _grid(sides, 2 * GRID)
+    between = _grid(sides, 2 * GRID_POINTS_PER_SIDE)
     between = between[np.all((between > 0) & (between < sides), axis=1)]
     seen = _seen(setup, sides, between)
-    for degree in DEGREES:
+    for degree in POLYNOMIAL_DEGREES:
         to_px = _fit(xy, uv, scale_bl, degree)
-        if np.abs(evaluate_polynomial(to_px, scale_bl, between) - seen).max() < NEAR_PX:
+        if (
+            np.abs(evaluate_polynomial(to_px, scale_bl, between) - seen).max()
+            < MAX_POLYNOMIAL_ERROR_PX
+        ):
             break
     step = 0.02 * sides[0]
     ends = evaluate_polynomial(to_px, scale_bl, 0.5 * sides + np.array([[0.0, 0.0], [step, 0.0]]))
@@ -90,7 +93,7 @@ def plane_of(setup: Setup) -> Plane:
 
 def _grid(sides: Float, count: int) -> Float:
     """Places (count^2, 2) all over the pool and a little beyond, body lengths."""
-    shares = np.linspace(-MARGIN, 1 + MARGIN, count)
+    shares = np.linspace(-POOL_MARGIN_SHARE, 1 + POOL_MARGIN_SHARE, count)
     return np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2) * sides
 
 

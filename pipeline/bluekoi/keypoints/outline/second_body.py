@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from .background import Image
+from .blob_detection import Blob
 from .learning import LearnedTemplate
-from .search import Blob
 from .template import Template
 from .tracking import Fit, Scene, best_fit_of_blobs
 

@@ -8,22 +8,22 @@ import numpy as np
 
 from ...data import Float
 from ...vectors import njit
-from .edges import MIN_CONTRAST, Pictures, bilinear
+from .edges import MIN_CONTRAST_GREY_LEVELS, Pictures, interpolate_bilinear
 
-SWEEP_RAD = 1.1
-RAYS = 31
-TURN_RAD = 0.5
-MAX_TAIL_RATIO, STRIDE_PX = 1.5, 0.5
-PLATEAU = (0.45, 0.75)
-MIN_PLATEAU = 0.8
-BORDER_PX = 18.0
+RAY_HALF_RANGE_RAD = 1.1
+RAY_COUNT = 31
+ARC_HALF_ANGLE_RAD = 0.5
+MAX_TAIL_LENGTH_RATIO, RADIUS_STEP_PX = 1.5, 0.5
+PLATEAU_RANGE_SHARE = (0.45, 0.75)
+MIN_PLATEAU_COVERAGE = 0.8
+IMAGE_BORDER_PX = 18.0
 """Farther than this from the picture's border nothing about a place on the line lies outside: half
 an arc, and as much again as the line may have bent.
 """
 
 
 @njit(cache=True, error_model="numpy")
-def trace(
+def trace_tail(
     pictures: Pictures, base: Float, back_rad: float, length_px: float, skin: float
 ) -> tuple[Float, float, float, tuple[float, float, float]]:
     """Tip (2,) [px], its direction from the picture's u axis [rad], support, and three signs.
@@ -90,11 +90,11 @@ def tail_length(
 ) -> float:
     """Length [px] of the tail from its base to where it is seen to end; NaN where it is not.
 
-    It ends where the coverage, three samples together, falls to half of what it is over `PLATEAU`
-    of the stated length. Its length is that of a cubic through the traced places, whose scatter
-    would lengthen it. Arguments as of `trace`.
+    It ends where the coverage, averaged over three samples, falls to half of its mean over the part
+    `PLATEAU_RANGE_SHARE` of the stated length. Its length is that of a cubic through the traced
+    points, because their scatter would lengthen a polyline. Arguments as of `trace_tail`.
     """
-    count = int((MAX_TAIL_RATIO * length_px - 3.0) / STRIDE_PX)
+    count = int((MAX_TAIL_LENGTH_RATIO * length_px - 3.0) / RADIUS_STEP_PX)
     height, width = pictures[0].shape
     reach = 0.45 * length_px + 2.0
     within = reach < base[0] < width - 2 - reach and reach < base[1] < height - 2 - reach
@@ -104,7 +104,7 @@ def tail_length(
     bearing = _first_bearing(pictures, base, back_rad, 0.45 * length_px, skin)
     bend, known = 0.0, 0
     for k in range(count):
-        radius = 3.0 + k * STRIDE_PX
+        radius = 3.0 + k * RADIUS_STEP_PX
         u, v = base[0] + radius * math.cos(bearing), base[1] + radius * math.sin(bearing)
         if not _clear_of_border(pictures, u, v):
             break
@@ -114,19 +114,19 @@ def tail_length(
             bearing = found
         bearings[k] = bearing
         known = k + 1
-    first = int((PLATEAU[0] * length_px - 3.0) / STRIDE_PX)
-    last = int((PLATEAU[1] * length_px - 3.0) / STRIDE_PX)
+    first = int((PLATEAU_RANGE_SHARE[0] * length_px - 3.0) / RADIUS_STEP_PX)
+    last = int((PLATEAU_RANGE_SHARE[1] * length_px - 3.0) / RADIUS_STEP_PX)
     if known <= last or last - first < 3:
         return math.nan
     usual = np.median(cover[first:last])
-    if usual < MIN_PLATEAU:
+    if usual < MIN_PLATEAU_COVERAGE:
         return math.nan
     before = usual
     for k in range(last, known - 1):
         now = (cover[k - 1] + cover[k] + cover[k + 1]) / 3.0
         if now < 0.5 * usual:
             share = (before - 0.5 * usual) / max(before - now, 1e-9)
-            radius = 3.0 + (k - 1 + min(max(share, 0.0), 1.0)) * STRIDE_PX
+            radius = 3.0 + (k - 1 + min(max(share, 0.0), 1.0)) * RADIUS_STEP_PX
             return _curve_length_px(bearings[:k], radius)
         before = now
     return math.nan
@@ -135,7 +135,10 @@ def tail_length(
 @njit(cache=True, error_model="numpy")
 def _clear_of_border(pictures: Pictures, u: float, v: float) -> bool:
     height, width = pictures[0].shape
-    return BORDER_PX < u < width - BORDER_PX and BORDER_PX < v < height - BORDER_PX
+    return (
+        IMAGE_BORDER_PX < u < width - IMAGE_BORDER_PX
+        and IMAGE_BORDER_PX < v < height - IMAGE_BORDER_PX
+    )
 
 
 @njit(cache=True, error_model="numpy")
@@ -146,7 +149,7 @@ def _curve_length_px(bearings: Float, radius: float) -> float:
     middle = np.median(bearings)
     normal, side = 1e-9 * np.eye(3), np.zeros(3)
     for k in range(len(bearings)):
-        r = 3.0 + k * STRIDE_PX
+        r = 3.0 + k * RADIUS_STEP_PX
         x, y = r * math.cos(bearings[k] - middle), r * math.sin(bearings[k] - middle)
         powers = (x, x * x, x * x * x)
         for i in range(3):
@@ -169,8 +172,8 @@ def _first_bearing(
 ) -> float:
     """Bearing of the tail's first half: of all rays from the base the one covered most."""
     best, most = back_rad, -1.0
-    for k in range(RAYS):
-        angle = back_rad + SWEEP_RAD * (2.0 * k / (RAYS - 1) - 1.0)
+    for k in range(RAY_COUNT):
+        angle = back_rad + RAY_HALF_RANGE_RAD * (2.0 * k / (RAY_COUNT - 1) - 1.0)
         total = 0.0
         r = 3.0
         while r < radius:
@@ -189,7 +192,7 @@ def _bearing(
 ) -> tuple[float, float, float]:
     """Centre of the coverage on an arc about the base, its largest value, its width [px]."""
     angle, radius = polar
-    half = min(TURN_RAD, 5.0 / radius)
+    half = min(ARC_HALF_ANGLE_RAD, 5.0 / radius)
     weight, moment, most = 0.0, 0.0, 0.0
     count = 2 * math.ceil(2 * half * radius) + 1
     for k in range(count):
@@ -208,7 +211,7 @@ def _bearing(
 @njit(cache=True, error_model="numpy")
 def _cover(pictures: Pictures, u: float, v: float, skin: float) -> float:
     """Coverage at a pixel: 0 floor, 1 skin."""
-    depth = bilinear(pictures[1], u, v) - skin
-    if abs(depth) < MIN_CONTRAST:
+    depth = interpolate_bilinear(pictures[1], u, v) - skin
+    if abs(depth) < MIN_CONTRAST_GREY_LEVELS:
         return 0.0
-    return min(max((depth + skin - bilinear(pictures[0], u, v)) / depth, 0.0), 1.0)
+    return min(max((depth + skin - interpolate_bilinear(pictures[0], u, v)) / depth, 0.0), 1.0)

@@ -15,23 +15,24 @@ import numpy.typing as npt
 from ...data import Float
 from ...study import Robot, Trial
 from .plane import in_body_lengths
-from .posefit import Shape
+from .pose_fit import OutlineArrays
 
 HEAD, CORE = 0, 1
-MIDDLE = 0.55
+HEAD_ORIGIN_SHARE = 0.55
 CORE_STATIONS = 36
 HEAD_STATIONS = 25
-CORE_END = 0.03
+CORE_END_SHARE = 0.03
 
 
 @dataclass(frozen=True)
 class Template:
     """Outline in body lengths (nose to caudal base with the standard head).
 
-    angles, radii: (HEAD_STATIONS,) of the head about (MIDDLE head_bl, 0), angle 0 at the nose.
-    along, half: (CORE_STATIONS,) of the core, along <= 0. head_skin, core_skin: grey levels at
-    the stations of both sides (2, stations). joint_bl: nearer to the hinge nothing is looked for.
-    biased: stations (both parts and sides) whose edge is not the outline, as beside an eye.
+    angles, radii: (HEAD_STATIONS,) polar outline of the head about (HEAD_ORIGIN_SHARE head_bl, 0),
+    angle 0 at the nose. along, half: (CORE_STATIONS,) x <= 0 and half-width of the core. head_skin,
+    core_skin: grey levels at the stations of both sides (2, stations). joint_bl: radius about the
+    hinge in which no edge is searched. biased: stations (both parts and sides) whose edge is not
+    the outline, for example beside an eye.
     """
 
     head_bl: float
@@ -57,7 +58,7 @@ class Template:
         """Area of head and core, roughly."""
         return 1.4 * float(self.half.max()) * (self.head_bl + self.core_bl)
 
-    def shape(self) -> Shape:
+    def shape(self) -> OutlineArrays:
         """Points (n, 2), outward normals (n, 2), part (n,), skin (n,): both sides of both parts."""
         head, core = self._head(), self._core()
         mirror = np.array([1.0, -1.0])
@@ -96,7 +97,7 @@ class Template:
         return np.concatenate([front, rear])
 
     def _head(self) -> Float:
-        middle = MIDDLE * self.head_bl
+        middle = HEAD_ORIGIN_SHARE * self.head_bl
         return np.column_stack(
             [middle + self.radii * np.cos(self.angles), self.radii * np.sin(self.angles)]
         )
@@ -115,17 +116,17 @@ def _normals(line: Float) -> Float:
     return normal / size[:, None]
 
 
-def length_of(robot: Robot, trial: Trial) -> float:
+def robot_length_bl(robot: Robot, trial: Trial) -> float:
     """Nose to caudal base with the trial's head, in body lengths."""
     return in_body_lengths(robot, robot.body_length_m + trial.head_length_m - robot.head_length_m)
 
 
-def first_template(robot: Robot, trial: Trial, half_width_bl: float, skin: float) -> Template:
+def initial_template(robot: Robot, trial: Trial, half_width_bl: float, skin: float) -> Template:
     """Template of the robot's lengths and one half-width: an egg and a taper, to begin with."""
     head_bl = in_body_lengths(robot, trial.head_length_m)
-    core_bl = length_of(robot, trial) - head_bl
+    core_bl = robot_length_bl(robot, trial) - head_bl
     angles = np.linspace(0.0, 0.80 * np.pi, HEAD_STATIONS)
-    share = np.linspace(0.0, 1.0 - CORE_END, CORE_STATIONS)
+    share = np.linspace(0.0, 1.0 - CORE_END_SHARE, CORE_STATIONS)
     end = 0.25 * half_width_bl
     return Template(
         head_bl=head_bl,
@@ -145,7 +146,7 @@ def first_template(robot: Robot, trial: Trial, half_width_bl: float, skin: float
 
 def _egg(angles: Float, head_bl: float, half_bl: float) -> Float:
     """Radii of a blunt head: |y / w|^2.1 + |x / front|^2.1 = 1 in front, straight sides behind."""
-    front = (1 - MIDDLE) * head_bl
+    front = (1 - HEAD_ORIGIN_SHARE) * head_bl
     c, s = np.cos(angles), np.sin(angles)
     ahead = (np.abs(s / half_bl) ** 2.1 + np.abs(np.maximum(c, 0) / front) ** 2.1) ** (-1 / 2.1)
     return np.where(c > 0, ahead, half_bl / np.maximum(s, 0.3))
@@ -169,7 +170,7 @@ def with_learned_stations(
     radii = template.radii + share * head / np.clip(radial, 0.5, 1.0)
     lateral = np.abs(_normals(template._core())[:, 1])
     half = np.maximum(template.half + share * core / np.clip(lateral, 0.5, 1.0), 0.0015)
-    sides = np.split(median_seen(skins), [h, 2 * h, 2 * h + c])
+    sides = np.split(nan_median(skins), [h, 2 * h, 2 * h + c])
     return replace(
         template,
         radii=_nose_at_length(template, radii),
@@ -192,7 +193,7 @@ def station_contrast(greys: Float, floor: float) -> Float:
     return np.concatenate([head, head, core, core])
 
 
-def median_seen(values: Float) -> Float:
+def nan_median(values: Float) -> Float:
     """Median along the first axis of what is no NaN; NaN where nothing else is.
 
     What numpy's nanmedian gives, without its masked arrays, which take several times as long.
@@ -217,7 +218,7 @@ def _both(left: Float, right: Float) -> Float:
     if not seen.any():
         return np.zeros(pair.shape[1])
     where = np.arange(pair.shape[1])
-    return np.interp(where, where[seen], median_seen(pair[:, seen]))
+    return np.interp(where, where[seen], nan_median(pair[:, seen]))
 
 
 def _smooth(values: Float) -> Float:
@@ -227,7 +228,7 @@ def _smooth(values: Float) -> Float:
 
 def _nose_at_length(template: Template, radii: Float) -> Float:
     """Radii of the same outline moved along the axis so that the nose is at the head's length."""
-    shift = template.head_bl * (1 - MIDDLE) - radii[0]
+    shift = template.head_bl * (1 - HEAD_ORIGIN_SHARE) - radii[0]
     x = radii * np.cos(template.angles) + shift
     y = radii * np.sin(template.angles)
     angles = np.unwrap(np.arctan2(y, x))

@@ -11,22 +11,22 @@ import numpy.typing as npt
 
 from ...data import Float, Frame
 from .background import Image
-from .edges import HALF_PX
+from .blob_detection import Blob, candidate_poses, find_blobs
+from .edges import EDGE_HALF_WIDTH_PX
 from .plane import Plane
-from .posefit import Shape, fit, fit_summary
-from .search import Blob, blobs, poses_of
-from .tail_detection import tail_length, trace
+from .pose_fit import OutlineArrays, fit_pose, fit_summary
+from .tail_detection import tail_length, trace_tail
 from .template import Template
 from .variance import VarianceStatistics, covariance_kernels, variance_statistics
 
 PRIOR_PRECISION = np.array([330.0, 330.0, 30.0, 30.0, 1.0])
-FOUND = 0.55
-MAX_BEND = 0.7
-STATISTICS_EVERY = 2
+MIN_SUPPORT = 0.55
+MAX_HEAD_ANGLE_CHANGE_RAD = 0.7
+STATISTICS_EVERY_FRAMES = 2
 NO_TAIL = (np.full(2, np.nan), math.nan, 0.0, (math.nan, math.nan, math.nan))
 LOST_FRAMES = 8
-NEAR_BL = 0.042
-STEPS_BL = (0.042, 0.024)
+NEARNESS_RANGE_BL = 0.042
+SEARCH_LENGTHS_BL = (0.042, 0.024)
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,13 @@ class Scene:
 class Fit:
     """One frame's fit.
 
-    pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) of
-    offsets of 1 px in body axes, the outline's width last; statistics: how wrong such fits are.
-    support: share of the outline's points found where the template has them: head, core, all.
-    nearness: mean over the outline of how near its edge lies, 0 from NEAR_BL on. tail: tip (2,)
-    px, direction [rad], support, signs of how well it is known as `trace` gives them. nose_px: how
-    far the nose's edge lies ahead of the template's. length: of the whole body, nose to tail, seen
-    over stated; NaN where its ends were not seen.
+    pose: (4,) hinge x, y [body lengths], core heading, head angle [rad]. information: (5, 5) for
+    offsets with a standard deviation of 1 px, in body axes, the outline's width last. statistics:
+    of the offsets left (`variance`). support: share of the outline's points whose edge lies where
+    the template has it: head, core, all. nearness: mean over the outline of 1 at the edge, falling
+    to 0 at NEARNESS_RANGE_BL. tail: tip (2,) px, direction [rad], support and quality measures as
+    `trace_tail` returns them. nose_px: distance of the nose's edge ahead of the template's. length:
+    measured over stated length of the whole body, nose to tail; NaN if its ends were not seen.
     """
 
     pose: Float
@@ -67,9 +67,9 @@ class Fit:
     length: float = math.nan
 
 
-def search_lengths_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
+def search_ranges_px(scene: Scene, *sizes_bl: float) -> npt.NDArray[np.int64]:
     """Search lengths in px, at least what an edge needs."""
-    px = [max(HALF_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl]
+    px = [max(EDGE_HALF_WIDTH_PX + 2, round(size * scene.plane.px_per_bl)) for size in sizes_bl]
     return np.array([min(p, 40) for p in px], dtype=np.int64)
 
 
@@ -78,8 +78,8 @@ def tolerance_px(scene: Scene) -> float:
     return max(1.0, 0.0073 * scene.plane.px_per_bl)
 
 
-def fitted(
-    frame: Image, scene: Scene, shape: Shape, start: Float, reach: npt.NDArray[np.int64], *,
+def fit_frame(
+    frame: Image, scene: Scene, shape: OutlineArrays, start: Float, reach: npt.NDArray[np.int64], *,
     width_px: float = 0.1, known: Float | None = None,
 ) -> Fit:  # fmt: skip
     """The template fitted to a frame from a starting pose, without its tail.
@@ -87,10 +87,10 @@ def fitted(
     width_px: offsets far beyond this width are outliers; wide while the shape is not yet known.
     known: kernels (K, n, n) for the statistics of the fit's variance.
     """
-    pose, offset, weight, slope = fit(
+    pose, offset, weight, slope = fit_pose(
         (frame, scene.floor), scene.maps, shape, start, (reach, PRIOR_PRECISION, width_px)
     )
-    limits = (tolerance_px(scene), NEAR_BL * scene.plane.px_per_bl)
+    limits = (tolerance_px(scene), NEARNESS_RANGE_BL * scene.plane.px_per_bl)
     found = (offset, weight, slope)
     information, share = fit_summary(found, shape[2], pose[2], limits)
     signs = (
@@ -103,24 +103,26 @@ def fitted(
     return Fit(pose, information, signs, (head, core, both), nearness, NO_TAIL, float(offset[0]))
 
 
-def redetected(frame: Image, scene: Scene, template: Template, shape: Shape) -> Fit | None:
+def redetect_robot(
+    frame: Image, scene: Scene, template: Template, shape: OutlineArrays
+) -> Fit | None:
     """The best fit to any blob of a frame, either way round; None where none is good enough."""
-    seen = blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
+    seen = find_blobs((frame, scene.floor), scene.plane, scene.noise, template.area_bl2)
     return best_fit_of_blobs(seen, frame, scene, template, shape)
 
 
 def best_fit_of_blobs(
-    seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: Shape
+    seen: Sequence[Blob], frame: Image, scene: Scene, template: Template, shape: OutlineArrays
 ) -> Fit | None:
     """The best fit to any of these blobs, either way round; None where none is good enough."""
-    steps = search_lengths_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
+    steps = search_ranges_px(scene, 0.066, 0.054, 0.042, 0.030, 0.024, 0.024)
     starts = [
         pose
         for blob in seen
         if is_plausible_blob(blob, template)
-        for pose in poses_of(blob, template, scene.head_angle_rad)
+        for pose in candidate_poses(blob, template, scene.head_angle_rad)
     ]
-    tried = [fitted(frame, scene, shape, start, steps) for start in starts]
+    tried = [fit_frame(frame, scene, shape, start, steps) for start in starts]
     best = max(tried, key=lambda one: one.support[2], default=None)
     return best if best is not None and is_good_fit(best, scene) else None
 
@@ -135,10 +137,14 @@ def is_plausible_blob(blob: Blob, template: Template) -> bool:
 def is_good_fit(one: Fit, scene: Scene) -> bool:
     """Whether a fit is the robot: enough of the outline there, head and core both, pose sane."""
     bend = abs(math.remainder(one.pose[3] - scene.head_angle_rad, 2 * math.pi))
-    return one.support[2] > FOUND and min(one.support[:2]) > 0.35 and bend < MAX_BEND
+    return (
+        one.support[2] > MIN_SUPPORT
+        and min(one.support[:2]) > 0.35
+        and bend < MAX_HEAD_ANGLE_CHANGE_RAD
+    )
 
 
-def follow(
+def track_robot(
     film: Iterable[Frame], scene: Scene, template: Template
 ) -> tuple[list[float], list[Fit | None]]:
     """Times and fits of all frames; None where the robot was not found."""
@@ -146,17 +152,19 @@ def follow(
     known = covariance_kernels(
         *template.turned(scene.head_angle_rad), template.head_bl + template.core_bl
     )
-    steps = search_lengths_px(scene, *STEPS_BL)
+    steps = search_ranges_px(scene, *SEARCH_LENGTHS_BL)
     times: list[float] = []
     fits: list[Fit | None] = []
     for frame in film:
         start = _predicted(frame.time_s, times, fits)
-        asked = None if len(times) % STATISTICS_EVERY else known
+        asked = None if len(times) % STATISTICS_EVERY_FRAMES else known
         one = (
-            start if start is None else fitted(frame.luma, scene, shape, start, steps, known=asked)
+            start
+            if start is None
+            else fit_frame(frame.luma, scene, shape, start, steps, known=asked)
         )
         if one is None or not is_good_fit(one, scene):
-            one = redetected(frame.luma, scene, template, shape)
+            one = redetect_robot(frame.luma, scene, template, shape)
         times.append(frame.time_s)
         fits.append(None if one is None else with_tail(frame.luma, scene, template, one))
     return times, fits
@@ -184,7 +192,7 @@ def with_tail(frame: Image, scene: Scene, template: Template, one: Fit) -> Fit:
     along = ends[1] - ends[0]
     back_rad, length_px = math.atan2(along[1], along[0]), float(np.hypot(*along))
     pictures = (frame, scene.floor)
-    tail = trace(pictures, ends[0], back_rad, length_px, template.skin)
+    tail = trace_tail(pictures, ends[0], back_rad, length_px, template.skin)
     seen_px = tail_length(pictures, ends[0], back_rad, length_px, template.skin)
     stated_bl = template.head_bl + template.core_bl + template.tail_bl
     longer_bl = (seen_px - length_px + one.nose_px) * template.tail_bl / length_px

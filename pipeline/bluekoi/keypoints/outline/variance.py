@@ -21,9 +21,9 @@ import numpy as np
 from ...data import Float
 from ...vectors import njit
 
-PATCH, DRIFT_LENGTH = 0.045, 0.11
+PATCH_LENGTH_SHARE, DRIFT_LENGTH_SHARE = 0.045, 0.11
 """Scales of light that moves edges in or out, and one way, as shares of head and core's length."""
-CLIPPED = 9.0
+MAX_RESIDUE_RATIO = 9.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,9 @@ def covariance_kernels(points_bl: Float, normals: Float, length_bl: float) -> Fl
     own noise, light that moves edges in or out, light that moves them one way.
     """
     apart = np.hypot(*(points_bl[:, None] - points_bl).transpose(2, 0, 1)) / length_bl
-    patch, drift = (np.exp(-0.5 * (apart / scale) ** 2) for scale in (PATCH, DRIFT_LENGTH))
+    patch, drift = (
+        np.exp(-0.5 * (apart / scale) ** 2) for scale in (PATCH_LENGTH_SHARE, DRIFT_LENGTH_SHARE)
+    )
     return np.stack([np.eye(len(points_bl)), patch, drift * (normals @ normals.T)])
 
 
@@ -117,20 +119,22 @@ def _kernel_products(one: Float, other: Float, seen: Float) -> float:
     return total
 
 
-def usual_covariance(frames: Sequence[VarianceStatistics]) -> Float:
+def mean_covariance(frames: Sequence[VarianceStatistics]) -> Float:
     """Mean covariance (5, 5) of pose and width in body axes over frames."""
     residue = np.array([one.forms[0] for one in frames])
     kept = [
-        one for one, r in zip(frames, residue, strict=True) if r <= CLIPPED * np.median(residue)
+        one
+        for one, r in zip(frames, residue, strict=True)
+        if r <= MAX_RESIDUE_RATIO * np.median(residue)
     ]
     forms, expected, spread = (
         np.mean([getattr(one, name) for one in kept], axis=0)
         for name in ("forms", "expected", "spread")
     )
-    return np.tensordot(variances(forms, expected), spread, axes=1)
+    return np.tensordot(variance_components(forms, expected), spread, axes=1)
 
 
-def variances(forms: Float, expected: Float) -> Float:
+def variance_components(forms: Float, expected: Float) -> Float:
     """The s_k (K,) px^2, none negative, whose expected forms come nearest to the forms found."""
     scale = np.diag(expected)
     target, matrix = forms / scale, expected / scale[:, None]

@@ -14,11 +14,11 @@ from .plane import Plane
 from .template import Template
 
 Image = npt.NDArray[np.uint8]
-MARGIN_PX = 1.08
-MIN_RELATIVE_STRENGTH = 0.4
-MIN_LEVEL, LEVEL_NOISES = 14.0, 4.0
+POOL_MASK_SCALE = 1.08
+MIN_RELATIVE_CONTRAST = 0.4
+MIN_LEVEL_GREY_LEVELS, LEVEL_NOISE_STDS = 14.0, 4.0
 MAX_AREA_RATIO = 4.0
-MAX_LEVEL = 60.0
+MAX_LEVEL_GREY_LEVELS = 60.0
 MORPHOLOGY_KERNEL = np.ones((3, 3), np.uint8)
 
 
@@ -37,7 +37,9 @@ class Blob:
     contrast: float
 
 
-def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: float) -> list[Blob]:
+def find_blobs(
+    pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: float
+) -> list[Blob]:
     """Blobs inside the pool, strongest first, found on a thinned picture and outlined there.
 
     pictures: luma, background. area_bl2: of the robot, roughly: only the most changed part of the
@@ -54,7 +56,11 @@ def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: f
     found: list[Blob | None] = []
     for sided in (change, -change):
         usual = np.quantile(sided[::3, ::3][pool[::3, ::3] > 0], max(0.0, 1 - share))
-        level = max(MIN_LEVEL, LEVEL_NOISES * noise, min(float(usual), MAX_LEVEL))
+        level = max(
+            MIN_LEVEL_GREY_LEVELS,
+            LEVEL_NOISE_STDS * noise,
+            min(float(usual), MAX_LEVEL_GREY_LEVELS),
+        )
         solid = cv2.morphologyEx(
             (sided > level).astype(np.uint8) & pool, cv2.MORPH_OPEN, MORPHOLOGY_KERNEL
         )
@@ -66,7 +72,7 @@ def blobs(pictures: tuple[Image, Image], plane: Plane, noise: float, area_bl2: f
     return [
         blob
         for blob in known
-        if abs(blob.contrast) > MIN_RELATIVE_STRENGTH * abs(known[0].contrast)
+        if abs(blob.contrast) > MIN_RELATIVE_CONTRAST * abs(known[0].contrast)
     ]
 
 
@@ -74,7 +80,7 @@ def pool_mask(shape: tuple[int, ...], corners: Float) -> Image:
     """1 in the pool and a little around it, else 0."""
     mask = np.zeros(shape[:2], np.uint8)
     middle = corners.mean(axis=0)
-    wide = middle + MARGIN_PX * (corners - middle)
+    wide = middle + POOL_MASK_SCALE * (corners - middle)
     cv2.fillConvexPoly(mask, wide.round().astype(np.int32), 1)
     return mask
 
@@ -126,7 +132,7 @@ def _contrast(change: npt.NDArray[np.int16]) -> float:
     return sign * float(np.percentile(sign * change, 80))
 
 
-def poses_of(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:
+def candidate_poses(blob: Blob, template: Template, head_angle_rad: float) -> list[Float]:
     """Poses (4,) that lay the template over a blob: both ways round, bent as stated or straight."""
     centre, axis = _axis(blob.outline_bl)
     found = []

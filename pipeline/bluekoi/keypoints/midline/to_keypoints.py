@@ -1,4 +1,4 @@
-"""Fits of a bending body as keypoints: pixels, likelihood, covariance."""
+"""Keypoints from the fits of a bending body: pixels, likelihood, covariance."""
 
 from __future__ import annotations
 
@@ -9,26 +9,33 @@ import numpy as np
 
 from ...data import PARTS, Float, Keypoints
 from ...study import Robot, Trial
-from ..outline.outcome import jump_factors, likelihood_of_support
 from ..outline.plane import in_body_lengths
-from .blobs import Arena
-from .curve import REFERENCE, Shape, arcs, basis, stations
+from ..outline.to_keypoints import jump_factors, likelihood_of_support
+from .blobs import BackgroundModel
+from .midline_fit import (
+    REFERENCE_ARC,
+    BendingTemplate,
+    bending_basis,
+    station_arcs,
+    station_positions,
+)
 from .track import Fit, Track
 
-FLOOR_PX = 0.03
-LENGTH_STD = 0.02
-"""Share of the length by which its ends may be misplaced; grows from the reference outwards."""
+MIN_STD_PX = 0.03
+LENGTH_STD_SHARE = 0.02
+"""Standard deviation of the positions of nose and tail tip along the body, as a share of its
+length; zero at the reference arc, proportional to the distance from it."""
 VARIANCE_INFLATION = 3.0
-"""Variance of a pose over that of independent stations: neighbouring stations err alike. Measured
-on drawn bodies (tests)."""
-TAIL_SUPPORT, SEEN_SHARE_RANGE = (0.0, 0.55), (0.4, 0.8)
-DOUBTFUL = 0.5
-BACKWARDS = -0.3
-JUMP, JUMP_RAD = 0.25, 1.0
-PARTS_OF_KEYPOINT = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
+"""Ratio of a pose's variance to that for independent stations; errors of neighbouring stations are
+correlated. Measured on rendered bodies (tests)."""
+TAIL_SUPPORT_RANGE, SEEN_SHARE_RANGE = (0.0, 0.55), (0.4, 0.8)
+DOUBTFUL_LIKELIHOOD = 0.5
+BACKWARDS_SHARE = -0.3
+MAX_JUMP_LENGTHS, MAX_JUMP_RAD = 0.25, 1.0
+THIRDS_OF_KEYPOINT = np.array([[1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]], dtype=bool)
 
 
-def arcs_of(robot: Robot, trial: Trial) -> Float:
+def keypoint_arcs(robot: Robot, trial: Trial) -> Float:
     """Arcs (5,) of the keypoints, nose 0 and tail tip 1, at the shares that study.yaml states."""
     head, com, tail = (
         in_body_lengths(robot, length)
@@ -44,8 +51,8 @@ def total_length(robot: Robot, trial: Trial) -> float:
     return in_body_lengths(robot, length)
 
 
-def keypoints_of(
-    times: Sequence[float], track: Track, arena: Arena, shape: Shape, arc: Float
+def keypoints_from_fits(
+    times: Sequence[float], track: Track, arena: BackgroundModel, shape: BendingTemplate, arc: Float
 ) -> Keypoints:
     """Keypoints at arcs (5,) of a recording; NaN with likelihood 0 where no body was found.
 
@@ -58,17 +65,17 @@ def keypoints_of(
     remarks: list[str] = []
     if known:
         where, fits = [i for i, _ in known], [one for _, one in known]
-        backwards = _forward_share(fits, shape) < BACKWARDS
+        backwards = _forward_share(fits, shape) < BACKWARDS_SHARE
         arc = 1 - arc if backwards else arc
         xy[where], cov[where] = _points(fits, arena, shape, arc)
         each = np.array([_likelihood(one, backwards=backwards) for one in fits])
         poses = [one.pose if one else None for one in track.fits]
-        jumps = jump_factors(times, poses, JUMP * shape.length_bl, JUMP_RAD)
+        jumps = jump_factors(times, poses, MAX_JUMP_LENGTHS * shape.length_bl, MAX_JUMP_RAD)
         height, width = arena.background.shape
         each *= ((xy[where] > 0) & (xy[where] < [width - 1, height - 1])).all(axis=2)
         likelihood[where] = each * jumps[where, None]
     late = np.array(times) >= track.doubtful_s
-    likelihood[late] = np.minimum(likelihood[late], DOUBTFUL)
+    likelihood[late] = np.minimum(likelihood[late], DOUBTFUL_LIKELIHOOD)
     if late.any():
         remarks.append(
             f"from {track.doubtful_s:.2f} s on the body may be another one: two lay over each "
@@ -80,7 +87,7 @@ def keypoints_of(
     return Keypoints(np.array(times), PARTS, xy, likelihood, cov, tuple(remarks))
 
 
-def _forward_share(fits: Sequence[Fit], shape: Shape) -> float:
+def _forward_share(fits: Sequence[Fit], shape: BendingTemplate) -> float:
     """How far the body moved towards its nose, as a share of its way; 0 where it hardly moved."""
     pose = np.array([one.pose for one in fits])
     step = np.diff(pose[:, :2], axis=0)
@@ -89,7 +96,9 @@ def _forward_share(fits: Sequence[Fit], shape: Shape) -> float:
     return float(np.sum(step * nose)) / way if way > shape.length_bl else 0.0
 
 
-def _points(fits: Sequence[Fit], arena: Arena, shape: Shape, arc: Float) -> tuple[Float, Float]:
+def _points(
+    fits: Sequence[Fit], arena: BackgroundModel, shape: BendingTemplate, arc: Float
+) -> tuple[Float, Float]:
     """Pixels (n, 5, 2) and covariances (n, 5, 2, 2) of fits."""
     bend, *_ = shape.tables
     meat = VARIANCE_INFLATION * np.mean([one.meat for one in fits if one.support[3] > 0.5] or
@@ -109,19 +118,19 @@ def _points(fits: Sequence[Fit], arena: Arena, shape: Shape, arc: Float) -> tupl
             axis=2,
         )
         moved = local @ slope
-        heading = one.pose[2] + basis(arc) @ one.pose[3:]
+        heading = one.pose[2] + bending_basis(arc) @ one.pose[3:]
         along = np.column_stack([np.cos(heading), np.sin(heading)])
-        along *= (LENGTH_STD * shape.length_bl * (arc - REFERENCE))[:, None]
+        along *= (LENGTH_STD_SHARE * shape.length_bl * (arc - REFERENCE_ARC))[:, None]
         stretch = (local @ along[:, :, None])[..., 0]
-        cov[i] = moved @ (gain @ meat @ gain) @ moved.swapaxes(1, 2) + FLOOR_PX**2 * np.eye(2)
+        cov[i] = moved @ (gain @ meat @ gain) @ moved.swapaxes(1, 2) + MIN_STD_PX**2 * np.eye(2)
         cov[i] += stretch[:, :, None] * stretch[:, None]
     return xy, cov
 
 
-def _at(one: Fit, shape: Shape, bend: Float, arc: Float) -> tuple[Float, Float]:
-    """Places (5, 2) and slopes (5, 2, 3 + JOINTS) of arcs by the pose in body axes."""
-    place, _, by_bend = stations(one.pose, shape.size, bend)
-    at = arcs()
+def _at(one: Fit, shape: BendingTemplate, bend: Float, arc: Float) -> tuple[Float, Float]:
+    """Places (5, 2) and slopes (5, 2, 3 + BEND_TERMS) of arcs by the pose in body axes."""
+    place, _, by_bend = station_positions(one.pose, shape.size, bend)
+    at = station_arcs()
     flat = np.concatenate([place, by_bend.reshape(len(at), -1)], axis=1)
     found = np.column_stack([np.interp(arc, at, column) for column in flat.T])
     away = found[:, :2] - one.pose[:2]
@@ -142,8 +151,8 @@ def _likelihood(one: Fit, *, backwards: bool) -> Float:
         [
             likelihood_of_support(head),
             likelihood_of_support(core),
-            likelihood_of_support(tail, TAIL_SUPPORT),
+            likelihood_of_support(tail, TAIL_SUPPORT_RANGE),
         ]
     )
-    parts = np.array([thirds[own].min() for own in PARTS_OF_KEYPOINT])
+    parts = np.array([thirds[own].min() for own in THIRDS_OF_KEYPOINT])
     return likelihood_of_support(whole) * likelihood_of_support(seen, SEEN_SHARE_RANGE) * parts

@@ -11,22 +11,22 @@ import numpy.typing as npt
 from ...data import PARTS, Float, Keypoints
 from .template import Template
 from .tracking import Fit, Scene
-from .variance import usual_covariance
+from .variance import mean_covariance
 
 FULL_SUPPORT, MIN_SUPPORT = 0.80, 0.35
-SHAPE_SUPPORT_RANGE = (0.25, 0.55)
-BEND_RAD = 0.07
-FLOOR_PX = 0.03
-STEP_BL = 0.03
-JUMP_BL, JUMP_RAD = 0.06, 0.5
-TAIL_SHARE = (0.0041, 0.0036)
+HEAD_SUPPORT_RANGE = (0.25, 0.55)
+HEAD_ANGLE_TOLERANCE_RAD = 0.07
+MIN_STD_PX = 0.03
+DERIVATIVE_STEP_BL = 0.03
+MAX_JUMP_BL, MAX_JUMP_RAD = 0.06, 0.5
+TAIL_BASE_STD_SHARES = (0.0041, 0.0036)
 MIN_WIDTH_RATIO, MIN_CONTRAST_RATIO = 0.25, 0.14
-TIP_ERROR_ALONG, TIP_ERROR_ACROSS = (0.06, 0.4), (0.24, 0.7)
+TIP_ERROR_ALONG_SHARES, TIP_ERROR_ACROSS_SHARES = (0.06, 0.4), (0.24, 0.7)
 """Error of the tail tip along and across it: least, as a share of the tail's length; by paleness
 times that length; by the width beyond the usual one. Measured against rendered footage."""
 
 
-def keypoints_of(
+def keypoints_from_fits(
     times: Sequence[float],
     fits: Sequence[Fit | None],
     scene: Scene,
@@ -47,9 +47,9 @@ def keypoints_of(
         xy[where], cov[where] = _points(known, scene, template)
         bend = float(np.median([one.pose[3] for one in known]))
         poses = [one.pose if one else None for one in fits]
-        jumps = jump_factors(times, poses, JUMP_BL, JUMP_RAD)
+        jumps = jump_factors(times, poses, MAX_JUMP_BL, MAX_JUMP_RAD)
         head = float(np.median([one.support[0] for one in known]))
-        known_shape = likelihood_of_support(head, SHAPE_SUPPORT_RANGE)
+        known_shape = likelihood_of_support(head, HEAD_SUPPORT_RANGE)
         each = np.array([_likelihood(one, bend) for one in known])
         likelihood[where] = known_shape * jumps[where, None] * each
     likelihood[~np.isfinite(xy).all(axis=2)] = 0.0
@@ -93,7 +93,7 @@ def _points(fits: Sequence[Fit], scene: Scene, template: Template) -> tuple[Floa
     moves[:, 0, :, 3] = -moves[:, 0, :, 2]
     carried = slope[:, None] @ moves
     inner = _pose_covariances(fits)[:, None]
-    cov = carried @ inner @ carried.swapaxes(2, 3) + FLOOR_PX**2 * np.eye(2)
+    cov = carried @ inner @ carried.swapaxes(2, 3) + MIN_STD_PX**2 * np.eye(2)
     tips = np.array([one.tail[0] for one in fits])
     tails = _tail_covariances(fits, cov[:, 3], template.tail_bl * scene.plane.px_per_bl)
     return np.concatenate([uv, tips[:, None]], axis=1), np.concatenate(
@@ -111,16 +111,16 @@ def _slopes(
     scene: Scene, places: npt.NDArray[np.complex128], core: npt.NDArray[np.complex128]
 ) -> Float:
     """d(u, v)/d(along, across) the core at places (n,), px per body length, (n, 2, 2)."""
-    step = STEP_BL * core[:, None] * np.array([1.0, 1j])
+    step = DERIVATIVE_STEP_BL * core[:, None] * np.array([1.0, 1j])
     ahead, behind = (_pixels(scene, places[:, None] + sign * step) for sign in (1, -1))
-    return ((ahead - behind) / (2 * STEP_BL)).swapaxes(1, 2)
+    return ((ahead - behind) / (2 * DERIVATIVE_STEP_BL)).swapaxes(1, 2)
 
 
 def _pose_covariances(fits: Sequence[Fit]) -> Float:
     """Covariances (n, 4, 4): the usual one, wider where less of the outline was seen."""
     middle = np.median([one.information for one in fits], axis=0)
     known = [one.statistics for one in fits if one.statistics is not None]
-    usual = usual_covariance(known) if known else np.linalg.inv(middle)
+    usual = mean_covariance(known) if known else np.linalg.inv(middle)
     ridge = 1e-3 * np.diag(np.diag(middle))
     widened = np.linalg.solve(np.array([one.information for one in fits]) + ridge, middle + ridge)
     return (widened @ usual @ widened.swapaxes(1, 2))[:, :4, :4]
@@ -136,9 +136,9 @@ def _tail_covariances(fits: Sequence[Fit], bases: Float, length_px: float) -> Fl
     scatter, pale, width = np.array([one.tail[3] for one in fits]).T
     slim = np.nanquantile(width, MIN_WIDTH_RATIO) if np.isfinite(width).any() else 0.0
     signs = np.maximum([length_px * (pale - MIN_CONTRAST_RATIO), width - slim], 0.0)
-    least = length_px * np.array(TAIL_SHARE)
-    along = least[0] ** 2 + np.array(TIP_ERROR_ALONG) ** 2 @ signs**2
-    across = np.maximum(scatter, least[1]) ** 2 + np.array(TIP_ERROR_ACROSS) ** 2 @ signs**2
+    least = length_px * np.array(TAIL_BASE_STD_SHARES)
+    along = least[0] ** 2 + np.array(TIP_ERROR_ALONG_SHARES) ** 2 @ signs**2
+    across = np.maximum(scatter, least[1]) ** 2 + np.array(TIP_ERROR_ACROSS_SHARES) ** 2 @ signs**2
     axis = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     side = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
     outer = [v[:, :, None] * v[:, None] for v in (axis, side)]
@@ -152,7 +152,7 @@ def _likelihood(one: Fit, bend: float) -> Float:
     """
     head, core, both = (likelihood_of_support(value) for value in one.support)
     core = min(core, both)
-    off = math.remainder(one.pose[3] - bend, 2 * math.pi) / BEND_RAD
+    off = math.remainder(one.pose[3] - bend, 2 * math.pi) / HEAD_ANGLE_TOLERANCE_RAD
     sane = math.exp(-0.5 * max(0.0, abs(off) - 1.0) ** 2)
     tail = min(core, likelihood_of_support(one.tail[2]))
     return sane * np.array([head, min(head, core), core, core, tail])

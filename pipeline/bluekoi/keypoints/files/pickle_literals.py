@@ -11,20 +11,24 @@ import pickletools
 from typing import Any
 
 STACK_MARK = object()
-MAX_STEPS = 2_000_000
-VALUES = {
+MAX_OPCODES = 2_000_000
+VALUE_OPCODES = {
     "UNICODE", "BINUNICODE", "SHORT_BINUNICODE", "BINUNICODE8", "STRING", "BINSTRING",
     "SHORT_BINSTRING", "INT", "BININT", "BININT1", "BININT2", "LONG", "LONG1", "FLOAT", "BINFLOAT",
 }  # fmt: skip
-SINGLES: dict[str, Any] = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False}
-EMPTY: dict[str, type] = {"EMPTY_LIST": list, "EMPTY_TUPLE": tuple, "EMPTY_DICT": dict}
+CONSTANT_OPCODES: dict[str, Any] = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False}
+EMPTY_CONTAINER_OPCODES: dict[str, type] = {
+    "EMPTY_LIST": list,
+    "EMPTY_TUPLE": tuple,
+    "EMPTY_DICT": dict,
+}
 
 
 class NotLiteral(ValueError):
     """The pickle holds something other than lists, tuples, dicts, strings and numbers."""
 
 
-def literal(pickled: bytes) -> Any:
+def parse_literal(pickled: bytes) -> Any:
     """The list, tuple, dict, string or number that a pickle spells out.
 
     Raises: NotLiteral where it would make anything else, or is damaged.
@@ -33,7 +37,7 @@ def literal(pickled: bytes) -> Any:
     memo: dict[int, Any] = {}
     try:
         for count, (step, argument, _) in enumerate(pickletools.genops(pickled)):
-            if count > MAX_STEPS:
+            if count > MAX_OPCODES:
                 raise NotLiteral("too long")
             if step.name == "STOP":
                 return _unmarked(stack.pop())
@@ -44,12 +48,12 @@ def literal(pickled: bytes) -> Any:
 
 
 def _follow(name: str, argument: Any, stack: list[Any], memo: dict[int, Any]) -> None:
-    if name in VALUES:
+    if name in VALUE_OPCODES:
         stack.append(argument)
-    elif name in SINGLES:
-        stack.append(SINGLES[name])
-    elif name in EMPTY:
-        stack.append(EMPTY[name]())
+    elif name in CONSTANT_OPCODES:
+        stack.append(CONSTANT_OPCODES[name])
+    elif name in EMPTY_CONTAINER_OPCODES:
+        stack.append(EMPTY_CONTAINER_OPCODES[name]())
     elif name in ("PROTO", "FRAME"):
         return
     elif name == "MARK":

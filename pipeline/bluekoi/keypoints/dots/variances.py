@@ -15,14 +15,14 @@ from ..files.noise import white_noise_px
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 TREND_FRAMES = 31
-MIN_FRAMES = 20
-MIN_PX = 0.03
+MIN_TREND_FRAMES = 20
+MIN_STD_PX = 0.03
 OUTLIER_SIGMAS = 5.0
 HALF_DISC_CENTROID = 4 / (3 * math.pi)
 MAX_AREA_RATIO = 3.0
 
 
-def typical_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Float:
+def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Float:
     """Usual variance (parts,) px^2 of each dot's coordinates, (frames, parts, 2).
 
     The distance of two dots on the robot, which holds its head angle, scatters by the sum of their
@@ -45,20 +45,20 @@ def typical_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> 
     found = np.linalg.lstsq(sums[known], scatter[known], rcond=None)[0]
     variance = np.full(len(names), float(np.median(found)))
     variance[rigid] = found
-    return np.maximum(variance, 0.0) + MIN_PX**2
+    return np.maximum(variance, 0.0) + MIN_STD_PX**2
 
 
 def _scatter(apart: Float) -> float:
     """Variance px^2 of a distance (frames, 2) about its trend, without gross errors."""
     length = np.hypot(*apart[np.isfinite(apart).all(axis=1)].T)
-    if len(length) < MIN_FRAMES:
+    if len(length) < MIN_TREND_FRAMES:
         return math.nan
     off = length - median_filter(length, TREND_FRAMES, mode="nearest")
     limit = OUTLIER_SIGMAS * 1.4826 * float(np.median(np.abs(off)))
     return float(np.mean(off[np.abs(off) <= limit] ** 2))
 
 
-def hidden_variances(area_px2: Float, radius_px: Float) -> Float:
+def occlusion_variances(area_px2: Float, radius_px: Float) -> Float:
     """Variance (frames, parts) px^2 from what is hidden of a dot, or shines on it.
 
     A dot of radius r that lacks the share f of its area, on one side, has its centre off by up to

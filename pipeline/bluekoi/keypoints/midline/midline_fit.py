@@ -1,4 +1,4 @@
-"""The pose of a bending body that fits the picture: place, heading and smooth bending.
+"""Pose of a bending body fitted to a frame: position, heading and smooth bending.
 
 Arc s runs from the nose (0) to the tail tip (1). The heading at s is theta(s) = theta_0 +
 sum of b_j B_j(s), with B_j(s) = P_j(2 s - 1) - P_j(2 c - 1), P_j Legendre polynomials and c the
@@ -18,33 +18,32 @@ import numpy.typing as npt
 
 from ...data import Float
 from ...vectors import njit
-from ..outline.edges import bilinear as inner_bilinear
+from ..outline.edges import interpolate_bilinear as inner_bilinear
 from ..outline.plane import horner
-from ..outline.posefit import jacobian
+from ..outline.pose_fit import jacobian
 
 Image32 = npt.NDArray[np.float32]
 Maps = tuple[Float, Float, Float]
 """Coefficients and scale of the plane's map to pixels; and the cut: factor, left, top."""
-JOINTS = 5
-REFERENCE = 0.3
-STATIONS, ACROSS = 56, 17
+BEND_TERMS = 5
+REFERENCE_ARC = 0.3
+STATIONS_ALONG, STATIONS_ACROSS = 56, 17
 END_MARGIN = 0.14
-ROUNDS = 9
-MIN_STEP, MAX_MOVE, MAX_TURN = 0.002, 0.12, 0.4
-GAINS = (0.6, 1.5)
-MIN_SEEN = 0.3
-FRONT = round(END_MARGIN / (1 + 2 * END_MARGIN) * (STATIONS - 1))
+MAX_ITERATIONS = 9
+CONVERGED_STEP, MAX_MOVE_BL, MAX_TURN_RAD = 0.002, 0.12, 0.4
+GAIN_RANGE = (0.6, 1.5)
+MIN_SEEN_SHARE = 0.3
+NOSE_STATION = round(END_MARGIN / (1 + 2 * END_MARGIN) * (STATIONS_ALONG - 1))
 BEND_INFORMATION = 0.0002
 """Prior information of each bending coefficient, as a share of that of a body's heading."""
 
 
 @dataclass(frozen=True)
-class Shape:
-    """Learned look of a bending body in straightened axes.
+class BendingTemplate:
+    """Learned coverage T of a bending body along and across its midline.
 
-    length_bl: nose to tail tip, body lengths. cover: (STATIONS, ACROSS) share of the body's
-    contrast at arcs from -BEYOND to 1 + BEYOND and distances up to `half_bl` from the midline.
-    skin: grey level of the body.
+    length_bl: nose to tail tip, body lengths. cover: T (STATIONS_ALONG, STATIONS_ACROSS), arcs
+    -END_MARGIN to 1 + END_MARGIN, up to `half_bl` from the midline. skin: body's grey level.
     """
 
     length_bl: float
@@ -54,13 +53,13 @@ class Shape:
 
     @property
     def tables(self) -> tuple[Float, Float, Float, Float]:
-        """Bending basis (STATIONS, JOINTS); cover; its slopes along and across, per body length."""
-        step = (1 + 2 * END_MARGIN) / (STATIONS - 1) * self.length_bl
-        across = 2 * self.half_bl / (ACROSS - 1)
+        """B (STATIONS_ALONG, BEND_TERMS); T; dT/ds and dT/dn, per body length."""
+        step = (1 + 2 * END_MARGIN) / (STATIONS_ALONG - 1) * self.length_bl
+        across = 2 * self.half_bl / (STATIONS_ACROSS - 1)
         along_slope, across_slope = (
             np.asarray(slope) for slope in np.gradient(self.cover, -step, across)
         )
-        return basis(arcs()), self.cover, along_slope, across_slope
+        return bending_basis(station_arcs()), self.cover, along_slope, across_slope
 
     @property
     def size(self) -> Float:
@@ -68,34 +67,34 @@ class Shape:
         return np.array([self.length_bl, self.half_bl])
 
 
-def arcs() -> Float:
-    """Arcs (STATIONS,) of the stations."""
-    return np.linspace(-END_MARGIN, 1 + END_MARGIN, STATIONS)
+def station_arcs() -> Float:
+    """Arcs (STATIONS_ALONG,) of the stations."""
+    return np.linspace(-END_MARGIN, 1 + END_MARGIN, STATIONS_ALONG)
 
 
-def basis(arc: Float) -> Float:
-    """Bending basis (n, JOINTS) at arcs; constant beyond the ends, 0 at the reference."""
-    x = 2 * np.append(np.clip(arc, 0, 1), REFERENCE) - 1
-    values = np.polynomial.legendre.legvander(x, JOINTS)[:, 1:]
+def bending_basis(arc: Float) -> Float:
+    """Bending basis (n, BEND_TERMS) at arcs; constant beyond the ends, 0 at the reference."""
+    x = 2 * np.append(np.clip(arc, 0, 1), REFERENCE_ARC) - 1
+    values = np.polynomial.legendre.legvander(x, BEND_TERMS)[:, 1:]
     return values[:-1] - values[-1]
 
 
 def midline(pose: Float, length_bl: float, arc: Float) -> tuple[Float, Float]:
     """Places (n, 2) [body lengths] and headings (n,) of arcs along a pose's midline."""
-    fine = np.linspace(-END_MARGIN, 1 + END_MARGIN, 8 * STATIONS)
-    heading = pose[2] + basis(fine) @ pose[3:]
+    fine = np.linspace(-END_MARGIN, 1 + END_MARGIN, 8 * STATIONS_ALONG)
+    heading = pose[2] + bending_basis(fine) @ pose[3:]
     step = np.column_stack([np.cos(heading), np.sin(heading)]) * (fine[1] - fine[0]) * length_bl
     line = np.concatenate([np.zeros((1, 2)), -np.cumsum(0.5 * (step[1:] + step[:-1]), axis=0)])
-    at = np.column_stack([np.interp(np.append(arc, REFERENCE), fine, axis) for axis in line.T])
-    return pose[:2] + at[:-1] - at[-1], pose[2] + basis(arc) @ pose[3:]
+    at = np.column_stack([np.interp(np.append(arc, REFERENCE_ARC), fine, axis) for axis in line.T])
+    return pose[:2] + at[:-1] - at[-1], pose[2] + bending_basis(arc) @ pose[3:]
 
 
 @njit(cache=True, error_model="numpy")
-def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
-    """Midline (n, 2), headings (n,), and d midline / d bending (n, JOINTS, 2) of all stations."""
+def station_positions(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float]:
+    """Midline p (n, 2), headings theta (n,) and dp/db (n, BEND_TERMS, 2) of all stations."""
     n, joints = bend.shape
     step = (1.0 + 2 * END_MARGIN) / (n - 1)
-    middle = (REFERENCE + END_MARGIN) / step
+    middle = (REFERENCE_ARC + END_MARGIN) / step
     first = int(middle)
     heading = np.empty(n)
     for k in range(n):
@@ -127,7 +126,7 @@ def stations(pose: Float, size: Float, bend: Float) -> tuple[Float, Float, Float
 
 
 @njit(cache=True, error_model="numpy")
-def bilinear(image: Image32, u: float, v: float) -> float:
+def interpolate_or_nan(image: Image32, u: float, v: float) -> float:
     """Bilinear value; NaN outside."""
     height, width = image.shape
     if not (0 <= u < width - 1 and 0 <= v < height - 1):
@@ -136,31 +135,31 @@ def bilinear(image: Image32, u: float, v: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def straightened_picture(
+def straightened_image(
     picture: tuple[Image32, Image32, Maps],
     pose: Float,
     line: tuple[Float, Float, Float],
     size: Float,
 ) -> tuple[Float, Float]:
-    """Change and depth (STATIONS, ACROSS) along the midline; NaN outside the picture.
+    """Change and depth (STATIONS_ALONG, STATIONS_ACROSS) by the midline; NaN outside the frame.
 
-    picture: change, depth and maps. line: `stations` of the pose.
+    picture: change, depth and maps. line: `station_positions` of the pose.
     """
     changes, depths, maps = picture
     place, heading, _ = line
     n = len(heading)
-    change, depth = np.empty((n, ACROSS)), np.empty((n, ACROSS))
+    change, depth = np.empty((n, STATIONS_ACROSS)), np.empty((n, STATIONS_ACROSS))
     factor, left, top = maps[2]
     local = jacobian(maps[0], maps[1], pose[0], pose[1])
     for k in range(n):
         u, v = horner(maps[0], maps[1], place[k, 0], place[k, 1])
         nx, ny = -math.sin(heading[k]), math.cos(heading[k])
-        for a in range(ACROSS):
-            far = size[1] * (2.0 * a / (ACROSS - 1) - 1.0)
+        for a in range(STATIONS_ACROSS):
+            far = size[1] * (2.0 * a / (STATIONS_ACROSS - 1) - 1.0)
             x = (u + far * (local[0, 0] * nx + local[0, 1] * ny) + 0.5) / factor - 0.5 - left
             y = (v + far * (local[1, 0] * nx + local[1, 1] * ny) + 0.5) / factor - 0.5 - top
-            change[k, a] = bilinear(changes, x, y)
-            depth[k, a] = bilinear(depths, x, y)
+            change[k, a] = interpolate_or_nan(changes, x, y)
+            depth[k, a] = interpolate_or_nan(depths, x, y)
     return change, depth
 
 
@@ -171,7 +170,7 @@ def _row(
     """Write d change / d pose, in body axes, of one sample.
 
     force: slope of the picture along x, along y, and along the midline times the distance across.
-    at: place from the reference (2,); bending basis (JOINTS,); heading at the reference.
+    at: place from the reference (2,); bending basis (BEND_TERMS,); heading at the reference.
     """
     fx, fy, turned = force
     away, bend, heading = at
@@ -203,7 +202,7 @@ def _equations(
 ) -> tuple[Float, Float, Float, Float, float]:
     """Information, side and scores' outer product in body axes; support (5,); the gain found.
 
-    seen: change and depth. line: `stations`. how: pose, half width, gain, tolerance.
+    seen: change and depth. line: `station_positions`. how: pose, half width, gain, tolerance.
     """
     change, depth = seen
     place, heading, slopes = line
@@ -218,10 +217,10 @@ def _equations(
         part = 3 * k // n
         hc, hs = math.cos(heading[k]), math.sin(heading[k])
         away = place[k] - pose[:2]
-        if FRONT <= k < n - FRONT:
+        if NOSE_STATION <= k < n - NOSE_STATION:
             whole += 1.0
-            known += 1.0 if depth[k, ACROSS // 2] > tolerance else 0.0
-        for a in range(ACROSS):
+            known += 1.0 if depth[k, STATIONS_ACROSS // 2] > tolerance else 0.0
+        for a in range(STATIONS_ACROSS):
             if not math.isfinite(depth[k, a]):
                 continue
             full = cover[k, a] * depth[k, a]
@@ -233,7 +232,7 @@ def _equations(
             held[part] += (gain * full) ** 2
             along = gain * depth[k, a] * along_slope[k, a]
             across = gain * depth[k, a] * across_slope[k, a]
-            turned = along * half * (2.0 * a / (ACROSS - 1) - 1.0)
+            turned = along * half * (2.0 * a / (STATIONS_ACROSS - 1) - 1.0)
             force = (along * hc - across * hs, along * hs + across * hc, turned)
             _row(row, force, (away, bend[k], pose[2]), slopes[k])
             for i in range(count):
@@ -262,12 +261,12 @@ def _step(information: Float, side: Float, pose: Float) -> Float:
             normal[i, i] += tie * (i - 2) ** 2
             right[i] += tie * (i - 2) ** 2 * pose[i]
     step = -np.linalg.solve(normal, right)
-    largest = max(math.hypot(step[0], step[1]) / MAX_MOVE, np.abs(step[2:]).max() / MAX_TURN)
+    largest = max(math.hypot(step[0], step[1]) / MAX_MOVE_BL, np.abs(step[2:]).max() / MAX_TURN_RAD)
     return step / max(1.0, largest)
 
 
 @njit(cache=True, error_model="numpy")
-def fit(
+def fit_pose(
     picture: tuple[Image32, Image32, Maps],
     tables: tuple[Float, Float, Float, Float],
     size: Float,
@@ -282,12 +281,12 @@ def fit(
     of another body.
     """
     pose, gain, settled = start.copy(), 1.0, False
-    for turn in range(ROUNDS + 1):
-        line = stations(pose, size, tables[0])
-        seen = straightened_picture(picture, pose, line, size)
+    for turn in range(MAX_ITERATIONS + 1):
+        line = station_positions(pose, size, tables[0])
+        seen = straightened_image(picture, pose, line, size)
         how = (pose, size[1], gain, tolerance)
         information, side, meat, support, found = _equations(seen, line, tables, how)
-        if settled or turn == ROUNDS or support[4] < MIN_SEEN:
+        if settled or turn == MAX_ITERATIONS or support[4] < MIN_SEEN_SHARE:
             break
         step = _step(information, side, pose)
         c, s = math.cos(pose[2]), math.sin(pose[2])
@@ -295,6 +294,6 @@ def fit(
         pose[1] += s * step[0] + c * step[1]
         for i in range(2, len(pose)):
             pose[i] += step[i]
-        gain = min(max(found, GAINS[0]), GAINS[1])
-        settled = turn > 0 and np.abs(step).max() < MIN_STEP
+        gain = min(max(found, GAIN_RANGE[0]), GAIN_RANGE[1])
+        settled = turn > 0 and np.abs(step).max() < CONVERGED_STEP
     return pose, information, meat, support

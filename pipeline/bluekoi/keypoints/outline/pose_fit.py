@@ -12,10 +12,10 @@ from ...vectors import njit
 from .edges import Pictures, edge_offset
 from .plane import horner
 
-Shape = tuple[Float, Float, npt.NDArray[np.int64], Float]
-EXTRA_STEPS = 5
-SETTLED_PX = 0.1
-SETTLED_RAD = 0.001
+OutlineArrays = tuple[Float, Float, npt.NDArray[np.int64], Float]
+MAX_EXTRA_ITERATIONS = 5
+CONVERGED_PX = 0.1
+CONVERGED_RAD = 0.001
 
 
 @njit(cache=True, error_model="numpy")
@@ -34,7 +34,7 @@ def jacobian(coefficients: Float, scale: Float, px: float, py: float) -> Float:
 
 @njit(cache=True, error_model="numpy")
 def measure_edge_offsets(
-    pictures: Pictures, maps: tuple[Float, Float], shape: Shape, pose: Float, reach: int
+    pictures: Pictures, maps: tuple[Float, Float], shape: OutlineArrays, pose: Float, reach: int
 ) -> tuple[Float, Float]:
     """Edge offsets (n,) [px, NaN where not seen] and their derivatives (n, 5).
 
@@ -85,10 +85,10 @@ def robust_width(offset: Float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def fit(
+def fit_pose(
     pictures: Pictures,
     maps: tuple[Float, Float],
-    shape: Shape,
+    shape: OutlineArrays,
     pose: Float,
     how: tuple[npt.NDArray[np.int64], Float, float],
 ) -> tuple[Float, Float, Float, Float]:
@@ -105,7 +105,7 @@ def fit(
     weight = np.zeros(len(offset))
     wider = 0.0
     last = len(reaches) - 1
-    for turn in range(len(reaches) + EXTRA_STEPS):
+    for turn in range(len(reaches) + MAX_EXTRA_ITERATIONS):
         limit = 4.7 * max(width, robust_width(offset - wider))
         normal = np.diag(prior)
         side = np.zeros(5)
@@ -124,7 +124,7 @@ def fit(
         offset, slope = measure_edge_offsets(pictures, maps, shape, here, reaches[min(turn, last)])
         scale = math.hypot(slope[0, 0], slope[0, 1])
         moved = scale * math.hypot(change[0], change[1])
-        if turn >= last and moved < SETTLED_PX and abs(change[2]) < SETTLED_RAD:
+        if turn >= last and moved < CONVERGED_PX and abs(change[2]) < CONVERGED_RAD:
             break
     return here, offset - wider, weight, slope
 
@@ -138,8 +138,8 @@ def fit_summary(
 ) -> tuple[Float, Float]:
     """Information (5, 5) in body axes; support of head, core, all; nearness.
 
-    found: offsets, weights, slopes as `fit` gives them. limits: an offset supports the template
-    below the first [px]; nearness falls to 0 at the second.
+    found: offsets, weights, slopes as `fit_pose` returns them. limits: offsets below the first [px]
+    support the template; nearness falls to 0 at the second [px].
     """
     offset, weight, slope = found
     c, s = math.cos(heading), math.sin(heading)

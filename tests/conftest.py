@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bluekoi.mismatch import Found, find_mismatch
+from bluekoi.mismatch import MismatchResult, find_mismatch
 from bluekoi.synthetic.design import demo_design
 from measured import Measured, measured
 
@@ -56,7 +56,7 @@ def recordings() -> Recordings:
 
 
 @pytest.fixture(scope="session")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, Found]:
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, MismatchResult]:
     """The demo's campaign from keypoints, and what the search finds in it."""
     m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
     return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)

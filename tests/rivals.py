@@ -14,7 +14,7 @@ from scipy.ndimage import median_filter
 from scipy.signal import savgol_filter
 
 from bluekoi.data import Float, Pose
-from bluekoi.smoothing.kalman_numba import smoothed
+from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 
 Rates = tuple[Float, Float]
@@ -61,7 +61,7 @@ def constant_velocity(pose: Pose, setting: float) -> Rates:
     for channel in z.T:
         x0, P0 = np.array([channel[0], 0.0]), np.diag([1e4, 1e4])
         chain = LinearGaussianModel(F, setting * Q, H, R, channel[:, None], x0, P0)
-        columns.append(smoothed(chain, np.ones(n, bool)).x[:, 1])
+        columns.append(compiled_filter_and_smooth(chain, np.ones(n, bool)).x[:, 1])
     rate = np.column_stack(columns)
     return rate[:, :2], rate[:, 2]
 

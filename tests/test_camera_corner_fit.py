@@ -10,9 +10,9 @@ from scipy.special import ndtr
 from test_camera_geometry import LENS, ROBOT, TRUTH
 
 from bluekoi.camera import project, to_pool
-from bluekoi.camera.camera_moved import edges_of_recording
 from bluekoi.camera.corner_fit import fit_corners
 from bluekoi.camera.corners_picture import pool_corners_picture
+from bluekoi.camera.pool_edge_check import compare_pool_edges
 from bluekoi.footage import encode
 from bluekoi.stages.pool_edges import check_pool_edges
 from bluekoi.study import Setup, load_study
@@ -150,7 +150,7 @@ def test_a_camera_displaced_by_7_cm_is_noticed():
     off_px = 0.07 * PX_PER_M
     shift = np.array([[1.0, 0, off_px], [0, 1.0, 0]])
     moved = cv2.warpAffine(drawn_pool(RIM_M), shift, (1920, 1080), borderMode=cv2.BORDER_REPLICATE)
-    found = edges_of_recording(moved, setup_with(TRUTH.corners_px))
+    found = compare_pool_edges(moved, setup_with(TRUTH.corners_px))
     assert found.moved
     assert not found.turned
     assert found.off_px == pytest.approx(off_px, abs=1.0)
@@ -158,7 +158,7 @@ def test_a_camera_displaced_by_7_cm_is_noticed():
 
 
 def test_a_recording_turned_by_180_degrees_is_noticed():
-    found = edges_of_recording(drawn_pool(RIM_M)[::-1, ::-1].copy(), setup_with(TRUTH.corners_px))
+    found = compare_pool_edges(drawn_pool(RIM_M)[::-1, ::-1].copy(), setup_with(TRUTH.corners_px))
     assert found.turned
     assert "turned by 180 degrees" in found.remarks[0]
 
@@ -166,12 +166,12 @@ def test_a_recording_turned_by_180_degrees_is_noticed():
 @pytest.mark.parametrize("matrix", [True, False], ids=["with a matrix", "without"])
 def test_a_camera_in_its_place_gets_no_warning_whatever_the_clicks(matrix):
     clicked = TRUTH.corners_px + np.random.default_rng(3).uniform(-2, 2, (4, 2))
-    found = edges_of_recording(drawn_pool(RIM_M), setup_with(clicked, matrix=matrix))
+    found = compare_pool_edges(drawn_pool(RIM_M), setup_with(clicked, matrix=matrix))
     assert (found.found, found.remarks) == (4, ())
 
 
 def test_a_frame_without_edges_gets_no_warning():
-    found = edges_of_recording(np.full((1080, 1920), 90, np.uint8), setup_with(TRUTH.corners_px))
+    found = compare_pool_edges(np.full((1080, 1920), 90, np.uint8), setup_with(TRUTH.corners_px))
     assert (found.off_px, found.remarks) == (None, ())
 
 

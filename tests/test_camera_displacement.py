@@ -16,7 +16,7 @@ from bluekoi.camera import (
     project,
     to_pool,
 )
-from bluekoi.camera.displacement import error_forms
+from bluekoi.camera.error_displacement import error_forms
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction

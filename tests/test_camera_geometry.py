@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from bluekoi.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
-from bluekoi.camera.distances import Geometry
 from bluekoi.camera.geometry import check_distances, check_geometry, estimate_depth
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
 from bluekoi.camera.resection import pool_rectangle, pose, pose_near
+from bluekoi.camera.rigid_distances import Geometry
 from bluekoi.camera.uncertainty import calibration_covariance, calibration_modes
 from bluekoi.camera.whole_length import systematic_share, whole_lengths
 from bluekoi.data import Positions

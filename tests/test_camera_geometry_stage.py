@@ -13,7 +13,7 @@ import yaml
 from exact_campaign import GEOMETRY, campaign
 
 from bluekoi.camera import pool_camera
-from bluekoi.camera.displacement import error_forms
+from bluekoi.camera.error_displacement import error_forms
 from bluekoi.camera.uncertainty import calibration_at
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track

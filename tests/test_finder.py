@@ -25,18 +25,18 @@ from bluekoi.fitting import (
 from bluekoi.integrate import compiled
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.mismatch import (
-    Found,
+    MismatchResult,
+    condition_folds,
     find_mismatch,
-    folds,
 )
 from bluekoi.mismatch.camera_displacement import detect_displacements, with_displacements
-from bluekoi.mismatch.drift import drifting_trial, p_value
+from bluekoi.mismatch.drift import drifting_trial, fisher_p_value
 from bluekoi.mismatch.find import verdict_of
-from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen, segments_of
-from bluekoi.mismatch.next_trial import open_question
+from bluekoi.mismatch.free_run_errors import path_errors, precisely_seen_frames, trial_segments
+from bluekoi.mismatch.next_trial import disagreement
 from bluekoi.mismatch.results_json import details_json, mismatch_json
 from bluekoi.mismatch.robot_problem import robot_problem
-from bluekoi.mismatch.sentences import sentence
+from bluekoi.mismatch.sentences import verdict_sentence
 from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.layout import Layout
@@ -57,7 +57,9 @@ from measured import Measured, measured
 from studies import bare_design
 
 
-def test_demo_names_the_fin_and_the_damping_hidden_beside_it(demo: tuple[Measured, Found]) -> None:
+def test_demo_names_the_fin_and_the_damping_hidden_beside_it(
+    demo: tuple[Measured, MismatchResult],
+) -> None:
     m, found = demo
     result = to_json_types(mismatch_json(found, m.study, m.series))
     assert result["verdict"] == "physics"
@@ -79,7 +81,7 @@ def test_the_verdict_is_the_kind_of_the_first_cause() -> None:
     assert verdict_of(kernel, [], 0.1) == "none"
 
 
-def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found]) -> None:
+def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, MismatchResult]) -> None:
     m, found = demo
     held = to_json_types(mismatch_json(found, m.study, m.series))["held_out"]
     assert held["extended"]["path_rmse_m"] < 0.2 * held["baseline"]["path_rmse_m"]
@@ -90,7 +92,9 @@ def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Found])
     assert len(fitted) + len(held["trials"]) == len(m.series)
 
 
-def test_demo_locates_where_the_fin_and_the_damping_push(demo: tuple[Measured, Found]) -> None:
+def test_demo_locates_where_the_fin_and_the_damping_push(
+    demo: tuple[Measured, MismatchResult],
+) -> None:
     m, found = demo
     where = to_json_types(mismatch_json(found, m.study, m.series))["where"]
     assert {w["channel"] for w in where} <= {"sway", "yaw"}
@@ -98,7 +102,7 @@ def test_demo_locates_where_the_fin_and_the_damping_push(demo: tuple[Measured, F
     assert where[0]["share"] > 0.4
 
 
-def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]) -> None:
+def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, MismatchResult]) -> None:
     """N = -N_r r of a damping switched on, in yaw alone."""
     m, found = demo
     kernel, few = compiled(plates()), downsampled(m.series)[:4]
@@ -113,7 +117,7 @@ def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Found]
         assert np.abs(force[:, :2]).max() < 2e-4
 
 
-def test_demo_details_are_complete(demo: tuple[Measured, Found]) -> None:
+def test_demo_details_are_complete(demo: tuple[Measured, MismatchResult]) -> None:
     m, found = demo
     result = to_json_types(details_json(found))
     assert set(result["forces"]) == {s.name for s in m.series}
@@ -181,10 +185,10 @@ def test_displacements_are_found_where_and_when_they_are(bare: Measured) -> None
 
 
 def test_the_next_trial_asks_what_two_sets_of_causes_disagree_on() -> None:
-    assert open_question(["fin"], ["fin", "scale_error"]) == "whether scale_error acts"
-    assert open_question(["a", "b"], []) == "whether a and b act"
-    assert open_question(["fin", "a"], ["fin", "b"]) == "whether it is a or b"
-    assert open_question([], []) == "whether anything else acts"
+    assert disagreement(["fin"], ["fin", "scale_error"]) == "whether scale_error acts"
+    assert disagreement(["a", "b"], []) == "whether a and b act"
+    assert disagreement(["fin", "a"], ["fin", "b"]) == "whether it is a or b"
+    assert disagreement([], []) == "whether anything else acts"
 
 
 def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:
@@ -207,10 +211,10 @@ def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:
 
 def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None:
     """Fisher's g for n = 3: P(g > x) = 3 (1 - x)^2 where x is above 1/2."""
-    assert p_value(np.array([6.0, 1.0, 1.0])) == pytest.approx(3 * 0.25**2)
-    assert p_value(np.ones(10)) == 1.0
+    assert fisher_p_value(np.array([6.0, 1.0, 1.0])) == pytest.approx(3 * 0.25**2)
+    assert fisher_p_value(np.ones(10)) == 1.0
     draws = np.random.default_rng(4).exponential(7.0, (4000, 20))
-    rate = np.mean([p_value(row) < 0.05 for row in draws])
+    rate = np.mean([fisher_p_value(row) < 0.05 for row in draws])
     assert rate == pytest.approx(0.05, abs=0.012)
 
 
@@ -220,19 +224,21 @@ def _displaced(one: Series, by: np.ndarray) -> Series:
     return replace(one, seen=seen)
 
 
-def test_a_lag_begins_each_stretch_where_the_filter_had_it(demo: tuple[Measured, Found]) -> None:
+def test_a_lag_begins_each_stretch_where_the_filter_had_it(
+    demo: tuple[Measured, MismatchResult],
+) -> None:
     m, found = demo
     kernel, base = compiled(plates()), found.baseline.base.copy()
     base[kernel.system.slot["lift_lag.lagging_share"]] = 0.8
     lagging = replace(found.baseline, base=base)
     turning = next(s for s, t in zip(m.series, m.study.trials, strict=True) if t.head_angle_deg)
-    first, second, *_ = segments_of(kernel, lagging, [turning], 2.0)
+    first, second, *_ = trial_segments(kernel, lagging, [turning], 2.0)
     states = [kernel.system.all_states.index(n) for n in kernel.system.effect("lift_lag").states]
     assert np.all(first.mean[states] == turning.mean[states])
     assert np.any(np.abs(second.mean[states]) > 1e-4)
 
 
-def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, Found]) -> None:
+def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, MismatchResult]) -> None:
     m, _ = demo
     given = [t.model_copy(update={"role": "held_out" if t.trial_id == "T05" else "fit"})
              for t in m.study.trials]  # fmt: skip
@@ -240,9 +246,9 @@ def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, Found
     assert held_out_trials(study, [t.trial_id for t in given]) == ["T05"]
 
 
-def test_folds_never_part_a_condition(demo: tuple[Measured, Found]) -> None:
+def test_folds_never_part_a_condition(demo: tuple[Measured, MismatchResult]) -> None:
     m, _ = demo
-    parts = folds(m.series)
+    parts = condition_folds(m.series)
     where = {c: {k for k, part in enumerate(parts) for i in part if m.series[i].condition == c}
              for c in {s.condition for s in m.series}}  # fmt: skip
     assert sum(len(p) for p in parts) == len(m.series)
@@ -260,7 +266,9 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
         campaign_series(Campaign(load_study(tmp_path)))
 
 
-def test_without_lengths_nothing_is_measured_of_the_camera(demo: tuple[Measured, Found]) -> None:
+def test_without_lengths_nothing_is_measured_of_the_camera(
+    demo: tuple[Measured, MismatchResult],
+) -> None:
     m, _ = demo
     for geometry in ({}, {"scale": 1.02, "windows": None}):
         series = with_rigid_lengths(m.series, geometry, m.study.setup)
@@ -268,7 +276,7 @@ def test_without_lengths_nothing_is_measured_of_the_camera(demo: tuple[Measured,
 
 
 def test_only_placed_keypoints_are_seen_from_the_nose(
-    demo: tuple[Measured, Found], tmp_path: Path
+    demo: tuple[Measured, MismatchResult], tmp_path: Path
 ) -> None:
     """Where lengths were placed, the nose is what was seen; files and dots were measured."""
     m, _ = demo
@@ -292,7 +300,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
 
 
 def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
-    demo: tuple[Measured, Found],
+    demo: tuple[Measured, MismatchResult],
 ) -> None:
     m, found = demo
     few = [s for s in downsampled(m.series) if s.name not in found.held_out]
@@ -302,20 +310,20 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
         assert np.all(np.diff(profile.lost[profile.values < best]) < 0)
 
 
-def test_the_sentence_says_on_which_trials(demo: tuple[Measured, Found]) -> None:
+def test_the_sentence_says_on_which_trials(demo: tuple[Measured, MismatchResult]) -> None:
     m, found = demo
     causes = mismatch_json(found, m.study, m.series)["causes"]
-    assert "on trials not fitted the path error falls" in sentence(found, causes, [])
+    assert "on trials not fitted the path error falls" in verdict_sentence(found, causes, [])
     small = replace(found, held_out=[f.name for f in found.forces])
-    assert "on the fitted trials (none could be held out)" in sentence(small, causes, [])
+    assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes, [])
 
 
-def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Found]) -> None:
+def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, MismatchResult]) -> None:
     _, found = demo
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
     blind = replace(found, verdict="none", baseline=wide)
-    assert "nothing can be said" in sentence(blind, [], [])
-    assert "Nothing beyond the noise" in sentence(replace(found, verdict="none"), [], [])
+    assert "nothing can be said" in verdict_sentence(blind, [], [])
+    assert "Nothing beyond the noise" in verdict_sentence(replace(found, verdict="none"), [], [])
 
 
 def _late(one: Series, frames: int, rng: np.random.Generator) -> Series:
@@ -338,7 +346,7 @@ def test_a_late_start_is_reported_with_its_delay(bare: Measured) -> None:
     assert delay["value"] == pytest.approx(0.8, abs=0.03)
 
 
-def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, Found]) -> None:
+def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, MismatchResult]) -> None:
     m, found = demo
     kernel, few, baseline = compiled(plates()), downsampled(m.series)[:3], found.baseline
     wild = [v.copy() for v in baseline.trial_values(kernel, few)]
@@ -420,7 +428,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Meas
 
 
 def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
-    demo: tuple[Measured, Found],
+    demo: tuple[Measured, MismatchResult],
 ) -> None:
     m, found = demo
     test = [s for s in m.series if s.name in found.held_out]
@@ -430,7 +438,7 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
     noise[40, :2, :2] *= 50.0**2
     unsure = replace(test[0], seen=spoilt, noise=noise)
     seen = np.isfinite(unsure.seen[:, 0])
-    assert np.flatnonzero(seen & ~precisely_seen([unsure])[0]).tolist() == [40]
+    assert np.flatnonzero(seen & ~precisely_seen_frames([unsure])[0]).tolist() == [40]
     models = {"extended": found.extended}
     clean, off, stated = (
         path_errors(m.study, compiled(plates()), models, [one, *test[1:]]).rmse_m["extended"]
@@ -446,7 +454,7 @@ def first_seen(series: Series) -> np.ndarray:
 
 
 def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
-    demo: tuple[Measured, Found],
+    demo: tuple[Measured, MismatchResult],
 ) -> None:
     """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
     m, found = demo

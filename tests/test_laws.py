@@ -9,7 +9,13 @@ import pytest
 
 from bluekoi.fitting import Free, missing_force
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.laws import OWN, PARTS, bins, cause_laws, partial_residuals
+from bluekoi.mismatch.laws import (
+    TRIAL_PARTS,
+    VARIABLES_OF_EFFECT,
+    cause_laws,
+    equal_count_bins,
+    partial_residuals,
+)
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
 from bluekoi.tuning.joint import downsampled, tune
@@ -58,24 +64,24 @@ def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(mo
     loose = replace(found.noise, disturbance=10 * found.noise.disturbance)
     points = partial_residuals(*model, laws=laws, noise=loose)["linear_yaw_damping"]
     assert points.keys() == {one.name for one in series}
-    assert {len(one["x"]) for one in points.values()} == {PARTS}
+    assert {len(one["x"]) for one in points.values()} == {TRIAL_PARTS}
     # At the ends of a trial the smoother knows less and draws forces to zero.
     x, y = (np.concatenate([one[k][2:-2] for one in points.values()]) for k in "xy")
     turning = np.abs(x) > 0.5
-    assert turning.sum() == 2 * (PARTS - 4)
+    assert turning.sum() == 2 * (TRIAL_PARTS - 4)
     assert np.abs(y[turning]).max() < 0.3 * N_R * np.abs(x[turning]).min()
 
 
 def test_variables_of_effects_are_known_or_none():
     names = {v for e in plates().effects if e.kind == "physics" for v in e.variables}
-    assert names - set(OWN) == {"current"}
+    assert names - set(VARIABLES_OF_EFFECT) == {"current"}
 
 
 def test_bins_have_about_equal_counts_and_a_constant_has_none():
     x = np.random.default_rng(0).normal(size=300)
-    found = bins(x)
+    found = equal_count_bins(x)
     assert np.bincount(found.index).tolist() == 15 * [20]
     assert found.means(x) == pytest.approx(found.x)
-    few = bins(np.repeat([0.12, 0.18], 20))
+    few = equal_count_bins(np.repeat([0.12, 0.18], 20))
     assert few.x == pytest.approx([0.12, 0.18])
-    assert bins(np.zeros(50)) is None
+    assert equal_count_bins(np.zeros(50)) is None

@@ -9,7 +9,7 @@ import pytest
 from exact_campaign import campaign
 
 from bluekoi.camera import map_keypoints, pool_camera
-from bluekoi.camera.length_warnings import differing, length_warnings
+from bluekoi.camera.length_warnings import deviations_from_majority, length_warnings
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
@@ -240,15 +240,15 @@ SHARES = np.array([-0.07, -0.03, 0.13, 0.05, -0.05, -0.10, 0.02, 0.17, -0.17]) *
 
 def test_up_to_half_of_the_trials_may_differ_from_the_others():
     std = np.full(9, 6e-4)
-    assert not differing(SHARES, std).any()
+    assert not deviations_from_majority(SHARES, std).any()
     for wrong in ([3], [0, 2, 5, 7]):
         shares = SHARES.copy()
         shares[wrong] += 0.015
-        off = differing(shares, std)
+        off = deviations_from_majority(shares, std)
         assert np.flatnonzero(off).tolist() == wrong
         assert off[wrong] == pytest.approx(0.015, abs=0.003)
-    assert not differing(np.array([0.0, 0.1]), np.zeros(2)).any()
-    assert not differing(np.random.default_rng(0).normal(0, 0.01, 9), std).any()
+    assert not deviations_from_majority(np.array([0.0, 0.1]), np.zeros(2)).any()
+    assert not deviations_from_majority(np.random.default_rng(0).normal(0, 0.01, 9), std).any()
 
 
 def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):

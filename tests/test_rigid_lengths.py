@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.camera.distances import Distances
-from bluekoi.camera.length_windows import MAX_WINDOWS, from_columns, to_columns, windowed
+from bluekoi.camera.length_windows import MAX_WINDOWS, from_columns, to_columns, window_means
+from bluekoi.camera.rigid_distances import Distances
 from bluekoi.files import to_json_types
 from bluekoi.fitting import Free, Series, SharedMeasurement
 from bluekoi.fitting.side_measurements import side_measurement_terms
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.rigid_lengths import length_measurement, stretching
+from bluekoi.mismatch.rigid_lengths import effects_on_lengths, length_measurement
 from bluekoi.model import plates
 
 SYSTEM = plates()
@@ -72,7 +72,9 @@ def with_error(distances: Distances, error: str, values: dict[str, float]) -> Di
 
 
 def measured(distances: Distances, *, trials: int = 16) -> SharedMeasurement:
-    found = length_measurement(SYSTEM, VIEW, windowed(distances), trials=trials, depth_given=True)
+    found = length_measurement(
+        SYSTEM, VIEW, window_means(distances), trials=trials, depth_given=True
+    )
     assert found is not None
     return found
 
@@ -137,18 +139,18 @@ def test_a_label_that_is_off_is_not_taken_for_an_error_of_scale() -> None:
 
 
 def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() -> None:
-    assert {e.name for e in stretching(SYSTEM)} == set(ERRORS)
+    assert {e.name for e in effects_on_lengths(SYSTEM)} == set(ERRORS)
 
 
 def test_few_lengths_are_no_measurement() -> None:
     few = swum(np.random.default_rng(1), trials=1, frames=40)
-    found = length_measurement(SYSTEM, VIEW, windowed(few), trials=1, depth_given=True)
+    found = length_measurement(SYSTEM, VIEW, window_means(few), trials=1, depth_given=True)
     assert found is None
 
 
 def test_windows_keep_mean_and_information_and_survive_json() -> None:
     right = swum(np.random.default_rng(2))
-    windows = windowed(right)
+    windows = window_means(right)
     again = from_columns(to_json_types(to_columns(windows)))
     assert len(windows.excess_m) == 16 * 3 * 10
     assert np.sum(windows.std_m**-2) == pytest.approx(np.sum(right.std_m**-2))
@@ -158,7 +160,7 @@ def test_windows_keep_mean_and_information_and_survive_json() -> None:
 
 def test_windows_of_many_trials_grow_longer() -> None:
     many = swum(np.random.default_rng(2), trials=250)
-    assert len(windowed(many).excess_m) <= MAX_WINDOWS
+    assert len(window_means(many).excess_m) <= MAX_WINDOWS
 
 
 def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> None:

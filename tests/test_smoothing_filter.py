@@ -10,7 +10,7 @@ from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
 from bluekoi.smoothing.grid import filter_grid
 from bluekoi.smoothing.kalman_filterpy import _filter, _step, filter_and_smooth
-from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, Smoothed
+from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
 from bluekoi.smoothing.quasi_newton import minimise
@@ -36,7 +36,7 @@ def chain_of(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
 
-def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> Smoothed:
+def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     """The same by filterpy's own smoother, for chains whose process noise is not singular.
 
     Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
@@ -48,14 +48,14 @@ def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> Smoothed:
         _step(kf, model, k, bool(used[k]))
         means[k], covs[k] = kf.x, kf.P
     x, P, _, _ = kf.rts_smoother(means, covs, list(model.F), list(model.Q))
-    return Smoothed(np.asarray(x), np.asarray(P))
+    return SmoothedStates(np.asarray(x), np.asarray(P))
 
 
 @pytest.mark.parametrize("recoil", [True, False])
 def test_twin_is_filterpy(recoil):
     chain, used = chain_of(recoil)
     ours, theirs, mixed = (
-        kalman_numba.smoothed(chain, used),
+        kalman_numba.compiled_filter_and_smooth(chain, used),
         rauch_tung_striebel(chain, used),
         filter_and_smooth(chain, used),
     )
@@ -89,7 +89,9 @@ def test_likelihood_is_that_of_the_joint_normal():
     z = chain.z[:n].ravel()
     expected = np.linalg.slogdet(2 * np.pi * S)[1] + z @ np.linalg.solve(S, z)
     part = LinearGaussianModel(*(getattr(chain, k)[:n] for k in "FQHRz"), chain.x0, chain.P0)
-    assert kalman_numba.likelihood(part, used[:n], np.inf) == pytest.approx(expected, rel=1e-8)
+    assert kalman_numba.minus_two_log_likelihood(part, used[:n], np.inf) == pytest.approx(
+        expected, rel=1e-8
+    )
 
 
 def test_motion_without_process_noise_is_smoothed():

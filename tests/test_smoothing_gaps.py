@@ -10,7 +10,7 @@ import pytest
 from bluekoi.data import Pose
 from bluekoi.smoothing import smooth, smooth_with_noise_ratio
 from bluekoi.smoothing.gaps import true_runs, with_calibrated_gaps
-from bluekoi.smoothing.kalman_numba import smoothed
+from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 from motions import Seen, circle, observe, times, wandering
 from whole_files import read_whole
@@ -115,7 +115,7 @@ def test_the_variance_over_a_gap_becomes_that_of_the_motion(std):
     ratios = []
     for seed in range(5):
         chain = random_walk(std, np.random.default_rng([53, seed]))
-        state = smoothed(chain, used)
+        state = compiled_filter_and_smooth(chain, used)
         calibrated = with_calibrated_gaps(chain, used, state, 1)
         outside = np.arange(400) // 10 != 10
         assert calibrated.P[outside] == pytest.approx(state.P[outside])

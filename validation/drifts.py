@@ -11,7 +11,7 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.fitting import Series
 from bluekoi.integrate import compiled
-from bluekoi.mismatch.drift import drifting_trial, with_drift
+from bluekoi.mismatch.drift import add_drift, drifting_trial
 from bluekoi.model import plates
 from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
@@ -28,7 +28,7 @@ def reported(study: Path, results: Path) -> tuple[bool, bool]:
     rng = np.random.default_rng(zlib.crc32(study.name.encode()))
     chosen, towards = int(rng.integers(len(series))), rng.uniform(0.0, 2.0 * np.pi)
     size = SIZE_M * np.array([np.cos(towards), np.sin(towards)])
-    moved = [with_drift(s, size) if k == chosen else s for k, s in enumerate(series)]
+    moved = [add_drift(s, size) if k == chosen else s for k, s in enumerate(series)]
     return _named(series) != "", _named(moved) == series[chosen].name
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.files import read_json
-from bluekoi.mismatch.rigid_lengths import stretching
+from bluekoi.mismatch.rigid_lengths import effects_on_lengths
 from bluekoi.model import plates
 from bluekoi.stages.mismatch import with_rigid_lengths
 from bluekoi.stages.tuning import campaign_series
@@ -32,7 +32,7 @@ def misfit(directory: Path, name: str) -> Row | None:
     errors = shared.errors(system.values({})[[system.slot[n] for n in shared.parameters]])
     truth = json.loads((directory / "truth" / f"{name}.json").read_text(encoding="utf-8"))
     causes = {cause["name"] for cause in truth["causes"]}
-    stretched = bool(causes & {e.name for e in stretching(system)})
+    stretched = bool(causes & {e.name for e in effects_on_lengths(system)})
     return name, stretched, float(errors @ errors), len(errors)
 
 

@@ -12,13 +12,13 @@ from ..data import Float
 from .boards import Grey
 from .edges import EDGE_SAMPLES, Curve, EdgeLine, Picture, find_lines, smoothed
 from .lens import Lens, directions, pixels
-from .plane import four_point_homography
+from .plane import homography_from_four_points
 from .resection import diagonal_px
 
 EDGE_NAMES = ("(0,0) to (length,0)", "(length,0) to (length,width)", "(length,width) to (0,width)",
          "(0,width) to (0,0)")  # fmt: skip
 """Edges of the pool by the corners between which they run."""
-WIDE_REACH_SHARE, NEAR_REACH_SHARE = 0.04, 0.012
+WIDE_SEARCH_RANGE_SHARE, NARROW_SEARCH_RANGE_SHARE = 0.04, 0.012
 """Search reach over the picture's width: around the corners given, and around corners found."""
 MAX_ITERATIONS = 12
 CONVERGED_PX = 0.05
@@ -94,9 +94,9 @@ def fit_corners(
     model_std_px = 0.0 if lens else ASSUMED_LENS_STD_PX
     view = (lens, corners_m) if lens and corners_m is not None else None
     width, assumed = grey.shape[1], lens is None
-    lens = lens or lens_from_straight_edges(picture, given_px, WIDE_REACH_SHARE)
+    lens = lens or lens_from_straight_edges(picture, given_px, WIDE_SEARCH_RANGE_SHARE)
     click = CLICK_ERROR_SHARE * diagonal_px(given_px)
-    corners, reach, iteration = given_px, WIDE_REACH_SHARE * width, 0
+    corners, reach, iteration = given_px, WIDE_SEARCH_RANGE_SHARE * width, 0
     lines: tuple[EdgeLine | None, ...] = (None,) * 4
     curves, converged = _curves(given_px, lens), False
     for iteration in range(1, MAX_ITERATIONS + 1):
@@ -107,9 +107,9 @@ def fit_corners(
             break
         moved = _meeting(curves, lines)
         converged = bool(np.max(np.abs(moved - corners)) < CONVERGED_PX)
-        corners, reach = moved, NEAR_REACH_SHARE * width
+        corners, reach = moved, NARROW_SEARCH_RANGE_SHARE * width
         if assumed and iteration == 1:  # the lens of corners some pixels off is not yet right
-            lens = lens_from_straight_edges(picture, corners, NEAR_REACH_SHARE)
+            lens = lens_from_straight_edges(picture, corners, NARROW_SEARCH_RANGE_SHARE)
         curves = _curves(corners, lens)
         if converged:
             break
@@ -201,7 +201,7 @@ def _skew(corners_px: Float, lens: Lens, corners_m: Float) -> Float:
     plane = (rays[:, :2] / rays[:, 2:]).reshape(-1, 4, 2)
     skew = np.full(len(plane), np.nan)
     for i in np.flatnonzero(np.isfinite(plane).all(axis=(1, 2))):
-        first, second = four_point_homography(corners_m[:, :2], plane[i]).T[:2]
+        first, second = homography_from_four_points(corners_m[:, :2], plane[i]).T[:2]
         lengths = np.linalg.norm(first), np.linalg.norm(second)
         cosine = float(first @ second) / (lengths[0] * lengths[1])
         skew[i] = np.hypot(cosine, np.log(lengths[0] / lengths[1]))
@@ -249,7 +249,7 @@ def _rim(
     for curve in curves:
         toward = curve.normal_px * (middle - curve.points_px)
         side = np.sign(np.sum(toward)) * (1 if inside else -1)
-        lines = find_lines(picture, curve, WIDE_REACH_SHARE * picture.shape[1])
+        lines = find_lines(picture, curve, WIDE_SEARCH_RANGE_SHARE * picture.shape[1])
         candidates.append([e for e in lines if np.all(side * e.ends_px > 2.0)])
     best = min(
         product(*candidates), default=None,

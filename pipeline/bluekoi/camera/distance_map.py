@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from .distances import Distances
 from .pool import PoolCamera
+from .rigid_distances import Distances
 
 MAP_CELLS = (8, 5)
 

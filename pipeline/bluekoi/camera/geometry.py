@@ -15,14 +15,6 @@ from ..data import Float, Positions
 from ..errors import InputError
 from ..study import Robot
 from .distance_map import DistanceMap, distance_map
-from .distances import (
-    Distances,
-    Geometry,
-    camera_patterns,
-    keypoint_patterns,
-    rigid_distances,
-    without_error,
-)
 from .geometry_hypotheses import (
     HYPOTHESES,
     SYSTEMATIC_SHARE,
@@ -30,10 +22,18 @@ from .geometry_hypotheses import (
     HypothesisFit,
     fit_hypothesis,
 )
-from .length_windows import windowed
+from .length_windows import window_means
 from .pool import PoolCamera
+from .rigid_distances import (
+    Distances,
+    Geometry,
+    camera_patterns,
+    keypoint_patterns,
+    rigid_distances,
+    without_error,
+)
 
-FALSE_ALARM = 0.001
+FALSE_ALARM_PROBABILITY = 0.001
 RIVAL_LOG_LIKELIHOOD_MARGIN = 6.0
 LENS_ITERATIONS = 4
 """Gauss-Newton steps for a large error of the lens; the gain is that of the one before last."""
@@ -119,7 +119,7 @@ def check_distances(
         mean_excess_std=std,
         map=distance_map(geometry.camera, distances, predicted),
         by_trial=_by_trial(distances, predicted),
-        windows=windowed(distances),
+        windows=window_means(distances),
     )
 
 
@@ -127,7 +127,9 @@ def _best(
     fits: list[HypothesisFit], given: Sequence[str]
 ) -> tuple[HypothesisFit | None, tuple[str, ...]]:
     """The fit to name, if any, and the names that explain the distances as well."""
-    significant = [f for f in fits if f.detectable and f.p_value < FALSE_ALARM / len(fits)]
+    significant = [
+        f for f in fits if f.detectable and f.p_value < FALSE_ALARM_PROBABILITY / len(fits)
+    ]
     best = next(iter([f for f in significant if f.plausible] or significant), None)
     if best is None:
         return None, ()

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ..data import Float
-from .distances import Distances
+from .rigid_distances import Distances
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from .distances import LENGTH_STD_SHARE
+from .rigid_distances import LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
 """Standard errors by which a length must be off for a warning."""
-MIN_LENGTH_ERROR = 2 * LENGTH_STD_SHARE
+MIN_LENGTH_ERROR_SHARE = 2 * LENGTH_STD_SHARE
 """Differences below twice the accuracy to which lengths are measured are no reason to warn."""
 CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
 """Hypotheses of the geometry check that are an error of the camera."""
@@ -46,7 +46,7 @@ def _of_another_size(geometry: Mapping[str, Any], named: set[str]) -> Iterator[s
     if scale is None or std is None:
         return
     off = float(scale) - 1.0
-    if abs(off) < max(MIN_LENGTH_ERROR, WARN_ABOVE_SIGMAS * float(std)) or named & set(
+    if abs(off) < max(MIN_LENGTH_ERROR_SHARE, WARN_ABOVE_SIGMAS * float(std)) or named & set(
         SCALE_CAUSES
     ):
         return
@@ -71,7 +71,7 @@ def _by_pattern(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
 def _of_trials(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     names = list(by_trial)
     shares, stds = (np.array([by_trial[n][key] for n in names]) for key in ("excess", "std"))
-    for name, off in zip(names, differing(shares, stds), strict=True):
+    for name, off in zip(names, deviations_from_majority(shares, stds), strict=True):
         if off:
             yield (
                 f"Trial {name}: the robot's rigid lengths come out {100 * off:+.1f} % against the "
@@ -80,7 +80,7 @@ def _of_trials(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
             )
 
 
-def differing(shares: Float, stds: Float) -> Float:
+def deviations_from_majority(shares: Float, stds: Float) -> Float:
     """Difference (n,) of each trial's share from most trials', 0 where it is within the scatter.
 
     Centre and scatter are those of the shortest interval with half of the trials (least median of
@@ -98,7 +98,8 @@ def differing(shares: Float, stds: Float) -> Float:
     scatter = float(widths[at]) / NORMAL_IQR_STDS * (1 + 5 / (n - 1))
     off = shares - centre
     return np.where(
-        np.abs(off) > np.maximum(MIN_LENGTH_ERROR, WARN_ABOVE_SIGMAS * np.hypot(scatter, stds)),
+        np.abs(off)
+        > np.maximum(MIN_LENGTH_ERROR_SHARE, WARN_ABOVE_SIGMAS * np.hypot(scatter, stds)),
         off,
         0.0,
     )

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from .distances import Distances
+from .rigid_distances import Distances
 
 WINDOW_S = 0.5
 """Duration in which a robot moves by a fifth of a metre and turns by less than a radian."""
 MAX_WINDOWS = 6000
-DECIMALS = 7  # a tenth of a micrometre
+STORED_DECIMALS = 7  # a tenth of a micrometre
 
 
-def windowed(distances: Distances) -> Distances:
+def window_means(distances: Distances) -> Distances:
     """Means of distances over windows of one pair in one trial; std_m (n,): of each mean, frames
     taken as independent.
     """
@@ -46,7 +46,7 @@ def _window_of(distances: Distances, step_s: float) -> Float:
 
 def to_columns(windows: Distances) -> dict[str, Any]:
     """Windows as columns of a json object."""
-    return {f.name: np.round(getattr(windows, f.name), DECIMALS) for f in fields(Distances)}
+    return {f.name: np.round(getattr(windows, f.name), STORED_DECIMALS) for f in fields(Distances)}
 
 
 def from_columns(columns: Mapping[str, Any]) -> Distances:

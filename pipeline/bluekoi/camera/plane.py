@@ -11,7 +11,7 @@ from .pool import PoolCamera, transformed
 from .refraction import apparent_points
 from .resection import CORNER_ORDERS, diagonal_px, pose, rms
 
-ASSUMED_K1 = -0.2
+ASSUMED_DISTORTION_K1 = -0.2
 """Radial distortion of a usual wide lens, by which the error of a homography is estimated."""
 MIN_CAMERA_HEIGHT_M = 1.0
 """Height of the camera for which the cost of leaving out refraction is stated."""
@@ -21,7 +21,7 @@ START_FOCAL_SHARES = (0.4, 0.5, 0.65, 0.85, 1.1, 1.5, 2.2)
 """Focal lengths, over the picture's width, from which the pose is searched."""
 MAX_MISFIT_SHARE = 0.04
 """Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
-WITHOUT_MATRIX = "camera without a matrix"
+NO_MATRIX_REMARK = "camera without a matrix"
 """Beginning of the remark on such a camera."""
 
 
@@ -35,8 +35,8 @@ def plane_camera(
     plane seen from `MIN_CAMERA_HEIGHT_M` above the pool's middle, plus that of a lens with
     k1 = -0.2 (an action camera's wide mode) whose corners were fitted.
     """
-    to_plane = four_point_homography(corners_px, corners_m[:, :2])
-    depth, lens = depth_bound_m(corners_m, index, depth_m), lens_bound_m(corners_m)
+    to_plane = homography_from_four_points(corners_px, corners_m[:, :2])
+    depth, lens = depth_error_bound_m(corners_m, index, depth_m), lens_error_bound_m(corners_m)
     size = size_px or _covering(corners_px)
     _check_order(corners_px, corners_m, size)
     return PoolCamera(
@@ -49,7 +49,7 @@ def plane_camera(
         homography=to_plane,
         bound_m=depth + lens,
         remarks=(
-            f"{WITHOUT_MATRIX}: mapped by homography from the pool corners alone, so "
+            f"{NO_MATRIX_REMARK}: mapped by homography from the pool corners alone, so "
             "refraction, the keypoints' depth and lens distortion are not corrected; places may "
             f"be off by up to {1000 * depth:.0f} mm from depth ({1000 * depth_m:.0f} mm, "
             f"camera {MIN_CAMERA_HEIGHT_M:g} m up) and {1000 * lens:.0f} mm from an action "
@@ -58,7 +58,7 @@ def plane_camera(
     )
 
 
-def depth_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
+def depth_error_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
     """Largest error, m, of taking a point so far down for one on the surface, camera 1 m up."""
     grid = _grid(corners_m, -depth_m)
     middle = corners_m[:, :2].mean(axis=0)
@@ -67,19 +67,19 @@ def depth_bound_m(corners_m: Float, index: float, depth_m: float) -> float:
     return float(np.max(np.linalg.norm(seen[:, :2] - grid[:, :2], axis=1)))
 
 
-def lens_bound_m(corners_m: Float) -> float:
+def lens_error_bound_m(corners_m: Float) -> float:
     """Largest error, m, inside the pool of a homography fitted to corners seen with k1 = -0.2.
 
     The pool fills the view of a camera as high as half its length, as an overhead one must.
     """
     length = float(corners_m[2, 0])
-    lens = Lens("pinhole", np.eye(3), np.array([ASSUMED_K1, 0, 0, 0]), (1, 1))
+    lens = Lens("pinhole", np.eye(3), np.array([ASSUMED_DISTORTION_K1, 0, 0, 0]), (1, 1))
     middle = corners_m.mean(axis=0)
     turn, height = np.diag([1.0, -1.0, -1.0]), max(MIN_CAMERA_HEIGHT_M, length / 2)
     shift = -turn @ (middle + np.array([0, 0, height]))
     grid = _grid(corners_m, float(middle[2]))
     image, marks = (pixels(lens, points @ turn + shift) for points in (grid, corners_m))
-    back = four_point_homography(marks, corners_m[:, :2])
+    back = homography_from_four_points(marks, corners_m[:, :2])
     return float(np.max(np.linalg.norm(transformed(back, image) - grid[:, :2], axis=1)))
 
 
@@ -91,7 +91,7 @@ def _grid(corners_m: Float, z: float) -> Float:
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, z)])
 
 
-def four_point_homography(source: Float, target: Float) -> Float:
+def homography_from_four_points(source: Float, target: Float) -> Float:
     """The homography through four pairs of points, solved in double precision."""
     rows = []
     for (u, v), (x, y) in zip(source, target, strict=True):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..data import Float
-from .plane import four_point_homography
+from .plane import homography_from_four_points
 from .pool import PoolCamera, project, to_pool
 from .resection import pose_near
 
@@ -49,7 +49,7 @@ def _neighbours(camera: PoolCamera) -> Iterator[PoolCamera]:
 
 def _refitted(camera: PoolCamera) -> PoolCamera:
     if camera.lens is None or camera.rotation is None or camera.translation is None:
-        plane = four_point_homography(camera.corners_px, camera.corners_m[:, :2])
+        plane = homography_from_four_points(camera.corners_px, camera.corners_m[:, :2])
         return replace(camera, homography=plane)
     rotation, translation, residuals = pose_near(
         camera.lens,

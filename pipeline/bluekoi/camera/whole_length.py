@@ -9,26 +9,26 @@ import numpy as np
 from ..data import Float, Positions, confident
 from ..errors import input_error
 from ..study import Robot
-from .distances import LENGTH_STD_SHARE, Distances, Geometry, pixels_of, robust_std
+from .rigid_distances import LENGTH_STD_SHARE, Distances, Geometry, pixels_of, robust_std
 
 WHOLE_LENGTH = "whole length"
 """`measured` in geometry.json, where it replaces the rigid distances."""
 END_PARTS = ("head_tip", "tail_tip")
 """Parts between which the whole length is measured."""
-PARTS_TO_TRUST = ("head_tip", "hinge", "core_center")
+REQUIRED_CONFIDENT_PARTS = ("head_tip", "hinge", "core_center")
 """Parts whose likelihood decides whether a frame is used. Not the tail: its likelihood is lower
 where the tail is shorter than stated.
 """
-PAIR_NUMBER = 3.0
-"""Number of this pair, after those of `distances.PAIRS`; no keypoint bias changes it."""
+WHOLE_LENGTH_PAIR = 3.0
+"""Number of this pair, after those of `RIGID_PAIRS`; no keypoint bias changes its length."""
 END_ERROR_PX, BLUR_ERROR_SHARE = 0.5, 0.8
 """Systematic error of an end, px, and as a share of the frames' spread by motion blur
 (docs/measuring.md).
 """
-TRIAL_LENGTH_STD = 0.003
+TRIAL_LENGTH_STD_SHARE = 0.003
 """Relative error common to all frames of a trial."""
 MIN_SHARP_TRIALS = 3
-MAX_LENGTH_SPREAD = 0.006
+MAX_LENGTH_STD_SHARE = 0.006
 """Relative spread of the length over the frames; with more, the exposure was so long that the
 tail has no visible end.
 """
@@ -78,13 +78,13 @@ def _of_trial(
 ) -> dict[str, Float] | None:
     frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
     front, back = (positions.part(name)[frames] for name in END_PARTS)
-    body = [positions.names.index(name) for name in PARTS_TO_TRUST]
+    body = [positions.names.index(name) for name in REQUIRED_CONFIDENT_PARTS]
     good = confident(positions.likelihood[frames][:, body]).all(axis=1)
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
     if good.sum() < MIN_SHARP_FRAMES:
         return None
     std, near = robust_std(ratio, good)
-    if std > MAX_LENGTH_SPREAD:
+    if std > MAX_LENGTH_STD_SHARE:
         return None
     good &= near
     n = int(good.sum())
@@ -95,7 +95,7 @@ def _of_trial(
         "std_m": np.full(n, _frame_std(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
-        "pair": np.full(n, PAIR_NUMBER),
+        "pair": np.full(n, WHOLE_LENGTH_PAIR),
         "bend_rad": np.zeros(n),
         "time_s": positions.time_s[frames][good] - positions.time_s[0],
     }
@@ -103,4 +103,6 @@ def _of_trial(
 
 def _frame_std(std: float, frames: int) -> float:
     """Standard deviation of one frame for which all frames together have that of their trial."""
-    return float(np.sqrt(std**2 + frames * (TRIAL_LENGTH_STD**2 + (BLUR_ERROR_SHARE * std) ** 2)))
+    return float(
+        np.sqrt(std**2 + frames * (TRIAL_LENGTH_STD_SHARE**2 + (BLUR_ERROR_SHARE * std) ** 2))
+    )

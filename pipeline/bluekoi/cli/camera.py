@@ -74,7 +74,7 @@ def pool(
     found with certainty and confirm the corners given.
     """
     from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
-    from ..camera.rulers import ruled_picture  # noqa: PLC0415
+    from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
     from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
 
     _spare(out, (".png",), (frame,) if frame else ())
@@ -84,7 +84,7 @@ def pool(
     if lacks_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)
-        sentences = ruled_picture(_picture(source or study / "trials.csv"), out)
+        sentences = frame_with_pixel_grid(_picture(source or study / "trials.csv"), out)
     else:
         loaded = load_study(study)
         if trial_id is not None:

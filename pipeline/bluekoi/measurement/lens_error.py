@@ -5,7 +5,7 @@
 rho is the distance from c, where the lens axis meets the water; k is the radial part and (p_x, p_y)
 the tangential one, of a lens whose elements are not in line. The camera pose was fitted to the
 pool corners and compensates part of the error; Q and a describe that part. Q, a and c are computed
-from the study's own camera with another first coefficient (camera/displacement.py); there q = 1.
+from the camera of the study with another first coefficient (camera/error_displacement.py), q = 1.
 Of the tangential distortion 2 p.d d + rho^2 p, the pose compensates the first term, a tilt.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).

@@ -2,7 +2,7 @@
 
 For a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears closer to
 that point: seen = true - k (true - c) (1 + q b rho^2), with b from the height of the camera and the
-index stated (camera/displacement.py), q = 1 where either index or depth is wrong.
+index stated (camera/error_displacement.py), q = 1 where either index or depth is wrong.
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
 

@@ -1,15 +1,15 @@
 """When simulation and recordings differ: is it real, where, what was left out, does it help."""
 
-from .find import Found, find_mismatch
+from .find import MismatchResult, find_mismatch
 from .free_run_errors import PathErrors, path_errors
-from .locate import Dependence, dependences, folds
+from .missing_force_dependence import Dependence, condition_folds, dependences
 
 __all__ = [
     "Dependence",
-    "Found",
+    "MismatchResult",
     "PathErrors",
+    "condition_folds",
     "dependences",
     "find_mismatch",
-    "folds",
     "path_errors",
 ]

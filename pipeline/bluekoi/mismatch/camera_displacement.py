@@ -22,18 +22,22 @@ from ..fitting.filtering import STEP_S, with_noise
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
 
-CAMERA_SHIFT, TIME, RELATIVE = "camera_shift", "t_shift", ("x_shift", "y_shift")
-DIRECTIONS = ("dx", "dy")
-STEP_M = 1e-3
+CAMERA_SHIFT, TIME_CONSTANT, RELATIVE_SIZE_CONSTANTS = (
+    "camera_shift",
+    "t_shift",
+    ("x_shift", "y_shift"),
+)
+STRENGTH_PARAMETERS = ("dx", "dy")
+DERIVATIVE_STEP_M = 1e-3
 CHI2_MEDIAN = 1.386
 """Median of chi-squared with two degrees of freedom."""
-PRIOR = 0.03
+PRIOR_PROBABILITY = 0.03
 """Probability that the camera was displaced in a study, as of any other cause."""
 TAIL_FACTOR = 1.5
 """Largest lambda of 290 recordings without a displacement, 31, over that of chi-squared in as many
 moments, 2 log(29,000): prediction errors have longer tails than a normal distribution.
 """
-LAUNCH_S = 0.8
+IGNORED_START_S = 0.8
 """Duration after a trial's start in which all paths bend at once, so that missing physics looks
 like a displacement: a motor that spins up, beside three other causes, reached lambda = 105.
 """
@@ -73,7 +77,7 @@ def detect_displacements(
     out = []
     for (one, _, _), (ratio, size) in zip(long, glr, strict=True):
         k = int(np.argmax(ratio))
-        threshold = 2.0 * (TAIL_FACTOR * np.log(len(long) * len(ratio)) - np.log(PRIOR))
+        threshold = 2.0 * (TAIL_FACTOR * np.log(len(long) * len(ratio)) - np.log(PRIOR_PROBABILITY))
         if ratio[k] / median > threshold:
             out.append(CameraDisplacement(one.name, float(_moments(one)[k]), size[k],
                                           float(ratio[k] / median), len(ratio)))  # fmt: skip
@@ -85,7 +89,7 @@ def with_displacements(
 ) -> list[Series]:
     """The trials with the time of their displacement, and its size relative to the most certain."""
     names, known = kernel.system.constants, {d.trial: d for d in found}
-    slots = [names.index(name) for name in (TIME, *RELATIVE)]
+    slots = [names.index(name) for name in (TIME_CONSTANT, *RELATIVE_SIZE_CONSTANTS)]
     largest = max(found, key=lambda d: d.likelihood_ratio, default=None)
     out = []
     for one in series:
@@ -100,7 +104,7 @@ def with_displacements(
 def _moments(one: Series) -> Float:
     """Middles between frames, not too near the ends, after the launch."""
     middles = 0.5 * (one.times[3:-3] + one.times[4:-2])
-    later = middles[middles > one.times[0] + LAUNCH_S]
+    later = middles[middles > one.times[0] + IGNORED_START_S]
     return later if len(later) else middles
 
 
@@ -111,7 +115,7 @@ def _level_shift_glr(
     moments = _moments(one)
     seen = _displaced(kernel, one, values, filtered, noise=noise, moments=moments)
     base = seen[:, :, :1]
-    J = filtered.roots @ ((seen[:, :, 1:] - base) / STEP_M)  # (n, o, 2 moments)
+    J = filtered.roots @ ((seen[:, :, 1:] - base) / DERIVATIVE_STEP_M)  # (n, o, 2 moments)
     e = (filtered.roots @ np.nan_to_num(one.seen[:, :, None] - base))[:, :, 0]
     J = J.reshape(*J.shape[:2], len(moments), 2)
     H = np.einsum("nomi,nomj->mij", J, J) + 1e-9 * np.eye(2)
@@ -133,10 +137,10 @@ def _displaced(
     state = np.repeat(np.repeat(one.mean[:, None], LANES, axis=1)[None], count, axis=0)
     for b, group in enumerate(groups):
         for i, moment in enumerate(group):
-            for k, direction in enumerate(DIRECTIONS):
+            for k, direction in enumerate(STRENGTH_PARAMETERS):
                 lane = 1 + 2 * i + k
-                parameters[b, system.slot[f"{CAMERA_SHIFT}.{direction}"], lane] += STEP_M
-                constants[b, system.constants.index(TIME), lane] = moment
+                parameters[b, system.slot[f"{CAMERA_SHIFT}.{direction}"], lane] += DERIVATIVE_STEP_M
+                constants[b, system.constants.index(TIME_CONSTANT), lane] = moment
     tiled = [np.repeat(a[None], count, axis=0) for a in (one.times, one.inputs,
              np.nan_to_num(one.seen), filtered.gains)]  # fmt: skip
     seen, _ = propagate(kernel, state, parameters, constants, times=tiled[0], inputs=tiled[1],

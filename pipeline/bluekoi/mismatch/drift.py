@@ -19,9 +19,9 @@ import numpy as np
 from ..data import Float
 from ..fitting import Noise, Series, filter_all
 from ..integrate import Kernel
-from .camera_displacement import PRIOR, STEP_M, TAIL_FACTOR
+from .camera_displacement import DERIVATIVE_STEP_M, PRIOR_PROBABILITY, TAIL_FACTOR
 
-FALSE_ALARM = 1e-4
+FALSE_ALARM_PROBABILITY = 1e-4
 """Significance of Fisher's test. Physics is missing in more than one way, so that the rate is
 higher than stated: `python -m validation drift` has it, 1 of 99 studies of nine generators."""
 MIN_TRIALS = 3
@@ -58,35 +58,44 @@ def drifting_trial(
     """
     if len(series) < MIN_TRIALS:
         return None
-    found = drifts(kernel, series, values, noise)
+    found = drift_by_trial(kernel, series, values, noise)
     ratios = np.array([d.likelihood_ratio for d in found])
-    least = 2.0 * (TAIL_FACTOR * np.log(len(found)) - np.log(PRIOR))
-    if ratios.max() > least and p_value(ratios) < FALSE_ALARM:
+    least = 2.0 * (TAIL_FACTOR * np.log(len(found)) - np.log(PRIOR_PROBABILITY))
+    if ratios.max() > least and fisher_p_value(ratios) < FALSE_ALARM_PROBABILITY:
         return found[int(np.argmax(ratios))]
     return None
 
 
-def drifts(
+def drift_by_trial(
     kernel: Kernel, series: Sequence[Series], values: Sequence[Float], noise: Noise
 ) -> list[Drift]:
     """The likeliest drift of each trial."""
 
     def errors(step: tuple[float, float]) -> list[Float]:
-        shown = [with_drift(one, np.array(step)) for one in series]
+        shown = [add_drift(one, np.array(step)) for one in series]
         return [f.innovations.ravel() for f in filter_all(kernel, shown, values, noise)]
 
-    each = zip(series, errors((0, 0)), errors((STEP_M, 0)), errors((0, STEP_M)), strict=True)
-    return [_drift(one.name, e, np.column_stack([x - e, y - e]) / STEP_M) for one, e, x, y in each]
+    each = zip(
+        series,
+        errors((0, 0)),
+        errors((DERIVATIVE_STEP_M, 0)),
+        errors((0, DERIVATIVE_STEP_M)),
+        strict=True,
+    )
+    return [
+        _drift(one.name, e, np.column_stack([x - e, y - e]) / DERIVATIVE_STEP_M)
+        for one, e, x, y in each
+    ]
 
 
-def p_value(ratios: Float) -> float:
+def fisher_p_value(ratios: Float) -> float:
     """Probability of a largest ratio (n,) as large beside the others, by Fisher's test."""
     n, total = len(ratios), float(ratios.sum())
     share = float(ratios.max()) / total if total > 0 else 0.0
     return min(1.0, n * (1.0 - share) ** (n - 1))
 
 
-def with_drift(one: Series, size_m: Float) -> Series:
+def add_drift(one: Series, size_m: Float) -> Series:
     """A trial whose picture drifts evenly to a displacement (2,) m at its end."""
     since = one.times - one.times[0]
     seen = one.seen.copy()

@@ -41,10 +41,10 @@ from ..tuning import Tuned, downsampled, steady_errors, tune
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
 from .drift import Drift, drifting_trial
 from .free_run_errors import path_errors
-from .locate import Dependence, covariates, dependences
+from .missing_force_dependence import Dependence, covariates, dependences
 from .robot_problem import robot_problem
 
-MIN_UNIT = 0.1
+MIN_FORCE_UNIT_RATIO = 0.1
 
 
 SEARCH_RATE_HZ = 5.0
@@ -54,7 +54,7 @@ time is half that of ten. The chosen set is fitted to ten.
 
 
 @dataclass(frozen=True)
-class Found:
+class MismatchResult:
     """Everything the finder found; `results_json.mismatch_json` writes it.
 
     posterior: over sets of causes, on the trials to fit. named: causes, the one that explains most
@@ -92,8 +92,8 @@ def find_mismatch(
     steady: Mapping[str, Steady],
     *,
     progress: Callable[[str], None],
-) -> Found:
-    """`Found` for the measured trials of a study."""
+) -> MismatchResult:
+    """`MismatchResult` for the measured trials of a study."""
     kernel = compiled(plates())
     held_out = held_out_trials(study, [s.name for s in series])
     progress("baseline")
@@ -119,7 +119,7 @@ def find_mismatch(
     best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
     final = without_discrepancy(replace(problem, series=tuple(train)), best.model)
     final = final if final.usable else without_discrepancy(problem, best.model)
-    extended = tuned_model(baseline, final) if best.causes else baseline
+    extended = with_between_trial_covariance(baseline, final) if best.causes else baseline
     progress("missing force")
     models = {"baseline": baseline, "extended": extended}
     by_paths = trajectory_fit(kernel, train, baseline)
@@ -143,7 +143,7 @@ def find_mismatch(
         errors["extended"] = errors["baseline"]
     gains = {c.name: gain(found.sets, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
-    return Found(
+    return MismatchResult(
         verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
         unexplained=unexplained, model=final, gains=gains, baseline=baseline,
         extended=extended, fitted_to=fitted_to, forces=forces, dependences=depends,
@@ -161,18 +161,18 @@ def _moved_pictures(
     return detect_displacements(*fitted), drifting_trial(*fitted)
 
 
-SINGLE_TRIAL_FACTOR = 2.0
+SINGLE_TRIAL_VARIANCE_FACTOR = 2.0
 """Trials cannot disagree on a number that one of them alone informs on: its naive variance counts
 twice, the overdispersion above which the report warns."""
 
 
-def tuned_model(baseline: Tuned, model: FittedSet) -> Tuned:
+def with_between_trial_covariance(baseline: Tuned, model: FittedSet) -> Tuned:
     """A fitted set with covariances from how its trials disagree."""
     free = unconstrained(model)
     spread = cluster_covariance(model.fit.normal, free)
     cov, df = spread.cov.copy(), spread.df.copy()
     alone = np.flatnonzero(free & (df == 0))  # one trial informs on it: its naive variance
-    naive = SINGLE_TRIAL_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
+    naive = SINGLE_TRIAL_VARIANCE_FACTOR * np.diag(inverse_fisher(model.fit.normal, free))
     cov[alone, alone] = np.maximum(cov[alone, alone], naive[alone])
     df[alone] = max(len(model.fit.normal.hessian) - 1, 1)
     return Tuned(model.fit, model.noise, cov, baseline.base, df, None)
@@ -207,7 +207,9 @@ def _missing_force_and_dependences(
     forces = missing_force(kernel, series, values, baseline.noise)
     trials = {t.trial_id: t for t in study.trials}
     count = forces[0].force.shape[1]
-    units = np.maximum(extended.noise.disturbance, MIN_UNIT * baseline.noise.disturbance)[:count]
+    units = np.maximum(
+        extended.noise.disturbance, MIN_FORCE_UNIT_RATIO * baseline.noise.disturbance
+    )[:count]
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     return forces, dependences(series, shown, covariates(series, forces, trials), units)
@@ -220,15 +222,15 @@ def verdict_of(kernel: Kernel, named: Sequence[Named], unexplained: float) -> st
     return kernel.system.effect(named[0].name).kind if named else "none"
 
 
-COMPARABLE = 0.5
+MAX_RANDOM_FORCE_SHARE = 0.5
 """Share of the thrust above which random forces are called comparable to it."""
-OVERDISPERSED = 2.0
+MAX_OVERDISPERSION = 2.0
 
 
 def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> list[str]:
     """Sentences on signs that the model does not describe its trials."""
     out = []
-    if (c := best.overdispersion) > OVERDISPERSED:
+    if (c := best.overdispersion) > MAX_OVERDISPERSION:
         out.append(
             f"The parameters differ between trials {c:.1f} times more (in variance) than their "
             "standard errors allow: something is missing that this model does not describe."
@@ -240,7 +242,7 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> lis
     names = ("surge", "sway", "yaw")
     mean = _main_forces(kernel, train, best)
     for name, force, main, t, bound in zip(names, forces, mean, tau, upper, strict=False):
-        if force > COMPARABLE * main:
+        if force > MAX_RANDOM_FORCE_SHARE * main:
             at = " with a correlation time at its bound" if t >= 0.99 * bound else ""
             out.append(f"The random {name} force is comparable to the main force{at}: "
                        "laws may hide in it.")  # fmt: skip

@@ -30,15 +30,15 @@ from ..study import Study
 from ..tuning import Tuned
 from ..tuning.stability import predictability_horizon_s
 
-FLOOR_SEED = 20240517
-FLOOR_DRAWS = 3
-FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
+NOISE_FLOOR_SEED = 20240517
+NOISE_FLOOR_DRAWS = 3
+RANDOM_FORCE_SCALES = (0.06, 0.12, 0.25, 0.5, 2.0)
 """Factors on a random force that are tried for each segment."""
 MAX_STD_RATIO = 5.0
 """Where a keypoint was off for a frame, the track states 20 to 40 mm instead of 0.4: one such frame
 must not make up half of the error of six paths.
 """
-STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
+PARABOLA_STATE_STD = np.array([0.1, 0.1, 0.1, 0.2, 0.2, 1.0])
 """Standard deviations of a state estimated from nearby frames: m, m, rad, m/s, m/s, rad/s; of the
 position as much as the centre of mass may be off the keypoint."""
 
@@ -63,7 +63,7 @@ def path_errors(
     longest = max(float(s.times[-1] - s.times[0]) for s in series)
     last = list(models.values())[-1]
     horizon = min(longest, predictability_horizon_s(study, kernel, last, series))
-    segments = {n: segments_of(kernel, tuned, series, horizon) for n, tuned in models.items()}
+    segments = {n: trial_segments(kernel, tuned, series, horizon) for n, tuned in models.items()}
     rmse = {name: _rmse(kernel, tuned, segments[name]) for name, tuned in models.items()}
     floors = _bootstrap_errors(kernel, last, list(segments.values())[-1])
     floor = float(np.sqrt(np.mean(np.square(floors))))
@@ -72,18 +72,18 @@ def path_errors(
 
 def _bootstrap_errors(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> list[float]:
     """Path errors of a model on data made by itself, segment by segment, m."""
-    rng, values = np.random.default_rng(FLOOR_SEED), tuned.trial_values(kernel, segments)
+    rng, values = np.random.default_rng(NOISE_FLOOR_SEED), tuned.trial_values(kernel, segments)
     runs = free_runs(kernel, segments, values)
     starts = np.array([np.where(np.isfinite(run.start), run.start, one.mean)
                        for one, run in zip(segments, runs, strict=True)])  # fmt: skip
     noises = threaded_map(lambda job: segment_noise(kernel, job[0], job[1], tuned.noise),
                   list(zip(segments, values, strict=True)))  # fmt: skip
     draws = [parametric_bootstrap(kernel, segments, values, noises, starts, rng)
-             for _ in range(FLOOR_DRAWS)]  # fmt: skip
+             for _ in range(NOISE_FLOOR_DRAWS)]  # fmt: skip
     return [_rmse(kernel, tuned, draw) for draw in draws]
 
 
-def segments_of(
+def trial_segments(
     kernel: Kernel, tuned: Tuned, series: Sequence[Series], horizon_s: float
 ) -> list[Series]:
     """Segments of all trials; the states of effects (a lag, a servo) start at the values that the
@@ -93,7 +93,7 @@ def segments_of(
     filtered = filter_all(kernel, series, tuned.trial_values(kernel, series), tuned.noise)
     out = []
     for one, result in zip(series, filtered, strict=True):
-        for segment in cut(one, horizon_s):
+        for segment in cut_into_segments(one, horizon_s):
             frame = int(np.searchsorted(one.times, segment.times[0]))
             mean = segment.mean.copy()
             mean[slots] = result.filtered[frame, slots] if frame else mean[slots]
@@ -108,7 +108,7 @@ def _effect_states(kernel: Kernel) -> list[int]:
     return [k for k in range(first, count) if k not in random]
 
 
-def cut(series: Series, horizon_s: float) -> list[Series]:
+def cut_into_segments(series: Series, horizon_s: float) -> list[Series]:
     """A trial cut into equal segments not longer than `horizon_s`; the first keeps its start."""
     length = float(series.times[-1] - series.times[0])
     count = max(1, int(np.ceil(length / horizon_s - 1e-6)))
@@ -121,7 +121,7 @@ def _segment(series: Series, first: int, last: int) -> Series:
         return series.frames(first, last)
     mean, cov = series.mean.copy(), series.cov.copy()
     mean[:6] = _state_at(series, first)
-    cov[np.arange(6), np.arange(6)] = STATE_STD**2
+    cov[np.arange(6), np.arange(6)] = PARABOLA_STATE_STD**2
     return replace(series.frames(first, last), mean=mean, cov=cov)
 
 
@@ -141,7 +141,7 @@ def _state_at(series: Series, frame: int) -> Float:
 def _rmse(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> float:
     """Root mean square distance between seen and simulated over all segments, m."""
     runs = free_runs(kernel, segments, tuned.trial_values(kernel, segments))
-    precise = precisely_seen(segments)
+    precise = precisely_seen_frames(segments)
     squares = [np.sum((p.seen[:, :2] - run.observed[:, :2]) ** 2, axis=1)[frames]
                for p, run, frames in zip(segments, runs, precise, strict=True)]  # fmt: skip
     known = np.concatenate(squares)
@@ -149,7 +149,7 @@ def _rmse(kernel: Kernel, tuned: Tuned, segments: Sequence[Series]) -> float:
     return float(np.sqrt(known.mean())) if len(known) else float("nan")
 
 
-def precisely_seen(segments: Sequence[Series]) -> list[np.ndarray]:
+def precisely_seen_frames(segments: Sequence[Series]) -> list[np.ndarray]:
     """Frames (n,) of each segment that are seen, with a position std of at most `MAX_STD_RATIO`
     times the median of the trial.
     """
@@ -173,7 +173,7 @@ def segment_noise(kernel: Kernel, one: Series, values: Float, noise: Noise) -> N
     slots = disturbance_slots(kernel)[: len(noise.disturbance)]
     best, likelihood = noise, filter_series(kernel, one, values, noise).log_likelihood
     for k in (k for k, slot in enumerate(slots) if slot in acting):
-        for scale in FORCE_SCALES:
+        for scale in RANDOM_FORCE_SCALES:
             disturbance = best.disturbance.copy()
             disturbance[k] = scale * noise.disturbance[k]
             candidate = Noise(disturbance, noise.tau, noise.scale)

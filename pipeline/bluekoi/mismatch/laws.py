@@ -15,13 +15,13 @@ from ..integrate import Kernel
 from ..study import Trial
 from ..tuning import Tuned
 from ..tuning.joint import Z_95
-from .locate import CHANNELS, covariates
+from .missing_force_dependence import CHANNELS, covariates
 
-BINS, MIN_IN_BIN = 15, 3
-PARTS = 8
+BIN_COUNT, MIN_FRAMES_PER_BIN = 15, 3
+TRIAL_PARTS = 8
 """Parts of a trial over which its partial residuals are averaged."""
-UNITS = ("N", "N", "N m")
-OWN: Mapping[str, tuple[str, ...]] = {
+CHANNEL_UNITS = ("N", "N", "N m")
+VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
     "angle of attack": ("angle_of_attack_rad",),
     "beat": ("flap_hz",),
     "drift": ("sway_speed_m_s",),
@@ -37,7 +37,7 @@ OWN: Mapping[str, tuple[str, ...]] = {
     "turn": ("yaw_rate_rad_s",),
 }
 """`VARIABLES` of an effect -> variables over which its law is drawn."""
-STEP = 0.1
+DERIVATIVE_STEP_STDS = 0.1
 """Step of the derivatives with respect to a parameter, in its standard deviations."""
 
 
@@ -107,7 +107,7 @@ def partial_residuals(
 
 
 def _part_means(values: Float) -> Float:
-    return np.array([part.mean() for part in np.array_split(values, min(PARTS, len(values)))])
+    return np.array([part.mean() for part in np.array_split(values, min(TRIAL_PARTS, len(values)))])
 
 
 def _law(
@@ -121,9 +121,13 @@ def _law(
     y = every[:, channel]
     if not np.isfinite(y).all() or np.ptp(y) == 0.0:
         return None
-    named = {v for kind in kernel.system.effect(name).variables for v in OWN.get(kind, ())}
+    named = {
+        v
+        for kind in kernel.system.effect(name).variables
+        for v in VARIABLES_OF_EFFECT.get(kind, ())
+    }
     binned = {v: b for v, x in over.items()
-              if (v in named or not named) and (b := bins(x)) is not None}  # fmt: skip
+              if (v in named or not named) and (b := equal_count_bins(x)) is not None}  # fmt: skip
     shares = {v: _explained(b, y) for v, b in binned.items()}
     if not shares:
         return None
@@ -133,7 +137,7 @@ def _law(
     half = _half_width(tuned, own, lambda at: grid.means(force(at)[:, channel]), mean)
     law: dict[str, Any] = {
         "variable": variable, "x": grid.x, "y": mean, "channel": CHANNELS[channel],
-        "y_unit": UNITS[channel], "explained": shares[variable], "low": [], "high": [],
+        "y_unit": CHANNEL_UNITS[channel], "explained": shares[variable], "low": [], "high": [],
     }  # fmt: skip
     return law if half is None else law | {"low": mean - half, "high": mean + half}
 
@@ -158,19 +162,19 @@ def _force(
     return np.concatenate(added_force(kernel, series, on, off, tuned.noise))
 
 
-def bins(x: Float) -> Binned | None:
+def equal_count_bins(x: Float) -> Binned | None:
     """Bins of about equal count over the values of a variable; one for each value of a variable
     with few; None for a constant one.
     """
     values = np.unique(x)
     if len(values) < 2 or not np.isfinite(x).all():
         return None
-    if len(values) <= BINS:
+    if len(values) <= BIN_COUNT:
         index = np.searchsorted(values, x)
     else:
-        edges = np.unique(np.quantile(x, np.linspace(0, 1, BINS + 1)[1:-1]))
+        edges = np.unique(np.quantile(x, np.linspace(0, 1, BIN_COUNT + 1)[1:-1]))
         index = np.searchsorted(edges, x, side="right")
-    kept = [k for k in np.unique(index) if np.sum(index == k) >= MIN_IN_BIN]
+    kept = [k for k in np.unique(index) if np.sum(index == k) >= MIN_FRAMES_PER_BIN]
     if len(kept) < 2:
         return None
     place = np.full(int(index.max()) + 1, -1)
@@ -197,8 +201,8 @@ def _half_width(tuned: Tuned, own: Sequence[int], law: Any, mean: Float) -> Floa
     columns = []
     for i in moved:
         at = tuned.fit.values.copy()
-        at[i] += STEP * half[i]
-        columns.append((law(at) - mean) / (STEP * half[i]))
+        at[i] += DERIVATIVE_STEP_STDS * half[i]
+        columns.append((law(at) - mean) / (DERIVATIVE_STEP_STDS * half[i]))
     J = np.array(columns).T
     own_std = np.sqrt(np.diag(tuned.cov)[moved])
     correlation = tuned.cov[np.ix_(moved, moved)] / np.outer(own_std, own_std)

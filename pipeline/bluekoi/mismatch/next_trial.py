@@ -12,10 +12,12 @@ from ..fitting import Series, trial_values
 from ..integrate import Kernel, compiled
 from ..model import plates, simulate
 from ..study import Study
-from .find import Found
+from .find import MismatchResult
 
 
-def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+def next_trial_json(
+    found: MismatchResult, study: Study, series: Sequence[Series]
+) -> dict[str, Any]:
     """The trial in which the two most probable sets of causes differ most."""
     kernel, sets = compiled(plates()), found.posterior.sets
     order = np.argsort(-found.posterior.probability)
@@ -26,7 +28,7 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
     base = found.baseline.base
     values = [trial_values(kernel, base, m.fit.free, m.fit.values, "") for m in (first, other)]
     best = best_next_trial(study, kernel, values[0], values[1], flap)
-    question = open_question(first.causes, other.causes)
+    question = disagreement(first.causes, other.causes)
     floor = 1000 * found.floor_m if np.isfinite(found.floor_m) else 0.0
     apart = float(str(best["apart_mm"]))
     if not apart > floor:
@@ -37,7 +39,7 @@ def next_trial(found: Found, study: Study, series: Sequence[Series]) -> dict[str
     return best | {"why": why, "above_noise": bool(apart > floor)}
 
 
-def open_question(first: Sequence[str], other: Sequence[str]) -> str:
+def disagreement(first: Sequence[str], other: Sequence[str]) -> str:
     """What two sets of causes disagree on."""
     more, fewer = ([c for c in a if c not in b] for a, b in ((first, other), (other, first)))
     if more and fewer:

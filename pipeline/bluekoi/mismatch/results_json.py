@@ -16,24 +16,24 @@ from ..model import is_residual, plates, residual_channels
 from ..study import Study
 from ..tuning import Tuned
 from ..tuning.joint import Z_95
-from .find import Found
-from .locate import CHANNELS
-from .next_trial import next_trial
+from .find import MismatchResult
+from .missing_force_dependence import CHANNELS
+from .next_trial import next_trial_json
 from .robot_problem import CAMERA_SHIFT
-from .sentences import sentence, unexplained_sentence
+from .sentences import unexplained_sentence, verdict_sentence
 
 
-def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[str, Any]:
+def mismatch_json(found: MismatchResult, study: Study, series: Sequence[Series]) -> dict[str, Any]:
     """Content of mismatch.json as the contract lists it."""
-    named = causes(found)
-    others = rivals(found)
+    named = causes_json(found)
+    others = rivals_json(found)
     return {
         "verdict": found.verdict,
-        "sentence": sentence(found, named, others),
+        "sentence": verdict_sentence(found, named, others),
         "causes": named,
         "rivals": others,
         "probabilities": probabilities(found),
-        "where": where_json(found),
+        "where": dependence_json(found),
         "held_out": {
             "trials": list(found.held_out),
             "baseline": dict(found.errors["baseline"]),
@@ -44,24 +44,24 @@ def mismatch_json(found: Found, study: Study, series: Sequence[Series]) -> dict[
         },
         "overdispersion": found.posterior.best.overdispersion,
         "warnings": list(found.warnings),
-        "next_trial": next_trial(found, study, series),
+        "next_trial": next_trial_json(found, study, series),
     }
 
 
-def probabilities(found: Found) -> dict[str, float]:
+def probabilities(found: MismatchResult) -> dict[str, float]:
     """Inclusion probability of every named candidate and of an unlisted force."""
     names = [e.name for e in plates().effects if e.kind in ("physics", "measurement")]
     inclusion = {name: found.posterior.inclusion.get(name, 0.0) for name in names}
     return inclusion | {UNEXPLAINED: found.unexplained}
 
 
-def causes(found: Found) -> list[dict[str, Any]]:
+def causes_json(found: MismatchResult) -> list[dict[str, Any]]:
     """The named causes, the one that explains most first, and what is left unexplained."""
     out = [_cause(found, cause) for cause in found.named]
     return [*out, _unexplained(found)] if found.verdict == UNEXPLAINED else out
 
 
-def _cause(found: Found, cause: Named) -> dict[str, Any]:
+def _cause(found: MismatchResult, cause: Named) -> dict[str, Any]:
     effect = plates().effect(cause.name)
     return {
         "name": cause.name,
@@ -81,7 +81,7 @@ def credible_set(cause: Named) -> list[str]:
     return [_shown(n) for n in cause.credible_set]
 
 
-def _regime(found: Found, effect: Effect) -> str:
+def _regime(found: MismatchResult, effect: Effect) -> str:
     """Where an effect acts; of a displaced camera, from when on in which trials."""
     if effect.name != CAMERA_SHIFT or not found.displacements:
         return effect.regime
@@ -89,28 +89,30 @@ def _regime(found: Found, effect: Effect) -> str:
     return f"from {', '.join(moments)} on"
 
 
-def _parameters(found: Found, name: str) -> dict[str, dict[str, Any]]:
+def _parameters(found: MismatchResult, name: str) -> dict[str, dict[str, Any]]:
     """A cause's numbers; std such that value +- 1.96 std is their 95 % interval."""
     tuned = found.extended
     units = {p.name: p.unit for p in plates().parameters}
     return {
         f.name.split(".", 1)[1]: {"value": float(v), "std": s, "unit": units[f.name]}
-        for f, v, s in zip(tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)
+        for f, v, s in zip(
+            tuned.fit.free, tuned.fit.values, normal_equivalent_std(tuned), strict=True
+        )
         if f.name.startswith(name + ".")
     }
 
 
-def as_normal(tuned: Tuned) -> list[float]:
+def normal_equivalent_std(tuned: Tuned) -> list[float]:
     """Deviations (p,) of normal distributions with the 95 % intervals of a tuned model."""
     return [float(std) for std in 0.5 * np.diff(tuned.interval_95, axis=1)[:, 0] / Z_95]
 
 
-def residual_terms(found: Found) -> list[str]:
+def residual_terms(found: MismatchResult) -> list[str]:
     """Names of the residual terms in the extended model."""
     return [f.name for f in found.extended.fit.free if is_residual(f.name)]
 
 
-def _unexplained(found: Found) -> dict[str, Any]:
+def _unexplained(found: MismatchResult) -> dict[str, Any]:
     terms = residual_terms(found)
     channels = sorted({c for t in terms for c in _channels(t)}, key=CHANNELS.index)
     depends = [d for d in found.dependences if CHANNELS[d.channel] in channels] or list(
@@ -136,7 +138,7 @@ def _channels(term: str) -> tuple[str, ...]:
     return residual_channels(number) if effect == "residual" else plates().effect(effect).channels
 
 
-def rivals(found: Found) -> list[dict[str, Any]]:
+def rivals_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Candidates that may act in the place of a named cause, or beside the named ones."""
     inclusion = {n: p for n, p in found.posterior.inclusion.items() if not is_residual(n)}
     rows = rival_rows(found.named, inclusion, _shown)
@@ -165,7 +167,7 @@ def _where(name: str) -> str:
     return plates().effect(name).regime or "all trials"
 
 
-def where_json(found: Found) -> list[dict[str, Any]]:
+def dependence_json(found: MismatchResult) -> list[dict[str, Any]]:
     """Channels and variables that explain the missing force, the largest share first."""
     if found.verdict == "none":
         return []
@@ -174,7 +176,7 @@ def where_json(found: Found) -> list[dict[str, Any]]:
              "trials": list(d.trials)} for d in strong]  # fmt: skip
 
 
-def details_json(found: Found) -> dict[str, Any]:
+def details_json(found: MismatchResult) -> dict[str, Any]:
     """Content of mismatch_detail.json: forces along the paths, candidate sets, coefficients."""
     best = found.posterior.best.log_posterior
     return {
@@ -199,7 +201,7 @@ def details_json(found: Found) -> dict[str, Any]:
         ],
         "coefficients": {
             name: {f.label: {"value": float(v), "std": s} for f, v, s in zip(
-                tuned.fit.free, tuned.fit.values, as_normal(tuned), strict=True)}
+                tuned.fit.free, tuned.fit.values, normal_equivalent_std(tuned), strict=True)}
             for name, tuned in (("before", found.baseline), ("after", found.extended))
         },
     }  # fmt: skip

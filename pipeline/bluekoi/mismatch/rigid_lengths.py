@@ -24,18 +24,18 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import minimize
 
-from ..camera.distances import LENGTH_STD_SHARE, Distances, keypoint_patterns
 from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
+from ..camera.rigid_distances import LENGTH_STD_SHARE, Distances, keypoint_patterns
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System
-from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD
+from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
 
 CALIBRATION_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
 `SYSTEMATIC_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by 2 mm seen
 from 1.5 m."""
-PRIOR_WIDTH = 3.0
+PRIOR_MAGNITUDE_RATIO = 3.0
 """While variances are estimated, strengths have normal priors of this many plausible magnitudes:
 80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
 MAX_TRIALS = 60
@@ -45,7 +45,7 @@ MIN_INFORMATION_SHARE = 1e-6
 differences of patterns that rounding determines."""
 
 
-def stretching(system: System) -> tuple[Effect, ...]:
+def effects_on_lengths(system: System) -> tuple[Effect, ...]:
     """Effects that displace what is seen by an amount that varies over the picture, and so change
     the lengths seen.
     """
@@ -63,7 +63,7 @@ def length_measurement(
     detector that is the same in all trials.
     """
     windows = _of_some_trials(windows)
-    effects = stretching(system)
+    effects = effects_on_lengths(system)
     camera = _Camera(effects, dict(constants), windows)
     patterns = camera.patterns()
     if len(windows.excess_m) <= 2 * patterns.shape[1]:
@@ -129,7 +129,7 @@ class _Camera:
         for other ones.
         """
         return np.column_stack([
-            PRIOR_WIDTH * strength.typical * self.excess(effect, (*unit, *form))
+            PRIOR_MAGNITUDE_RATIO * strength.typical * self.excess(effect, (*unit, *form))
             for effect in self.effects
             for form in _forms(effect)
             for strength, unit in zip(effect.parameters, np.eye(effect.strengths), strict=False)
@@ -204,7 +204,7 @@ def _other_errors(
     groups += [("smooth", known * term, systematic) for term in (1.0, x, y, x * x, x * y, y * y)]
     for name, size in CALIBRATION_STD.items():
         known_depth = depth_given or name != "uncorrected_refraction"
-        std = size if known_depth else UNKNOWN_DEPTH_STD
+        std = size if known_depth else UNKNOWN_DEPTH_STD_SHARE
         effect = next(e for e in camera.effects if e.name == name)
         unit = (1.0, *np.zeros(effect.strengths - 1), *_forms(effect)[0])
         groups.append(("calibrated", camera.excess(effect, unit), std))

@@ -15,10 +15,10 @@ from ..tuning import Tuned
 from .camera_displacement import CAMERA_SHIFT, TAIL_FACTOR, CameraDisplacement
 
 SERVO_STD_RAD = np.radians(0.3)  # ASSUME a hobby servo repeats a commanded angle to 0.3 degrees
-FREQUENCY_STD = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
+FREQUENCY_STD_SHARE = 0.003  # ASSUME the log's flapping frequency is right to 0.3 % in each trial
 TRIAL_EFFECTS = (
     TrialEffect("head_angle_offset.offset", float(SERVO_STD_RAD)),
-    TrialEffect("C_T", 2.0 * FREQUENCY_STD, relative=True),  # thrust goes with f^2
+    TrialEffect("C_T", 2.0 * FREQUENCY_STD_SHARE, relative=True),  # thrust goes with f^2
 )
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
@@ -28,7 +28,7 @@ CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,
     0.12,
 )  # lengths over which labels define the directions of core and head
-TOLERANCES = {
+PLACEMENT_STDS = {
     "keypoint_bias.forward_offset": LABEL_STD_M,
     "keypoint_bias.left_offset": LABEL_STD_M,
     "keypoint_bias.heading_offset": LABEL_STD_M / CORE_LABEL_DISTANCE_M,
@@ -36,12 +36,12 @@ TOLERANCES = {
     * float(np.hypot(1 / CORE_LABEL_DISTANCE_M, 1 / HEAD_LABEL_DISTANCE_M)),
 }
 """A lasting offset of a label within 1 mm is careful work, not a measurement error to be named."""
-UNKNOWN_DEPTH_STD = 0.02
+UNKNOWN_DEPTH_STD_SHARE = 0.02
 """Error of positions, as a share, where the keypoints' depth is not known: those d below the plane
 are seen too near the middle by d / (1.33 H), 2 % for d = 4 cm and a camera at H = 1.5 m."""
-HOMOGRAPHY_SCALE = {"scale_error.length_error": UNKNOWN_DEPTH_STD}
+HOMOGRAPHY_SCALE_STD = {"scale_error.length_error": UNKNOWN_DEPTH_STD_SHARE}
 """A homography from the pool's corners puts keypoints on the water's plane."""
-KINDS = ("physics", "measurement", "residual")
+CAUSE_KINDS = ("physics", "measurement", "residual")
 
 
 def robot_problem(
@@ -61,7 +61,7 @@ def robot_problem(
     """
     system = kernel.system
     names = [e.name for e in system.effects
-             if e.kind in KINDS and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
+             if e.kind in CAUSE_KINDS and (displaced or e.name != CAMERA_SHIFT)]  # fmt: skip
     odds = PRIORS.cause * np.exp(
         -TAIL_FACTOR * sum(np.log(len(series) * d.moments) for d in displaced)
     )
@@ -73,7 +73,7 @@ def robot_problem(
         coefficients=baseline.fit.free,
         candidates=candidates_of(system, names, priors, residual_sources()),
         noise=replace(baseline.noise, trial_effects=TRIAL_EFFECTS),
-        tolerances=TOLERANCES | (HOMOGRAPHY_SCALE if by_homography else {}),
+        tolerances=PLACEMENT_STDS | (HOMOGRAPHY_SCALE_STD if by_homography else {}),
         state_variables=STATE_VARIABLES,
         progress=progress,
     )

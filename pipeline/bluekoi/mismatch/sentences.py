@@ -7,17 +7,17 @@ from typing import Any
 
 from ..engine.naming import UNEXPLAINED
 from ..tuning import coefficient_table
-from .find import Found
+from .find import MismatchResult
 
-CERTAIN_PROBABILITY = 0.8
-DOUBTFUL_SHARE = 0.1
+MIN_UNSTATED_PROBABILITY = 0.8
+MIN_RIVAL_PROBABILITY = 0.1
 """A rival with this probability or more is stated beside the cause."""
-ABOVE_FLOOR = 1.5
+MAX_NOISE_FLOOR_RATIO = 1.5
 """Held-out errors of the true model exceed this multiple of the noise floor in 3 of 236 studies."""
 
 
-def sentence(
-    found: Found, named: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
+def verdict_sentence(
+    found: MismatchResult, named: Sequence[Mapping[str, Any]], others: Sequence[Mapping[str, Any]]
 ) -> str:
     """One sentence of verdict."""
     if found.verdict == "none":
@@ -30,12 +30,12 @@ def sentence(
         beside = f"{first}; in addition a" if first else "A"
         return f"{beside} force acts that no listed cause describes; {errors}{excess}."
     doubt = sorted({str(r["name"]) for r in others
-                    if r["in_place_of"] and r["weight"] >= DOUBTFUL_SHARE})  # fmt: skip
+                    if r["in_place_of"] and r["weight"] >= MIN_RIVAL_PROBABILITY})  # fmt: skip
     instead = f" (or {', '.join(doubt)}: these trials cannot separate them)" if doubt else ""
     return f"{first}{instead}; {errors}{excess}."
 
 
-def _nothing(found: Found) -> str:
+def _nothing(found: MismatchResult) -> str:
     if not _determined(found):
         return (
             "These trials determine hardly any coefficient, so nothing can be said about what "
@@ -46,7 +46,7 @@ def _nothing(found: Found) -> str:
     return "Nothing beyond the noise: the model as it stands explains these recordings."
 
 
-def _errors(found: Found) -> str:
+def _errors(found: MismatchResult) -> str:
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
     held = set(found.held_out) < {f.name for f in found.forces}
     on = "on trials not fitted" if held else "on the fitted trials (none could be held out)"
@@ -71,19 +71,19 @@ def _blame(named: Sequence[Mapping[str, Any]]) -> str:
 
 def _with_probability(cause: Mapping[str, Any]) -> str:
     p = float(cause["weight"])
-    return str(cause["name"]) + (f" (probability {p:.2f})" if p < CERTAIN_PROBABILITY else "")
+    return str(cause["name"]) + (f" (probability {p:.2f})" if p < MIN_UNSTATED_PROBABILITY else "")
 
 
-def excess_error_clause(found: Found) -> str:
+def excess_error_clause(found: MismatchResult) -> str:
     """What to add where the held-out paths of the extended model are far above the noise floor."""
     after, floor = found.errors["extended"]["path_rmse_m"], found.floor_m
-    if not after > ABOVE_FLOOR * floor > 0:
+    if not after > MAX_NOISE_FLOOR_RATIO * floor > 0:
         return ""
     return (f", {after / floor:.1f} times what noise explains: a law has another form than the "
             "model's, or more is missing that these trials do not identify")  # fmt: skip
 
 
-def _determined(found: Found) -> bool:
+def _determined(found: MismatchResult) -> bool:
     """Whether the baseline's fit determines at least half of its coefficients."""
     rows = coefficient_table(found.baseline).values()
     return 2 * sum(bool(row["determined"]) for row in rows) >= len(rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from ..camera.displacement import error_forms
+from ..camera.error_displacement import error_forms
 from ..study import Setup
 
 NO_SHIFT_S = 1e9

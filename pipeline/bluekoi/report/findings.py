@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..camera.length_warnings import length_warnings
-from ..camera.plane import WITHOUT_MATRIX
+from ..camera.plane import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
@@ -110,7 +110,7 @@ def warnings(campaign: Campaign) -> list[str]:
 def _without_calibration(campaign: Campaign) -> list[str]:
     """The remark of the trials that were mapped without a camera matrix, once."""
     remarks = {text for one in campaign.statuses.values() for text in one.get("remarks") or []}
-    found = sorted(text for text in remarks if text.startswith(WITHOUT_MATRIX))
+    found = sorted(text for text in remarks if text.startswith(NO_MATRIX_REMARK))
     return [_sentence(text) for text in found[-1:]]
 
 

@@ -9,18 +9,18 @@ import numpy as np
 
 from ..data import Float, Pose, Track
 from ..errors import input_error
-from .channels import KnownMotion, cost_if_moving, fit_angle, fit_position
 from .gaps import with_calibrated_gaps
 from .grid import Grid, filter_grid
 from .kalman_filterpy import filter_and_smooth
-from .kalman_numba import smoothed
-from .linear_gaussian import Smoothed
+from .kalman_numba import compiled_filter_and_smooth
+from .linear_gaussian import SmoothedStates
 from .noise_fit import FittedModel
 from .nominal_motion import rough_speed
 from .speed import speed_and_std
+from .state_space_fit import KnownMotion, cost_with_moving_start, fit_angle, fit_position
 
 MIN_FRAMES = 8
-MIN_GAIN_MOVING = 12.0
+MIN_LOG_LIK_GAIN_MOVING = 12.0
 """Gain in twice the log likelihood that decides between a start from rest and one in motion; in
 doubt the body starts from rest, as trials do."""
 Pair = tuple[FittedModel, FittedModel]
@@ -68,7 +68,7 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
     return track, (plane.noise_ratio, heading.noise_ratio)
 
 
-def _smoothed(fitted: FittedModel, coords: int) -> Smoothed:
+def _smoothed(fitted: FittedModel, coords: int) -> SmoothedStates:
     state = filter_and_smooth(fitted.model, fitted.used)
     return with_calibrated_gaps(fitted.model, fitted.used, state, coords)
 
@@ -93,19 +93,19 @@ def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
         one, other = ({**common, "near": n, "coloured": c}
                       for n, c in zip(near, coloured, strict=True))  # fmt: skip
         heading = fit_angle(values[:, 2], cov[:, 2, 2], grid, speed=speed, **one)
-        turn = smoothed(heading.model, heading.used)
+        turn = compiled_filter_and_smooth(heading.model, heading.used)
         std, rate_std = np.sqrt(turn.P[:, 0, 0]), np.sqrt(turn.P[:, 1, 1])
         known = KnownMotion(turn.x[:, 0], std, rate_std, speed)
         return heading, fit_position(values[:, :2], cov[:, :2, :2], grid, known=known, **other)
 
     rest = fit(True, (None, None), (False, False))
-    if cost_if_moving(rest[1]) - rest[1].cost > MIN_GAIN_MOVING:
+    if cost_with_moving_start(rest[1]) - rest[1].cost > MIN_LOG_LIK_GAIN_MOVING:
         return rest
     moving = fit(False, rest, [one.coloured for one in rest])
     if any(m.coloured and not r.coloured for m, r in zip(moving, rest, strict=True)):
         rest = fit(True, rest, [one.coloured for one in moving])
     gain = sum(one.cost for one in rest) - sum(one.cost for one in moving)
-    return moving if gain > MIN_GAIN_MOVING else rest
+    return moving if gain > MIN_LOG_LIK_GAIN_MOVING else rest
 
 
 def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:

@@ -15,22 +15,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from .kalman_numba import smoothed
-from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
+from .kalman_numba import compiled_filter_and_smooth
+from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
-SHORTEST = 3
+MIN_GAP_NODES = 3
 """Nodes of a gap whose deviations are calibrated; over shorter ones the model is not at issue."""
-GAP_MARGIN, MIN_MEASURED_SHARE = 3, 0.8
+GAP_MARGIN_NODES, MIN_MEASURED_SHARE = 3, 0.8
 """Artificial gaps lie where, with so many nodes on both sides, this share was measured."""
-PRIOR_GAPS = 0.25
+PRIOR_GAP_COUNT = 0.25
 """The stated variance counts as this many artificial gaps on which it was right."""
 DECAY_GAP_LENGTHS = 3.0
 """Artificial gaps count by exp(-distance / (this many gap lengths)): a motion has phases."""
 
 
 def with_calibrated_gaps(
-    model: LinearGaussianModel, used: Mask, state: Smoothed, coords: int
-) -> Smoothed:
+    model: LinearGaussianModel, used: Mask, state: SmoothedStates, coords: int
+) -> SmoothedStates:
     """The smoothed states, their covariance over gaps scaled by what artificial gaps show.
 
     What a gap adds to the variance of its neighbours is scaled, so that no step arises at its ends.
@@ -38,7 +38,7 @@ def with_calibrated_gaps(
     """
     P = state.P.copy()
     for first, last in true_runs(~used):
-        if last - first < SHORTEST or first == 0 or last == len(used):
+        if last - first < MIN_GAP_NODES or first == 0 or last == len(used):
             continue
         factor = _variance_factor(model, used, state, (first, last), coords)
         share = np.linspace(0, 1, last - first + 2)[1:-1, None]
@@ -48,29 +48,30 @@ def with_calibrated_gaps(
         wide = np.where(inside > edge, edge + factor * (inside - edge), inside)
         scale = np.sqrt(wide / np.maximum(inside, 1e-300))
         P[first:last] *= scale[:, :, None] * scale[:, None, :]
-    return Smoothed(state.x, P)
+    return SmoothedStates(state.x, P)
 
 
 def _variance_factor(
-    model: LinearGaussianModel, used: Mask, state: Smoothed, gap: tuple[int, int], coords: int
+    model: LinearGaussianModel, used: Mask, state: SmoothedStates, gap: tuple[int, int], coords: int
 ) -> float:
     """Factor of the variance over a gap: mean of d' d / tr cov(d) over artificial gaps.
 
     Times (1 + 2 / freedom), the variance of a Student t, as the factor itself is an estimate.
     """
     length, middle = gap[1] - gap[0], 0.5 * (gap[0] + gap[1])
-    period, step = 2 * (length + GAP_MARGIN), max(length // 2, 1)
-    total = weight = PRIOR_GAPS
-    for offset in range(GAP_MARGIN, period + GAP_MARGIN, step):
+    period, step = 2 * (length + GAP_MARGIN_NODES), max(length // 2, 1)
+    total = weight = PRIOR_GAP_COUNT
+    for offset in range(GAP_MARGIN_NODES, period + GAP_MARGIN_NODES, step):
         starts = [
             k
-            for k in range(offset, len(used) - length - GAP_MARGIN, period)
-            if used[k - GAP_MARGIN : k + length + GAP_MARGIN].mean() > MIN_MEASURED_SHARE
+            for k in range(offset, len(used) - length - GAP_MARGIN_NODES, period)
+            if used[k - GAP_MARGIN_NODES : k + length + GAP_MARGIN_NODES].mean()
+            > MIN_MEASURED_SHARE
         ]
         hidden = used.copy()
         for k in starts:
             hidden[k : k + length] = False
-        other = smoothed(model, hidden) if starts else state
+        other = compiled_filter_and_smooth(model, hidden) if starts else state
         moved = ((other.x - state.x)[:, :coords] ** 2).sum(axis=1)
         stated = np.einsum("nii->n", (other.P - state.P)[:, :coords, :coords])
         for k in starts:

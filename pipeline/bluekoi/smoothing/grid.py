@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from .linear_gaussian import Mask
 
-LONGEST_STEP = 1.5
+MAX_STEP_FRAMES = 1.5
 """No step of the filter is longer than so many usual frame intervals."""
 
 
@@ -38,7 +38,7 @@ def filter_grid(time_s: Float, flap_hz: float) -> Grid:
     usual = float(np.median(np.diff(time_s)))
     pieces, marks = [time_s[:1]], [np.array([True])]
     for first, last in pairwise(time_s):
-        count = max(int(np.ceil((last - first) / (LONGEST_STEP * usual))), 1)
+        count = max(int(np.ceil((last - first) / (MAX_STEP_FRAMES * usual))), 1)
         pieces.append(first + (last - first) * np.arange(1, count + 1) / count)
         marks.append(np.arange(1, count + 1) == count)
     nodes, frame = np.concatenate(pieces), np.concatenate(marks)

@@ -6,11 +6,11 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from ..data import Float
-from .kalman_numba import backward
-from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
+from .kalman_numba import smooth_backward
+from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
 
-def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> Smoothed:
+def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     """Smoothed states: filterpy's Kalman filter, then the backward pass of Bryson and Frazier.
 
     used: (n,) measurements that count; the others are gaps (`update(None)`). State and measurements
@@ -27,7 +27,9 @@ def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> Smoothed:
         means[k], covs[k] = kf.x_prior, 0.5 * (kf.P_prior + kf.P_prior.T)
         if used[k]:
             inverses[k], innovations[k] = kf.SI, kf.y
-    return backward(model, used, means=means, covs=covs, inverses=inverses, innovations=innovations)
+    return smooth_backward(
+        model, used, means=means, covs=covs, inverses=inverses, innovations=innovations
+    )
 
 
 def _filter(model: LinearGaussianModel) -> KalmanFilter:

@@ -12,12 +12,12 @@ import numpy as np
 
 from ..data import Float
 from ..vectors import njit
-from .linear_gaussian import LinearGaussianModel, Mask, Smoothed
+from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))
 
 
-def likelihood(model: LinearGaussianModel, used: Mask, gate: float) -> float:
+def minus_two_log_likelihood(model: LinearGaussianModel, used: Mask, gate: float) -> float:
     """Minus twice the log likelihood, innovations beyond the gate counted as lying on it.
 
     sum_k log det(2 pi S_k) + min(y_k' S_k^-1 y_k, gate)
@@ -26,7 +26,7 @@ def likelihood(model: LinearGaussianModel, used: Mask, gate: float) -> float:
     return float(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[0])
 
 
-def innovations(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
+def normalised_innovations_squared(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
     """Squared normalised innovation y' S^-1 y of each time, (n,); NaN where nothing was measured.
 
     Measurements beyond the gate do not enter the filter.
@@ -35,23 +35,23 @@ def innovations(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
     return np.asarray(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[1])
 
 
-def smoothed(model: LinearGaussianModel, used: Mask) -> Smoothed:
-    """States given all measurements used: equal to `reference.filter_and_smooth`."""
+def compiled_filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
+    """States given all measurements used: equal to `kalman_filterpy.filter_and_smooth`."""
     c = model
     _, _, xp, Pp, Si, y = _forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
-    return Smoothed(*_backward(c.F, c.H, xp, Pp, Si, y, used))
+    return SmoothedStates(*_backward(c.F, c.H, xp, Pp, Si, y, used))
 
 
-def backward(
+def smooth_backward(
     model: LinearGaussianModel, used: Mask, *, means: Float, covs: Float, inverses: Float,
     innovations: Float,
-) -> Smoothed:  # fmt: skip
+) -> SmoothedStates:  # fmt: skip
     """States given all measurements, from what a filter predicted.
 
     means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):
     S^-1 and y where used.
     """
-    return Smoothed(*_backward(model.F, model.H, means, covs, inverses, innovations, used))
+    return SmoothedStates(*_backward(model.F, model.H, means, covs, inverses, innovations, used))
 
 
 @njit(cache=True)

@@ -35,7 +35,7 @@ class LinearGaussianModel:
 
 
 @dataclass(frozen=True)
-class Smoothed:
+class SmoothedStates:
     """State means (n, d) and covariances (n, d, d) given all measurements."""
 
     x: Float

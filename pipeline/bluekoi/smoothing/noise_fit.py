@@ -13,7 +13,7 @@ from . import kalman_numba
 from .linear_gaussian import LinearGaussianModel, Mask
 from .quasi_newton import minimise
 
-GATE_TAIL = 1e-5
+GATE_TAIL_PROBABILITY = 1e-5
 """A right measurement is refused about so often."""
 
 
@@ -58,7 +58,7 @@ def fit_noise(
     ended at a measurement noise much larger than stated, which hides any motion.
     """
     used, places = first, starts
-    gate = gate_of(build(starts[0]).z.shape[1])
+    gate = outlier_gate(build(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
         ends = [_search(build, used, limit, place, spread) for place in places]
@@ -76,9 +76,9 @@ def fit_noise(
     return FittedModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
 
-def gate_of(size: int) -> float:
+def outlier_gate(size: int) -> float:
     """Squared normalised distance beyond which a measurement of `size` numbers is refused."""
-    return float(chdtri(size, GATE_TAIL))
+    return float(chdtri(size, GATE_TAIL_PROBABILITY))
 
 
 def _prior(logs: Float, spread: Float) -> float:
@@ -88,7 +88,7 @@ def _prior(logs: Float, spread: Float) -> float:
 def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> float:
     """Minus twice the log likelihood, rejected measurements as if they lay on the gate."""
     rejected = model.R[seen & ~used]
-    return kalman_numba.likelihood(model, used, np.inf) + float(
+    return kalman_numba.minus_two_log_likelihood(model, used, np.inf) + float(
         np.sum(gate + np.linalg.slogdet(2 * np.pi * rejected)[1])
     )
 
@@ -96,7 +96,7 @@ def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> fl
 def _within(model: LinearGaussianModel, used: Mask, gate: float) -> Mask:
     if not np.isfinite(gate):
         return used
-    squares = kalman_numba.innovations(model, used, gate)
+    squares = kalman_numba.normalised_innovations_squared(model, used, gate)
     return used & ~(squares > gate)
 
 
@@ -110,7 +110,7 @@ def _search(
     """Logarithms of least cost, and the cost, outliers counted as lying on the gate."""
 
     def cost(at: Float) -> float:
-        value = kalman_numba.likelihood(build(at), used, gate)
+        value = kalman_numba.minus_two_log_likelihood(build(at), used, gate)
         return value + _prior(at, spread) if np.isfinite(value) else 1e12
 
     return minimise(cost, start)
@@ -122,7 +122,7 @@ def _deletion_squares(model: LinearGaussianModel, used: Mask) -> Float:
     With e = z - H x, and V = R - H P H' where the measurement was used, R + H P H' where not, the
     form e' V^-1 e is the deletion residual's; NaN measurements give 0.
     """
-    state = kalman_numba.smoothed(model, used)
+    state = kalman_numba.compiled_filter_and_smooth(model, used)
     error = np.nan_to_num(model.z - np.einsum("npd,nd->np", model.H, state.x))
     seen = np.einsum("npd,nde,nqe->npq", model.H, state.P, model.H)
     V = model.R + np.where(used, -1.0, 1.0)[:, None, None] * seen

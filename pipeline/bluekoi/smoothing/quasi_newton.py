@@ -13,8 +13,8 @@ import numpy as np
 
 from ..data import Float
 
-STEP = 0.01
-LONGEST = 2.0
+DIFFERENCE_STEP = 0.01
+MAX_STEP = 2.0
 
 
 def minimise(
@@ -30,7 +30,7 @@ def minimise(
     inverse = np.eye(len(at)) / max(float(np.abs(slope).max()), 1.0)
     for _ in range(steps):
         way = -(inverse @ slope)
-        way *= min(1.0, LONGEST / max(float(np.abs(way).max()), 1e-12))
+        way *= min(1.0, MAX_STEP / max(float(np.abs(way).max()), 1e-12))
         promise = -float(slope @ way)
         if promise < enough:
             break
@@ -44,7 +44,9 @@ def minimise(
 
 
 def _slope(cost: Callable[[Float], float], at: Float, value: float) -> Float:
-    return np.array([(cost(at + step) - value) / STEP for step in STEP * np.eye(len(at))])
+    return np.array(
+        [(cost(at + step) - value) / DIFFERENCE_STEP for step in DIFFERENCE_STEP * np.eye(len(at))]
+    )
 
 
 def _backtrack(

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..camera import map_keypoints, pool_camera
-from ..camera.distances import Geometry
 from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.geometry_hypotheses import HypothesisFit
 from ..camera.length_windows import to_columns
 from ..camera.pool import PoolCamera
+from ..camera.rigid_distances import Geometry
 from ..camera.whole_length import WHOLE_LENGTH, systematic_share, whole_lengths
 from ..data import Positions
 from ..errors import InputError

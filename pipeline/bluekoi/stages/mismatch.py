@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..camera.distances import LENGTH_STD_SHARE
 from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
 from ..camera.length_windows import from_columns
+from ..camera.rigid_distances import LENGTH_STD_SHARE
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
 from ..files import write_json

@@ -6,7 +6,7 @@ import logging
 from dataclasses import asdict
 from typing import Any
 
-from ..camera.camera_moved import edges_of_recording
+from ..camera.pool_edge_check import compare_pool_edges
 from ..errors import InputError
 from ..study import Study, Trial
 
@@ -30,7 +30,7 @@ def check_pool_edges(study: Study, trial: Trial) -> tuple[dict[str, Any] | None,
         return None, ()
     if first is None:
         return None, ()
-    found = edges_of_recording(first.luma, study.setup)
+    found = compare_pool_edges(first.luma, study.setup)
     shows = f"bluekoi pool {study.root} --trial {trial.trial_id}"
     remarks = tuple(f"{remark} (`{shows}` shows them)" for remark in found.remarks)
     return asdict(found), remarks

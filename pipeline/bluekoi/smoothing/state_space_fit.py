@@ -10,34 +10,34 @@ import numpy as np
 from ..data import Float
 from .coloured_noise import with_coloured_noise
 from .grid import Grid
-from .kalman_numba import likelihood
+from .kalman_numba import minus_two_log_likelihood
 from .linear_gaussian import LinearGaussianModel
-from .measured import Measured, measured
 from .motion import heading_matrices, planar_matrices, planar_measurement
-from .noise_fit import FittedModel, fit_noise, gate_of
+from .noise_fit import FittedModel, fit_noise, outlier_gate
 from .nominal_motion import nominal_motion
+from .screening import ScreenedMeasurements, screen_measurements
 
-PRIOR_LOG_STDS = (1.0, 6.0, 6.0, 3.0)
+PRIOR_LOG_NOISE_STDS = (1.0, 6.0, 6.0, 3.0)
 """Prior deviation of the logs of tau, rate noise, acceleration noise and start-up factor."""
-SPREAD_SHARE, SPREAD_RECOIL, SPREAD_R = 4.0, 3.0, 0.7
-UNIT_SIGMAS = 2.0
+PRIOR_LOG_SWAY_SHARE_STD, PRIOR_LOG_RECOIL_STD, PRIOR_LOG_R_STD = 4.0, 3.0, 0.7
+UNIT_NOISE_SIGMAS = 2.0
 """Unit of process noise: the density that moves a rate by so many standard errors over a trial. A
 larger unit overstates the deviations of a steady motion, a smaller one understates those of a
 hardly disturbed one."""
-LOG_START, LOG_START_RECOIL = 14.0, 5.0
+LOG_START_NOISE, LOG_START_RECOIL_NOISE = 14.0, 5.0
 """Logs of the noise from which the search starts: so large that no motion looks like an outlier.
 From below, the search may end at a measurement noise that explains everything."""
-LARGEST_DENSITIES = 0.3, 7.0
+MAX_RELATIVE_DENSITIES = 0.3, 7.0
 """Largest density of the rate, in speed^2 / T, and of the acceleration, in (speed / T)^2 / T."""
-LOG_NOISE_RATIO = -0.4
+MAX_LOG_NOISE_RATIO_COLOURED = -0.4
 """Below this log of white over stated noise, part of the error may be coloured."""
-MIN_GAIN_COLOURED = 10.0
+MIN_LOG_LIK_GAIN_COLOURED = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
-COLOURED_FRAMES, SPREAD_COLOURED = 3.0, (2.0, 1.0)
+CORRELATION_TIME_UNIT_FRAMES, PRIOR_LOG_COLOURED_STDS = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
-AT_REST, MOVING = 0.01, 3.0
+START_SPEED_STD_RESTING, START_SPEED_STD_MOVING = 0.01, 3.0
 """Prior deviation of the first rate, in usual speeds, for a start from rest and in motion."""
-STARTING, CRUISING = 3.0, 0.01
+START_ACCELERATION_STD_RESTING, START_ACCELERATION_STD_MOVING = 3.0, 0.01
 """Prior deviation of the first acceleration, in usual speeds per T, from rest and in motion."""
 
 
@@ -74,7 +74,7 @@ def fit_angle(
     coloured noise even if the white noise left does not call for it. near: start the search at its
     noise.
     """
-    data = measured(angle[:, None], variance[:, None, None], grid)
+    data = screen_measurements(angle[:, None], variance[:, None, None], grid)
     nominal = nominal_motion(data, speed, np.zeros(len(speed)), resting=resting)
     H = np.zeros((len(angle), 1, 5 if flap_hz > 0 else 3))
     H[:, 0, 0] = 1.0
@@ -94,7 +94,7 @@ def fit_position(
 
     resting: at rest in the first frame. coloured, near: as for `fit_angle`.
     """
-    data = measured(xy, cov, grid)
+    data = screen_measurements(xy, cov, grid)
     nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
 
     return _fit(
@@ -104,22 +104,30 @@ def fit_position(
     )  # fmt: skip
 
 
-def cost_if_moving(fitted: FittedModel) -> float:
+def cost_with_moving_start(fitted: FittedModel) -> float:
     """Cost of a model fitted from rest, were the body moving in the first frame; same noise."""
     model = fitted.model
     m = model.z.shape[1]
     P0 = model.P0.copy()
     rates = np.arange(m, 2 * m)
-    P0[rates, rates] *= (MOVING / AT_REST) ** 2
-    gate, other = gate_of(m), replace(model, P0=P0)
-    gain = likelihood(other, fitted.first, gate) - likelihood(model, fitted.first, gate)
+    P0[rates, rates] *= (START_SPEED_STD_MOVING / START_SPEED_STD_RESTING) ** 2
+    gate, other = outlier_gate(m), replace(model, P0=P0)
+    gain = minus_two_log_likelihood(other, fitted.first, gate) - minus_two_log_likelihood(
+        model, fitted.first, gate
+    )
     return fitted.cost + gain
 
 
 def _fit(
-    data: Measured, grid: Grid, H: Float, matrices: Callable[[Float], tuple[Float, Float]], *,
-    resting: bool, coloured: bool, near: FittedModel | None,
-) -> FittedModel:  # fmt: skip
+    data: ScreenedMeasurements,
+    grid: Grid,
+    H: Float,
+    matrices: Callable[[Float], tuple[Float, Float]],
+    *,
+    resting: bool,
+    coloured: bool,
+    near: FittedModel | None,
+) -> FittedModel:
     """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2
@@ -136,20 +144,25 @@ def _fit(
         return LinearGaussianModel(F, Q, H, data.R * np.exp(logs[-1]), data.z, x0, P0)
 
     spread = np.array(
-        [*PRIOR_LOG_STDS, *[SPREAD_SHARE] * (m - 1), *[SPREAD_RECOIL] * recoils, SPREAD_R]
+        [
+            *PRIOR_LOG_NOISE_STDS,
+            *[PRIOR_LOG_SWAY_SHARE_STD] * (m - 1),
+            *[PRIOR_LOG_RECOIL_STD] * recoils,
+            PRIOR_LOG_R_STD,
+        ]
     )
     T = grid.scale_s
-    largest = np.log(np.array(LARGEST_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
-    starts = _starts(m, recoils, np.full(2, LOG_START))
+    largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
+    starts = _starts(m, recoils, np.full(2, LOG_START_NOISE))
     found = fit_noise(
         build,
         data.seen,
         first=data.plausible,
         spread=spread,
         starts=starts if near is None else [near.white_logs],
-        more_starts=_starts(m, recoils, np.maximum(largest, LOG_START)),
+        more_starts=_starts(m, recoils, np.maximum(largest, LOG_START_NOISE)),
     )
-    if found.logs[-1] > LOG_NOISE_RATIO and not coloured:
+    if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found
     return _with_coloured(found, build, data, grid, spread=spread)
 
@@ -157,7 +170,7 @@ def _fit(
 def _with_coloured(
     found: FittedModel,
     build: Callable[[Float], LinearGaussianModel],
-    data: Measured,
+    data: ScreenedMeasurements,
     grid: Grid,
     *,
     spread: Float,
@@ -168,7 +181,7 @@ def _with_coloured(
     def build_coloured(logs: Float) -> LinearGaussianModel:
         white = build(np.concatenate([logs[:-3], logs[-1:]]))
         size, time = np.exp(logs[-3:-1])
-        variance, correlation_s = data.variance * size, COLOURED_FRAMES * frame * time
+        variance, correlation_s = data.variance * size, CORRELATION_TIME_UNIT_FRAMES * frame * time
         return with_coloured_noise(white, grid.dt_s, variance, correlation_s)
 
     quiet = found.logs.copy()
@@ -177,10 +190,10 @@ def _with_coloured(
         build_coloured,
         data.seen,
         first=data.plausible,
-        spread=np.concatenate([spread[:-1], SPREAD_COLOURED, spread[-1:]]),
+        spread=np.concatenate([spread[:-1], PRIOR_LOG_COLOURED_STDS, spread[-1:]]),
         starts=[np.concatenate([s[:-1], [0.0, 0.0, -1.0]]) for s in (quiet, found.logs)],
     )
-    if other.cost > found.cost - MIN_GAIN_COLOURED:
+    if other.cost > found.cost - MIN_LOG_LIK_GAIN_COLOURED:
         return found
     ratio = other.noise_ratio + float(np.exp(other.logs[-3]))
     return replace(other, noise_ratio=ratio, coloured=True)
@@ -188,31 +201,37 @@ def _with_coloured(
 
 def _starts(m: int, recoils: int, logs: Float) -> list[Float]:
     """Logs to search from: a motion disturbed in its rate, and one in its acceleration."""
-    others = [*[0.0] * (m - 1), *[LOG_START_RECOIL] * recoils, 0.0]
+    others = [*[0.0] * (m - 1), *[LOG_START_RECOIL_NOISE] * recoils, 0.0]
     pairs = ((logs[0], 0.0, 0.0), (0.0, logs[1], 1.0))
     return [np.array([0.0, *pair, *others]) for pair in pairs]
 
 
-def _units(data: Measured, grid: Grid, recoils: int) -> Float:
+def _units(data: ScreenedMeasurements, grid: Grid, recoils: int) -> Float:
     """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils.
 
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
     """
     steady = 12 * data.variance / (data.plausible.sum() * data.span_s**2)
-    densities = UNIT_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
+    densities = UNIT_NOISE_SIGMAS**2 * steady * np.array([1 / data.span_s, 3 / data.span_s**3])
     shares = [1.0] * (data.z.shape[1] - 1)
     return np.array([2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils])
 
 
-def _prior(data: Measured, T: float, recoils: int, resting: bool) -> tuple[Float, Float]:
+def _prior(
+    data: ScreenedMeasurements, T: float, recoils: int, resting: bool
+) -> tuple[Float, Float]:
     """Mean of the first state, and prior variances of position, rate and acceleration.
 
     From rest the acceleration is free; in motion it is that of the process, and a little more.
     """
     z, m = data.z[data.plausible], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
-    rate = (AT_REST if resting else MOVING) * data.speed
-    push = (STARTING if resting else CRUISING) * data.speed / T
+    rate = (START_SPEED_STD_RESTING if resting else START_SPEED_STD_MOVING) * data.speed
+    push = (
+        (START_ACCELERATION_STD_RESTING if resting else START_ACCELERATION_STD_MOVING)
+        * data.speed
+        / T
+    )
     x0 = np.zeros(3 * m + 2 * recoils)
     x0[:m] = np.median(z[:5], axis=0)
     return x0, np.array([reach**2, rate**2, push**2])

@@ -17,13 +17,13 @@ from ..data import Float
 from ..fitting import MissingForce, Series
 from ..study import Trial
 
-FOLDS, DEGREE = 6, 3
-MIN_SHARE = 0.02
-MAX_VARIABLES = 2
+FOLD_COUNT, POLYNOMIAL_DEGREE = 6, 3
+MIN_ADDED_SHARE = 0.02
+MAX_VARIABLES_PER_CHANNEL = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
 of all missing force beyond the variables before it.
 """
-WEAK_MIN_SHARE, WEAK_MIN_CHANNEL = 0.3, 0.002
+WEAK_CHANNEL_MIN_SHARE, WEAK_CHANNEL_MIN_TOTAL_SHARE = 0.3, 0.002
 """The best variable of a weak channel is stated where it explains this share of the channel's own
 force, which is at least that share of all.
 """
@@ -44,7 +44,7 @@ class Dependence:
     adds: float = 0.0
 
 
-def folds(series: Sequence[Series], count: int = FOLDS) -> list[np.ndarray]:
+def condition_folds(series: Sequence[Series], count: int = FOLD_COUNT) -> list[np.ndarray]:
     """Trials by fold; a condition is in one fold only, folds are about equally long."""
     conditions = sorted({s.condition for s in series})
     order = {c: i % min(count, max(len(conditions), 1)) for i, c in enumerate(conditions)}
@@ -64,7 +64,7 @@ def dependences(
     has frames. units (channels,): size of a force in each channel that means as much as in the
     others.
     """
-    parts = folds(series)
+    parts = condition_folds(series)
     scaled = [f / units for f in forces]
     total = max(sum(float(np.sum(y**2)) for y in scaled), 1e-300)
     found = []
@@ -72,7 +72,7 @@ def dependences(
         force = [y[:, channel] for y in scaled]
         adds = _added(variables, force, parts, total)
         for name in variables[0]:
-            explained = cv_explained([v[name] for v in variables], force, parts)
+            explained = cv_explained_squares([v[name] for v in variables], force, parts)
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
             trials = tuple(series[t].name for t in order[: max(3, len(order) // 4)])
             share = max(0.0, float(explained.sum())) / total
@@ -87,14 +87,20 @@ def _added(
     """Variable -> share that it explains beyond those before it, the best first."""
     adds: dict[str, float] = {}
     own = sum(float(np.sum(y**2)) for y in force) / total
-    while len(adds) < MAX_VARIABLES:
+    while len(adds) < MAX_VARIABLES_PER_CHANNEL:
         shares = {
-            name: float(cv_explained([v[name] for v in variables], force, parts).sum()) / total
-            for name in variables[0] if name not in adds
-        }  # fmt: skip
+            name: float(cv_explained_squares([v[name] for v in variables], force, parts).sum())
+            / total
+            for name in variables[0]
+            if name not in adds
+        }
         best = max(shares, key=lambda name: shares[name])
-        weak = not adds and own >= WEAK_MIN_CHANNEL and shares[best] >= WEAK_MIN_SHARE * own
-        if shares[best] < MIN_SHARE and not weak:
+        weak = (
+            not adds
+            and own >= WEAK_CHANNEL_MIN_TOTAL_SHARE
+            and shares[best] >= WEAK_CHANNEL_MIN_SHARE * own
+        )
+        if shares[best] < MIN_ADDED_SHARE and not weak:
             break
         adds[best] = shares[best]
         force = residualise([v[best] for v in variables], force)
@@ -104,7 +110,7 @@ def _added(
 def residualise(x: Sequence[Float], y: Sequence[Float]) -> list[Float]:
     """Residuals of y after a smooth curve over x, fitted to all trials."""
     design = _curves(x)
-    A = sum(d.T @ d for d in design) + 1e-6 * np.eye(DEGREE + 1)
+    A = sum(d.T @ d for d in design) + 1e-6 * np.eye(POLYNOMIAL_DEGREE + 1)
     coefficients = np.linalg.solve(A, sum(d.T @ v for d, v in zip(design, y, strict=True)))
     return [v - d @ coefficients for d, v in zip(design, y, strict=True)]
 
@@ -113,10 +119,14 @@ def _curves(x: Sequence[Float]) -> list[Float]:
     """Chebyshev polynomials (n, degree + 1) of x over its range in all trials."""
     low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
     scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
-    return [np.asarray(np.polynomial.chebyshev.chebvander(v, DEGREE), float) for v in scaled]
+    return [
+        np.asarray(np.polynomial.chebyshev.chebvander(v, POLYNOMIAL_DEGREE), float) for v in scaled
+    ]
 
 
-def cv_explained(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]) -> Float:
+def cv_explained_squares(
+    x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]
+) -> Float:
     """Sum of squares of y explained by a smooth curve over x fitted to other folds, (trials,)."""
     design = _curves(x)
     grams = [d.T @ d for d in design]
@@ -126,7 +136,7 @@ def cv_explained(x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndar
         rest = [t for t in range(len(y)) if t not in set(part.tolist())]
         if not rest:  # one condition: nothing to fit to
             continue
-        A = sum(grams[t] for t in rest) + 1e-6 * np.eye(DEGREE + 1)
+        A = sum(grams[t] for t in rest) + 1e-6 * np.eye(POLYNOMIAL_DEGREE + 1)
         coefficients = np.linalg.solve(A, sum(moments[t] for t in rest))
         for t in part:
             error = y[t] - design[t] @ coefficients

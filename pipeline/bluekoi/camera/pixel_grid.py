@@ -15,7 +15,7 @@ LIGHT_BGR, DARK_BGR = (255, 255, 255), (40, 40, 40)
 """Colours of the lines and of the outlines of their labels."""
 
 
-def ruled_picture(frame: Picture, out: str | Path) -> tuple[str, ...]:
+def frame_with_pixel_grid(frame: Picture, out: str | Path) -> tuple[str, ...]:
     """A frame (height, width, 3) bgr with labelled lines every so many pixels, as a png.
 
     Returns what a person has to do, in sentences. Raises: InputError where the file cannot be

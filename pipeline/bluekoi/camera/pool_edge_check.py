@@ -14,14 +14,14 @@ from .corner_fit import CornerFit, fit_corners
 from .corners import lens_of_study, pool_corners_m
 from .resection import diagonal_px
 
-MOVED_SHARE = 0.004
+CAMERA_MOVED_SHARE = 0.004
 """Edges farther from the corners given than this share of the pool's diagonal in the picture: twice
 what `bluekoi pool` puts down to a corner given by eye.
 """
 
 
 @dataclass(frozen=True)
-class EdgesOfRecording:
+class PoolEdgeCheck:
     """Edges of the pool in a frame against the corners of study.yaml.
 
     found: number of edges found. off_px, off_m: largest distance of a corner from where edges meet
@@ -48,7 +48,7 @@ class EdgesOfRecording:
         )
 
 
-def edges_of_recording(grey: Grey, setup: Setup) -> EdgesOfRecording:
+def compare_pool_edges(grey: Grey, setup: Setup) -> PoolEdgeCheck:
     """The pool's edges in one frame of a recording, against the corners of the study."""
     camera, corners_m = (
         setup_in_film_pixels(setup, (grey.shape[1], grey.shape[0])).camera,
@@ -58,15 +58,15 @@ def edges_of_recording(grey: Grey, setup: Setup) -> EdgesOfRecording:
     diagonal = diagonal_px(given)
     fit = fit_corners(grey, given, lens, corners_m)
     off = _distance_px(fit, given)
-    moved = off is not None and off > MOVED_SHARE * diagonal
+    moved = off is not None and off > CAMERA_MOVED_SHARE * diagonal
     turned = False
     if moved or off is None:
         about = np.array(grey.shape[::-1]) - 1.0 - given
         off_turned = _distance_px(fit_corners(grey, about, lens, corners_m), about)
-        turned = off_turned is not None and off_turned <= MOVED_SHARE * diagonal
+        turned = off_turned is not None and off_turned <= CAMERA_MOVED_SHARE * diagonal
     px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
     found = sum(line is not None for line in fit.lines)
-    return EdgesOfRecording(found, off, None if off is None else off / px_per_m, moved, turned)
+    return PoolEdgeCheck(found, off, None if off is None else off / px_per_m, moved, turned)
 
 
 def _distance_px(fit: CornerFit, given_px: Float) -> float | None:

@@ -16,14 +16,14 @@ from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, Setup
 from .corners import camera_of_setup
-from .distances import CHANGES, Geometry, pixels_of
 from .pool import PoolCamera, to_pool
+from .rigid_distances import ERROR_PARAMETERS, Geometry, pixels_of
 
 WATER_INDEX = 1.333
 """Refractive index of water."""
-INDEX_TOLERANCE = 0.02
+REFRACTIVE_INDEX_TOLERANCE = 0.02
 """A stated index nearer to that of water is right, and the depth may be wrong."""
-GRID_POINTS, TABLE_RADII = (12, 8), 50
+POOL_GRID_POINTS, RADIUS_TABLE_POINTS = (12, 8), 50
 """Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
 WALL_MARGIN_M = 0.08
 """Distance of the outermost points from the walls."""
@@ -82,13 +82,13 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
     less that of water is seen too far out; corrected for a wrong depth, that of water alone. Places
     are weighed by their area.
     """
-    rho = np.linspace(0.0, reach_m, TABLE_RADII)[1:]
+    rho = np.linspace(0.0, reach_m, RADIUS_TABLE_POINTS)[1:]
     t = rho / height_m
 
     def in_water(n: float) -> Float:
         return np.asarray(t / np.sqrt(n**2 + (n**2 - 1) * t**2))
 
-    other = abs(index - WATER_INDEX) > INDEX_TOLERANCE
+    other = abs(index - WATER_INDEX) > REFRACTIVE_INDEX_TOLERANCE
     drawn_in = in_water(index) - in_water(WATER_INDEX) if other else in_water(WATER_INDEX)
     design = np.column_stack([rho, rho**3]) * np.sqrt(rho)[:, None]
     first, third = np.linalg.lstsq(design, drawn_in * np.sqrt(rho), rcond=None)[0]
@@ -135,14 +135,14 @@ def _lens_shape(
 
 def _pool_grid(camera: PoolCamera) -> Float:
     """Places (n, 2) all over a pool."""
-    counts = zip(camera.pool_size_m, GRID_POINTS, strict=True)
+    counts = zip(camera.pool_size_m, POOL_GRID_POINTS, strict=True)
     x, y = np.meshgrid(*(np.linspace(WALL_MARGIN_M, side - WALL_MARGIN_M, n) for side, n in counts))
     return np.column_stack([x.ravel(), y.ravel()])
 
 
 def _displacements(camera: PoolCamera, places: Float, depth_m: float) -> Float:
     """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
-    geometry, (change, step) = Geometry(camera, depth_m), CHANGES["k1"]
+    geometry, (change, step) = Geometry(camera, depth_m), ERROR_PARAMETERS["k1"]
     pixels = pixels_of(geometry, places)
     high, low = (to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
     return (high - low) / (2 * step)

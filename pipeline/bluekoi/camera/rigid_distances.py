@@ -15,11 +15,11 @@ from .corners import camera_from_corners
 from .lens import Lens
 from .pool import PoolCamera, project, to_pool
 
-PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
+RIGID_PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
 MAX_DISTANCES = 30_000
 LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 MAD_TO_STD = 1.4826
-MAX_DEVIATION = 6.0
+MAX_DEVIATION_STDS = 6.0
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def rigid_distances(
     parts = [
         found
         for t, (positions, head) in enumerate(zip(trials, head_lengths_m, strict=True))
-        for k, pair in enumerate(PAIRS)
+        for k, pair in enumerate(RIGID_PAIRS)
         if (found := _of_pair(positions, pair, head if k == 0 else known[k], (t, k))) is not None
     ]
     if not parts:
@@ -73,7 +73,7 @@ def rigid_distances(
             "keypoints",
             "",
             "no two neighbouring rigid keypoints in one frame",
-            f"confident {', '.join(' and '.join(pair) for pair in PAIRS)} in some trial",
+            f"confident {', '.join(' and '.join(pair) for pair in RIGID_PAIRS)} in some trial",
         )
     columns = {name: np.concatenate([p[name] for p in parts]) for name in parts[0]}
     stride = max(1, -(-len(columns["excess_m"]) // MAX_DISTANCES))
@@ -111,11 +111,11 @@ def _of_pair(
 
 def robust_std(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
     """Robust std of the good values (n,) about their median, and which of all lie within
-    `MAX_DEVIATION` of it.
+    `MAX_DEVIATION_STDS` of it.
     """
     off = np.abs(values - np.median(values[good]))
     std = max(1e-6, MAD_TO_STD * float(np.median(off[good])))
-    return std, off < MAX_DEVIATION * std
+    return std, off < MAX_DEVIATION_STDS * std
 
 
 def _bend(positions: Positions) -> Float:
@@ -139,7 +139,7 @@ def camera_patterns(
 ) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
 
-    names: parameters of `CHANGES`; without, all.
+    names: parameters of `ERROR_PARAMETERS`; without, all.
 
     A parameter's error is true value minus value used; where it changes the lens or the pool, the
     pose is fitted again to the same corner pixels, as it was when the error was made.
@@ -151,9 +151,9 @@ def camera_patterns(
         return np.asarray(np.linalg.norm(front - back, axis=1), dtype=np.float64)
 
     patterns = {}
-    for name in names or CHANGES:
-        change, step = CHANGES[name]
-        if name in LENS_ONLY and geometry.camera.lens is None:
+    for name in names or ERROR_PARAMETERS:
+        change, step = ERROR_PARAMETERS[name]
+        if name in CAMERA_PARAMETERS and geometry.camera.lens is None:
             continue
         high, low = length(change(geometry, step)), length(change(geometry, -step))
         patterns[name] = np.nan_to_num(-(high - low) / (2 * step))
@@ -163,9 +163,9 @@ def camera_patterns(
 
 
 def with_errors(geometry: Geometry, errors: Mapping[str, float]) -> Geometry:
-    """A geometry changed by errors: parameter of `CHANGES` -> true value minus value used."""
+    """A geometry changed by errors: `ERROR_PARAMETERS` name -> true value minus value used."""
     for name, value in errors.items():
-        geometry = CHANGES[name][0](geometry, value)
+        geometry = ERROR_PARAMETERS[name][0](geometry, value)
     return geometry
 
 
@@ -261,7 +261,7 @@ def _tilt(axis: int) -> Callable[[Geometry, float], Geometry]:
     return turned
 
 
-CHANGES: dict[str, tuple[Callable[[Geometry, float], Geometry], float]] = {
+ERROR_PARAMETERS: dict[str, tuple[Callable[[Geometry, float], Geometry], float]] = {
     "scale": (_scale, 1e-3),
     "focal": (_focal, 1e-3),
     "k1": (_k1, 1e-3),
@@ -270,4 +270,4 @@ CHANGES: dict[str, tuple[Callable[[Geometry, float], Geometry], float]] = {
     "depth_m": (_depth, 1e-3),
     "refractive_index": (_index, 1e-3),
 }
-LENS_ONLY = frozenset(CHANGES) - {"scale"}
+CAMERA_PARAMETERS = frozenset(ERROR_PARAMETERS) - {"scale"}

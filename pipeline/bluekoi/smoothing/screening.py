@@ -12,7 +12,7 @@ from .linear_gaussian import Mask
 
 
 @dataclass(frozen=True)
-class Measured:
+class ScreenedMeasurements:
     """Measurements z (nodes, m) with variance R (nodes, m, m) where seen (nodes,).
 
     plausible: (nodes,) those not far off the line between their neighbours. onset: (nodes,)
@@ -30,7 +30,7 @@ class Measured:
     span_s: float
 
 
-def measured(z: Float, R: Float, grid: Grid) -> Measured:
+def screen_measurements(z: Float, R: Float, grid: Grid) -> ScreenedMeasurements:
     """Measurements of z (nodes, m) with covariance R (nodes, m, m), NaN where not seen."""
     seen = np.asarray(np.isfinite(z).all(axis=1) & np.isfinite(R).all(axis=(1, 2)))
     m = z.shape[1]
@@ -47,7 +47,7 @@ def measured(z: Float, R: Float, grid: Grid) -> Measured:
     floor = np.sqrt(variance) / max(float(np.ptp(t)), 1e-9)
     speed = float(max(np.quantile(rates, 0.8), floor))
     span = float(np.ptp(grid.time_s))
-    return Measured(z, R, seen, plausible, _onset(grid, t, at), speed, variance, span)
+    return ScreenedMeasurements(z, R, seen, plausible, _onset(grid, t, at), speed, variance, span)
 
 
 def _near_neighbours(z: Float) -> Mask:

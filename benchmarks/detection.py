@@ -30,8 +30,8 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import silhouette
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.conditions import MIDDLE
-from bluekoi.synthetic.design import ladder_design
+from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
+from bluekoi.synthetic.design import conditions_design
 
 BAR = 0.93
 MEMORY_MB = 600
@@ -45,8 +45,10 @@ def clip(folder: Path, size: str, codec: str, count: int) -> Path:
     if (study / "truth.sha256").exists():
         return study
     size_px, rate = SIZES[size]
-    state = replace(MIDDLE, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast")
-    design = ladder_design(state, longest_s=count / 29.97)
+    state = replace(
+        MIDDLE_CONDITIONS, size_px=size_px, mbit_s=rate, codec=codec, preset="superfast"
+    )
+    design = conditions_design(state, longest_s=count / 29.97)
     design = replace(design, plans=design.plans[1:2])
     render_study(design, study, folder / f"{study.name}-truth", workers=1)
     return study

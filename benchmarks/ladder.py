@@ -30,8 +30,8 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.keypoints import source_module
 from bluekoi.study import Study, Trial, load_study
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.conditions import LADDER
-from bluekoi.synthetic.design import ladder_design
+from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
+from bluekoi.synthetic.design import conditions_design
 
 MEDIAN_PX = 0.3
 PULLS = (0.9, 1.1)
@@ -40,7 +40,7 @@ WRONG_SHARE = 1e-3
 SWAPPED_FRAMES = 1
 RIGID = PARTS[:3]
 HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
-STILL = tuple(step for step in LADDER if step != "nudged")
+STILL = tuple(step for step in CONDITIONS_BY_NAME if step != "nudged")
 EVEN = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
 SIZES = {"848x480": (848, 480), "1080p": (1920, 1080), "2.7K": (2704, 1520), "4K": (3840, 2160)}
 
@@ -135,9 +135,9 @@ def rendered(
     """Study folder of a step, rendered where it is not there yet; with coloured dots or without."""
     study = folder / f"{step}{'-dots' * dots}-{size}-{seed}-{seconds:g}"
     if not (study / "truth.sha256").exists():
-        state = replace(LADDER[step], size_px=SIZES[size])
+        state = replace(CONDITIONS_BY_NAME[step], size_px=SIZES[size])
         state = replace(state, markers=state.markers or dots)
-        design = ladder_design(state, seed, longest_s=seconds)
+        design = conditions_design(state, seed, longest_s=seconds)
         render_study(design, study, truth_of(study), workers=2)
     return study
 
@@ -225,7 +225,9 @@ def climb(
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", nargs="+", type=int, default=[13, 21, 31])
-    parser.add_argument("--steps", nargs="+", default=list(LADDER), choices=list(LADDER))
+    parser.add_argument(
+        "--steps", nargs="+", default=list(CONDITIONS_BY_NAME), choices=list(CONDITIONS_BY_NAME)
+    )
     parser.add_argument("--size", default="1080p", choices=list(SIZES))
     parser.add_argument("--seconds", type=float, default=3.4)
     parser.add_argument("--dots", action="store_true", help="coloured dots at every step")

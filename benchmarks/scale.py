@@ -27,7 +27,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]  # validation/, then what tests 
 
 from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
 from bluekoi.synthetic.conditions import Conditions  # noqa: E402
-from bluekoi.synthetic.design import ladder_design  # noqa: E402
+from bluekoi.synthetic.design import conditions_design  # noqa: E402
 from studies import small_study  # noqa: E402
 
 TICK = os.sysconf("SC_CLK_TCK")
@@ -35,7 +35,7 @@ TICK = os.sysconf("SC_CLK_TCK")
 
 def filmed_study(folder: Path) -> Path:
     """Three rendered trials of three to four seconds at 1080p: straight, a turn to either side."""
-    design = ladder_design(Conditions())
+    design = conditions_design(Conditions())
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     for plan in design.plans:
         render_trial(design, plan.trial_id, folder, folder.with_name("truth"), threads=1)

@@ -63,7 +63,7 @@ def _run(words: list[str], folder: str, environment: dict[str, str], out: str, e
         os.dup2(os.open(path, flags), stream)
     sys.path.insert(0, environment["PYTHONPATH"])
     sys.argv = ["snakemake", *words]
-    from bluekoi.cli.start import main
+    from bluekoi.cli.snakemake_launcher import main
 
     main()
 

@@ -20,7 +20,7 @@ from bluekoi.stages.mismatch import with_clock
 from bluekoi.stages.tracks import flapping_of
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
-from bluekoi.synthetic.design import Design
+from bluekoi.synthetic.design import StudyDesign
 from bluekoi.tuning import Tuned, trial_series
 from validation.tracking import keypoint_study
 
@@ -35,7 +35,7 @@ class Measured:
     flapping: dict[str, Flapping]
 
 
-def measured(design: Design, folder: Path) -> Measured:
+def measured(design: StudyDesign, folder: Path) -> Measured:
     """A design simulated, tracked with noise, and measured again."""
     keypoint_study(design, folder / "study", folder / "truth")
     study = load_study(folder / "study")

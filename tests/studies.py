@@ -10,8 +10,8 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from bluekoi.synthetic.design import Design, numbered_plans
-from bluekoi.synthetic.laws import Coefficients, Tank, bare_tank
+from bluekoi.synthetic.design import StudyDesign, numbered_plans
+from bluekoi.synthetic.laws import Coefficients, Tank, published_model_tank
 from validation.tracking import keypoint_study
 
 TABLE_1 = {
@@ -22,7 +22,7 @@ TABLE_1 = {
 PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degrees, -45 degrees
 
 
-def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
+def bare_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
     """12 trials of the paper's bare model in still water; Table I per power if asked.
 
     With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
@@ -31,7 +31,7 @@ def bare_design(seed: int = 12, *, table_1: bool = False) -> Design:
     plans = numbered_plans((50, 75, 100), settings)
     at = TABLE_1 if table_1 else {}
     name = "table_1" if table_1 else "bare"
-    return Design(name, plans, bare_tank(Tank()), seed, coefficients_at=at)
+    return StudyDesign(name, plans, published_model_tank(Tank()), seed, coefficients_at=at)
 
 
 def small_study(folder: Path) -> Path:

@@ -7,8 +7,8 @@ import time
 
 import pytest
 
-from bluekoi.cli import waiting
-from bluekoi.cli.waiting import Wait
+from bluekoi.cli import progress_notice
+from bluekoi.cli.progress_notice import Progress
 
 
 class Terminal(io.StringIO):
@@ -17,7 +17,7 @@ class Terminal(io.StringIO):
 
 
 def test_time_left_is_by_the_share_done_else_as_usual():
-    wait = Wait("writing", usual_s=30.0, since_s=0.0)
+    wait = Progress("writing", usual_s=30.0, since_s=0.0)
     assert wait.line(10.0) == "writing: about 20 s left"
     assert wait.line(40.0) == "writing: 40 s so far, longer than usual"
     wait.share = 0.25
@@ -25,15 +25,15 @@ def test_time_left_is_by_the_share_done_else_as_usual():
 
 
 def test_nothing_is_said_of_what_is_done_at_once():
-    with waiting.waiting("reading", stream=(stream := Terminal())):
+    with progress_notice.progress_notice("reading", stream=(stream := Terminal())):
         pass
     assert "reading" not in stream.getvalue()
 
 
 @pytest.mark.parametrize("kind", [Terminal, io.StringIO])
 def test_a_long_wait_is_reported_and_the_line_taken_away(kind, monkeypatch):
-    monkeypatch.setattr(waiting, "FIRST_NOTICE_S", 0.05)
-    with waiting.waiting("writing 3 trials", stream=(stream := kind())) as wait:
+    monkeypatch.setattr(progress_notice, "FIRST_NOTICE_S", 0.05)
+    with progress_notice.progress_notice("writing 3 trials", stream=(stream := kind())) as wait:
         wait.share = 0.5
         deadline = time.monotonic() + 10
         while "writing" not in stream.getvalue() and time.monotonic() < deadline:

@@ -10,7 +10,7 @@ from exact_campaign import campaign
 
 from bluekoi.campaign import Campaign
 from bluekoi.data import Flapping, Pose
-from bluekoi.stages.clock import clock_factors, in_true_time, with_clock_cause
+from bluekoi.stages.clock import clock_factors, correct_clock, with_clock_cause
 from bluekoi.stages.tuning import campaign_series
 
 CONTENT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
@@ -34,7 +34,7 @@ def with_rates(base: Campaign, fps: dict[str, float]) -> Campaign:
 def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
     base = with_rates(campaign(powers=(100,)), {})
     beats = {name: logged(factor) for name in base.tracks}
-    corrected, flapping, factors = in_true_time(base, beats)
+    corrected, flapping, factors = correct_clock(base, beats)
     assert set(factors) == set(base.tracks)
     for name, track in base.tracks.items():
         assert corrected.tracks[name].time_s == pytest.approx(factor * track.time_s)
@@ -57,7 +57,7 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
 
 def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
     base = with_rates(campaign(powers=(100,)), {})
-    _, _, factors = in_true_time(base, {name: logged(4.0) for name in base.tracks})
+    _, _, factors = correct_clock(base, {name: logged(4.0) for name in base.tracks})
     fine = {"name": "clock_error", "parameters": {"rate_error": {"value": 0.01}}}
     damping = {"name": "linear_yaw_damping", "parameters": {}}
     content = {**CONTENT, "causes": [damping, fine]}

@@ -15,7 +15,7 @@ from bluekoi.cli import main
 from bluekoi.comparison import compare, draw, read_run
 from bluekoi.data import Steady
 from bluekoi.errors import InputError
-from bluekoi.stages.manifest import RUN, write_manifest
+from bluekoi.stages.manifest import RUN_VARIABLE, write_manifest
 from bluekoi.steady import write_steady
 from studies import edit_rows, small_study
 
@@ -103,7 +103,7 @@ def test_runs_without_a_manifest_are_compared_in_their_results_alone(two):
 def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):
     study, results = small_study(tmp_path / "study"), tmp_path / "results"
     expected = {"command": "bluekoi run study", "settings": {"overlays": "none"}, "code": "abc"}
-    monkeypatch.setenv(RUN, json.dumps(expected))
+    monkeypatch.setenv(RUN_VARIABLE, json.dumps(expected))
     write_manifest(study, results)
     found = json.loads((results / "manifest.json").read_text())
     assert {key: found[key] for key in expected} == expected

@@ -24,7 +24,7 @@ from scipy.stats import t as student
 from bluekoi.data import Steady
 from bluekoi.steady import read_steady
 from bluekoi.synthetic.campaign import render_study
-from bluekoi.synthetic.design import Plan, demo_design
+from bluekoi.synthetic.design import TrialPlan, demo_design
 from bluekoi.synthetic.laws import Coefficients
 from bluekoi.synthetic.trial import solve_trial
 from studies import bare_design
@@ -56,7 +56,7 @@ def steady() -> dict[str, Steady]:
     return dict(read_steady(Path(given or ROOT / "results/demo") / "steady.csv"))
 
 
-def truth(plan: Plan, row: Steady) -> tuple[float, float, float]:
+def truth(plan: TrialPlan, row: Steady) -> tuple[float, float, float]:
     """True speed (m/s), radius (m) and flapping frequency (Hz) over the stretch that was used.
 
     Of the mean motion, the tail-beat recoil left out: the mean of |v|, and the distance gone over

@@ -18,15 +18,19 @@ from bluekoi.errors import InputError
 from bluekoi.figures import mismatch_dependence
 from bluekoi.figures.drawing import groups
 from bluekoi.figures.drawing.circles import circle, measured_arc
-from bluekoi.figures.drawing.extraction import extract
-from bluekoi.figures.drawing.missing_force import force_of_effects, missing_forces, variable
-from bluekoi.figures.drawing.style import COLOURS, power_styles
-from bluekoi.figures.drawing.sweeps import (
+from bluekoi.figures.drawing.figure_data import extract_points
+from bluekoi.figures.drawing.missing_force import (
+    force_of_effects,
+    missing_forces,
+    variable_along_trial,
+)
+from bluekoi.figures.drawing.model_sweeps import (
     fitted_powers,
-    over_angle,
-    radius,
+    radii_over_angle,
+    turn_radius,
     with_extrapolated_powers,
 )
+from bluekoi.figures.drawing.style import COLOURS, power_styles
 from bluekoi.model import FLAP_HZ, TABLE_1, steady_turn
 from bluekoi.study import Study
 
@@ -47,16 +51,16 @@ def texts(figure) -> str:
 def test_the_folder_is_the_registry():
     folder = Path(figures.__file__).parent
     files = {path.stem for path in folder.glob("*.py")} - {"__init__"}
-    assert set(figures.names()) == files
+    assert set(figures.figure_names()) == files
     assert {"fig3", "fig5", "fig6", "paths"} <= files
 
 
-@pytest.mark.parametrize("name", figures.names())
+@pytest.mark.parametrize("name", figures.figure_names())
 def test_every_figure_says_what_it_is_and_draws(name, whole):
     figure = figures.draw(name, whole)
     assert figures.title(name)
     assert len(figures.caption(name)) > 60
-    assert figures.missing(name, whole) == ()
+    assert figures.missing_results(name, whole) == ()
     assert sum(bool(axes.has_data()) for axes in figure.axes) >= 1
 
 
@@ -65,7 +69,7 @@ def test_a_figure_that_does_not_exist_is_named_with_the_nearest():
         figures.draw("fig33", campaign())
 
 
-@pytest.mark.parametrize("name", figures.names())
+@pytest.mark.parametrize("name", figures.figure_names())
 @pytest.mark.parametrize(
     "given",
     [
@@ -86,14 +90,14 @@ def test_an_empty_panel_states_the_reason():
     assert "no turn" in texts(figures.draw("fig3", straight_only))
     assert "no turn" in texts(figures.draw("fig5", straight_only)).replace("\n", " ")
     nothing = Campaign(study=straight_only.study)
-    assert "steady" in figures.missing("fig3", nothing)[1]
+    assert "steady" in figures.missing_results("fig3", nothing)[1]
     assert "has no" in figures.draw("fig3", nothing).texts[1].get_text()
 
 
 def test_figures_of_the_search_survive_a_detail_file_of_another_format(whole):
     for detail in ({"version": 2}, {"forces": {"T02": {}}, "sets": [{"causes": "stall"}]}):
         other = Campaign(**{**whole.__dict__, "mismatch_detail": detail})
-        for name in figures.names():
+        for name in figures.figure_names():
             figure = figures.draw(name, other)
             figure.canvas.draw()
             assert figure.axes or figure.texts
@@ -188,7 +192,7 @@ def test_units_stand_on_every_axis(whole):
 
 def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
     row = fitted_powers(whole)[100.0]
-    model = radius(whole, row, 0.12, 45)
+    model = turn_radius(whole, row, 0.12, 45)
     seen = radius_of(100, 45, 0.12)
     assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
 
@@ -218,9 +222,9 @@ def test_fig6_draws_the_model_that_was_tuned(whole):
         head_angle_rad=np.radians(30),
         flap_hz=FLAP_HZ[100],
     )[1]
-    assert over_angle(whole, fitted_powers(whole)[100.0], 0.12, [30.0]).best[0] == pytest.approx(
-        expected
-    )
+    assert radii_over_angle(whole, fitted_powers(whole)[100.0], 0.12, [30.0]).best[
+        0
+    ] == pytest.approx(expected)
     panel = figures.draw("fig6", whole).axes[1]
     curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
     assert np.all(np.diff(curve.get_ydata()) < 0)
@@ -239,7 +243,7 @@ def test_the_robot_is_drawn_with_its_measures(whole):
 def test_the_force_of_the_effect_equals_the_missing_moment(whole):
     """To 1e-3 mN and mN m: what differencing over 1 microsecond leaves."""
     for one in missing_forces(whole).values():
-        rate = variable(whole, one, "yaw_rate_rad_s")
+        rate = variable_along_trial(whole, one, "yaw_rate_rad_s")
         assert force_of_effects(whole, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
         assert force_of_effects(whole, one)[:, :2] == pytest.approx(0, abs=1e-3)
         assert one.force[:, 2] == pytest.approx(-20 * rate)
@@ -248,9 +252,9 @@ def test_the_force_of_the_effect_equals_the_missing_moment(whole):
 def test_motion_variables_of_a_steady_turn(whole):
     one = missing_forces(whole)["T02"]
     steady = whole.steady["T02"]
-    assert variable(whole, one, "speed_m_s") == pytest.approx(steady.speed_m_s)
-    assert variable(whole, one, "sway_speed_m_s") == pytest.approx(0, abs=1e-9)
-    assert variable(whole, one, "yaw_rate_rad_s") == pytest.approx(
+    assert variable_along_trial(whole, one, "speed_m_s") == pytest.approx(steady.speed_m_s)
+    assert variable_along_trial(whole, one, "sway_speed_m_s") == pytest.approx(0, abs=1e-9)
+    assert variable_along_trial(whole, one, "yaw_rate_rad_s") == pytest.approx(
         -steady.speed_m_s / steady.radius_m
     )
 
@@ -262,7 +266,7 @@ def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_forc
     rest = replace(whole, mismatch_detail=whole.mismatch_detail | {"forces": forces})
     assert set(missing_forces(rest)) == set(missing_forces(whole)) - {lost}
     for name in ("mismatch_dependence", "mismatch_map"):
-        assert extract(figures.draw(name, rest))
+        assert extract_points(figures.draw(name, rest))
 
 
 def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, whole):
@@ -348,7 +352,7 @@ def test_extraction_covers_lines_error_bars_bars_bands_and_maps():
     bars.barh([0, 1], [7.0, 8.0])
     bars.set_yticks([0, 1], ["stall", "trim"])
     coloured.pcolormesh([0.0, 2.0], [0.0, 1.0], [[9.0]])
-    found = extract(figure)
+    found = extract_points(figure)
     by_kind = {kind: [p for p in found if p.kind == kind and p.panel == 0] for kind in
                ("line", "dashed line", "points", "band")}  # fmt: skip
     assert [(p.x, p.y, p.trial_id) for p in by_kind["dashed line"]] == [
@@ -366,7 +370,7 @@ def test_extraction_gives_arrows_in_units_of_the_data():
     axes = figure.subplots()
     axes.quiver([1.0, 2.0], [0.5, 0.5], [3.0, 0.0], [0.0, -6.0], angles="xy", scale_units="xy",
                 scale=3.0, color="#D55E00")  # fmt: skip
-    found = extract(figure)
+    found = extract_points(figure)
     assert [(p.x, p.y) for p in found] == [
         (1, 0.5), (2, 0.5), ("", ""), (2, 0.5), (2, -1.5), ("", ""),
     ]  # fmt: skip
@@ -375,7 +379,7 @@ def test_extraction_gives_arrows_in_units_of_the_data():
 
 def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals(whole):
     figure = figures.draw("mismatch_laws", whole)
-    found = extract(figure)
+    found = extract_points(figure)
     assert "linear yaw damping" in texts(figure)
     law = [(p.x, p.y) for p in found if p.series == "estimate"]
     assert law == [(-1, 0.02), (0, 0), (1, -0.02)]
@@ -404,7 +408,7 @@ def test_candidates_are_shown_with_their_probabilities(whole):
     given = {"linear_yaw_damping": 0.97, "stall": 0.02}
     other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "probabilities": given},
                         "mismatch_detail": None})  # fmt: skip
-    found = extract(figures.draw("mismatch_candidates", other))
+    found = extract_points(figures.draw("mismatch_candidates", other))
     assert [(p.y, p.x) for p in found if p.kind == "bar"] == [
         ("linear yaw damping", 0.97), ("stall", 0.02),
     ]  # fmt: skip

@@ -41,8 +41,8 @@ from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
-    CLOCK_STD,
-    STATED_FREQUENCY_STD,
+    CLOCK_STD_SHARE,
+    STATED_FREQUENCY_STD_SHARE,
     with_clock,
     with_delay,
     with_motor_start,
@@ -370,12 +370,14 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
         return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
 
     for ratio, std in clock_ratios([-0.025] * 9):
-        assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD), rel=0.02)
+        assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD_SHARE), rel=0.02)
     apart = clock_ratios([-0.01] * 3 + [-0.04] * 3 + [-0.08] * 3)
     together = np.mean([std for _, std in apart]) / 3  # of nine trials
     assert together > np.std([-0.01, -0.04, -0.08])
     stated = np.mean([std for _, std in clock_ratios([-0.025] * 9, "flap_hz")]) / 3
-    assert stated == pytest.approx(STATED_FREQUENCY_STD, rel=0.1)  # as STUDY.md says: of its log
+    assert stated == pytest.approx(
+        STATED_FREQUENCY_STD_SHARE, rel=0.1
+    )  # as STUDY.md says: of its log
 
 
 def test_what_motor_logs_show_of_their_start_is_one_measurement_shared_by_the_trials() -> None:

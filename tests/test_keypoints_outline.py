@@ -24,9 +24,9 @@ from bluekoi.keypoints.outline.ghost_removal import _write_unhidden_median
 from bluekoi.keypoints.outline.plane import swimming_plane
 from bluekoi.keypoints.outline.tail_detection import tail_length
 from bluekoi.keypoints.outline.template import initial_template, nan_median, with_learned_stations
-from bluekoi.synthetic.conditions import LADDER
-from bluekoi.synthetic.design import ladder_design
-from bluekoi.synthetic.optics import gopro_like
+from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
+from bluekoi.synthetic.design import conditions_design
+from bluekoi.synthetic.optics import gopro_like_camera
 from bluekoi.synthetic.trial import frame_truth, solve_trial
 
 
@@ -58,7 +58,7 @@ def test_no_edge_where_there_is_none():
 
 
 def test_plane_agrees_with_independent_optics():
-    design = ladder_design(LADDER["middle"])
+    design = conditions_design(CONDITIONS_BY_NAME["middle"])
     trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
     plane = swimming_plane(setup_of(design))
@@ -70,7 +70,9 @@ def test_plane_agrees_with_independent_optics():
 
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
-    design = replace(ladder_design(LADDER["middle"]), camera=gopro_like(lens))
+    design = replace(
+        conditions_design(CONDITIONS_BY_NAME["middle"]), camera=gopro_like_camera(lens)
+    )
     setup = setup_of(design)
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
     places = np.column_stack([x.ravel(), y.ravel()])
@@ -143,7 +145,7 @@ def test_resting_body_is_bridged():
 
 
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
-    design = ladder_design(LADDER["middle"])
+    design = conditions_design(CONDITIONS_BY_NAME["middle"])
     setup, trial = setup_of(design), trial_of(design.plans[1])
     start = initial_template(setup.robot, trial, 0.103, 60.0)
     visible = start.visible_stations()

@@ -13,9 +13,9 @@ from bluekoi.data import PARTS, Frame
 from bluekoi.errors import InputError
 from bluekoi.keypoints import markers, silhouette
 from bluekoi.study import Setup, Trial
-from bluekoi.synthetic.conditions import LADDER
-from bluekoi.synthetic.design import ladder_design
-from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
+from bluekoi.synthetic.design import conditions_design
+from bluekoi.synthetic.film import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
 
@@ -53,12 +53,12 @@ def trial_of(plan) -> Trial:
 @lru_cache(maxsize=3)
 def rendered(step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False):
     """Frames, setup, trial and true keypoints (frames, 5, 2) of one rendered trial."""
-    design = ladder_design(LADDER[step], longest_s=seconds)
+    design = conditions_design(CONDITIONS_BY_NAME[step], longest_s=seconds)
     trial = solve_trial(design, name)
     number = range(0, len(trial.time_s), every)
     thinned = replace(trial, time_s=trial.time_s[::every])
     film = []
-    for i, planes in zip(number, frames_of(design, thinned), strict=True):
+    for i, planes in zip(number, render_frames(design, thinned), strict=True):
         bgr = _bgr(planes) if colour else None
         film.append(Frame(i, float(trial.time_s[i]), planes.luma, bgr))
     truth = frame_truth(design, thinned)["keypoints_px"]

@@ -20,7 +20,7 @@ from bluekoi.pose import rigid_pose
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
-from bluekoi.stages.plausible import first_jump, implausible
+from bluekoi.stages.plausibility import first_jump, plausibility_findings
 from bluekoi.stages.tracks import _doubted, flapping_of, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
@@ -40,7 +40,7 @@ def seen(tmp_path_factory):
 
 def messages(study, trial, positions):
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
-    return [str(one) for one in implausible(study, trial, positions, pose)]
+    return [str(one) for one in plausibility_findings(study, trial, positions, pose)]
 
 
 def test_a_good_trial_passes(seen):
@@ -100,7 +100,9 @@ def test_a_slow_robot_at_a_much_too_high_frame_rate_does_not_swim_backwards(seen
     noise = np.random.default_rng(3).normal(0, 4e-3, positions.xy_m.shape)
     fast = replace(positions, xy_m=positions.xy_m + noise, time_s=positions.time_s / 64)
     pose = rigid_pose(fast, study.setup.robot, trial.head_length_m)
-    assert [str(f) for f in implausible(study, trial, fast, pose) if "backwards" in str(f)] == []
+    assert [
+        str(f) for f in plausibility_findings(study, trial, fast, pose) if "backwards" in str(f)
+    ] == []
 
 
 def test_a_robot_that_swims_backwards_is_named(seen):

@@ -16,7 +16,7 @@ from bluekoi.camera.plane import plane_camera
 from bluekoi.campaign import Campaign
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
-from bluekoi.report.numbers import measured, number, percent
+from bluekoi.report.numbers import number, percent, value_with_interval
 from bluekoi.report.page import write_report
 
 VOID = {"meta", "link", "img", "input", "br", "rect", "polyline"}
@@ -52,7 +52,7 @@ class Page(HTMLParser):
 
 
 def figure_texts() -> dict[str, tuple[str, str]]:
-    return {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
+    return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
 
 
 def write(base: Campaign, folder: Path) -> str:
@@ -88,7 +88,7 @@ def test_the_page_is_well_formed_and_needs_no_network(tmp_path, found):
     assert page.heads[0] == "h1"
     assert page.heads.count("h1") == 1
     assert text.count('src="data:image/png;base64,') == 2
-    assert text.count("does not exist") == len(figures.names()) - 2
+    assert text.count("does not exist") == len(figures.figure_names()) - 2
 
 
 def test_all_text_is_escaped(tmp_path):
@@ -287,7 +287,7 @@ def test_videos_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
     ],
 )
 def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, text):
-    assert measured(value, std) == text
+    assert value_with_interval(value, std) == text
 
 
 def test_numbers_for_people():

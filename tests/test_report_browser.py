@@ -15,7 +15,7 @@ from firefox import Firefox, FirefoxTab
 
 from bluekoi import figures
 from bluekoi.campaign import Campaign
-from bluekoi.report.overlay import trial_overlay
+from bluekoi.report.overlay import write_trial_overlay
 from bluekoi.report.page import write_report
 from browser import Browser, Tab
 
@@ -73,7 +73,7 @@ OFFSCREEN = """(() => [...document.querySelectorAll("body *")].filter((e) => {
 
 
 def figure_texts() -> dict[str, tuple[str, str]]:
-    return {name: (figures.title(name), figures.caption(name)) for name in figures.names()}
+    return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
 
 
 def written(base: Campaign, folder: Path) -> Path:
@@ -105,7 +105,7 @@ def page(tmp_path_factory) -> Path:
     for name in ("fig3", "mismatch_map"):
         draw = folder / "figures" / name
         figures.draw_file(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
-    trial_overlay(found, "T02", folder, folder / "overlays" / "T02.mp4")
+    write_trial_overlay(found, "T02", folder, folder / "overlays" / "T02.mp4")
     return written(found, folder)
 
 
@@ -262,7 +262,7 @@ def test_a_click_in_an_interactive_figure_opens_the_trial(page, browser):
 def test_videos_beside_the_page_are_loaded_on_demand(tmp_path, browser, monkeypatch):
     monkeypatch.setattr("bluekoi.report.media.MAX_CLIP_BYTES", 0)
     found = searched(campaign())
-    trial_overlay(found, "T02", tmp_path, tmp_path / "overlays" / "T02.mp4")
+    write_trial_overlay(found, "T02", tmp_path, tmp_path / "overlays" / "T02.mp4")
     page = written(found, tmp_path)
     assert 'id="clip-T02"' not in page.read_text(encoding="utf-8")
     tab = Tab(browser, page)

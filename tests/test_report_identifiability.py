@@ -28,7 +28,7 @@ def campaign():
 
 
 def test_spectrum_marks_what_is_not_determined(campaign) -> None:
-    first, second = identifiability.spectrum(campaign)
+    first, second = identifiability.fisher_spectrum(campaign)
     assert first.marked
     assert first.cells == ("unbounded", "no")
     assert not second.marked
@@ -37,10 +37,10 @@ def test_spectrum_marks_what_is_not_determined(campaign) -> None:
 
 def test_combinations_read_as_products_of_powers() -> None:
     """A direction of relative changes is the gradient of the log of a product of powers."""
-    assert identifiability.combination("-0.97 dC_Ma/C_Ma") == "C_Ma"
-    both = identifiability.combination("-0.58 dC_T/C_T +0.37 dC_Da/C_Da")
+    assert identifiability.as_power_product("-0.97 dC_Ma/C_Ma") == "C_Ma"
+    both = identifiability.as_power_product("-0.58 dC_T/C_T +0.37 dC_Da/C_Da")
     assert both == "C_T^0.58 · C_Da^−0.37"
-    assert identifiability.combination("something else") == "something else"
+    assert identifiability.as_power_product("something else") == "something else"
 
 
 def test_profile_is_drawn_from_left_to_right_through_the_fit(campaign) -> None:
@@ -75,7 +75,7 @@ def test_a_drawn_profile_is_a_smooth_curve_with_the_fit_at_its_bottom(campaign) 
 
 
 def test_joint_table_has_the_interval_over_trials_and_the_naive_one(campaign) -> None:
-    row = tables.joint(campaign)[0]
+    row = tables.joint_fit_rows(campaign)[0]
     assert row.cells[0] == "0.00450 ± 0.00045"
     assert row.cells[1] == "8.8 × 10⁻⁵"
 

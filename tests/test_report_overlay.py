@@ -10,7 +10,7 @@ from exact_campaign import campaign, setup
 from bluekoi.camera import pool_camera
 from bluekoi.campaign import Campaign
 from bluekoi.data import Frame, Keypoints
-from bluekoi.report.overlay import frame_rate, paths, trial_overlay, write_overlay
+from bluekoi.report.overlay import frame_rate, paths, write_overlay, write_trial_overlay
 from bluekoi.report.overlay_frame import (
     AFTER_BGR,
     BEFORE_BGR,
@@ -92,7 +92,7 @@ def test_only_confident_keypoints_of_the_moment_are_drawn():
 
 def test_a_keypoint_study_is_drawn_on_the_empty_pool(base, tmp_path):
     path = tmp_path / "T02.mp4"
-    count, first_s = trial_overlay(base, "T02", tmp_path, path)
+    count, first_s = write_trial_overlay(base, "T02", tmp_path, path)
     assert not (tmp_path / "keypoints").exists()
     with av.open(str(path)) as film:
         stream = film.streams.video[0]

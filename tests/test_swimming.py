@@ -23,7 +23,7 @@ from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.outcome import outcome
-from bluekoi.stages.plausible import implausible
+from bluekoi.stages.plausibility import plausibility_findings
 from bluekoi.stages.status import with_numerical_failures_explained
 from bluekoi.stages.tracks import flapping_of, tracks
 from bluekoi.steady import steady_state
@@ -47,7 +47,7 @@ def analysed(study, trial, positions):
     """Steady state and swimming numbers, as the stage makes them; InputError where refused."""
     flapping = flapping_of(study, trial, positions)
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
-    if wrong := implausible(study, trial, positions, pose):
+    if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)
     steady = steady_state(smooth(pose, flapping.flap_hz), flapping, trial.head_angle_rad)
     return steady, swimming_numbers(steady, flapping, positions, study.setup.robot)

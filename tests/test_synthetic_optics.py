@@ -10,12 +10,12 @@ import pytest
 
 from bluekoi.synthetic.optics import (
     Camera,
-    gopro_like,
-    looking_down,
-    nudged,
+    displaced_camera,
+    downward_rotation,
+    gopro_like_camera,
     pool_corners,
     project,
-    resized,
+    resized_camera,
     surface_point,
     to_pool,
 )
@@ -31,7 +31,7 @@ def some_points(depth_m: float, count: int = 200) -> np.ndarray:
 
 @pytest.mark.parametrize("depth_m", [1e-6, 0.04, 0.3, 5.0])
 def test_light_obeys_snell_at_the_surface(depth_m: float) -> None:
-    camera, points = gopro_like(), some_points(depth_m)
+    camera, points = gopro_like_camera(), some_points(depth_m)
     surface = surface_point(camera, points)
     up = np.array(camera.centre_m) - surface
     down = surface - points
@@ -42,7 +42,7 @@ def test_light_obeys_snell_at_the_surface(depth_m: float) -> None:
 
 
 def test_a_point_right_below_the_camera_is_not_bent() -> None:
-    camera = gopro_like()
+    camera = gopro_like_camera()
     below = np.array([[camera.centre_m[0], camera.centre_m[1], -0.2]])
     assert np.allclose(surface_point(camera, below)[0, :2], camera.centre_m[:2], atol=1e-12)
 
@@ -50,14 +50,14 @@ def test_a_point_right_below_the_camera_is_not_bent() -> None:
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 @pytest.mark.parametrize("depth_m", [0.0, 0.04, 0.3])
 def test_pixel_and_back(lens: str, depth_m: float) -> None:
-    camera, points = gopro_like(lens), some_points(depth_m)
+    camera, points = gopro_like_camera(lens), some_points(depth_m)
     back = to_pool(camera, project(camera, points), depth_m)
     assert np.abs(back - points[:, :2]).max() < 1e-9
 
 
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 def test_lens_agrees_with_opencv_above_water(lens: str) -> None:
-    camera = gopro_like(lens)
+    camera = gopro_like_camera(lens)
     points = some_points(-0.1)
     rotation = np.array(camera.rotation)
     shift = -rotation @ np.array(camera.centre_m)
@@ -72,21 +72,23 @@ def test_lens_agrees_with_opencv_above_water(lens: str) -> None:
 
 
 def test_image_is_upright_and_not_mirrored() -> None:
-    corners = pool_corners(gopro_like(), POOL)
+    corners = pool_corners(gopro_like_camera(), POOL)
     assert corners[1, 0] > corners[0, 0] + 1000
     assert corners[3, 1] < corners[0, 1] - 500
     assert ((corners > 0) & (corners < np.array([1920, 1080]))).all()
 
 
 def test_a_larger_picture_shows_the_same_field() -> None:
-    camera, points = gopro_like(), some_points(0.04)
-    large = project(resized(camera, (3840, 2160)), points)
+    camera, points = gopro_like_camera(), some_points(0.04)
+    large = project(resized_camera(camera, (3840, 2160)), points)
     assert np.allclose((large + 0.5) / 2 - 0.5, project(camera, points), atol=1e-9)
 
 
 def test_a_displacement_moves_the_picture_by_its_angle() -> None:
-    camera = replace(gopro_like(), rotation=looking_down(0, 0, 0), distortion=(0.0,) * 5)
-    displaced = nudged(camera, (0.0, 0.0, 0.0), (0.0, 0.25, 0.0))
+    camera = replace(
+        gopro_like_camera(), rotation=downward_rotation(0, 0, 0), distortion=(0.0,) * 5
+    )
+    displaced = displaced_camera(camera, (0.0, 0.0, 0.0), (0.0, 0.25, 0.0))
     middle = to_pool(camera, np.array([camera.middle_px]), 0.0)
     place = np.array([[middle[0, 0], middle[0, 1], 0.0]])
     moved = project(displaced, place)[0] - np.array(camera.middle_px)

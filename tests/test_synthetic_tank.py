@@ -7,17 +7,19 @@ import numpy as np
 import pytest
 
 from bluekoi.synthetic.design import FLAP_HZ
-from bluekoi.synthetic.laws import Fin, Run, Tank, aerodynamic_arm, bare_tank
+from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, aerodynamic_arm, published_model_tank
 from bluekoi.synthetic.tank import simulate, steady_turn
-from bluekoi.synthetic.water import current, draw_eddies
+from bluekoi.synthetic.water import draw_eddies, water_velocity
 from studies import TABLE_1
 
-BARE = bare_tank(Tank())
+BARE = published_model_tank(Tank())
 STILL = Tank(recoil=None)
 
 
 def turning(tank: Tank, power: int, angle_deg: float, head_m: float = 0.12) -> tuple[float, float]:
-    return steady_turn(tank, Run(FLAP_HZ[power], math.radians(angle_deg), head_m), settle_s=12.0)
+    return steady_turn(
+        tank, TrialSettings(FLAP_HZ[power], math.radians(angle_deg), head_m), settle_s=12.0
+    )
 
 
 @pytest.mark.parametrize(("power", "speed"), [(50, 0.225), (75, 0.381), (100, 0.552)])
@@ -32,7 +34,7 @@ def test_straight_start_is_a_tanh() -> None:
     top = 5.82 * math.sqrt(c.C_T / c.C_D0)
     lag = robot.mass_kg / (0.5 * 1000 * area * c.C_D0 * top)
     time_s = np.linspace(0, 4, 41)
-    state = simulate(BARE, Run(5.82, 0.0, 0.12), 4.0).mean(time_s)
+    state = simulate(BARE, TrialSettings(5.82, 0.0, 0.12), 4.0).mean(time_s)
     assert np.allclose(state[:, 3], top * np.tanh(time_s / lag), atol=1e-8)
     assert np.allclose(state[:, 0], top * lag * np.log(np.cosh(time_s / lag)), atol=1e-8)
     assert np.abs(state[:, [1, 2, 4, 5]]).max() < 1e-12
@@ -55,8 +57,8 @@ def test_table_1_radii_lie_where_reported_model_md_audit_1() -> None:
 
 def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
     time_s = np.linspace(0, 3, 13)
-    left = simulate(STILL, Run(4.0, 0.5, 0.12), 3.0).mean(time_s)
-    right = simulate(STILL, Run(4.0, -0.5, 0.12), 3.0).mean(time_s)
+    left = simulate(STILL, TrialSettings(4.0, 0.5, 0.12), 3.0).mean(time_s)
+    right = simulate(STILL, TrialSettings(4.0, -0.5, 0.12), 3.0).mean(time_s)
     assert left[-1, 5] < -0.1
     sign = np.array([1, -1, -1, 1, -1, -1])
     start = np.array([0, 0, 0, 0, 0, 0])
@@ -65,7 +67,7 @@ def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
 
 def test_bare_model_cannot_swim_straight_but_the_fin_can_model_md_audit_5() -> None:
     time_s = np.linspace(3, 4, 11)
-    run = Run(5.82, 1e-8, 0.12)
+    run = TrialSettings(5.82, 1e-8, 0.12)
     bare = np.abs(simulate(BARE, run, 4.0).mean(time_s)[:, 5])
     growth = np.polyfit(time_s, np.log(bare), 1)[0]
     assert growth == pytest.approx(3.6, abs=0.3)
@@ -91,7 +93,7 @@ def test_geometry_of_the_aerodynamic_arm() -> None:
 
 
 def test_recoil_stays_small_and_starts_from_nothing() -> None:
-    motion = simulate(Tank(), Run(5.82, 0.0, 0.12, start_beat_rad=1.0), 2.0)
+    motion = simulate(Tank(), TrialSettings(5.82, 0.0, 0.12, start_beat_rad=1.0), 2.0)
     time_s = np.linspace(0, 2, 801)
     off = motion.pose(time_s)[:, :3] - motion.mean(time_s)[:, :3]
     assert np.abs(off[0]).max() == 0
@@ -105,9 +107,11 @@ def test_eddies_have_the_rms_asked_for_and_no_divergence() -> None:
     for _ in range(40):
         eddies = draw_eddies(rng, 0.002)
         z, t = complex(rng.uniform(0, 2.6), rng.uniform(0, 1.6)), rng.uniform(0, 9)
-        speeds.append(abs(current(eddies, t, z)) ** 2)
-        dx = (current(eddies, t, z + step) - current(eddies, t, z - step)).real
-        dy = (current(eddies, t, z + 1j * step) - current(eddies, t, z - 1j * step)).imag
+        speeds.append(abs(water_velocity(eddies, t, z)) ** 2)
+        dx = (water_velocity(eddies, t, z + step) - water_velocity(eddies, t, z - step)).real
+        dy = (
+            water_velocity(eddies, t, z + 1j * step) - water_velocity(eddies, t, z - 1j * step)
+        ).imag
         assert abs(dx + dy) / (2 * step) < 1e-9
     assert math.sqrt(np.mean(speeds)) == pytest.approx(0.002, rel=0.3)
     assert draw_eddies(rng, 0.0) == ()
@@ -115,5 +119,5 @@ def test_eddies_have_the_rms_asked_for_and_no_divergence() -> None:
 
 def test_fin_takes_power_out_of_a_sideways_drift() -> None:
     strong = replace(STILL, fin=Fin(area_m2=0.05))
-    run = Run(4.0, 0.4, 0.12)
+    run = TrialSettings(4.0, 0.4, 0.12)
     assert steady_turn(strong, run, settle_s=10)[0] != steady_turn(STILL, run, settle_s=10)[0]

@@ -176,7 +176,7 @@ def shown():
 
 
 def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> None:
-    row = next(r for r in tables.joint(shown) if r.name == "C_Da")
+    row = next(r for r in tables.joint_fit_rows(shown) if r.name == "C_Da")
     assert "(at its bound, 95 % limit " in row.cells[0]
     assert row.cells[1] == "–"
     assert row.marked

@@ -9,16 +9,18 @@ from pathlib import Path
 
 import click
 
-from bluekoi.cli import Plainly
+from bluekoi.cli import InputErrorGroup
 
 from . import report, running, scoring, sealing
 
-FOLDER = click.argument("folder", type=click.Path(path_type=Path))
-FOLDERS = click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
-WORKERS = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
+FOLDER_ARGUMENT = click.argument("folder", type=click.Path(path_type=Path))
+FOLDERS_ARGUMENT = click.argument(
+    "folders", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
+WORKERS_OPTION = click.option("--workers", default=2, show_default=True, help="Studies at a time.")
 
 
-@click.group(cls=Plainly)
+@click.group(cls=InputErrorGroup)
 def main() -> None:
     """Independent generators, the finder's verdicts on them, and their scores."""
     logging.basicConfig(level=logging.ERROR)
@@ -29,7 +31,7 @@ def main() -> None:
 @click.option("--seed", required=True, type=int)
 @click.option("--count", default=40, show_default=True)
 @click.option("--first", default=0, show_default=True)
-@FOLDER
+@FOLDER_ARGUMENT
 def make(generator: str, seed: int, count: int, first: int, folder: Path) -> None:
     """Write studies of a GENERATOR into FOLDER and publish the hashes of their truths."""
     generate = import_module(f"validation.generators.{generator}").generate
@@ -40,8 +42,8 @@ def make(generator: str, seed: int, count: int, first: int, folder: Path) -> Non
 
 
 @main.command()
-@FOLDER
-@WORKERS
+@FOLDER_ARGUMENT
+@WORKERS_OPTION
 def measure(folder: Path, workers: int) -> None:
     """Measure every study of FOLDER up to its tracks."""
     for line in running.measure_all(folder, workers):
@@ -49,8 +51,8 @@ def measure(folder: Path, workers: int) -> None:
 
 
 @main.command()
-@FOLDER
-@WORKERS
+@FOLDER_ARGUMENT
+@WORKERS_OPTION
 @click.option("--label", required=True, help="Name under which the verdicts are kept.")
 @click.option("--only", default="", help="Only studies whose name contains this.")
 def find(folder: Path, workers: int, label: str, only: str) -> None:
@@ -60,12 +62,12 @@ def find(folder: Path, workers: int, label: str, only: str) -> None:
 
 
 @main.command()
-@FOLDERS
+@FOLDERS_ARGUMENT
 @click.option("--label", required=True)
 @click.option("--out", type=click.Path(path_type=Path), help="Json of summary and studies.")
 def score(folders: tuple[Path, ...], label: str, out: Path | None) -> None:
     """Score the verdicts under LABEL of all FOLDERS together."""
-    studies = [s for folder in folders for s in scoring.scored_all(folder, label)]
+    studies = [s for folder in folders for s in scoring.score_all(folder, label)]
     result = scoring.summary(studies)
     click.echo(scoring.text(result))
     if out:
@@ -85,13 +87,13 @@ def ground_truth(study: Path, results: Path, truth: Path | None) -> None:
 
 
 @main.command()
-@FOLDERS
+@FOLDERS_ARGUMENT
 @click.option("--label", required=True, help="Label of the verdicts; also the finder's name.")
 @click.option("--commit", required=True, help="Commit at which the finder was run.")
 @click.option("--date", required=True, help="Day of the run, 2026-11-23.")
 def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> None:
     """Write the verdicts under LABEL to validation/results and the tables into docs/evidence.md."""
-    studies = [s for folder in folders for s in scoring.scored_all(folder, label)]
+    studies = [s for folder in folders for s in scoring.score_all(folder, label)]
     content = report.record(studies, finder=label, commit=commit, date=date)
     for path in report.write(content):
         click.echo(path)
@@ -99,7 +101,7 @@ def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> Non
 
 
 @main.command()
-@FOLDER
+@FOLDER_ARGUMENT
 def discrepancy(folder: Path) -> None:
     """Estimate the size of a cause's discrepancy (KAPPA) from the measured studies of FOLDER."""
     from .discrepancy import relative_residuals, report  # noqa: PLC0415  compiles the model
@@ -113,7 +115,7 @@ def discrepancy(folder: Path) -> None:
 
 
 @main.command()
-@FOLDERS
+@FOLDERS_ARGUMENT
 def drift(folders: tuple[Path, ...]) -> None:
     """Count drifting trials that are reported in the measured studies of FOLDERS, with and without
     a drift.
@@ -125,12 +127,14 @@ def drift(folders: tuple[Path, ...]) -> None:
 
 
 @main.command()
-@FOLDERS
+@FOLDERS_ARGUMENT
 def lengths(folders: tuple[Path, ...]) -> None:
     """Compare the rigid lengths in the measured studies of FOLDERS with right geometry."""
-    from .lengths import misfit, report  # noqa: PLC0415  loads the model
+    from .lengths import length_misfit, report  # noqa: PLC0415  loads the model
 
-    rows = [misfit(folder, name) for folder in folders for name in running.measured_names(folder)]
+    rows = [
+        length_misfit(folder, name) for folder in folders for name in running.measured_names(folder)
+    ]
     click.echo(report([row for row in rows if row is not None]))
 
 

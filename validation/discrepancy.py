@@ -56,12 +56,12 @@ def _by_form(problem: Problem, expansion: Expansion) -> Iterator[tuple[str, floa
         strengths = list(expansion.strengths[candidate.name])
         for form in forms if terms else ():
             known = [*expansion.own, *strengths, *(f for f in forms if f != form)]
-            left = remainder(H, known, [form, *terms])
+            left = unexplained_squares(H, known, [form, *terms])
             scale = H[strengths[0], strengths[0]] / np.maximum(H[terms, terms], 1e-30)
             yield candidate.name, float(left[0] / (left[1:] * scale).sum())
 
 
-def remainder(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:
+def unexplained_squares(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:
     """Squares (columns,) of what known columns cannot represent of others; H: all products."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-30))
     R = H * np.outer(scale, scale)

@@ -17,7 +17,7 @@ from bluekoi.stages.tuning import campaign_flapping, campaign_series
 from bluekoi.study import load_study
 from bluekoi.tuning import downsampled, tune
 
-SIZE_M = 0.085
+DRIFT_SIZE_M = 0.085
 """Drift that is put in: 40 px of a usual picture."""
 
 
@@ -27,7 +27,7 @@ def reported(study: Path, results: Path) -> tuple[bool, bool]:
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
     rng = np.random.default_rng(zlib.crc32(study.name.encode()))
     chosen, towards = int(rng.integers(len(series))), rng.uniform(0.0, 2.0 * np.pi)
-    size = SIZE_M * np.array([np.cos(towards), np.sin(towards)])
+    size = DRIFT_SIZE_M * np.array([np.cos(towards), np.sin(towards)])
     moved = [add_drift(s, size) if k == chosen else s for k, s in enumerate(series)]
     return _named(series) != "", _named(moved) == series[chosen].name
 
@@ -42,5 +42,7 @@ def _named(series: Sequence[Series]) -> str:
 def report(rows: Sequence[tuple[bool, bool]]) -> str:
     """Rates over studies."""
     without, within = (sum(column) for column in zip(*rows, strict=True))
-    return (f"reported without a drift: {without} of {len(rows)} studies\n"
-            f"reported with {100 * SIZE_M:g} cm in one trial: {within} of {len(rows)}")  # fmt: skip
+    return (
+        f"reported without a drift: {without} of {len(rows)} studies\n"
+        f"reported with {100 * DRIFT_SIZE_M:g} cm in one trial: {within} of {len(rows)}"
+    )

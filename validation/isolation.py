@@ -19,7 +19,7 @@ READ_FILE, READ_DIR = 1 << 2, 1 << 3
 RULE_PATH_BENEATH = 1
 PR_SET_NO_NEW_PRIVS = 38
 O_PATH = getattr(os, "O_PATH", 0)
-WATCHED = ("open", "os.listdir", "os.scandir")
+AUDITED_EVENTS = ("open", "os.listdir", "os.scandir")
 
 
 def deny_reading(sealed: Path) -> str:
@@ -31,7 +31,7 @@ def deny_reading(sealed: Path) -> str:
     return "interpreter"
 
 
-def readable(sealed: Path) -> list[Path]:
+def readable_paths(sealed: Path) -> list[Path]:
     """Everything that may be read: on each level from the root down, all but the way to it.
 
     Links are left out: one of them may lead to the way.  What they lead to has rights of its own.
@@ -58,7 +58,7 @@ def _landlock(sealed: Path) -> bool:
     if ruleset < 0:
         return False
     try:
-        for path in readable(sealed):
+        for path in readable_paths(sealed):
             _allow(libc, ruleset, path, rights)
         libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
         return bool(libc.syscall(RESTRICT_SELF, ruleset, 0) == 0)
@@ -84,7 +84,11 @@ def _watch(sealed: Path) -> None:
     banned = str(sealed)
 
     def hook(event: str, arguments: tuple[object, ...]) -> None:
-        if event in WATCHED and arguments and isinstance(arguments[0], str | bytes | os.PathLike):
+        if (
+            event in AUDITED_EVENTS
+            and arguments
+            and isinstance(arguments[0], str | bytes | os.PathLike)
+        ):
             path = os.path.realpath(os.fsdecode(arguments[0]))
             if path == banned or path.startswith(banned + os.sep):
                 raise PermissionError(f"{path} is sealed")

@@ -20,7 +20,7 @@ Row = tuple[str, bool, float, int]
 """Study, whether an error stretches its picture, misfit, dimension."""
 
 
-def misfit(directory: Path, name: str) -> Row | None:
+def length_misfit(directory: Path, name: str) -> Row | None:
     """The row of a measured study of a directory; None where no lengths were measured."""
     study, results = directory / "studies" / name, directory / "tracks" / name
     loaded, system = load_study(study), plates()

@@ -28,21 +28,21 @@ from typing import Any
 
 import numpy as np
 
-from .scoring import EDGES, UNEXPLAINED, Scored, interval
+from .scoring import PROBABILITY_BIN_EDGES, UNEXPLAINED, ScoredStudy, clopper_pearson
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "validation/results"
-PAGE = ROOT / "docs/evidence.md"
-PLOT = ROOT / "docs/evidence/calibration.svg"
-BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
-DEVELOPMENT = ("quasi_steady", "strip_theory", "kirchhoff", "manoeuvring", "wake_memory",
+RESULTS_FOLDER = ROOT / "validation/results"
+EVIDENCE_PAGE = ROOT / "docs/evidence.md"
+CALIBRATION_PLOT = ROOT / "docs/evidence/calibration.svg"
+BEGIN_MARKER, END_MARKER = "<!-- results: begin -->", "<!-- results: end -->"
+DEVELOPMENT_GENERATORS = ("quasi_steady", "strip_theory", "kirchhoff", "manoeuvring", "wake_memory",
                "field_lab", "tow_tank", "coupled_bodies", "potential_flow")  # fmt: skip
 """Generators whose studies were inspected while the finder was developed."""
-OWN = ("concealed", "concealed_footage")
+OWN_GENERATORS = ("concealed", "concealed_footage")
 """Our own generator, from keypoints and from footage."""
-REQUIRED = ("finder", "commit", "generator", "studies")
-REQUIRED_OF_A_STUDY = ("study", "group", "fin", "trials", "truth", "named", "strict")
-FLOORS = 1.3
+REQUIRED_KEYS = ("finder", "commit", "generator", "studies")
+REQUIRED_STUDY_KEYS = ("study", "group", "fin", "trials", "truth", "named", "strict")
+MAX_NOISE_FLOOR_RATIO = 1.3
 """A held-out path error within this factor of the noise floor counts as explained."""
 
 
@@ -60,25 +60,25 @@ class Run:
     @property
     def rank(self) -> tuple[int, str]:
         """Order in tables: generators not used in development first, our own last."""
-        return (2 if self.generator in OWN else int(self.development), self.generator)
+        return (2 if self.generator in OWN_GENERATORS else int(self.development), self.generator)
 
 
 def record(
-    studies: Sequence[Scored], *, finder: str, commit: str, date: str
+    studies: Sequence[ScoredStudy], *, finder: str, commit: str, date: str
 ) -> dict[str, dict[str, Any]]:
     """Content of a result file for each generator of scored studies, by generator."""
     names = sorted({s.generator for s in studies})
     return {
         name: {
             "finder": finder, "commit": commit, "date": date, "generator": name,
-            "development": name in DEVELOPMENT,
+            "development": name in DEVELOPMENT_GENERATORS,
             "studies": [_row(s) for s in studies if s.generator == name],
         }
         for name in names
     }  # fmt: skip
 
 
-def _row(s: Scored) -> dict[str, Any]:
+def _row(s: ScoredStudy) -> dict[str, Any]:
     errors = {key: s.held_out.get(key) or {} for key in ("baseline", "extended")}
     return {
         "study": s.study, "group": s.group, "fin": s.fin, "trials": s.trials,
@@ -91,7 +91,7 @@ def _row(s: Scored) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS) -> list[Path]:
+def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS_FOLDER) -> list[Path]:
     """Write one file for each generator, `FINDER-GENERATOR.json`; a study takes one line."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
@@ -103,7 +103,7 @@ def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS) -> l
     return paths
 
 
-def load(folder: Path = RESULTS) -> list[Run]:
+def load(folder: Path = RESULTS_FOLDER) -> list[Run]:
     """All runs of a folder in the order of the tables.
 
     Raises: ValueError with the file and the missing keys.
@@ -113,33 +113,33 @@ def load(folder: Path = RESULTS) -> list[Run]:
 
 def _run(path: Path) -> Run:
     content = json.loads(path.read_text(encoding="utf-8"))
-    missing = [key for key in REQUIRED if key not in content]
+    missing = [key for key in REQUIRED_KEYS if key not in content]
     missing += sorted({f"studies[].{key}" for row in content.get("studies", ())
-                       for key in REQUIRED_OF_A_STUDY if key not in row})  # fmt: skip
+                       for key in REQUIRED_STUDY_KEYS if key not in row})  # fmt: skip
     if missing:
         raise ValueError(f"{path}: missing {', '.join(missing)}; see validation/report.py")
-    development = bool(content.get("development", content["generator"] in DEVELOPMENT))
+    development = bool(content.get("development", content["generator"] in DEVELOPMENT_GENERATORS))
     return Run(content["finder"], content["commit"], content.get("date", ""),
                content["generator"], development, tuple(content["studies"]))  # fmt: skip
 
 
 def page(text: str, runs: Sequence[Run]) -> str:
     """The page with the part between its markers made from `runs`."""
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    return f"{before}{BEGIN}\n{results(runs)}\n{END}{after}"
+    before, rest = text.split(BEGIN_MARKER)
+    after = rest.split(END_MARKER)[1]
+    return f"{before}{BEGIN_MARKER}\n{results(runs)}\n{END_MARKER}{after}"
 
 
 def results(runs: Sequence[Run]) -> str:
     """Tables as Markdown: the current finder in full, the others in one row each."""
     if not runs:
         return "\nNo run is recorded.\n"
-    name = current(runs)
+    name = current_finder(runs)
     lines = [*_finder([r for r in runs if r.finder == name]), *_comparison(runs, name)]
     return "\n".join(lines)
 
 
-def current(runs: Sequence[Run]) -> str:
+def current_finder(runs: Sequence[Run]) -> str:
     """Name of the finder that was run last."""
     return max(runs, key=lambda run: (run.date, run.finder)).finder
 
@@ -176,7 +176,7 @@ def _finder(runs: Sequence[Run]) -> Iterator[str]:
             f"| {one['true']} of {one['count']} "
             f"| {_pct(one['true'] / one['count'], low, high)} |"
         )
-    yield f"\n![Calibration]({PLOT.relative_to(PAGE.parent)})\n"
+    yield f"\n![Calibration]({CALIBRATION_PLOT.relative_to(EVIDENCE_PAGE.parent)})\n"
     yield f"\n{_errors(judged)}\n"
 
 
@@ -249,7 +249,7 @@ def _share(studies: Sequence[Mapping[str, Any]], test: Callable[[Mapping[str, An
     if not studies:
         return ""
     hits, count = sum(map(test, studies)), len(studies)
-    low, high = interval(hits, count)
+    low, high = clopper_pearson(hits, count)
     return f"{hits} of {count}: {_pct(hits / count, low, high)}"
 
 
@@ -261,13 +261,13 @@ def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
     pairs = [(min(p, 1.0), name in s["truth"]) for s in studies for name, p in s["named"].items()]
     out = []
-    for low, high in itertools.pairwise(EDGES):
+    for low, high in itertools.pairwise(PROBABILITY_BIN_EDGES):
         inside = [(p, true) for p, true in pairs if low <= p < high or p == high == 1.0]
         if inside:
             hits, count = sum(true for _, true in inside), len(inside)
             out.append({"from": float(low), "to": float(high), "true": hits, "count": count,
                         "mean": float(np.mean([p for p, _ in inside])),
-                        "interval_95": interval(hits, count)})  # fmt: skip
+                        "interval_95": clopper_pearson(hits, count)})  # fmt: skip
     return out
 
 
@@ -279,11 +279,11 @@ def _errors(studies: Sequence[Mapping[str, Any]]) -> str:
         floors = [s["extended_m"] / s["floor_m"] for s in known]
         before = [s["baseline_m"] * 1000 for s in known if s.get("baseline_m")]
         after = [s["extended_m"] * 1000 for s in known]
-        within = sum(f <= FLOORS for f in floors)
+        within = sum(f <= MAX_NOISE_FLOOR_RATIO for f in floors)
         lines.append(
             f"Held-out path error, median: {np.median(before):.1f} mm before, "
-            f"{np.median(after):.1f} mm after; within {FLOORS} noise floors in {within} of "
-            f"{len(known)} studies."
+            f"{np.median(after):.1f} mm after; "
+            f"within {MAX_NOISE_FLOOR_RATIO} noise floors in {within} of {len(known)} studies."
         )
     if times:
         lines.append(
@@ -295,11 +295,11 @@ def _errors(studies: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def draw(runs: Sequence[Run], path: Path = PLOT) -> None:
+def draw(runs: Sequence[Run], path: Path = CALIBRATION_PLOT) -> None:
     """The calibration plot of the latest finder: share of true causes over stated probability."""
     from .drawing import calibration_plot  # noqa: PLC0415  matplotlib is slow to load
 
-    mine = [run for run in runs if run.finder == current(runs)]
+    mine = [run for run in runs if run.finder == current_finder(runs)]
     sets = {
         "not used in development": [r for r in mine if r.rank[0] == 0],
         "used in development": [r for r in mine if r.rank[0] == 1],
@@ -319,6 +319,8 @@ def digest(runs: Sequence[Run]) -> str:
 def update() -> None:
     """Make the generated part of docs/evidence.md and its plot again."""
     runs = load()
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), runs), encoding="utf-8")
+    EVIDENCE_PAGE.write_text(
+        page(EVIDENCE_PAGE.read_text(encoding="utf-8"), runs), encoding="utf-8"
+    )
     if runs:
         draw(runs)

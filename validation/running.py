@@ -24,10 +24,10 @@ from typing import Any
 
 from .isolation import deny_reading
 
-MEASURED = ("keypoints", "geometry", "tracks", "steady")
+MEASURED_STAGES = ("keypoints", "geometry", "tracks", "steady")
 """Stages from a study folder to its tracks."""
-ANALYSED = "mismatch"
-SCRATCH = "scratch"
+ANALYSED_STAGE = "mismatch"
+SCRATCH_FOLDER = "scratch"
 
 
 def study_names(directory: Path) -> list[str]:
@@ -77,7 +77,7 @@ def measure(directory: Path, name: str) -> str:
     study = directory / "studies" / name
     times, failure = {}, ""
     try:
-        for stage in MEASURED:
+        for stage in MEASURED_STAGES:
             begin = time.process_time()
             _stage(stage, study, results)
             times[stage] = time.process_time() - begin
@@ -94,7 +94,7 @@ def analyse(directory: Path, label: str, name: str) -> str:
         results = Path(scratch) / name
         try:
             shutil.copytree(directory / "tracks" / name, results)
-            _stage(ANALYSED, directory / "studies" / name, results)
+            _stage(ANALYSED_STAGE, directory / "studies" / name, results)
             content = json.loads((results / "mismatch.json").read_text())
         except Exception as error:  # one study must not stop the others
             logging.getLogger(__name__).exception("study %s", name)
@@ -121,7 +121,7 @@ def _stage(name: str, study: Path, results: Path) -> None:
 
 def _isolate(directory: Path) -> None:
     """Deny this process the truths; its temporary files go where it can read them."""
-    tempfile.tempdir = str(directory / SCRATCH)
+    tempfile.tempdir = str(directory / SCRATCH_FOLDER)
     deny_reading(directory / "truth")
 
 
@@ -129,7 +129,12 @@ def in_processes(
     task: Callable[[Path, str], str], directory: Path, names: Sequence[str], *, workers: int
 ) -> Iterator[str]:
     """Result of a task for each study as it ends, in processes that cannot read DIR/truth."""
-    for name in ("tracks", "truth", "verdicts", SCRATCH):  # what is made later cannot be read
+    for name in (
+        "tracks",
+        "truth",
+        "verdicts",
+        SCRATCH_FOLDER,
+    ):  # what is made later cannot be read
         (directory / name).mkdir(exist_ok=True)
     with ProcessPoolExecutor(
         workers,

@@ -16,11 +16,11 @@ from .running import study_names, verdict_path
 from .sealing import open_truth
 
 UNEXPLAINED = "unexplained"
-EDGES = np.linspace(0.0, 1.0, 11)
+PROBABILITY_BIN_EDGES = np.linspace(0.0, 1.0, 11)
 
 
 @dataclass(frozen=True)
-class Scored:
+class ScoredStudy:
     """One study: true names and named causes with their probabilities.
 
     An unlisted force counts as the true name `unexplained`. said: name -> probability of all causes
@@ -70,19 +70,19 @@ class Scored:
         return self.group == "null"
 
 
-def scored_all(directory: Path, label: str) -> list[Scored]:
+def score_all(directory: Path, label: str) -> list[ScoredStudy]:
     """Every study below a directory that has a verdict under `label`."""
     paths = {name: verdict_path(directory, label, name) for name in study_names(directory)}
     return [_scored(directory, name, path) for name, path in paths.items() if path.is_file()]
 
 
-def _scored(directory: Path, name: str, path: Path) -> Scored:
+def _scored(directory: Path, name: str, path: Path) -> ScoredStudy:
     truth = open_truth(directory, name)
     found = json.loads(path.read_text())
     reported = found["mismatch"]
     unlisted = truth.get("unlisted")
     true = [c["name"] for c in truth["causes"]] + ([UNEXPLAINED] if unlisted else [])
-    return Scored(
+    return ScoredStudy(
         study=name, generator=truth["generator"], group=truth["group"], fin=truth["fin"],
         trials=truth["trials"], true=tuple(true),
         said={c["name"]: c["weight"] for c in reported.get("causes", ())},
@@ -94,7 +94,7 @@ def _scored(directory: Path, name: str, path: Path) -> Scored:
     )  # fmt: skip
 
 
-def interval(hits: int, count: int, level: float = 0.95) -> tuple[float, float]:
+def clopper_pearson(hits: int, count: int, level: float = 0.95) -> tuple[float, float]:
     """Clopper and Pearson's interval of a share."""
     tail = 0.5 * (1 - level)
     low = beta.ppf(tail, hits, count - hits + 1) if hits else 0.0
@@ -102,16 +102,22 @@ def interval(hits: int, count: int, level: float = 0.95) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def share(studies: Sequence[Scored], test: Callable[[Scored], bool]) -> dict[str, Any]:
+def hit_share(
+    studies: Sequence[ScoredStudy], test: Callable[[ScoredStudy], bool]
+) -> dict[str, Any]:
     """Hits, count and interval of a test over studies."""
     hits, count = sum(map(test, studies)), len(studies)
-    return {"hits": hits, "count": count, "interval_95": interval(hits, count) if count else None}
+    return {
+        "hits": hits,
+        "count": count,
+        "interval_95": clopper_pearson(hits, count) if count else None,
+    }
 
 
-def summary(studies: Sequence[Scored]) -> dict[str, Any]:
+def summary(studies: Sequence[ScoredStudy]) -> dict[str, Any]:
     """All scores of a set of studies, ready for json."""
     groups = sorted({s.group for s in studies})
-    parts: dict[str, list[Scored]] = {
+    parts: dict[str, list[ScoredStudy]] = {
         "all": list(studies),
         "24 trials": [s for s in studies if s.trials > 9],
         "nine trials": [s for s in studies if s.trials <= 9],
@@ -120,10 +126,10 @@ def summary(studies: Sequence[Scored]) -> dict[str, Any]:
         **{g: [s for s in studies if s.group == g] for g in groups},
     }
     return {
-        "strict": {k: share(v, lambda s: s.strict) for k, v in parts.items()},
-        "all_named": {k: share(v, lambda s: s.all_named) for k, v in parts.items()},
-        "extra_name": share(list(studies), lambda s: bool(s.extra)),
-        "needless_unexplained": share(list(studies), lambda s: s.needless_unexplained),
+        "strict": {k: hit_share(v, lambda s: s.strict) for k, v in parts.items()},
+        "all_named": {k: hit_share(v, lambda s: s.all_named) for k, v in parts.items()},
+        "extra_name": hit_share(list(studies), lambda s: bool(s.extra)),
+        "needless_unexplained": hit_share(list(studies), lambda s: s.needless_unexplained),
         "calibration": calibration(studies),
         "cpu_s": {"median": float(np.median([s.cpu_s for s in studies])),
                   "worst": max(s.cpu_s for s in studies)} if studies else {},
@@ -131,21 +137,21 @@ def summary(studies: Sequence[Scored]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def calibration(studies: Sequence[Scored]) -> list[dict[str, Any]]:
+def calibration(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
     pairs = [(min(p, 1.0), n in s.true) for s in studies for n, p in s.said.items()]
     out = []
-    for low, high in itertools.pairwise(EDGES):
+    for low, high in itertools.pairwise(PROBABILITY_BIN_EDGES):
         inside = [(p, true) for p, true in pairs if low <= p < high or (high == 1.0 and p == 1.0)]
         if inside:
             hits, count = sum(true for _, true in inside), len(inside)
             mean = float(np.mean([p for p, _ in inside]))
             out.append({"from": float(low), "to": float(high), "mean": mean, "true": hits,
-                        "count": count, "interval_95": interval(hits, count)})  # fmt: skip
+                        "count": count, "interval_95": clopper_pearson(hits, count)})  # fmt: skip
     return out
 
 
-def rows(studies: Sequence[Scored]) -> list[dict[str, Any]]:
+def rows(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
     """One flat record a study, for validation/results."""
     return [asdict(s) | {"strict": s.strict, "all_named": s.all_named} for s in studies]
 

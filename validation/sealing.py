@@ -13,22 +13,22 @@ from typing import Any
 from bluekoi.errors import input_error
 from bluekoi.files import write_text
 
-HASHES = "truth.sha256"
+HASHES_FILE = "truth.sha256"
 
 
 def seal(directory: Path, study: str) -> str:
     """SHA-256 of DIR/truth/STUDY.json, published in DIR/truth.sha256; kept where it is there."""
-    known = published(directory)
+    known = published_hashes(directory)
     if study not in known:
         known[study] = _digest(_truth_file(directory, study))
         lines = [f"{digest}  truth/{name}.json\n" for name, digest in sorted(known.items())]
-        write_text(directory / HASHES, "".join(lines))
+        write_text(directory / HASHES_FILE, "".join(lines))
     return known[study]
 
 
-def published(directory: Path) -> dict[str, str]:
+def published_hashes(directory: Path) -> dict[str, str]:
     """Study -> published SHA-256; empty for a directory without seals."""
-    path = directory / HASHES
+    path = directory / HASHES_FILE
     lines = path.read_text(encoding="ascii").splitlines() if path.is_file() else []
     return {Path(name).stem: digest for digest, name in (line.split("  ", 1) for line in lines)}
 
@@ -39,7 +39,7 @@ def open_truth(directory: Path, study: str) -> dict[str, Any]:
     Raises: InputError where its hash is not the published one.
     """
     path = _truth_file(directory, study)
-    expected, found = published(directory).get(study), _digest(path)
+    expected, found = published_hashes(directory).get(study), _digest(path)
     if expected not in (None, found):
         raise input_error(path, "", f"SHA-256 {found}", f"{expected}, as published",
                     "This is not the truth that was sealed before the analysis.")  # fmt: skip

@@ -15,11 +15,11 @@ from bluekoi.synthetic.campaign import (
     write_study_truth,
     write_truth,
 )
-from bluekoi.synthetic.design import Design
-from bluekoi.synthetic.encode import GOPRO_RATE
+from bluekoi.synthetic.design import StudyDesign
+from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
 from bluekoi.synthetic.trial import frame_truth, generator, solve_trial
 
-__all__ = ["TrackingNoise", "dlc_text", "keypoint_study", "tracked"]
+__all__ = ["TrackingNoise", "dlc_text", "keypoint_study", "tracked_keypoints"]
 
 SCORER = "synthetic_tank"
 
@@ -66,7 +66,7 @@ def _lost(
     return lost
 
 
-def tracked(
+def tracked_keypoints(
     truth_px: np.ndarray, noise: TrackingNoise, rng: np.random.Generator, *, step_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pixels `(frames, 5, 2)` and likelihood `(frames, 5)` that a tracker would give."""
@@ -102,16 +102,18 @@ def dlc_text(pixels: np.ndarray, likelihood: np.ndarray) -> str:
 
 
 def keypoint_study(
-    design: Design, folder: Path, truth_folder: Path, *, noise: TrackingNoise | None = None
+    design: StudyDesign, folder: Path, truth_folder: Path, *, noise: TrackingNoise | None = None
 ) -> None:
     """Write a keypoint study to a folder; its truth goes elsewhere."""
-    rate = float(GOPRO_RATE)
+    rate = float(GOPRO_FRAME_RATE_HZ)
     write_study_files(design, folder, source="keypoints/{}.csv", fps=rate)
     for plan in design.plans:
         trial = solve_trial(design, plan.trial_id)
         rng = generator(design, plan.trial_id, "tracking")
         truth_px = frame_truth(design, trial)["keypoints_px"]
-        seen, likelihood = tracked(truth_px, noise or TrackingNoise(), rng, step_s=1 / rate)
+        seen, likelihood = tracked_keypoints(
+            truth_px, noise or TrackingNoise(), rng, step_s=1 / rate
+        )
         write_text(folder / "keypoints" / f"{plan.trial_id}.csv", dlc_text(seen, likelihood))
         write_motor(design, trial, folder)
         write_truth(design, trial, truth_folder)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.discrepancy import remainder, report
+from validation.discrepancy import report, unexplained_squares
 
 
 def test_remainder_is_the_square_of_the_residual_of_a_regression() -> None:
@@ -12,13 +12,15 @@ def test_remainder_is_the_square_of_the_residual_of_a_regression() -> None:
     known, others = [0, 2, 3], [1, 5]
     fit = np.linalg.lstsq(columns[:, known], columns[:, others], rcond=None)[0]
     left = columns[:, others] - columns[:, known] @ fit
-    assert remainder(products, known, others) == pytest.approx((left**2).sum(axis=0), rel=1e-6)
+    assert unexplained_squares(products, known, others) == pytest.approx(
+        (left**2).sum(axis=0), rel=1e-6
+    )
 
 
 def test_what_is_known_leaves_nothing() -> None:
     columns = np.random.default_rng(4).standard_normal((50, 3))
     columns = np.column_stack([columns, columns @ [1.0, -2.0, 0.5]])
-    left = remainder(columns.T @ columns, [0, 1, 2], [3])
+    left = unexplained_squares(columns.T @ columns, [0, 1, 2], [3])
     assert left[0] < 1e-6 * (columns[:, 3] ** 2).sum()
 
 

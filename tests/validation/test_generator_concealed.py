@@ -10,9 +10,9 @@ import pytest
 from bluekoi.files import write_json
 from bluekoi.model import simulate
 from bluekoi.study import load_study
-from bluekoi.synthetic.laws import Fin, Run, Tank, bare_tank
+from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, published_model_tank
 from bluekoi.synthetic.tank import simulate as demo_tank
-from bluekoi.synthetic.water import current, draw_eddies
+from bluekoi.synthetic.water import draw_eddies, water_velocity
 from studies import small_study
 from validation.generators.concealed import generate
 from validation.generators.concealed.effects import OUTSIDE, PHYSICS
@@ -23,7 +23,7 @@ from validation.generators.concealed.strength import left_over, paths, scaled, s
 from validation.generators.concealed.swimmer.motion import states, swim
 from validation.generators.concealed.swimmer.quantities import NO_EDDIES, Body, Command, Laws
 from validation.generators.concealed.swimmer.water import as_rows, eddy_flow
-from validation.scoring import scored_all
+from validation.scoring import score_all
 
 BODY = Body(0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 4.5e-3, 0.5, 2.5, 3.14, 0.1, 0.13, 0.0)
 COEFFICIENTS = {n: getattr(BODY, n) for n in ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")}
@@ -51,8 +51,8 @@ def path(laws: Laws, command: Command, body: Body = BODY) -> np.ndarray:
 @pytest.mark.parametrize("fin", [None, Fin(0.0125, 0.11, 2.0)])
 @pytest.mark.parametrize(("power", "angle_deg"), [(2.37, 30.0), (5.82, -45.0), (5.82, 0.0)])
 def test_the_compiled_tank_agrees_with_the_tank_of_the_demo(fin, power, angle_deg):
-    run = Run(power, math.radians(angle_deg), 0.12, start=(1.0, 0.7, 0.4))
-    tank = Tank(fin=fin, recoil=None) if fin else bare_tank(Tank())
+    run = TrialSettings(power, math.radians(angle_deg), 0.12, start=(1.0, 0.7, 0.4))
+    tank = Tank(fin=fin, recoil=None) if fin else published_model_tank(Tank())
     expected = demo_tank(tank, run, SHORT_S).mean(np.linspace(0, SHORT_S, 26))[:, :3]
     laws = Laws(fin_m2=0.025, fin_arm_m=0.11) if fin else Laws()
     found = path(laws, Command(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
@@ -148,7 +148,7 @@ def test_compiled_eddies_equal_those_of_the_demo():
     eddies = draw_eddies(np.random.default_rng(3), 0.002)
     for x, y, t in ((0.3, 0.4, 0.0), (2.0, 1.1, 5.0)):
         assert complex(*eddy_flow(as_rows(eddies), t, x, y)) == pytest.approx(
-            current(eddies, t, complex(x, y)), abs=1e-15
+            water_velocity(eddies, t, complex(x, y)), abs=1e-15
         )
 
 
@@ -221,4 +221,4 @@ def test_the_scores_read_the_truth(made):
     verdict = {"verdict": "physics", "causes": causes}
     verdict = {"cpu_s": 1.0, "failure": "", "mismatch": verdict}
     write_json(folder / "verdicts" / "test" / f"{truth['study']}.json", verdict)
-    assert [one.strict for one in scored_all(folder, "test")] == [True]
+    assert [one.strict for one in score_all(folder, "test")] == [True]

@@ -13,11 +13,11 @@ from exact_campaign import campaign, searched
 
 from bluekoi.stages.demo import write_demo_study
 from bluekoi.synthetic.design import demo_design
-from bluekoi.synthetic.trial import mean_path, solve_trial, summary
+from bluekoi.synthetic.trial import mean_path, solve_trial, steady_summary
 from validation.ground_truth.comparison import ground_truth
 from validation.ground_truth.content import true_steady
 from validation.ground_truth.page import page
-from validation.ground_truth.seal import Seal, open_seal, unsealed
+from validation.ground_truth.seal import Seal, open_seal, truth_without_hash
 
 TRUTH = {"hidden": {"linear_yaw_damping": {"N_r": 0.02}}, "note": "<b>glass</b>"}
 
@@ -141,7 +141,7 @@ def test_truth_over_a_stretch_of_a_circle_is_exact():
 def test_the_stored_mean_path_is_sampled_finely_enough():
     trial = solve_trial(demo_design(), "T24")
     end = float(trial.time_s[-1])
-    stated = summary(trial)
+    stated = steady_summary(trial)
     found = true_steady({"mean_path": mean_path(trial)}, stated["steady_from_s"], end)
     np.testing.assert_allclose(found, (stated["speed_m_s"], stated["radius_m"]), rtol=1e-3)
 
@@ -150,7 +150,7 @@ def test_the_demo_is_laid_out_with_its_truth_in_another_folder(tmp_path):
     study, truth = tmp_path / "demo", tmp_path / "demo-truth/truth.json"
     write_demo_study(study)
     assert sorted(path.name for path in study.iterdir()) == ["study.yaml", "trials.csv"]
-    found = unsealed(truth)
+    found = truth_without_hash(truth)
     assert set(found.truth["hidden"]) == {"tail_fin_lift", "linear_yaw_damping"}
     assert found.truth["coefficients"]["C_T"] == 4.5e-3
     assert [trial["trial_id"] for trial in found.truth["trials"]] == [

@@ -11,7 +11,7 @@ import pytest
 
 from bluekoi.errors import InputError
 from validation import running
-from validation.sealing import open_truth, published, seal
+from validation.sealing import open_truth, published_hashes, seal
 
 ROOT = Path(__file__).parents[2]
 
@@ -28,10 +28,10 @@ def directory(tmp_path: Path) -> Path:
 
 def test_published_hashes_are_kept_when_another_truth_is_sealed(directory):
     (directory / "truth" / "S2.json").write_text('{"causes": [1]}')
-    first = published(directory)["S1"]
+    first = published_hashes(directory)["S1"]
     seal(directory, "S2")
-    assert list(published(directory)) == ["S1", "S2"]
-    assert published(directory)["S1"] == first
+    assert list(published_hashes(directory)) == ["S1", "S2"]
+    assert published_hashes(directory)["S1"] == first
     done = subprocess.run(["sha256sum", "-c", "truth.sha256"], cwd=directory, check=False)
     assert done.returncode == 0
 

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from validation import report
-from validation.scoring import Scored, calibration
+from validation.scoring import ScoredStudy, calibration
 
 
 def scored(study, generator, true, said, group="clear", **other):
@@ -19,7 +19,7 @@ def scored(study, generator, true, said, group="clear", **other):
         "held_out": {"baseline": {"path_rmse_m": 0.01}, "extended": {"path_rmse_m": 0.0012},
                      "noise_floor_path_rmse_m": 0.001},
     } | other  # fmt: skip
-    return Scored(study=study, generator=generator, group=group, true=tuple(true), said=said,
+    return ScoredStudy(study=study, generator=generator, group=group, true=tuple(true), said=said,
                   **values)  # fmt: skip
 
 
@@ -106,14 +106,18 @@ def test_the_plot_is_the_same_for_the_same_results(runs, tmp_path):
 
 
 def test_the_page_of_evidence_is_current():
-    text = report.PAGE.read_text(encoding="utf-8")
+    text = report.EVIDENCE_PAGE.read_text(encoding="utf-8")
     again = "docs/evidence.md is not current: run python -m validation report"
     assert report.page(text, report.load()) == text, again
 
 
 def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
     runs = report.load()
-    drawn = report.PLOT.read_text(encoding="utf-8") if report.PLOT.is_file() else ""
+    drawn = (
+        report.CALIBRATION_PLOT.read_text(encoding="utf-8")
+        if report.CALIBRATION_PLOT.is_file()
+        else ""
+    )
     assert not runs or report.digest(runs) in drawn, "run python -m validation report"
 
 

@@ -10,13 +10,21 @@ from typing import Any
 from bluekoi.campaign import Campaign
 from bluekoi.data import Steady
 from bluekoi.report.findings import Row
-from bluekoi.report.numbers import Z_95, estimate, measured, number, percent, readable, units
+from bluekoi.report.numbers import (
+    Z_95,
+    coefficient_with_interval,
+    number,
+    percent,
+    readable,
+    units,
+    value_with_interval,
+)
 from bluekoi.report.settings import flattened
 
-from .content import READ, injected_causes, true_coefficients, true_steady, true_trials
+from .content import KNOWN_KEYS, injected_causes, true_coefficients, true_steady, true_trials
 from .seal import Seal
 
-MAX_CELL = 200
+MAX_CELL_CHARACTERS = 200
 MAX_ROWS = 300
 
 
@@ -107,7 +115,8 @@ def _parameters(cause: str, values: Any) -> str:
 def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
     cells = (found or {}).get("parameters") or {}
     texts = [
-        f"{k} = {measured(c.get('value'), c.get('std'), units().get(f'{cause}.{k}', ''))}"
+        f"{k} = "
+        + value_with_interval(c.get("value"), c.get("std"), units().get(f"{cause}.{k}", ""))
         for k, c in cells.items()
     ]
     return ", ".join(texts)
@@ -152,7 +161,7 @@ def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: st
 
 
 def _cell(cell: Mapping[str, Any] | None) -> str:
-    return "–" if not cell else estimate(cell)
+    return "–" if not cell else coefficient_with_interval(cell)
 
 
 def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
@@ -192,11 +201,11 @@ def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
 
 def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Remaining entries of the truth, key and value, long values truncated."""
-    rest = {key: value for key, value in truth.items() if key not in READ}
+    rest = {key: value for key, value in truth.items() if key not in KNOWN_KEYS}
     rows = list(flattened(rest)) if rest else []
     for key, value in rows[:MAX_ROWS]:
         text = f"{value:g}" if _is_number(value) else _text(value)
-        yield key, text if len(text) <= MAX_CELL else text[:MAX_CELL] + " ..."
+        yield key, text if len(text) <= MAX_CELL_CHARACTERS else text[:MAX_CELL_CHARACTERS] + " ..."
     if len(rows) > MAX_ROWS:
         yield "...", f"{len(rows) - MAX_ROWS} more entries in the sealed file"
 

@@ -11,7 +11,7 @@ from bluekoi.data import Float
 from bluekoi.model import COEFFICIENTS
 
 Tree = Mapping[str, Any]
-READ = ("hidden", "causes", "coefficients", "body", "trials")
+KNOWN_KEYS = ("hidden", "causes", "coefficients", "body", "trials")
 """Keys interpreted here; all others are listed unchanged."""
 
 

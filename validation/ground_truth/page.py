@@ -14,7 +14,7 @@ from bluekoi.files import write_text
 from bluekoi.study import load_study
 
 from .comparison import ground_truth
-from .seal import Seal, open_seal, unsealed
+from .seal import Seal, open_seal, truth_without_hash
 
 CSS = "page.css"
 
@@ -26,7 +26,7 @@ def write_ground_truth(study: Path, results: Path, truth: Path | None = None) ->
 
     Raises: InputError for a study without a truth.
     """
-    seal = unsealed(truth) if truth else open_seal(study) or _beside(study)
+    seal = truth_without_hash(truth) if truth else open_seal(study) or _beside(study)
     path = results / "ground_truth.html"
     write_text(path, page(load_campaign(results, load_study(study)), seal))
     return path
@@ -36,7 +36,7 @@ def _beside(study: Path) -> Seal:
     path = study.with_name(f"{study.name}-truth") / "truth.json"
     if not path.is_file():
         raise input_error(study, "", "no truth.sha256", "a truth: name its file with --truth")
-    return unsealed(path)
+    return truth_without_hash(path)
 
 
 def page(campaign: Campaign, seal: Seal) -> str:

@@ -19,8 +19,8 @@ from bluekoi.files import read_json
 
 SEAL_FILE = "truth.sha256"
 TRUTH_FILE = "truth.json"
-LARGEST_BYTES = 50_000_000
-LINE = re.compile(r"\s*([0-9a-fA-F]{64})(?:\s+\*?(\S.*?))?\s*")
+MAX_TRUTH_BYTES = 50_000_000
+HASH_LINE = re.compile(r"\s*([0-9a-fA-F]{64})(?:\s+\*?(\S.*?))?\s*")
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,12 @@ def open_seal(folder: str | Path) -> Seal | None:
     digest, path = named
     if not path.is_file():
         return Seal(digest, trouble=f"{path.name} is not there yet")
-    if path.stat().st_size > LARGEST_BYTES:
+    if path.stat().st_size > MAX_TRUTH_BYTES:
         return Seal(digest, trouble=f"{path.name} is larger than a truth can be", broken=True)
     return _opened(digest, path)
 
 
-def unsealed(path: Path) -> Seal:
+def truth_without_hash(path: Path) -> Seal:
     """A truth whose hash was not published.
 
     Raises: InputError where the file is missing or is not a json object.
@@ -83,7 +83,7 @@ def _opened(digest: str, path: Path) -> Seal:
 def _named(seal: Path) -> tuple[str, Path] | None:
     """Hash and path that the seal names; None where it names none."""
     try:
-        line = LINE.fullmatch(seal.read_text(encoding="ascii"))
+        line = HASH_LINE.fullmatch(seal.read_text(encoding="ascii"))
     except (OSError, UnicodeDecodeError):
         return None
     return (line[1].lower(), seal.parent / (line[2] or TRUTH_FILE)) if line else None

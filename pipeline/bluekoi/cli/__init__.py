@@ -28,7 +28,7 @@ Exit codes: 0 done; 1 an error in the study, the files or the machine; 2 wrong u
 """
 
 
-class Plainly(click.Group):
+class InputErrorGroup(click.Group):
     """Commands that print an input error as its message (exit code 1); Ctrl-C ends with 130."""
 
     def invoke(self, ctx: click.Context) -> object:
@@ -44,7 +44,7 @@ class Plainly(click.Group):
 
 
 @click.group(
-    cls=Plainly,
+    cls=InputErrorGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=EXIT_CODES,
 )

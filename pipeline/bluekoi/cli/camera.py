@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .named import StudyName, TrialName
 from .outputs import refuse_study_files
-from .waiting import waiting
+from .parameter_types import StudyName, TrialName
+from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,7 +42,9 @@ def calibrate(
     _spare(out.with_suffix(".png"), (".png",), images)
     if odd := next((path for path in images if path.exists() and not path.is_file()), None):
         raise input_error(odd, "", "no regular file", "pictures, videos or a lens profile")
-    with waiting(f"calibrating from {len(images)} files", SECONDS_PER_PICTURE * len(images)):
+    with progress_notice(
+        f"calibrating from {len(images)} files", SECONDS_PER_PICTURE * len(images)
+    ):
         found = calibrate_files(
             images, pattern=pattern, square_mm=square_mm, board=board, model=model, out=out
         )

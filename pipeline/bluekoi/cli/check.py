@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from .named import StudyName
-from .waiting import waiting
+from .parameter_types import StudyName
+from .progress_notice import progress_notice
 
 
 def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> None:
@@ -43,7 +43,7 @@ def check(study: Path) -> None:
     wrong, remarks = setup_findings(loaded.setup, study)
     if wrong:
         raise InputError(wrong)
-    with waiting(f"opening the files of {len(loaded.trials)} trials") as wait:
+    with progress_notice(f"opening the files of {len(loaded.trials)} trials") as wait:
 
         def progress(share: float) -> None:
             wait.share = share

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import Named, StudyName
+from .parameter_types import NonEmptyPath, StudyName
 from .report import results_folder
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ MARKED_ABOVE_STDS = 3.0
 @click.command()
 @click.argument("first", type=StudyName("demo", path_type=Path))
 @click.argument("second", type=StudyName("demo", path_type=Path))
-@click.option("--out", type=Named(path_type=Path), help="Folder for table and figure.")
+@click.option("--out", type=NonEmptyPath(path_type=Path), help="Folder for table and figure.")
 @click.option("--all", "everything", is_flag=True, help="List what is the same as well.")
 def compare(first: Path, second: Path, out: Path | None, everything: bool) -> None:
     """Show what differs between two runs: coefficients, causes, errors, settings and inputs.

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import StudyName
-from .numbers import Finite, Numbers
+from .number_types import FiniteNumber, NumberList
 from .outputs import refuse_study_files
-from .waiting import waiting
+from .parameter_types import StudyName
+from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
     from ..design_space import Design
@@ -22,14 +22,15 @@ if TYPE_CHECKING:
 @click.option("--results", type=click.Path(path_type=Path), help="Default: results/STUDY.")
 @click.option("--model", type=click.Choice(["joint", "extended"]),
               help="Default: extended by the causes found, where there are any.")  # fmt: skip
-@click.option("--powers", type=Numbers(0, 300), default="50:150:25", show_default=True, help="%")
-@click.option("--angles-deg", type=Numbers(-120, 120), default="10:60:5",
+@click.option("--powers", type=NumberList(0, 300), default="50:150:25", show_default=True, help="%")
+@click.option("--angles-deg", type=NumberList(-120, 120), default="10:60:5",
               show_default=True)  # fmt: skip
-@click.option("--lengths-m", type=Numbers(0.001, 10), default="0.04:0.24:0.02", show_default=True,
+@click.option("--lengths-m", type=NumberList(0.001, 10), default="0.04:0.24:0.02",
+              show_default=True,
               help="Head lengths.")  # fmt: skip
 @click.option("--robot", "other", multiple=True, metavar="KEY=NUMBERS",
               help="A further key of robot in study.yaml: mass_kg=0.5,0.7.")  # fmt: skip
-@click.option("--speed-m-s", type=Finite(min=0), default=0.0, show_default=True,
+@click.option("--speed-m-s", type=FiniteNumber(min=0), default=0.0, show_default=True,
               help="The turn must be at least so fast.")  # fmt: skip
 @click.option("--tested-only", is_flag=True, help="Answer from the tested range alone.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
@@ -54,7 +55,7 @@ def design(
     further = _further(other)
     folder = out or home / "design"
     refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))
-    with waiting("trying designs"):
+    with progress_notice("trying designs"):
         found = designs(fit, loaded.setup, tested_range(loaded), powers=powers,
                         angles_deg=angles_deg, lengths_m=lengths_m, other=further)  # fmt: skip
     write_columns(folder / "designs.csv", columns(found))
@@ -74,7 +75,7 @@ def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
         if not sign or not key or key in out:
             twice = " a second time: give its values in one" if key in out else ""
             raise click.UsageError(f"--robot '{text}'{twice}: write mass_kg=0.5,0.7")
-        out[key] = Numbers().convert(values, None, None)
+        out[key] = NumberList().convert(values, None, None)
     return out
 
 

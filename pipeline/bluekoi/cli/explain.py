@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from .named import Named
-from .numbers import Finite
+from .number_types import FiniteNumber
+from .parameter_types import NonEmptyPath
 
 
 @click.command()
-@click.argument("model", type=Named(path_type=Path))
-@click.argument("data", type=Named(path_type=Path))
+@click.argument("model", type=NonEmptyPath(path_type=Path))
+@click.argument("data", type=NonEmptyPath(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), help="Default: results/explain/MODEL.")
 @click.option(
     "--predict",
@@ -26,7 +26,7 @@ from .numbers import Finite
 )
 @click.option(
     "--known-s",
-    type=Finite(min=0.001),
+    type=FiniteNumber(min=0.001),
     default=1.0,
     show_default=True,
     help="First seconds of a predicted trial that tell its start.",

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .named import StudyName, TrialName
 from .outputs import refuse_study_files
-from .waiting import waiting
+from .parameter_types import StudyName, TrialName
+from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
     from ..campaign import Campaign
@@ -51,14 +51,14 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
 
     folder = results or Path("results") / study.resolve().name
     target = out or folder / "export"
-    with waiting("reading results"):
+    with progress_notice("reading results"):
         campaign = load_campaign(folder, load_study(study))
     chosen = _chosen(campaign, trials, folder)
     names = ("coefficients.csv", *(f"{name}.nc" for name in chosen))
     refuse_study_files(study, (target / name for name in names))
     if campaign.coefficients:
         _write_coefficients(campaign.coefficients, target / "coefficients.csv")
-    with waiting(f"writing {len(chosen)} trials") as wait:
+    with progress_notice(f"writing {len(chosen)} trials") as wait:
         for done, name in enumerate(chosen, 1):
             write_netcdf(campaign, name, target / f"{name}.nc")
             wait.share = done / len(chosen)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import Named
-from .waiting import waiting
+from .parameter_types import NonEmptyPath
+from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
     from ..preparation.prefill import StudyFiles
@@ -18,8 +18,8 @@ HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 
 
 @click.command()
-@click.argument("files", nargs=-1, type=Named(path_type=Path), metavar="[VIDEOS]...")
-@click.option("--study", type=Named(path_type=Path), help="Folder of the study.")
+@click.argument("files", nargs=-1, type=NonEmptyPath(path_type=Path), metavar="[VIDEOS]...")
+@click.option("--study", type=NonEmptyPath(path_type=Path), help="Folder of the study.")
 @click.option("--head-length-m", type=click.FloatRange(0, 10, min_open=True), help=HEAD_LENGTH_HELP)
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
     """Write study.yaml and trials.csv for VIDEOS, keypoint files, or all that a folder holds.
@@ -47,7 +47,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     if not rows:
         remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)
-    with waiting(f"opening the files of {len(rows)} trials"):
+    with progress_notice(f"opening the files of {len(rows)} trials"):
         facts = file_facts(folder, rows)
     write_text(folder / "trials.csv", trials_csv(rows))
     write_text(folder / "study.yaml", with_facts(blank_study_yaml(), facts))

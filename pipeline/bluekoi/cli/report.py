@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from .named import Named, StudyName
+from .parameter_types import NonEmptyPath, StudyName
 
 
 def results_folder(study: Path, results: Path | None) -> Path:
@@ -32,7 +32,7 @@ def results_folder(study: Path, results: Path | None) -> Path:
 
 @click.command()
 @click.argument("study", default="demo", type=StudyName("demo", path_type=Path))
-@click.option("--results", type=Named(path_type=Path), help="Folder with the results.")
+@click.option("--results", type=NonEmptyPath(path_type=Path), help="Folder with the results.")
 @click.option("--open", "shown", is_flag=True, help="Open the page in the browser.")
 @click.pass_context
 def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -> None:

@@ -14,7 +14,7 @@ import click
 
 from ..errors import EXIT_INTERRUPTED
 from ..workflow.client import COMMAND_VARIABLE
-from .named import Named, StudyName
+from .parameter_types import NonEmptyPath, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 EXIT_SOME_TRIALS_FAILED = 3
@@ -35,7 +35,14 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
     values = {"study": study} | ({"results": str(results)} if results else {})
     keys, rest = _keys(further)
     return [
-        *(sys.executable, "-P", "-m", "bluekoi.cli.start", "--snakefile", str(home / "Snakefile")),
+        *(
+            sys.executable,
+            "-P",
+            "-m",
+            "bluekoi.cli.snakemake_launcher",
+            "--snakefile",
+            str(home / "Snakefile"),
+        ),
         *("--workflow-profile", "none", *_profile(home)),
         *("--cores", cores, "--config"),
         *(f"{key}={_as_text(value)}" for key, value in values.items()),
@@ -89,7 +96,7 @@ def check_cores(_ctx: click.Context, _param: click.Parameter, value: str) -> str
 
 @click.command()
 @click.argument("study", default="demo", type=StudyName("demo", path_type=str))
-@click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
+@click.option("--results", type=NonEmptyPath(path_type=Path), help="Folder for the results.")
 @click.option(
     "--cores", default="all", show_default=True, callback=check_cores, help="How many jobs at once."
 )
@@ -124,7 +131,7 @@ def _returned(words: list[str]) -> int:
     Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed. A request to
     terminate (a supervisor's, `kill`) reaches this process alone and is handed on to Snakemake,
     which ends after the jobs at work. Snakemake starts with Ctrl-C blocked and lifts that itself,
-    when it can take one (`start`).
+    when it can take one (`snakemake_launcher`).
     """
     stopped = 0
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

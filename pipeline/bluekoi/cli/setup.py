@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .named import Named
+from .parameter_types import NonEmptyPath
 
 
 def run_command(study: Path, results: Path) -> list[str]:
@@ -18,8 +18,10 @@ def run_command(study: Path, results: Path) -> list[str]:
 
 
 @click.command()
-@click.argument("study", default=".", type=Named(path_type=Path))
-@click.option("--results", type=Named(path_type=Path), help="Folder for the results of a run.")
+@click.argument("study", default=".", type=NonEmptyPath(path_type=Path))
+@click.option(
+    "--results", type=NonEmptyPath(path_type=Path), help="Folder for the results of a run."
+)
 @click.option("--port", type=click.IntRange(0, 65535), default=0, show_default=True,
               help="Port on this machine; 0 takes a free one.")  # fmt: skip
 @click.option("--browser/--no-browser", default=True, show_default=True,

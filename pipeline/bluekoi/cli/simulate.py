@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .named import StudyName
-from .numbers import Finite
+from .number_types import FiniteNumber
 from .outputs import refuse_study_files
-from .waiting import waiting
+from .parameter_types import StudyName
+from .progress_notice import progress_notice
 
 if TYPE_CHECKING:
     from ..design_space import Fitted, Schedule
@@ -29,15 +29,15 @@ PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
-@click.option("--flap-hz", type=Finite(0, 100), help="Flapping frequency.")
-@click.option("--power-pct", type=Finite(0, 300), help="Or motor power.")
-@click.option("--head-angle-deg", type=Finite(-120, 120), help="Default: 0.")
+@click.option("--flap-hz", type=FiniteNumber(0, 100), help="Flapping frequency.")
+@click.option("--power-pct", type=FiniteNumber(0, 300), help="Or motor power.")
+@click.option("--head-angle-deg", type=FiniteNumber(-120, 120), help="Default: 0.")
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
 @click.option("--manoeuvre", type=click.Choice(MANOEUVRE_NAMES),
               help="Or a well-known one, made from frequency, head angle and seconds.")  # fmt: skip
-@click.option("--head-length-m", type=Finite(0, 10, min_open=True), help="Default: 1x.")
-@click.option("--seconds", type=Finite(0.1, 600),
+@click.option("--head-length-m", type=FiniteNumber(0, 10, min_open=True), help="Default: 1x.")
+@click.option("--seconds", type=FiniteNumber(0.1, 600),
               help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
 @click.option("--results", type=click.Path(path_type=Path),
               help="Results whose fit is used; else Table I of the paper at 100 %.")  # fmt: skip
@@ -59,7 +59,7 @@ def simulate(
     _refuse_targets(schedule, out, picture)
     refuse_study_files(study, (out, picture))
     loaded = load_study(study)
-    with waiting("reading the model"):
+    with progress_notice("reading the model"):
         setup, fit = loaded.setup, _fit(results, model, loaded)
     length, angle = head_length_m or setup.robot.head_length_m, math.radians(head_angle_deg or 0.0)
     if schedule is not None:
@@ -72,7 +72,7 @@ def simulate(
         commands = _made(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
             _print_steady(fit, setup, length, hz, angle)
-    with waiting("simulating (the first time on a machine the model is compiled)"):
+    with progress_notice("simulating (the first time on a machine the model is compiled)"):
         run = _run(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
         _print_path(run)
@@ -166,7 +166,9 @@ def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) ->
 def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad: float) -> None:
     from ..design_space import Condition, steady_states  # noqa: PLC0415
 
-    with waiting("looking for the steady state (the first time the model is compiled)", 20.0):
+    with progress_notice(
+        "looking for the steady state (the first time the model is compiled)", 20.0
+    ):
         found = steady_states([Condition(hz, angle_rad, length, setup)], fit.values[:1])
     speed, radius = float(found.speed_m_s[0, 0]), float(found.radius_m[0, 0])
     turn = f"radius {radius:.3f} m" if math.isfinite(radius) else "straight"

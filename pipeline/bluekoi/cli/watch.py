@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .named import Named, StudyName
+from .parameter_types import NonEmptyPath, StudyName
 from .run import check_cores, command
 
 ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
@@ -46,7 +46,7 @@ ask for files.
 
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
-@click.option("--results", type=Named(path_type=Path), help="Folder for the results.")
+@click.option("--results", type=NonEmptyPath(path_type=Path), help="Folder for the results.")
 @click.option("--cores", default="all", show_default=True, callback=check_cores,
               help="How many jobs at once.")  # fmt: skip
 @click.option("--every", "every_s", type=click.FloatRange(0.1), default=2.0, show_default=True,

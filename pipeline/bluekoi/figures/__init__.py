@@ -1,6 +1,6 @@
 """Figures of a campaign, one file each; the folder is the registry.
 
-A figure module has TITLE, CAPTION (text for the report), NEEDS (fields of `Campaign` without
+A figure module has TITLE, CAPTION (text for the report), REQUIRED_RESULTS (fields of `Campaign` without
 which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on the
 campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
 `unavailable(campaign)`, the reason or an empty string.
@@ -24,10 +24,19 @@ from matplotlib.figure import Figure
 from ..campaign import Campaign, load_campaign
 from ..errors import input_error, nearest
 from ..files import atomic_write, write_rows
-from .drawing.extraction import Point, extract
+from .drawing.figure_data import Point, extract_points
 from .drawing.style import RC_PARAMS, placeholder_figure
 
-__all__ = ["Campaign", "caption", "draw", "draw_file", "load_campaign", "missing", "names", "title"]
+__all__ = [
+    "Campaign",
+    "caption",
+    "draw",
+    "draw_file",
+    "figure_names",
+    "load_campaign",
+    "missing_results",
+    "title",
+]
 
 REQUIREMENTS = {
     "tracks": "tracks of the trials",
@@ -50,7 +59,7 @@ PDF_METADATA: Mapping[str, Any] = {
 }
 
 
-def names() -> tuple[str, ...]:
+def figure_names() -> tuple[str, ...]:
     """Names of all figures: the modules of this folder, in alphabetical order."""
     found = (m.name for m in pkgutil.iter_modules(__path__) if not m.ispkg)
     return tuple(sorted(found))
@@ -74,9 +83,9 @@ def _title_and_caption(name: str, campaign: Campaign | None) -> tuple[str, str]:
     return str(module.TITLE), str(module.CAPTION)
 
 
-def missing(name: str, campaign: Campaign) -> tuple[str, ...]:
+def missing_results(name: str, campaign: Campaign) -> tuple[str, ...]:
     """Descriptions of the results that the figure needs and the campaign lacks."""
-    needs = _module(name).NEEDS
+    needs = _module(name).REQUIRED_RESULTS
     return tuple(REQUIREMENTS[need] for need in needs if not getattr(campaign, need))
 
 
@@ -100,7 +109,7 @@ def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str
         metadata["Comment"] = reason
     with matplotlib.rc_context(RC_PARAMS):
         _print(figure, Path(path_png), Path(path_pdf), metadata)
-    write_rows(Path(path_png).with_suffix(".csv"), [Point._fields, *extract(figure)])
+    write_rows(Path(path_png).with_suffix(".csv"), [Point._fields, *extract_points(figure)])
 
 
 def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str, str]) -> None:
@@ -118,15 +127,15 @@ def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str
 
 def _reason(name: str, campaign: Campaign) -> str:
     """Why the figure cannot be drawn; empty if it can."""
-    if lacking := missing(name, campaign):
+    if lacking := missing_results(name, campaign):
         return "this run has no " + " and no ".join(lacking)
     module = _module(name)
     return str(module.unavailable(campaign)) if hasattr(module, "unavailable") else ""
 
 
 def _module(name: str) -> ModuleType:
-    if name not in names():
+    if name not in figure_names():
         raise input_error(
-            "figures", "", f"'{name}'", "the name of a figure", nearest(name, names())
+            "figures", "", f"'{name}'", "the name of a figure", nearest(name, figure_names())
         )
     return import_module(f"{__name__}.{name}")

@@ -11,7 +11,7 @@ from ..campaign import Campaign
 from ..study import Trial
 from .drawing import groups
 from .drawing.circles import compared_angle_deg, draw_turns
-from .drawing.groups import Mean
+from .drawing.groups import ConditionMean
 from .drawing.pool import draw_pool, draw_robots
 from .drawing.style import Z_95, Style, panel_letter, placeholder, power_styles
 
@@ -25,7 +25,7 @@ CAPTION = (
     "Left and right turns are pooled. Small dots: single trials; hollow markers: means over trials "
     "none of which reached a good steady state."
 )
-NEEDS = ("tracks", "steady")
+REQUIRED_RESULTS = ("tracks", "steady")
 
 
 def draw(campaign: Campaign) -> Figure:
@@ -37,11 +37,15 @@ def draw(campaign: Campaign) -> Figure:
     lower = rows[1].subgridspec(1, 5, width_ratios=(1.3, 1, 1, 1, 1))
     left, others = lower[0], [lower[i] for i in range(1, 5)]
     _example(
-        figure.add_subplot(upper[0]), campaign, groups.straights(campaign), "A", "straight run"
+        figure.add_subplot(upper[0]),
+        campaign,
+        groups.straight_trials(campaign),
+        "A",
+        "straight run",
     )
     _speeds(figure, upper[1], campaign, styles)
     _average_speeds(figure.add_subplot(upper[2]), campaign, styles)
-    _example(figure.add_subplot(left), campaign, groups.turns(campaign), "D", "turn")
+    _example(figure.add_subplot(left), campaign, groups.turning_trials(campaign), "D", "turn")
     axes = [figure.add_subplot(place) for place in others]
     _over_angle(axes[0], axes[1], campaign, styles)
     _over_length(axes[2], axes[3], campaign, styles)
@@ -97,7 +101,9 @@ def _speeds(
 def _speed_panel(
     axes: Axes, campaign: Campaign, condition: tuple[float, float], style: Style
 ) -> None:
-    shown = [t for t in groups.straights(campaign) if (t.power_pct, t.head_length_m) == condition]
+    shown = [
+        t for t in groups.straight_trials(campaign) if (t.power_pct, t.head_length_m) == condition
+    ]
     for trial in shown:
         track = campaign.tracks[trial.trial_id]
         t, v, half = track.time_s, track.speed_m_s, Z_95 * track.speed_m_s_std
@@ -141,7 +147,7 @@ def _over_angle(
     circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
-    mine = [t for t in groups.turns(campaign) if abs(t.head_length_m - head) < 1e-6]
+    mine = [t for t in groups.turning_trials(campaign) if abs(t.head_length_m - head) < 1e-6]
     panel_letter(circles, "E")
     draw_turns(circles, campaign, mine, styles, vary="angle")
     circles.set_title("1x head, by head angle")
@@ -156,7 +162,7 @@ def _over_length(
     circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
     angle = compared_angle_deg(campaign)
-    mine = [t for t in groups.turns(campaign) if abs(t.head_angle_deg) == angle]
+    mine = [t for t in groups.turning_trials(campaign) if abs(t.head_angle_deg) == angle]
     panel_letter(circles, "F")
     draw_turns(circles, campaign, mine, styles, vary="length")
     circles.set_title(f"{angle:g}° head angle, by head length" if mine else "by head length")
@@ -167,7 +173,9 @@ def _over_length(
     averages.set_xlabel("head length (m)")
 
 
-def _averages(axes: Axes, means: list[Mean], styles: dict[float, Style], at: list[float]) -> None:
+def _averages(
+    axes: Axes, means: list[ConditionMean], styles: dict[float, Style], at: list[float]
+) -> None:
     if not means:
         placeholder(axes, "no steady turn")
         return

@@ -13,8 +13,8 @@ from ..campaign import Campaign
 from ..study import Trial
 from .drawing import groups
 from .drawing.circles import LINE_STYLES, circle, equal_axes, measured_arc
+from .drawing.model_sweeps import PowerFit, fitted_powers, simulate_from_rest, turn_radius
 from .drawing.style import BEFORE_COLOUR, MEASURED_COLOUR, panel_letter, placeholder
-from .drawing.sweeps import PowerFit, fitted_powers, radius, simulate_from_rest
 
 TITLE = "The paper's three tuning steps at each power"
 CAPTION = (
@@ -23,7 +23,7 @@ CAPTION = (
     "(thick: measured arc, thin: circle fitted to it, dashed: simulation; percentages: simulated "
     "minus measured radius). Step 3: prediction for the longer head, which no step was tuned to."
 )
-NEEDS = ("tracks", "steady", "coefficients")
+REQUIRED_RESULTS = ("tracks", "steady", "coefficients")
 STEP_TITLES = ("step 1: straight speed", "step 2: turns, 1x head", "step 3: longer head, predicted")
 
 
@@ -48,22 +48,22 @@ def draw(campaign: Campaign) -> Figure:
 
 
 def _at(campaign: Campaign, power: float) -> list[Trial]:
-    return [trial for trial in groups.turns(campaign) if trial.power_pct == power]
+    return [trial for trial in groups.turning_trials(campaign) if trial.power_pct == power]
 
 
 def _one_x(campaign: Campaign, power: float) -> list[Trial]:
-    return [t for t in _at(campaign, power) if groups.is_one_x(campaign, t)]
+    return [t for t in _at(campaign, power) if groups.has_standard_head(campaign, t)]
 
 
 def _longer(campaign: Campaign, power: float) -> list[Trial]:
-    return [t for t in _at(campaign, power) if not groups.is_one_x(campaign, t)]
+    return [t for t in _at(campaign, power) if not groups.has_standard_head(campaign, t)]
 
 
 def _straight(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None) -> None:
     mine = [
         t
-        for t in groups.straights(campaign)
-        if t.power_pct == power and groups.is_one_x(campaign, t)
+        for t in groups.straight_trials(campaign)
+        if t.power_pct == power and groups.has_standard_head(campaign, t)
     ]
     if not mine:
         placeholder(axes, "no straight run of the 1x head at this power")
@@ -109,7 +109,7 @@ def _model(
     if row is None:
         return ""
     angle, length, seen = condition
-    found = radius(campaign, row, length, angle)
+    found = turn_radius(campaign, row, length, angle)
     if not np.isfinite(found):
         return "\nsimulation: no turn"
     axes.plot(*circle(found).T, color=BEFORE_COLOUR, ls="--")

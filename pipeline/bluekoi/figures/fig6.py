@@ -13,17 +13,17 @@ from ..campaign import Campaign
 from ..data import Float
 from .drawing import groups
 from .drawing.circles import compared_angle_deg
-from .drawing.groups import Mean
-from .drawing.style import Style, panel_letter, placeholder, power_styles
-from .drawing.sweeps import (
+from .drawing.groups import ConditionMean
+from .drawing.model_sweeps import (
     PowerFit,
     Sweep,
-    over_angle,
-    over_length,
-    radius,
+    radii_over_angle,
+    radii_over_length,
     speed_from_rest,
+    turn_radius,
     with_extrapolated_powers,
 )
+from .drawing.style import Style, panel_letter, placeholder, power_styles
 
 TITLE = "Model predictions beyond the tested conditions"
 CAPTION = (
@@ -34,7 +34,7 @@ CAPTION = (
     "power and the other coefficients constant. Bands: 95 % intervals from the fits' uncertainty. "
     "Grey areas: untested head angles and lengths."
 )
-NEEDS = ("tracks", "steady", "coefficients")
+REQUIRED_RESULTS = ("tracks", "steady", "coefficients")
 ANGLES_DEG = np.arange(10.0, 61.0, 2.5)
 LENGTHS_M = np.arange(0.04, 0.2401, 0.01)
 TIMES_S = np.arange(151) / 30.0
@@ -102,7 +102,9 @@ def _angles(
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
     for row in rows.values():
-        _line(axes, ANGLES_DEG, over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles)
+        _line(
+            axes, ANGLES_DEG, radii_over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles
+        )
     seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
     _points(axes, seen, [m.angle_deg for m in seen], styles)
     _untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
@@ -118,7 +120,9 @@ def _lengths(
         placeholder(axes, "no turn in this study")
         return
     for row in rows.values():
-        _line(axes, LENGTHS_M, over_length(campaign, row, LENGTHS_M, angle), row, styles=styles)
+        _line(
+            axes, LENGTHS_M, radii_over_length(campaign, row, LENGTHS_M, angle), row, styles=styles
+        )
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
     _points(axes, seen, [m.head_length_m for m in seen], styles)
     _untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
@@ -131,7 +135,9 @@ def _lengths(
         _inset(axes, campaign, mine, rows, styles)
 
 
-def _points(axes: Axes, means: list[Mean], at: list[float], styles: dict[float, Style]) -> None:
+def _points(
+    axes: Axes, means: list[ConditionMean], at: list[float], styles: dict[float, Style]
+) -> None:
     step = 0.012 * (axes.get_xlim()[1] - axes.get_xlim()[0])
     for x, mean in zip(at, means, strict=True):
         place = x + step * (list(styles).index(mean.power_pct) - 1)
@@ -151,14 +157,14 @@ def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> Non
 def _inset(
     axes: Axes,
     campaign: Campaign,
-    means: list[Mean],
+    means: list[ConditionMean],
     rows: dict[float, PowerFit],
     styles: dict[float, Style],
 ) -> None:
     inner = axes.inset_axes((0.58, 0.58, 0.4, 0.34))
     shown = [m for m in means if m.power_pct in rows]
     for mean in shown:
-        model = radius(campaign, rows[mean.power_pct], mean.head_length_m, mean.angle_deg)
+        model = turn_radius(campaign, rows[mean.power_pct], mean.head_length_m, mean.angle_deg)
         style = styles[mean.power_pct]
         apart, error = 1000 * (mean.value - model), 1000 * mean.std
         inner.errorbar(

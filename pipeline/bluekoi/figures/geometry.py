@@ -26,7 +26,7 @@ CAPTION = (
     "the rms length change that it implies. Hollow bars are below the accuracy of the detector "
     "(0.05 %, for the whole length about 0.4 %) and are ignored, however many frames agree."
 )
-NEEDS = ("geometry",)
+REQUIRED_RESULTS = ("geometry",)
 MAX_ERRORS_SHOWN = 9
 """Possible errors of the geometry that are drawn, at most."""
 DETECTABLE_COLOUR = "#56B4E9"

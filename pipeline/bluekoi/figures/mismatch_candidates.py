@@ -15,7 +15,7 @@ CAPTION = (
     "the search. Blue: named as a cause. Probabilities need not add up to 1: several causes may "
     "act at once. Candidates that the data cannot distinguish share the probability between them."
 )
-NEEDS = ("mismatch",)
+REQUIRED_RESULTS = ("mismatch",)
 MAX_BARS_SHOWN = 16
 NOT_NAMED_COLOUR = "#9aa5af"
 

@@ -21,7 +21,7 @@ from .drawing.missing_force import (
     MissingForce,
     force_of_effects,
     missing_forces,
-    variable,
+    variable_along_trial,
 )
 from .drawing.style import AFTER_COLOUR, Style, panel_letter, placeholder, power_styles
 
@@ -34,7 +34,7 @@ CAPTION = (
     "first second of each trial, where the smoother has no resolution, is omitted. Without a "
     "significant dependence, each force is shown over the variable of the commonest cause."
 )
-NEEDS = ("tracks", "steady", "mismatch_detail")
+REQUIRED_RESULTS = ("tracks", "steady", "mismatch_detail")
 DEFAULT_PAIRS = (("surge", "speed_m_s"), ("sway", "sway_speed_m_s"), ("yaw", "yaw_rate_rad_s"))
 """Channel and variable drawn where nothing explains the force."""
 PANEL_COUNT = 3
@@ -103,7 +103,10 @@ def _panel(
     channel, name = pair
     k = CHANNELS.index(channel)
     found = [_after_start(one) for one, _ in pieces]
-    x = [variable(campaign, one, name)[at] for (one, _), at in zip(pieces, found, strict=True)]
+    x = [
+        variable_along_trial(campaign, one, name)[at]
+        for (one, _), at in zip(pieces, found, strict=True)
+    ]
     y = [one.force[at, k] for (one, _), at in zip(pieces, found, strict=True)]
     _dots(axes, campaign, [one for one, _ in pieces], (x, y), styles)
     at, mean, std = _binned_means(x, y)

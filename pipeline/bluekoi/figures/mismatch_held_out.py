@@ -32,7 +32,7 @@ FITTED_TRIALS_CAPTION = (
     "The study is too small to hold trials out: these trials were fitted, so smaller errors do "
     "not confirm the identified causes."
 )
-NEEDS = ("tracks", "mismatch")
+REQUIRED_RESULTS = ("tracks", "mismatch")
 MAX_PATHS_SHOWN = 6
 TEXT_BOX = {"fc": "white", "ec": "none", "pad": 0.6, "alpha": 0.85}
 ERROR_LABELS = (

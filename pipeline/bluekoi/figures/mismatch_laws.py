@@ -20,7 +20,7 @@ CAPTION = (
     "force which the model with all causes still lacks plus the force of this cause. Where they "
     "leave the line beyond their scatter, the form of the law is wrong."
 )
-NEEDS = ("mismatch",)
+REQUIRED_RESULTS = ("mismatch",)
 PANELS_PER_ROW = 3
 
 

@@ -21,7 +21,7 @@ CAPTION = (
     "three trials with the largest missing force relative to its uncertainty; arrows: surge and "
     "sway force."
 )
-NEEDS = ("tracks", "steady", "mismatch_detail")
+REQUIRED_RESULTS = ("tracks", "steady", "mismatch_detail")
 TRIALS_SHOWN = 3
 
 

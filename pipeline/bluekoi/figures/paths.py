@@ -20,7 +20,7 @@ CAPTION = (
     "rms distance to the measured path. Large studies show the 60 trials with the largest "
     "error of the baseline."
 )
-NEEDS = ("tracks",)
+REQUIRED_RESULTS = ("tracks",)
 PANELS_PER_ROW = 6
 MAX_PANELS = 60
 

@@ -15,7 +15,15 @@ from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
 from ..motor.powers import power_warnings
 from ..motor.swimming import study_warnings
 from ..study.rules import robot_doubts
-from .numbers import measured, number, probability, readable, unit, units, with_readable_names
+from .numbers import (
+    number,
+    probability,
+    readable,
+    unit,
+    units,
+    value_with_interval,
+    with_readable_names,
+)
 
 VERDICT_HEADINGS = {
     "none": "No mismatch beyond the noise",
@@ -147,7 +155,7 @@ def causes(campaign: Campaign) -> list[Cause]:
     return [_cause(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
 
 
-def where(campaign: Campaign) -> list[Row]:
+def dependence_rows(campaign: Campaign) -> list[Row]:
     """Variables that explain the missing force, with the explained share."""
     return [
         Row(
@@ -200,7 +208,8 @@ def next_trial(campaign: Campaign) -> str:
 
 def _cause(entry: dict[str, Any]) -> Cause:
     parameters = [
-        f"{name} = {measured(cell.get('value'), cell.get('std'), unit(str(cell.get('unit', ''))))}"
+        f"{name} = "
+        + value_with_interval(cell.get("value"), cell.get("std"), unit(str(cell.get("unit", ""))))
         for name, cell in (entry.get("parameters") or {}).items()
     ]
     others = entry.get("credible_set") or []

@@ -23,13 +23,13 @@ CRITERION_SENTENCES = {
 }
 
 
-def columns(campaign: Campaign) -> list[str]:
-    """Column headings of the table `held_out`."""
+def column_headings(campaign: Campaign) -> list[str]:
+    """Column headings of the table `error_rows`."""
     both = [BASELINE_NAME, EXTENDED_NAME]
     return ["error", *(both if campaign.has_additions else ["model"]), "noise floor"]
 
 
-def held_out(campaign: Campaign) -> list[Row]:
+def error_rows(campaign: Campaign) -> list[Row]:
     """Errors of each model on held-out trials, and the noise floor."""
     if not (campaign.mismatch or {}).get("held_out"):
         return []
@@ -46,7 +46,7 @@ def _noise_floor(campaign: Campaign) -> str:
     return "–" if floor is None else number(1000 * floor)
 
 
-def text(campaign: Campaign) -> dict[str, str]:
+def table_text(campaign: Campaign) -> dict[str, str]:
     """Heading, caption and sentences for the table, by which trials were evaluated."""
     names = ", ".join(evaluated_trials(campaign))
     found = (campaign.mismatch or {}).get("held_out") or {}

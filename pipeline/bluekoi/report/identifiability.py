@@ -14,7 +14,7 @@ from ..data import Float
 from .findings import Row
 from .numbers import number, unit
 
-DROP_AT_95 = 1.92
+LOG_LIK_DROP_95 = 1.92
 """Drop in log likelihood at the ends of a 95 % interval: half of chi-squared(1) at 0.95."""
 CURVE_WIDTH, CURVE_HEIGHT, MAX_DROP_SHOWN = 100.0, 60.0, 6.0
 """Size of a curve's drawing, and the largest drop in log likelihood that it shows."""
@@ -31,14 +31,14 @@ class Profile:
     value_x: float
     interval: str
     ends: tuple[str, str]
-    limit_y: float = CURVE_HEIGHT * (1.0 - DROP_AT_95 / MAX_DROP_SHOWN)
+    limit_y: float = CURVE_HEIGHT * (1.0 - LOG_LIK_DROP_95 / MAX_DROP_SHOWN)
 
 
-def spectrum(campaign: Campaign) -> list[Row]:
+def fisher_spectrum(campaign: Campaign) -> list[Row]:
     """Combinations of coefficients, the least determined first, with relative standard errors."""
     return [
         Row(
-            combination(str(one.get("combination", ""))),
+            as_power_product(str(one.get("combination", ""))),
             (_percent(one.get("relative_std")), "yes" if one.get("determined") else "no"),
             not one.get("determined", True),
         )
@@ -46,7 +46,7 @@ def spectrum(campaign: Campaign) -> list[Row]:
     ]
 
 
-def combination(text: str) -> str:
+def as_power_product(text: str) -> str:
     """A combination of relative changes as a product of powers.
 
     sum w_i dC_i/C_i = d ln prod C_i^w_i, so `+0.58 dC_T/C_T -0.37 dC_Da/C_Da` reads

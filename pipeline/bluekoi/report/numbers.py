@@ -27,7 +27,7 @@ def number(value: Any, digits: int = 3) -> str:
     return f"{value:.{places}f}"
 
 
-def measured(value: Any, std: Any, unit: str = "") -> str:
+def value_with_interval(value: Any, std: Any, unit: str = "") -> str:
     """Value ± half of the 95 % interval, with the digits that the interval justifies."""
     tail = f" {unit}" if unit and unit != "–" else ""
     if value is None or not math.isfinite(float(value)):
@@ -44,7 +44,7 @@ def measured(value: Any, std: Any, unit: str = "") -> str:
     return (f"({text}){mark}" if mark else text) + tail
 
 
-def estimate(cell: Mapping[str, Any]) -> str:
+def coefficient_with_interval(cell: Mapping[str, Any]) -> str:
     """A cell of coefficients.json: value ± half of its 95 % interval.
 
     At a bound, the value and the other end of the interval; without an interval, the value.
@@ -55,8 +55,8 @@ def estimate(cell: Mapping[str, Any]) -> str:
         reach = "" if end is None else f", 95 % limit {number(end)}"
         return f"{number(cell.get('value'))} (at its bound{reach})"
     if low is None or high is None:
-        return measured(cell.get("value"), cell.get("std"))
-    return measured(cell.get("value"), 0.5 * (high - low) / Z_95)
+        return value_with_interval(cell.get("value"), cell.get("std"))
+    return value_with_interval(cell.get("value"), 0.5 * (high - low) / Z_95)
 
 
 def unit(name: str) -> str:

@@ -28,13 +28,13 @@ from .overlay_frame import (
     empty_pool,
 )
 
-WIDTH_PX = 640
+VIDEO_WIDTH_PX = 640
 MAX_FPS = 30.0
 VIDEO_CRF = 29
 """Constant rate factor of the encoder: larger is smaller and coarser."""
 
 
-def trial_overlay(
+def write_trial_overlay(
     campaign: Campaign, trial_id: str, results: str | Path, path: str | Path
 ) -> tuple[int, float]:
     """Write the overlay of one analysed trial; return its number of frames and the time of the
@@ -56,7 +56,7 @@ def trial_overlay(
         size_px=camera.size_px,
         lines=paths(camera, track, columns, study.setup.robot.keypoint_depth_m),
         keypoints=found,
-        background=empty_pool(camera, WIDTH_PX),
+        background=empty_pool(camera, VIDEO_WIDTH_PX),
     )
     times = found.time_s if found is not None else track.time_s
     source: Iterator[Frame | float] = footage if footage is not None else map(float, times)
@@ -81,7 +81,7 @@ def write_overlay(
 
 def film_size(size_px: tuple[int, int]) -> tuple[int, int]:
     """Width and height of the picture in the film of footage of a size, even."""
-    return WIDTH_PX, 2 * round(WIDTH_PX / size_px[0] * size_px[1] / 2)
+    return VIDEO_WIDTH_PX, 2 * round(VIDEO_WIDTH_PX / size_px[0] * size_px[1] / 2)
 
 
 def _pictures(

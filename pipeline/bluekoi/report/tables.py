@@ -8,20 +8,34 @@ from typing import Any
 from ..campaign import Campaign
 from ..model import COEFFICIENTS, FLAP_HZ, TABLE_1, TABLE_2_PCT
 from .findings import Row
-from .identifiability import combination
-from .numbers import Z_95, estimate, measured, number, percent, readable, unit, units
+from .identifiability import as_power_product
+from .numbers import (
+    Z_95,
+    coefficient_with_interval,
+    number,
+    percent,
+    readable,
+    unit,
+    units,
+    value_with_interval,
+)
 
 COEFFICIENT_COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
 """Name, unit and meaning of each coefficient."""
 
 
-def joint(campaign: Campaign) -> list[Row]:
+def joint_fit_rows(campaign: Campaign) -> list[Row]:
     """Joint fit: value with 95 % interval, unit, and whether the data determine it."""
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     return [
         Row(
             name,
-            (estimate(cell), _naive(cell), unit(str(cell.get("unit", ""))), _determined(cell)),
+            (
+                coefficient_with_interval(cell),
+                _naive(cell),
+                unit(str(cell.get("unit", ""))),
+                _determined(cell),
+            ),
             not cell.get("determined", True),
         )
         for name, cell in cells.items()
@@ -38,7 +52,7 @@ def joint_notes(campaign: Campaign) -> list[str]:
     """Undetermined combinations of coefficients, and stability of straight swimming."""
     found = campaign.coefficients.get("joint") or {}
     out = [
-        f"Not determined: {combination(str(row.get('combination', '')))}. "
+        f"Not determined: {as_power_product(str(row.get('combination', '')))}. "
         f"{row.get('sentence', '')}. A trial that would help: {row.get('trial', '')}."
         for row in found.get("undetermined") or []
     ]
@@ -61,7 +75,7 @@ def _table_1_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     published = TABLE_1.get(round(float(power)), {})
     cells_here = [
         (
-            estimate(cells.get(p.name) or {}),
+            coefficient_with_interval(cells.get(p.name) or {}),
             not (cells.get(p.name) or {}).get("determined", False),
             str((cells.get(p.name) or {}).get("why") or ""),
         )
@@ -119,7 +133,7 @@ def coefficient_changes(campaign: Campaign) -> list[Row]:
 
 
 def _cell(cell: Mapping[str, Any] | None) -> str:
-    return "–" if cell is None else measured(cell.get("value"), cell.get("std"))
+    return "–" if cell is None else value_with_interval(cell.get("value"), cell.get("std"))
 
 
 def _named(name: str) -> str:

@@ -14,7 +14,7 @@ from ..figures.drawing.held_out import evaluated_trials, no_trial_held_out
 from ..study import Trial
 from .explorer import series
 from .media import Clip
-from .numbers import measured, number
+from .numbers import number, value_with_interval
 
 THUMBNAIL_POINTS = 60
 QUALITY_TEXTS = {
@@ -27,7 +27,7 @@ QUALITY_TEXTS = {
 
 
 @dataclass(frozen=True)
-class Cell:
+class TableCell:
     """Displayed text and sort key."""
 
     text: str
@@ -35,12 +35,12 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Card:
+class TrialCard:
     """One trial."""
 
     trial_id: str
     condition: str
-    cells: tuple[Cell, ...]
+    cells: tuple[TableCell, ...]
     quality: str
     reason: str
     remarks: tuple[str, ...]
@@ -54,7 +54,7 @@ class Card:
     analysed: bool
 
 
-def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[Card]:
+def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[TrialCard]:
     """A card for every trial of the study, analysed or not."""
     held_out = set() if no_trial_held_out(campaign) else set(evaluated_trials(campaign))
     return [
@@ -69,7 +69,7 @@ def excluded_trials(campaign: Campaign) -> list[tuple[str, str]]:
     return [(trial.trial_id, why.replace(folder, "")) for trial, why in campaign.left_out]
 
 
-def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> Card:
+def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> TrialCard:
     done = trial.trial_id in {t.trial_id for t in campaign.analysed}
     steady = campaign.steady.get(trial.trial_id) if done else None
     status = campaign.statuses.get(trial.trial_id) or {}
@@ -78,7 +78,7 @@ def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -
     if status.get("cut_short"):
         remarks.insert(0, str(status["cut_short"]))
     quality = QUALITY_TEXTS.get(steady.quality, steady.quality) if steady else "excluded"
-    return Card(
+    return TrialCard(
         trial_id=trial.trial_id,
         condition=f"{trial.power_pct:g} % power, head {trial.head_angle_deg:g}°, "
         f"{trial.head_length_m:g} m",
@@ -97,24 +97,28 @@ def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -
     )
 
 
-def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[Cell, ...]:
+def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[TableCell, ...]:
     given = [
-        Cell(f"{value:g}", f"{value}")
+        TableCell(f"{value:g}", f"{value}")
         for value in (trial.power_pct, trial.head_angle_deg, trial.head_length_m)
     ]
     models = ("joint", "extended") if campaign.has_additions else ("joint",)
     if not done:
-        return (*given, *(Cell("–", "") for _ in range(4 + len(models))))
+        return (*given, *(TableCell("–", "") for _ in range(4 + len(models))))
     row = campaign.steady[trial.trial_id]
-    radius = "straight" if math.isinf(row.radius_m) else measured(row.radius_m, row.radius_std_m)
+    radius = (
+        "straight"
+        if math.isinf(row.radius_m)
+        else value_with_interval(row.radius_m, row.radius_std_m)
+    )
     errors = [1000 * campaign.path_rmse_m(trial.trial_id, model) for model in models]
     return (
         *given,
-        Cell(number(row.flap_hz), _key(row.flap_hz)),
-        Cell(measured(row.speed_m_s, row.speed_std_m_s), _key(row.speed_m_s)),
-        Cell(radius, _key(row.radius_m)),
-        Cell("–" if math.isinf(row.radius_m) else number(row.arc_deg), _key(row.arc_deg)),
-        *(Cell(number(error), _key(error)) for error in errors),
+        TableCell(number(row.flap_hz), _key(row.flap_hz)),
+        TableCell(value_with_interval(row.speed_m_s, row.speed_std_m_s), _key(row.speed_m_s)),
+        TableCell(radius, _key(row.radius_m)),
+        TableCell("–" if math.isinf(row.radius_m) else number(row.arc_deg), _key(row.arc_deg)),
+        *(TableCell(number(error), _key(error)) for error in errors),
     )
 
 

@@ -25,7 +25,7 @@ from ..motor import common_ratio, compare
 from ..motor.compare import SAME_CLOCK_TOLERANCE
 from ..study import Study
 
-CLOCK_STD = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
 CLOCK_CAUSE = "clock_error"
 
 
@@ -62,13 +62,13 @@ def _factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor |
     known = [f for n in names if (f := flapping[n]).source != "video"]
     common = common_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
-        ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD * common[0])))
+        ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD_SHARE * common[0])))
         if common
         else None
     )
 
 
-def in_true_time(
+def correct_clock(
     campaign: Campaign, flapping: Mapping[str, Flapping]
 ) -> tuple[Campaign, dict[str, Flapping], dict[str, ClockFactor]]:
     """Campaign and flapping frequencies with the factors of `clock_factors` taken out."""

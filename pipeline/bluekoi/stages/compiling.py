@@ -10,17 +10,17 @@ from ..integrate import compiled
 from ..model import plates
 from ..smoothing import smooth
 
-FRAMES = 24
-FLAP_HZ = 5.0
+WARM_UP_FRAMES = 24
+WARM_UP_FLAP_HZ = 5.0
 
 
 def load_smoother() -> None:
     """Smooth a short straight run, so that all functions of the smoother are compiled."""
-    time_s = np.arange(FRAMES) / 30
-    values = np.zeros((FRAMES, 4))
+    time_s = np.arange(WARM_UP_FRAMES) / 30
+    values = np.zeros((WARM_UP_FRAMES, 4))
     values[:, 0] = 0.5 * time_s
-    cov = np.tile(1e-6 * np.eye(4), (FRAMES, 1, 1))
-    smooth(Pose(time_s, values, cov), FLAP_HZ)
+    cov = np.tile(1e-6 * np.eye(4), (WARM_UP_FRAMES, 1, 1))
+    smooth(Pose(time_s, values, cov), WARM_UP_FLAP_HZ)
 
 
 def load_model() -> None:

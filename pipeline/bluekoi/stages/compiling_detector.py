@@ -13,11 +13,11 @@ from ..study.setup import Detection
 from ..synthetic.campaign import study_contents
 from ..synthetic.conditions import Conditions
 from ..synthetic.design import demo_design
-from ..synthetic.film import frames_of
+from ..synthetic.film import render_frames
 from ..synthetic.trial import solve_trial
 
 SIZE_PX = (480, 270)
-EVERY = 16
+FRAME_STEP = 16
 
 
 def preload() -> None:
@@ -26,8 +26,8 @@ def preload() -> None:
     design = replace(demo_design(), conditions=Conditions(size_px=SIZE_PX))
     plan = design.plans[0]
     trial = solve_trial(design, plan.trial_id)
-    few = replace(trial, time_s=trial.time_s[::EVERY])
-    pictures = zip(few.time_s, frames_of(design, few), strict=True)
+    few = replace(trial, time_s=trial.time_s[::FRAME_STEP])
+    pictures = zip(few.time_s, render_frames(design, few), strict=True)
     film = [Frame(i, float(t), picture.luma) for i, (t, picture) in enumerate(pictures)]
     setup = Setup(**study_contents(design), detection=Detection(body="rigid"))
     silhouette.detect(lambda: film, setup, Trial(

@@ -25,14 +25,14 @@ from ..study.depth import usable_depth_m
 from .layout import Layout
 from .status import good_trials, lengths_measured
 
-NOT_MEASURED = (
+LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
     "depth, and too few frames show nose and tail's end; use dots, markers or a network"
 )
-OR_STATED_WRONGLY = (
+STATED_LENGTH_ADVICE = (
     "; so would body_length_m or tail_length_m stated wrongly: measure the robot again"
 )
-SUBJECT_WHOLE = "the body's whole length, nose to tail, comes out"
+WHOLE_LENGTH_SUBJECT = "the body's whole length, nose to tail, comes out"
 
 
 def geometry(study: Path, results: Path) -> None:
@@ -88,7 +88,7 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
     if not any(seen):
-        return _unknown(NOT_MEASURED)
+        return _unknown(LENGTHS_NOT_MEASURED)
     camera = _camera(study, trials[0], layout)
     distances = whole_lengths(
         _placed(camera, trials, layout, depth),
@@ -100,9 +100,9 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
     min_share = systematic_share(geometry, distances)
     given = ("keypoint_depth",) if setup.robot.depth_given else ()
     check = check_distances(
-        geometry, distances, subject=SUBJECT_WHOLE, min_share=min_share, given=given
+        geometry, distances, subject=WHOLE_LENGTH_SUBJECT, min_share=min_share, given=given
     )
-    also = "" if check.best is None else OR_STATED_WRONGLY
+    also = "" if check.best is None else STATED_LENGTH_ADVICE
     return {
         **_evidence(check, trials),
         "sentence": f"{check.sentence}{also}",

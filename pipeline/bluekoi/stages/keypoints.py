@@ -19,7 +19,7 @@ from .status import run_with_status
 
 MIN_LOST_FRAMES = 3
 """Frames in a row without the body that are reported."""
-MAX_LENGTHS = 80
+MAX_LENGTH_SAMPLES = 80
 """Frames of a trial whose whole length is kept; more add no information."""
 
 
@@ -51,16 +51,16 @@ def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, A
             study.paths(trial)[0], "", "no frames", "frames between start_s and end_s"
         )
     write(path, found)
-    notes = notes | {"length_seen": lengths_seen(found)}
+    notes = notes | {"length_seen": sampled_lengths(found)}
     return {"remarks": list(found.remarks), "frames_read": len(found.time_s), **notes}
 
 
-def lengths_seen(found: Keypoints) -> list[list[float]]:
+def sampled_lengths(found: Keypoints) -> list[list[float]]:
     """Pairs frame, whole length seen over stated, of some frames all over the recording."""
     if found.length_seen is None:
         return []
     frames = np.flatnonzero(np.isfinite(found.length_seen))
-    some = frames[:: max(1, -(-len(frames) // MAX_LENGTHS))]
+    some = frames[:: max(1, -(-len(frames) // MAX_LENGTH_SAMPLES))]
     return [[int(i), float(found.length_seen[i])] for i in some]
 
 

@@ -17,7 +17,7 @@ from ..files import read_json, write_json
 from ..study import Study, load_study
 from .freshness import trial_row
 
-RUN = "BLUEKOI_RUN"
+RUN_VARIABLE = "BLUEKOI_RUN"
 """Environment variable with the run's command, settings and code, as json."""
 
 
@@ -25,7 +25,7 @@ def write_manifest(study: Path, results: Path) -> None:
     """Write manifest.json: command, settings, versions, the study as read, and the sha256 of every
     input file. Hashes of files that have kept size and date are taken from the last run.
     """
-    loaded, run = load_study(study), json.loads(os.environ.get(RUN, "{}"))
+    loaded, run = load_study(study), json.loads(os.environ.get(RUN_VARIABLE, "{}"))
     content = {
         "command": run.get("command", ""),
         "settings": run.get("settings", {}),

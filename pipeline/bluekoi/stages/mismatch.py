@@ -28,7 +28,7 @@ from ..motor import clock_delay
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock import CLOCK_STD, in_true_time, with_clock_cause
+from .clock import CLOCK_STD_SHARE, correct_clock, with_clock_cause
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove
 from .status import lengths_measured, with_numerical_failures_explained
@@ -36,11 +36,15 @@ from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
 
-STATED_FREQUENCY_STD = 0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
-UNCHECKED_STD = 0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
+STATED_FREQUENCY_STD_SHARE = (
+    0.01  # ASSUME `flap_hz`, the steady frequency of a log, is right to 1 %
+)
+UNCHECKED_FRAME_RATE_STD_SHARE = (
+    0.05  # ASSUME a frame rate that no tail beat checks is right to 5 %
+)
 LOST_TIME_STD_S = 0.005  # ASSUME a motor counts as starting at once that loses a reading's time
 DRIFT_STD_PER_S = 0.0003  # ASSUME a supply counts as steady that loses 0.2 % of speed in 6 s
-MOTOR_LAW_STD = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
+MOTOR_FORMULA_STD_SHARE = 0.2  # ASSUME a motor follows the formula of its spin-up or sag to 20 %
 log = logging.getLogger(__name__)
 
 
@@ -52,7 +56,7 @@ def mismatch(study: Path, results: Path) -> None:
     """
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
-    campaign, flapping, factors = in_true_time(campaign, campaign_flapping(campaign))
+    campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = with_clock(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
     series = with_motor_start(with_delay(series, flapping, fitted=fitted), flapping, fitted=fitted)
@@ -95,15 +99,17 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     clocks = {name: (b.video_hz / b.flap_hz - 1, b.video_hz_std / b.flap_hz)
             for name, b in beats.items() if b.flap_hz > 0 and np.isfinite(b.video_hz)}  # fmt: skip
     if not clocks:
-        unchecked = {"clock_ratio": (0.0, UNCHECKED_STD * float(np.sqrt(len(series))))}
+        unchecked = {
+            "clock_ratio": (0.0, UNCHECKED_FRAME_RATE_STD_SHARE * float(np.sqrt(len(series))))
+        }
         return [replace(s, evidence={**s.evidence, **unchecked}) for s in series]
     ratio, own = np.array(list(clocks.values())).reshape(-1, 2).T
     own = np.nan_to_num(own)
     apart = max(float(np.var(ratio) - np.mean(own**2)), 0.0) if len(ratio) > 1 else 0.0
     stated = np.array(
-        [STATED_FREQUENCY_STD * (beats[name].source != "motor_log") for name in clocks]
+        [STATED_FREQUENCY_STD_SHARE * (beats[name].source != "motor_log") for name in clocks]
     )
-    std = np.sqrt(CLOCK_STD**2 + own**2 + len(ratio) * (apart + stated**2))
+    std = np.sqrt(CLOCK_STD_SHARE**2 + own**2 + len(ratio) * (apart + stated**2))
     evidence = {name: {"clock_ratio": (float(r), float(s))}
                 for name, r, s in zip(clocks, ratio, std, strict=True)}  # fmt: skip
     return [replace(s, evidence={**s.evidence, **evidence.get(s.name, {})}) for s in series]
@@ -143,7 +149,9 @@ def with_motor_start(
         known = np.array(values)[np.isfinite(values)]
         if len(known):
             mean, scatter = float(known.mean()), float(known.std())
-            std = np.sqrt(least**2 + (MOTOR_LAW_STD * mean) ** 2 + scatter**2 / len(known))
+            std = np.sqrt(
+                least**2 + (MOTOR_FORMULA_STD_SHARE * mean) ** 2 + scatter**2 / len(known)
+            )
             shared[name] = (mean, float(std) * max(fitted, 1) ** 0.5)
     return [replace(s, evidence=s.evidence | shared) for s in series]
 

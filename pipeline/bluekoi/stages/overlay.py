@@ -7,7 +7,7 @@ from typing import Any
 
 from ..campaign import load_campaign
 from ..files import read_json
-from ..report.overlay import trial_overlay
+from ..report.overlay import write_trial_overlay
 from ..study import Study, load_study
 from .layout import Layout
 from .status import run_with_status
@@ -36,5 +36,5 @@ def _draw(study: Study, layout: Layout, trial_id: str) -> dict[str, Any]:
     if not found["ok"]:
         return found
     campaign = load_campaign(layout.root, study, trial_ids=[trial_id])
-    count, first_s = trial_overlay(campaign, trial_id, layout.root, layout.overlay(trial_id))
+    count, first_s = write_trial_overlay(campaign, trial_id, layout.root, layout.overlay(trial_id))
     return {"frames_drawn": count, "first_frame_s": first_s}

@@ -25,13 +25,13 @@ from ..study import Study, Trial, load_study
 from .compiling import load_smoother as preload
 from .depth import keypoint_depth
 from .layout import Layout
-from .plausible import implausible
+from .plausibility import plausibility_findings
 from .pool_edges import check_pool_edges
 from .status import run_with_status
 
 __all__ = ["flapping_of", "preload", "tracks"]
 
-CLOCK_TOLERANCE = 0.01
+CLOCK_TOLERANCE_SHARE = 0.01
 """Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
 
 
@@ -62,7 +62,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
         raise _without_pose(study, trial) from error
-    if wrong := implausible(study, trial, positions, pose):
+    if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)
     flapping = flapping_of(study, trial, positions)
     try:
@@ -120,7 +120,7 @@ def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
 
 def _doubted(steady: Steady, flapping: Flapping) -> Steady:
     """The steady state; where the clocks disagree, the remark on that precedes other reasons."""
-    if flapping.agrees or abs(flapping.ratio - 1) < CLOCK_TOLERANCE:
+    if flapping.agrees or abs(flapping.ratio - 1) < CLOCK_TOLERANCE_SHARE:
         return steady
     return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
 

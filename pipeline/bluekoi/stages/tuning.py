@@ -15,7 +15,7 @@ from ..fitting import Series
 from ..motor import common_ratio, has_other_clock
 from ..study import load_study
 from ..tuning import coefficients, simulations, study_series, table_1, table_2
-from .clock import in_true_time
+from .clock import correct_clock
 from .compiling import load_model as preload
 from .layout import Layout, remove
 from .status import with_numerical_failures_explained
@@ -29,7 +29,7 @@ def tuning(study: Path, results: Path) -> None:
     layout = Layout(results)
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
-    campaign, flapping, factors = in_true_time(campaign, campaign_flapping(campaign))
+    campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = campaign_series(campaign, flapping)
     remove((results / "simulations").glob("*.csv"))
     found, joint = coefficients(loaded, series, campaign.steady)

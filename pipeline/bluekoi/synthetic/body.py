@@ -13,20 +13,20 @@ from bluekoi.synthetic.laws import Robot
 KEYPOINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 HALF_WIDTH_M = 0.034
-PEDUNCLE_SHARE = 0.4
+PEDUNCLE_LENGTH_SHARE = 0.4
 PEDUNCLE_SWING_RAD = 0.38
 FIN_SWING_RAD = 0.60
 FIN_LAG_RAD = 0.7
 
 Colour = tuple[float, float, float]
 
-SKIN: Colour = (47.0, 62.0, 84.0)
-BACK: Colour = (66.0, 86.0, 112.0)
-SHEEN: Colour = (92.0, 114.0, 140.0)
-JOINT: Colour = (30.0, 38.0, 50.0)
-PALE: Colour = (205.0, 208.0, 200.0)
-FIN: Colour = (38.0, 46.0, 58.0)
-MARKERS: dict[str, Colour] = {
+SKIN_RGB: Colour = (47.0, 62.0, 84.0)
+BACK_RGB: Colour = (66.0, 86.0, 112.0)
+HIGHLIGHT_RGB: Colour = (92.0, 114.0, 140.0)
+JOINT_RGB: Colour = (30.0, 38.0, 50.0)
+EYE_RGB: Colour = (205.0, 208.0, 200.0)
+FIN_RGB: Colour = (38.0, 46.0, 58.0)
+MARKER_RGB: dict[str, Colour] = {
     "head_tip": (225.0, 40.0, 35.0),
     "hinge": (240.0, 205.0, 30.0),
     "core_center": (40.0, 190.0, 60.0),
@@ -64,8 +64,8 @@ def keypoints(robot: Robot, head_length_m: float, pose: np.ndarray) -> np.ndarra
     tip = hinge + head_length_m * head
     base = com - tail_base_arm(robot) * core
     first, second = tail_angles(pose[:, 4])
-    root = PEDUNCLE_SHARE * robot.tail_length_m * np.exp(1j * first)
-    blade = (1 - PEDUNCLE_SHARE) * robot.tail_length_m * np.exp(1j * second)
+    root = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m * np.exp(1j * first)
+    blade = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m * np.exp(1j * second)
     return np.stack([tip, hinge, com, base, base - core * (root + blade)], axis=1)
 
 
@@ -99,29 +99,29 @@ def disc(radius_m: float, count: int = 20) -> np.ndarray:
 
 def _tail_parts(robot: Robot, base: complex, core: complex, beat: float) -> list[Part]:
     first, second = (complex(np.exp(1j * a)) for a in tail_angles(np.array(beat)))
-    root_m = PEDUNCLE_SHARE * robot.tail_length_m
-    blade_m = (1 - PEDUNCLE_SHARE) * robot.tail_length_m
+    root_m = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m
+    blade_m = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m
     s = np.linspace(0, 1, 9)
     root = _mirrored(-s * root_m, 0.0075 - 0.0025 * s)
     blade = _mirrored(-s * blade_m, 0.0012 + 0.0048 * (1 - s) ** 0.8 * (0.55 + s))
     end = base - core * first * root_m
     return [
-        Part(end + core * second * blade, FIN),
-        Part(end + disc(0.0052, 12), FIN),
-        Part(base + disc(0.0076, 12), FIN),
-        Part(base + core * first * root, FIN),
+        Part(end + core * second * blade, FIN_RGB),
+        Part(end + disc(0.0052, 12), FIN_RGB),
+        Part(base + disc(0.0076, 12), FIN_RGB),
+        Part(base + core * first * root, FIN_RGB),
     ]
 
 
 def _eyes(hinge: complex, head: complex, head_length_m: float) -> list[Part]:
     places = [hinge + head * (0.72 * head_length_m + side * 0.0165j) for side in (1, -1)]
-    return [Part(p + disc(0.0042, 12), PALE) for p in places] + [
-        Part(p + disc(0.0022, 12), JOINT) for p in places
+    return [Part(p + disc(0.0042, 12), EYE_RGB) for p in places] + [
+        Part(p + disc(0.0022, 12), JOINT_RGB) for p in places
     ]
 
 
 def _shaded(outlines: list[np.ndarray], place: complex, axis: complex) -> list[Part]:
-    colours = (SKIN, BACK, SHEEN)
+    colours = (SKIN_RGB, BACK_RGB, HIGHLIGHT_RGB)
     opacities = (1.0, 0.8, 0.45)
     return [
         Part(place + axis * outline, colour, opacity)
@@ -140,13 +140,14 @@ def robot_parts(
     insets = (0.0, 0.010, 0.022)
     parts = _tail_parts(robot, base, core, float(pose[4]))
     parts += _shaded([core_outline(robot, inset) for inset in insets], hinge, core)
-    parts += [Part(hinge + disc(0.0315), SKIN), Part(hinge + disc(0.020), JOINT, 0.55)]
+    parts += [Part(hinge + disc(0.0315), SKIN_RGB), Part(hinge + disc(0.020), JOINT_RGB, 0.55)]
     parts += _shaded([head_outline(head_length_m, inset) for inset in insets], hinge, head)
-    parts += [Part(hinge + disc(0.006), JOINT)]
+    parts += [Part(hinge + disc(0.006), JOINT_RGB)]
     parts += _eyes(hinge, head, head_length_m)
     if markers:
         dot = disc(MARKER_RADIUS_M)
         parts += [
-            Part(point + dot, MARKERS[name]) for name, point in zip(KEYPOINTS, points, strict=True)
+            Part(point + dot, MARKER_RGB[name])
+            for name, point in zip(KEYPOINTS, points, strict=True)
         ]
     return parts

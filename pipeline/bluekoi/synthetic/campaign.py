@@ -11,9 +11,9 @@ import numpy as np
 import yaml
 
 from bluekoi.files import atomic_write, read_json, write_json, write_rows, write_text
-from bluekoi.synthetic.design import Design
+from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.encode import write_video
-from bluekoi.synthetic.film import frames_of, visible
+from bluekoi.synthetic.film import render_frames, visible_keypoints
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import (
@@ -23,16 +23,16 @@ from bluekoi.synthetic.trial import (
     generator,
     mean_path,
     solve_trial,
-    summary,
+    steady_summary,
 )
 
 
-def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
+def write_truth(design: StudyDesign, trial: Trial, truth_folder: Path) -> None:
     """Write `ID.npz` (per frame) and `ID.json` (steady figures, laws) to the truth folder."""
     name = trial.plan.trial_id
     with atomic_write(truth_folder / f"{name}.npz") as path, path.open("wb") as out:
         truth = frame_truth(design, trial)
-        seen = visible(design, trial, truth["keypoints_px"])
+        seen = visible_keypoints(design, trial, truth["keypoints_px"])
         np.savez_compressed(out, **{**truth, "visible": seen})  # type: ignore[arg-type]
     write_json(truth_folder / f"{name}.json", trial_truth(trial))
 
@@ -40,10 +40,10 @@ def write_truth(design: Design, trial: Trial, truth_folder: Path) -> None:
 def trial_truth(trial: Trial) -> dict[str, Any]:
     """What is true of one trial: steady figures, mean path, laws."""
     laws = {"tank": asdict(trial.tank), "run": asdict(trial.run)}
-    return {**summary(trial), "mean_path": mean_path(trial), **laws}
+    return {**steady_summary(trial), "mean_path": mean_path(trial), **laws}
 
 
-def study_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def study_truth(design: StudyDesign, trials: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """A study's whole truth, ready for json, from the truths of its trials.
 
     `hidden`: what the paper's model lacks, by cause; `coefficients`: by name, or by power and name.
@@ -63,7 +63,7 @@ def study_truth(design: Design, trials: Sequence[Mapping[str, Any]]) -> dict[str
 
 
 def render_trial(
-    design: Design, trial_id: str, folder: Path, truth_folder: Path, *, threads: int = 1
+    design: StudyDesign, trial_id: str, folder: Path, truth_folder: Path, *, threads: int = 1
 ) -> Path:
     """The path of the trial's video, written with its motor log and its truth."""
     trial, state = solve_trial(design, trial_id), design.conditions
@@ -71,7 +71,7 @@ def render_trial(
     video.parent.mkdir(parents=True, exist_ok=True)
     write_video(
         video,
-        frames_of(design, trial),
+        render_frames(design, trial),
         size_px=state.size_px,
         codec=state.codec,
         mbit_s=state.mbit_s,
@@ -83,14 +83,14 @@ def render_trial(
     return video
 
 
-def write_motor(design: Design, trial: Trial, folder: Path) -> None:
+def write_motor(design: StudyDesign, trial: Trial, folder: Path) -> None:
     """Write `motor/ID.csv` of a trial."""
     rng = generator(design, trial.plan.trial_id, "motor")
     rows = motor_angles(trial.motion, float(trial.time_s[-1]), rng)
     write_motor_log(folder / "motor" / f"{trial.plan.trial_id}.csv", rows)
 
 
-def study_contents(design: Design) -> dict[str, Any]:
+def study_contents(design: StudyDesign) -> dict[str, Any]:
     """Content of study.yaml: pool, water, robot, camera with the corners it sees."""
     camera, tank = camera_at(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
@@ -111,7 +111,7 @@ def study_contents(design: Design) -> dict[str, Any]:
     }
 
 
-def write_study_files(design: Design, folder: Path, *, source: str, fps: float | None) -> None:
+def write_study_files(design: StudyDesign, folder: Path, *, source: str, fps: float | None) -> None:
     """Write study.yaml and trials.csv; `source` is e.g. `videos/{}.mp4`, `fps` for keypoints."""
     write_text(folder / "study.yaml", yaml.safe_dump(study_contents(design), sort_keys=False))
     header = ["trial_id", "source", "power_pct", "head_angle_deg", "head_length_m", "motor_log"]
@@ -124,13 +124,15 @@ def write_study_files(design: Design, folder: Path, *, source: str, fps: float |
     write_rows(folder / "trials.csv", rows)
 
 
-def write_study_truth(design: Design, truth_folder: Path) -> None:
+def write_study_truth(design: StudyDesign, truth_folder: Path) -> None:
     """Write truth.json, the study's whole truth, from the trials' json in the truth folder."""
     trials = [read_json(truth_folder / f"{plan.trial_id}.json") for plan in design.plans]
     write_json(truth_folder / "truth.json", study_truth(design, trials))
 
 
-def render_study(design: Design, folder: Path, truth_folder: Path, *, workers: int = 2) -> None:
+def render_study(
+    design: StudyDesign, folder: Path, truth_folder: Path, *, workers: int = 2
+) -> None:
     """Render a whole study to a folder; its truth goes elsewhere."""
     write_study_files(design, folder, source="videos/{}.mp4", fps=None)
     names = [plan.trial_id for plan in design.plans]

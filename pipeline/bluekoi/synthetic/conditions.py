@@ -42,7 +42,7 @@ class Conditions:
     nudge_deg: float = 0.25
 
 
-CALM = Conditions(
+CALM_CONDITIONS = Conditions(
     noise=1.0,
     chroma_noise=0.5,
     caustics=0.03,
@@ -51,8 +51,8 @@ CALM = Conditions(
     sub_frames=3,
     mbit_s=60.0,
 )
-MIDDLE = Conditions()
-HARD = Conditions(
+MIDDLE_CONDITIONS = Conditions()
+HARD_CONDITIONS = Conditions(
     noise=5.0,
     chroma_noise=2.5,
     caustics=0.16,
@@ -65,19 +65,19 @@ HARD = Conditions(
     preset="superfast",
 )
 
-LADDER: Mapping[str, Conditions] = {
-    "calm": CALM,
-    "middle": MIDDLE,
-    "hard": HARD,
-    "noise": replace(MIDDLE, noise=6.0, chroma_noise=3.0),
-    "glare": replace(MIDDLE, glare_spots=6, glare=200.0),
-    "caustics": replace(MIDDLE, caustics=0.18),
-    "blur": replace(MIDDLE, exposure_s=1 / 48, sub_frames=8),
-    "compression": replace(MIDDLE, mbit_s=8.0),
-    "occluder": replace(MIDDLE, occluder=True),
-    "hand": replace(MIDDLE, hand=True),
-    "second_body": replace(MIDDLE, second_body=True),
-    "leaving": replace(MIDDLE, view_shift_m=1.2),
-    "nudged": replace(MIDDLE, nudge_at_s=1.5),
-    "markers": replace(MIDDLE, markers=True),
+CONDITIONS_BY_NAME: Mapping[str, Conditions] = {
+    "calm": CALM_CONDITIONS,
+    "middle": MIDDLE_CONDITIONS,
+    "hard": HARD_CONDITIONS,
+    "noise": replace(MIDDLE_CONDITIONS, noise=6.0, chroma_noise=3.0),
+    "glare": replace(MIDDLE_CONDITIONS, glare_spots=6, glare=200.0),
+    "caustics": replace(MIDDLE_CONDITIONS, caustics=0.18),
+    "blur": replace(MIDDLE_CONDITIONS, exposure_s=1 / 48, sub_frames=8),
+    "compression": replace(MIDDLE_CONDITIONS, mbit_s=8.0),
+    "occluder": replace(MIDDLE_CONDITIONS, occluder=True),
+    "hand": replace(MIDDLE_CONDITIONS, hand=True),
+    "second_body": replace(MIDDLE_CONDITIONS, second_body=True),
+    "leaving": replace(MIDDLE_CONDITIONS, view_shift_m=1.2),
+    "nudged": replace(MIDDLE_CONDITIONS, nudge_at_s=1.5),
+    "markers": replace(MIDDLE_CONDITIONS, markers=True),
 }

@@ -4,16 +4,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 
-from bluekoi.synthetic.conditions import MIDDLE, Conditions
+from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS, Conditions
 from bluekoi.synthetic.laws import Coefficients, Tank
-from bluekoi.synthetic.optics import Camera, gopro_like
+from bluekoi.synthetic.optics import Camera, gopro_like_camera
 
 FLAP_HZ: Mapping[int, float] = {50: 2.37, 75: 4.02, 100: 5.82}
-LONGEST_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
+MAX_DURATION_S: Mapping[int, float] = {50: 6.4, 75: 4.4, 100: 3.4}
 
 
 @dataclass(frozen=True)
-class Plan:
+class TrialPlan:
     """One trial as ordered: power (%), head angle (deg) and length (m), longest duration (s)."""
 
     trial_id: str
@@ -24,7 +24,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Design:
+class StudyDesign:
     """A whole study: its trials, the laws of its tank, its camera and conditions, its seed.
 
     `coefficients_at` replaces the tank's coefficients at a power (Table I); `flap_spread` is the
@@ -32,11 +32,11 @@ class Design:
     """
 
     name: str
-    plans: tuple[Plan, ...]
+    plans: tuple[TrialPlan, ...]
     tank: Tank
     seed: int
-    camera: Camera = field(default_factory=gopro_like)
-    conditions: Conditions = MIDDLE
+    camera: Camera = field(default_factory=gopro_like_camera)
+    conditions: Conditions = MIDDLE_CONDITIONS
     coefficients_at: Mapping[int, Coefficients] = field(default_factory=dict)
     flap_hz: Mapping[int, float] = field(default_factory=lambda: dict(FLAP_HZ))
     flap_spread: float = 0.004
@@ -44,12 +44,12 @@ class Design:
     pool_depth_m: float = 0.3
     wall_margin_m: float = 0.09
 
-    def plan(self, trial_id: str) -> Plan:
+    def plan(self, trial_id: str) -> TrialPlan:
         """The plan of a trial; raises KeyError for an unknown one."""
         return {plan.trial_id: plan for plan in self.plans}[trial_id]
 
 
-FULL = (
+DEMO_SETTINGS = (
     (0.0, 0.12),
     (0.0, 0.12),
     (0.0, 0.175),
@@ -63,24 +63,26 @@ FULL = (
 
 def numbered_plans(
     powers: Iterable[int], settings: Iterable[tuple[float, float]]
-) -> tuple[Plan, ...]:
+) -> tuple[TrialPlan, ...]:
     """A plan for each power at each setting (head angle [deg], head length [m]): T01, T02, ..."""
     rows = enumerate(product(powers, settings), start=1)
-    return tuple(Plan(f"T{n:02d}", power, *each, LONGEST_S[power]) for n, (power, each) in rows)
+    return tuple(
+        TrialPlan(f"T{n:02d}", power, *each, MAX_DURATION_S[power]) for n, (power, each) in rows
+    )
 
 
-def demo_design(seed: int = 11) -> Design:
+def demo_design(seed: int = 11) -> StudyDesign:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
     tank = Tank(yaw_damping_n_m_s=0.03)
-    plans = numbered_plans((50, 75, 100), FULL)
-    return Design("demo", plans, tank, seed, water_rms_m_s=0.001)
+    plans = numbered_plans((50, 75, 100), DEMO_SETTINGS)
+    return StudyDesign("demo", plans, tank, seed, water_rms_m_s=0.001)
 
 
-def ladder_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> Design:
+def conditions_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> StudyDesign:
     """Three trials (straight, turn to either side) filmed under the given conditions."""
     plans = (
-        Plan("T01", 100, 0.0, 0.12, longest_s),
-        Plan("T02", 75, 30.0, 0.12, longest_s),
-        Plan("T03", 100, -45.0, 0.175, longest_s),
+        TrialPlan("T01", 100, 0.0, 0.12, longest_s),
+        TrialPlan("T02", 75, 30.0, 0.12, longest_s),
+        TrialPlan("T03", 100, -45.0, 0.175, longest_s),
     )
     return replace(demo_design(seed), name="ladder", plans=plans, conditions=state)

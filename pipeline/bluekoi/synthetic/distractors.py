@@ -8,17 +8,17 @@ from bluekoi.synthetic.body import Part, disc
 
 BAR_HEIGHT_M = 0.30
 HAND_HEIGHT_M = 0.06
-OTHER_HEIGHT_M = -0.02
-SKIN_TONE = (214.0, 168.0, 142.0)
-SLEEVE = (62.0, 70.0, 92.0)
-SECOND_REACH_S = (1.4, 2.6)
+SECOND_BODY_HEIGHT_M = -0.02
+HAND_RGB = (214.0, 168.0, 142.0)
+SLEEVE_RGB = (62.0, 70.0, 92.0)
+SECOND_HAND_ENTRY_S = (1.4, 2.6)
 
 
 def _box(x0: float, x1: float, y0: float, y1: float) -> np.ndarray:
     return np.array([x0 + 1j * y0, x1 + 1j * y0, x1 + 1j * y1, x0 + 1j * y1])
 
 
-def bar(pool_m: tuple[float, float]) -> list[Part]:
+def crossbar(pool_m: tuple[float, float]) -> list[Part]:
     """A lamp rail across the pool's middle, above the water."""
     x, width = 0.5 * pool_m[0], pool_m[1]
     return [
@@ -38,16 +38,16 @@ def _hand_at(wrist: complex, toward: complex) -> list[Part]:
     """Forearm, palm, four fingers and thumb of a hand that points along `toward`."""
     palm = wrist + 0.06 * toward
     parts = [
-        Part(_limb(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE),
-        Part(_limb(wrist - 0.20 * toward, wrist, 0.030), SKIN_TONE),
-        Part(palm + toward * (disc(0.048).real + 0.9j * disc(0.048).imag), SKIN_TONE),
+        Part(_limb(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE_RGB),
+        Part(_limb(wrist - 0.20 * toward, wrist, 0.030), HAND_RGB),
+        Part(palm + toward * (disc(0.048).real + 0.9j * disc(0.048).imag), HAND_RGB),
     ]
     for k, length in enumerate((0.065, 0.078, 0.074, 0.055)):
         root = palm + toward * (0.035 + 1j * (0.030 - 0.020 * k))
         spread = toward * np.exp(1j * (0.14 - 0.09 * k))
-        parts.append(Part(_limb(root, root + length * spread, 0.0085), SKIN_TONE))
+        parts.append(Part(_limb(root, root + length * spread, 0.0085), HAND_RGB))
     root = palm + toward * (-0.01 + 0.040j)
-    return [*parts, Part(_limb(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), SKIN_TONE)]
+    return [*parts, Part(_limb(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), HAND_RGB)]
 
 
 def _ease(x: float) -> float:
@@ -58,8 +58,8 @@ def _ease(x: float) -> float:
 def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> list[Part]:
     """The hand that lets the robot go at its start, draws back, and later reaches in elsewhere."""
     first = 1 - _ease((time_s - 0.12) / 0.8)
-    middle = 0.5 * sum(SECOND_REACH_S)
-    half = 0.5 * (SECOND_REACH_S[1] - SECOND_REACH_S[0])
+    middle = 0.5 * sum(SECOND_HAND_ENTRY_S)
+    half = 0.5 * (SECOND_HAND_ENTRY_S[1] - SECOND_HAND_ENTRY_S[0])
     second = _ease(1.6 * (1 - abs(time_s - middle) / half))
     near_top = released_at.imag > 0.5 * pool_m[1]
     wall = pool_m[1] + 0.25 if near_top else -0.25
@@ -74,7 +74,7 @@ def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> li
     return parts
 
 
-def other_body(time_s: float, pool_m: tuple[float, float]) -> list[Part]:
+def second_body(time_s: float, pool_m: tuple[float, float]) -> list[Part]:
     """A dark toy fish, half the robot's size, that wanders about the pool at about 0.15 m/s."""
     length, width = pool_m
     angle = 0.28 * time_s + 0.6

@@ -8,14 +8,14 @@ import av
 import numpy as np
 
 from bluekoi.files import atomic_write
-from bluekoi.synthetic.picture import Planes
+from bluekoi.synthetic.picture import ImagePlanes
 
-GOPRO_RATE = Fraction(30000, 1001)
-GROUP = 15
+GOPRO_FRAME_RATE_HZ = Fraction(30000, 1001)
+KEYFRAME_INTERVAL_FRAMES = 15
 ENCODERS = {"h264": ("libx264", "x264-params"), "hevc": ("libx265", "x265-params")}
 
 
-def _filled(planes: Planes) -> av.VideoFrame:
+def _filled(planes: ImagePlanes) -> av.VideoFrame:
     height, width = planes.luma.shape
     frame = av.VideoFrame(width, height, "yuvj420p")
     for plane, values in zip(frame.planes, (planes.luma, *planes.chroma), strict=True):
@@ -30,7 +30,8 @@ def _open_stream(
 ) -> av.VideoStream:  # fmt: skip
     encoder, key = ENCODERS[codec]
     kbit = round(mbit_s * 1000)
-    rules = f"keyint={GROUP}:min-keyint={GROUP}:scenecut=0:bframes=0:ref=1"
+    interval = KEYFRAME_INTERVAL_FRAMES
+    rules = f"keyint={interval}:min-keyint={interval}:scenecut=0:bframes=0:ref=1"
     rules += f":vbv-maxrate={round(1.2 * kbit)}:vbv-bufsize={kbit}"
     if codec == "hevc":
         rules += f":log-level=error:pools={threads}:frame-threads=1"
@@ -45,9 +46,16 @@ def _open_stream(
 
 
 def write_video(
-    path: Path, frames: Iterator[Planes], *, size_px: tuple[int, int], rate: Fraction = GOPRO_RATE,
-    codec: str = "h264", mbit_s: float = 45.0, preset: str = "ultrafast", threads: int = 1,
-) -> int:  # fmt: skip
+    path: Path,
+    frames: Iterator[ImagePlanes],
+    *,
+    size_px: tuple[int, int],
+    rate: Fraction = GOPRO_FRAME_RATE_HZ,
+    codec: str = "h264",
+    mbit_s: float = 45.0,
+    preset: str = "ultrafast",
+    threads: int = 1,
+) -> int:
     """Number of frames written to `path` (mp4), whole or not at all; frame i stands at `i/rate`."""
     count = 0
     with atomic_write(path) as target, av.open(str(target), "w", format="mp4") as container:

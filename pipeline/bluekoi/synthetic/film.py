@@ -10,15 +10,15 @@ import numpy as np
 from bluekoi.synthetic import distractors
 from bluekoi.synthetic.body import Part
 from bluekoi.synthetic.conditions import Conditions
-from bluekoi.synthetic.design import Design
-from bluekoi.synthetic.glare import add_glare, lamps
+from bluekoi.synthetic.design import StudyDesign
+from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
 from bluekoi.synthetic.optics import Camera, project
 from bluekoi.synthetic.picture import (
-    Planes,
-    Stage,
+    FilmSetup,
+    ImagePlanes,
     add_light,
     add_noise,
-    draw,
+    draw_body,
     draw_robot,
     noise_tiles,
 )
@@ -31,17 +31,17 @@ def _scene(camera: Camera, caustics: float, pool: tuple[float, float, float], se
     return build_scene(camera, caustics, pool_m=pool[:2], depth_m=pool[2], seed=seed)
 
 
-def scene_at(design: Design, time_s: float) -> Stage:
+def scene_at(design: StudyDesign, time_s: float) -> FilmSetup:
     """Pool, camera, light, lamps and noise of a design at a time (changed by a camera shift)."""
     camera, state = camera_at(design, time_s), design.conditions
     pool = (*design.tank.pool_m, design.pool_depth_m)
     rng = np.random.default_rng([design.seed, 7])
-    return Stage(
+    return FilmSetup(
         _scene(camera, state.caustics, pool, design.seed),
         camera,
         state,
         noise_tiles(rng, camera.size_px),
-        lamps(rng, camera, state.glare_spots, pool_m=design.tank.pool_m),
+        random_lamp_reflections(rng, camera, state.glare_spots, pool_m=design.tank.pool_m),
     )
 
 
@@ -57,7 +57,7 @@ def distractors_at(
     pool = trial.tank.pool_m
     bodies = []
     if state.occluder:
-        bodies.append((distractors.bar(pool), distractors.BAR_HEIGHT_M))
+        bodies.append((distractors.crossbar(pool), distractors.BAR_HEIGHT_M))
     if state.hand:
         bodies.append(
             (distractors.hand(time_s, _released_at(trial), pool), distractors.HAND_HEIGHT_M)
@@ -65,13 +65,15 @@ def distractors_at(
     return [(parts, height) for parts, height in bodies if parts]
 
 
-def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: int) -> Planes:
+def render_frame(
+    design: StudyDesign, trial: Trial, stage: FilmSetup, *, number: int, offset: int
+) -> ImagePlanes:
     """One frame without noise: pool, bodies in the water, the robot, bodies above, glare."""
     state, now = design.conditions, float(trial.time_s[number])
     planes = add_light(stage, offset + number)
     if state.second_body:
-        other = distractors.other_body(now, trial.tank.pool_m)
-        draw(planes, stage, [other], height_m=distractors.OTHER_HEIGHT_M)
+        other = distractors.second_body(now, trial.tank.pool_m)
+        draw_body(planes, stage, [other], height_m=distractors.SECOND_BODY_HEIGHT_M)
     within = (np.arange(state.sub_frames) + 0.5) / state.sub_frames - 0.5
     draw_robot(
         planes,
@@ -82,13 +84,13 @@ def frame(design: Design, trial: Trial, stage: Stage, *, number: int, offset: in
         floor_m=design.pool_depth_m,
     )
     for parts, height in distractors_at(state, trial, now):
-        draw(planes, stage, [parts], height_m=height)
+        draw_body(planes, stage, [parts], height_m=height)
     for lamp in stage.lamps:
         add_glare(planes.luma, planes.chroma, lamp, time_s=now, level=state.glare)
     return planes
 
 
-def frames_of(design: Design, trial: Trial) -> Iterator[Planes]:
+def render_frames(design: StudyDesign, trial: Trial) -> Iterator[ImagePlanes]:
     """The frames of a trial, in order, with sensor noise."""
     moved_at_s = design.conditions.nudge_at_s
     before = scene_at(design, -math.inf)
@@ -97,7 +99,7 @@ def frames_of(design: Design, trial: Trial) -> Iterator[Planes]:
     offset = int(rng.integers(0, 100))
     for number, now in enumerate(trial.time_s):
         stage = before if moved_at_s is None or now < moved_at_s else after
-        clean = frame(design, trial, stage, number=number, offset=offset)
+        clean = render_frame(design, trial, stage, number=number, offset=offset)
         yield add_noise(clean, stage, rng)
 
 
@@ -116,7 +118,7 @@ def _covered(camera: Camera, pixels: np.ndarray, parts: list[Part], height_m: fl
     return hidden
 
 
-def visible(design: Design, trial: Trial, keypoints_px: np.ndarray) -> np.ndarray:
+def visible_keypoints(design: StudyDesign, trial: Trial, keypoints_px: np.ndarray) -> np.ndarray:
     """Which keypoints `(frames, 5)` are in the picture and behind nothing."""
     width, height = design.conditions.size_px
     inside = (keypoints_px > -0.5) & (keypoints_px < np.array([width, height]) - 0.5)

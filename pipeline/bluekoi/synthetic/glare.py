@@ -10,7 +10,7 @@ from bluekoi.synthetic.optics import Camera, project
 
 
 @dataclass(frozen=True)
-class Patch:
+class GlarePatch:
     """One mirrored lamp: its share of white `(rows, columns)`, top left pixel (even), wobble."""
 
     share: np.ndarray
@@ -33,9 +33,9 @@ def _lamp(rng: np.random.Generator, length_px: float) -> np.ndarray:
     return np.clip(core + halo - 0.02, 0, 1).astype(np.float32)
 
 
-def lamps(
+def random_lamp_reflections(
     rng: np.random.Generator, camera: Camera, count: int, *, pool_m: tuple[float, float]
-) -> tuple[Patch, ...]:
+) -> tuple[GlarePatch, ...]:
     """Mirrored lamps at random places of the surface."""
     length_px = 0.10 * camera.focal_px[0] / camera.centre_m[2]
     patches = []
@@ -44,12 +44,14 @@ def lamps(
         share = _lamp(rng, length_px * rng.uniform(0.6, 1.4))
         middle = project(camera, np.array([[x, y, 0.0]]))[0]
         corner = tuple(int(c - share.shape[0] / 2) // 2 * 2 for c in middle)
-        patch = Patch(share, (corner[0], corner[1]), rng.uniform(0, 6.28), rng.uniform(0.8, 2.2))
+        patch = GlarePatch(
+            share, (corner[0], corner[1]), rng.uniform(0, 6.28), rng.uniform(0.8, 2.2)
+        )
         patches.append(patch)
     return tuple(patches)
 
 
-def _wobbled(patch: Patch, time_s: float) -> np.ndarray:
+def _wobbled(patch: GlarePatch, time_s: float) -> np.ndarray:
     angle = 2 * math.pi * patch.rate_hz * time_s + patch.phase
     shift = np.array([[1, 0, 1.6 * math.sin(angle)], [0, 1, 1.3 * math.cos(1.3 * angle)]])
     moved = cv2.warpAffine(patch.share, shift, patch.share.shape[::-1])
@@ -57,7 +59,7 @@ def _wobbled(patch: Patch, time_s: float) -> np.ndarray:
 
 
 def add_glare(
-    luma: np.ndarray, chroma: np.ndarray, patch: Patch, *, time_s: float, level: float
+    luma: np.ndarray, chroma: np.ndarray, patch: GlarePatch, *, time_s: float, level: float
 ) -> None:
     """Add a lamp, `level` grey levels bright, to luma `(v, u)`, chroma `(2, v/2, u/2)` in place."""
     height, width = luma.shape

@@ -79,7 +79,7 @@ class Tank:
 
 
 @dataclass(frozen=True)
-class Situation:
+class FlowState:
     """What the forces depend on: headings of core and head (rad), velocity relative to the water
     (m/s, x + i y), yaw rate (rad/s).
     """
@@ -91,7 +91,7 @@ class Situation:
 
 
 @dataclass(frozen=True)
-class Run:
+class TrialSettings:
     """What the operator sets for one trial, and where the robot starts from rest."""
 
     flap_hz: float
@@ -101,7 +101,7 @@ class Run:
     start_beat_rad: float = 0.0
 
 
-def bare_tank(tank: Tank) -> Tank:
+def published_model_tank(tank: Tank) -> Tank:
     """The paper's model exactly: no fin, no recoil, still water, no damping."""
     return replace(tank, fin=None, recoil=None, eddies=(), yaw_damping_n_m_s=0.0)
 
@@ -112,12 +112,12 @@ def aerodynamic_arm(robot: Robot, head_length_m: float) -> float:
     return head_length_m + robot.hinge_to_com_m - body / 4
 
 
-def plate_area(tank: Tank, run: Run) -> float:
+def plate_area(tank: Tank, run: TrialSettings) -> float:
     """Area (m^2) of the head plate: length times span."""
     return run.head_length_m * tank.robot.head_span_m
 
 
-def plate_load(tank: Tank, run: Run, situation: Situation) -> tuple[complex, float]:
+def head_plate_load(tank: Tank, run: TrialSettings, situation: FlowState) -> tuple[complex, float]:
     """Force (N) and yaw moment (N m) on the head plate: eqs. 2 to 8.
 
     `L = q C_L i v_hat`, `D = -q C_D v_hat`, moment `q C_M + N l`,
@@ -136,7 +136,7 @@ def plate_load(tank: Tank, run: Run, situation: Situation) -> tuple[complex, flo
     return lift + drag, q * c.C_Ma * math.sin(two_alpha) + normal * arm
 
 
-def fin_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
+def fin_load(tank: Tank, situation: FlowState) -> tuple[complex, float]:
     """Force (N) and yaw moment (N m) of the second plate: `Y = -1/2 rho S a u_f w_f`, at `-arm`."""
     if tank.fin is None:
         return 0j, 0.0
@@ -148,7 +148,7 @@ def fin_load(tank: Tank, situation: Situation) -> tuple[complex, float]:
     return side_force * 1j * axis, -tank.fin.arm_m * side_force
 
 
-def thrust(tank: Tank, run: Run, situation: Situation) -> complex:
+def thrust(tank: Tank, run: TrialSettings, situation: FlowState) -> complex:
     """Thrust (N), eq. 1: `C_T 1/2 rho A f^2` along the core, through the centre of mass."""
     size = 0.5 * tank.density_kg_m3 * plate_area(tank, run) * run.flap_hz**2
     return tank.coefficients.C_T * size * cmath.exp(1j * situation.psi)

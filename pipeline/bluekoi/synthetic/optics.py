@@ -36,7 +36,7 @@ def _as_rows(matrix: np.ndarray) -> Matrix3:
     return one, two, three
 
 
-def looking_down(roll_deg: float, pitch_deg: float, turn_deg: float) -> Matrix3:
+def downward_rotation(roll_deg: float, pitch_deg: float, turn_deg: float) -> Matrix3:
     """Rotation pool to cam of a camera that looks straight down but for three small angles.
 
     With all zero the image's u runs along the pool's x and v against its y.
@@ -49,7 +49,7 @@ def looking_down(roll_deg: float, pitch_deg: float, turn_deg: float) -> Matrix3:
     return _as_rows(rows)
 
 
-def gopro_like(lens: str = "pinhole") -> Camera:
+def gopro_like_camera(lens: str = "pinhole") -> Camera:
     """A 1080p camera over the pool, about a HERO11's Linear (pinhole) or Wide (fisheye) lens."""
     linear = lens == "pinhole"
     return Camera(
@@ -60,12 +60,12 @@ def gopro_like(lens: str = "pinhole") -> Camera:
         distortion=(-0.031, 0.012, 0.0004, -0.0003, -0.002)
         if linear
         else (0.0342, 0.0677, -0.0741, 0.0299),
-        rotation=looking_down(0.8, -0.7, 0.6),
+        rotation=downward_rotation(0.8, -0.7, 0.6),
         centre_m=(1.31, 0.79, 1.72 if linear else 1.55),
     )
 
 
-def resized(camera: Camera, size_px: tuple[int, int]) -> Camera:
+def resized_camera(camera: Camera, size_px: tuple[int, int]) -> Camera:
     """The same camera recording with another number of pixels over the same field."""
     sx, sy = size_px[0] / camera.size_px[0], size_px[1] / camera.size_px[1]
     fx, fy = camera.focal_px
@@ -74,11 +74,11 @@ def resized(camera: Camera, size_px: tuple[int, int]) -> Camera:
     return replace(camera, size_px=size_px, focal_px=(fx * sx, fy * sy), middle_px=middle)
 
 
-def nudged(
+def displaced_camera(
     camera: Camera, shift_m: tuple[float, float, float], angles_deg: tuple[float, float, float]
 ) -> Camera:
     """The camera after a displacement: moved by `shift_m` in the pool, turned about its axes."""
-    displaced = np.array(looking_down(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
+    displaced = np.array(downward_rotation(*angles_deg)) @ np.diag([1.0, -1.0, -1.0])
     rows = displaced @ np.array(camera.rotation)
     rotation = _as_rows(rows)
     x, y, z = (a + b for a, b in zip(camera.centre_m, shift_m, strict=True))

@@ -8,10 +8,10 @@ import numpy as np
 
 from bluekoi.synthetic.body import Part, robot_parts
 from bluekoi.synthetic.conditions import Conditions
-from bluekoi.synthetic.glare import Patch
+from bluekoi.synthetic.glare import GlarePatch
 from bluekoi.synthetic.laws import Robot
 from bluekoi.synthetic.optics import Camera, project
-from bluekoi.synthetic.raster import paint, straight_pixels
+from bluekoi.synthetic.raster import paint_polygons, pixels_to_canvas
 from bluekoi.synthetic.scene import FLOOR_RGB, Scene, to_yuv
 
 SHADOW_SHIFT_M = 0.05 - 0.035j
@@ -19,7 +19,7 @@ NOISE_MARGIN_PX = 256
 
 
 @dataclass(frozen=True)
-class Planes:
+class ImagePlanes:
     """Luma `(v, u)` and chroma `(2, v/2, u/2)` uint8 of a frame, and the light on it `(v, u)`."""
 
     luma: np.ndarray
@@ -28,14 +28,14 @@ class Planes:
 
 
 @dataclass(frozen=True)
-class Stage:
+class FilmSetup:
     """What stays the same over a recording: pool, camera, conditions, noise tiles, lamps."""
 
     scene: Scene
     camera: Camera
     conditions: Conditions
     tiles: tuple[np.ndarray, np.ndarray]
-    lamps: tuple[Patch, ...] = ()
+    lamps: tuple[GlarePatch, ...] = ()
 
 
 def noise_tiles(
@@ -51,12 +51,12 @@ def noise_tiles(
     return tile, np.ascontiguousarray(tile[::-1][: coarse[0], : coarse[1]])
 
 
-def add_light(stage: Stage, frame: int) -> Planes:
+def add_light(stage: FilmSetup, frame: int) -> ImagePlanes:
     """The pool without bodies at a frame, with its moving light."""
     scene = stage.scene
     light = cv2.resize(scene.light[frame % len(scene.light)], stage.camera.size_px)
     luma = cv2.multiply(scene.luma, light, scale=1 / 128, dtype=cv2.CV_8U)
-    return Planes(luma, scene.chroma.copy(), light)
+    return ImagePlanes(luma, scene.chroma.copy(), light)
 
 
 def _colours(parts: Sequence[Part], contrast: float) -> np.ndarray:
@@ -76,7 +76,7 @@ def _frame_box(pixels: np.ndarray, size_px: tuple[int, int], margin: int) -> tup
     return left, top, right, bottom
 
 
-def _over(planes: Planes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
+def _over(planes: ImagePlanes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
     """Lay a premultiplied canvas `(rows, columns, 4)` over the box of the planes, in place."""
     left, top, right, bottom = box
     clear = 1 - canvas[..., 3]
@@ -91,9 +91,9 @@ def _over(planes: Planes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
         chroma[...] = np.clip(np.rint(mixed), 0, 255)
 
 
-def draw(
-    planes: Planes,
-    stage: Stage,
+def draw_body(
+    planes: ImagePlanes,
+    stage: FilmSetup,
     poses: Sequence[Sequence[Part]],
     *,
     height_m: float,
@@ -107,14 +107,14 @@ def draw(
     box = _frame_box(pixels, stage.camera.size_px, 2)
     if box[2] <= box[0] or box[3] <= box[1]:
         return
-    cells = straight_pixels(pixels, (box[0], box[1]))
+    cells = pixels_to_canvas(pixels, (box[0], box[1]))
     total = np.zeros((box[3] - box[1], box[2] - box[0], 4))
     canvas = np.zeros_like(total)
     begin = 0
     for parts in poses:
         ends = np.cumsum([len(part.outline) for part in parts])
         canvas[...] = 0
-        paint(canvas, cells[begin : begin + ends[-1]], ends, _colours(parts, contrast))
+        paint_polygons(canvas, cells[begin : begin + ends[-1]], ends, _colours(parts, contrast))
         total += canvas
         begin += int(ends[-1])
     total /= len(poses)
@@ -123,7 +123,7 @@ def draw(
     _over(planes, total, box)
 
 
-def _shadow(planes: Planes, stage: Stage, parts: Sequence[Part], depth_m: float) -> None:
+def _shadow(planes: ImagePlanes, stage: FilmSetup, parts: Sequence[Part], depth_m: float) -> None:
     """A soft shadow of a body on the floor, in place."""
     flat = np.concatenate([part.outline + SHADOW_SHIFT_M for part in parts])
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), -depth_m)])
@@ -131,10 +131,10 @@ def _shadow(planes: Planes, stage: Stage, parts: Sequence[Part], depth_m: float)
     box = _frame_box(pixels, stage.camera.size_px, 16)
     if box[2] <= box[0] or box[3] <= box[1]:
         return
-    cells = straight_pixels(pixels, (box[0], box[1])) / 4
+    cells = pixels_to_canvas(pixels, (box[0], box[1])) / 4
     canvas = np.zeros((-(-(box[3] - box[1]) // 4), -(-(box[2] - box[0]) // 4), 4))
     ends = np.cumsum([len(part.outline) for part in parts])
-    paint(canvas, cells, ends, np.tile([0.0, 0.0, 0.0, 1.0], (len(parts), 1)))
+    paint_polygons(canvas, cells, ends, np.tile([0.0, 0.0, 0.0, 1.0], (len(parts), 1)))
     share = cv2.GaussianBlur(canvas[..., 3].astype(np.float32), (0, 0), 2.0)
     size = (box[2] - box[0], box[3] - box[1])
     dark = 1 - 0.28 * cv2.resize(share, (canvas.shape[1] * 4, canvas.shape[0] * 4))
@@ -143,19 +143,24 @@ def _shadow(planes: Planes, stage: Stage, parts: Sequence[Part], depth_m: float)
 
 
 def draw_robot(
-    planes: Planes, stage: Stage, poses: np.ndarray, *, robot: Robot, head_length_m: float, floor_m:
-    float,
-) -> None:  # fmt: skip
+    planes: ImagePlanes,
+    stage: FilmSetup,
+    poses: np.ndarray,
+    *,
+    robot: Robot,
+    head_length_m: float,
+    floor_m: float,
+) -> None:
     """Draw the robot averaged over its poses `(sub-frames, 5)`, in place, its shadow below it."""
     markers = stage.conditions.markers
     parts = [robot_parts(robot, head_length_m, pose, markers=markers) for pose in poses]
     if stage.conditions.shadow:
         _shadow(planes, stage, parts[len(parts) // 2], floor_m)
     depth, contrast = robot.keypoint_depth_m, stage.conditions.contrast
-    draw(planes, stage, parts, height_m=-depth, contrast=contrast)
+    draw_body(planes, stage, parts, height_m=-depth, contrast=contrast)
 
 
-def add_noise(planes: Planes, stage: Stage, rng: np.random.Generator) -> Planes:
+def add_noise(planes: ImagePlanes, stage: FilmSetup, rng: np.random.Generator) -> ImagePlanes:
     """The frame with sensor noise: what the encoder gets."""
     height, width = planes.luma.shape
     at = rng.integers(0, NOISE_MARGIN_PX, 2)
@@ -168,4 +173,4 @@ def add_noise(planes: Planes, stage: Stage, rng: np.random.Generator) -> Planes:
         at = rng.integers(0, NOISE_MARGIN_PX // 2, 2)
         tile = stage.tiles[1][at[0] : at[0] + height // 2, at[1] : at[1] + width // 2]
         chroma[c] = cv2.addWeighted(planes.chroma[c], 1.0, tile, share, -128 * share)
-    return Planes(luma, chroma, planes.light)
+    return ImagePlanes(luma, chroma, planes.light)

@@ -59,7 +59,9 @@ def _add_polygon(acc: np.ndarray, points: np.ndarray) -> tuple[int, int]:
 
 
 @njit(cache=True)
-def paint(canvas: np.ndarray, points: np.ndarray, ends: np.ndarray, colours: np.ndarray) -> None:
+def paint_polygons(
+    canvas: np.ndarray, points: np.ndarray, ends: np.ndarray, colours: np.ndarray
+) -> None:
     """Paint polygons over `canvas` `(rows, columns, 4)` in place, premultiplied colour and opacity.
 
     `points` `(n, 2)` are x, y in pixel cells (the first cell spans 0 to 1), polygon k ends
@@ -87,6 +89,6 @@ def paint(canvas: np.ndarray, points: np.ndarray, ends: np.ndarray, colours: np.
             acc[row, :] = 0.0
 
 
-def straight_pixels(pixels: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
+def pixels_to_canvas(pixels: np.ndarray, origin: tuple[int, int]) -> np.ndarray:
     """Image pixels (centres at whole numbers) as cell coordinates of a canvas at `origin`."""
     return pixels - np.array(origin, dtype=float) + 0.5

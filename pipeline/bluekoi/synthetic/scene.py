@@ -8,13 +8,13 @@ import numpy as np
 
 from bluekoi.synthetic.optics import Camera, to_pool
 
-RIM_M = 0.055
+RIM_WIDTH_M = 0.055
 CAUSTIC_FRAMES = 120
 CAUSTIC_STEP_PX = 8
-AROUND_M = 1.2
+SURROUNDINGS_WIDTH_M = 1.2
 FLOOR_RGB = (140.0, 204.0, 227.0)
 WALL_RGB = (104.0, 172.0, 202.0)
-RAY_BENDING = 0.16
+RAY_DEFLECTION = 0.16
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,11 @@ def floor_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.n
 
 
 def ground_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.ndarray:
-    """Reflectance of what surrounds the pool, `(y, x)` at 4 mm, from `-AROUND_M` on."""
-    shape = (round((pool_m[1] + 2 * AROUND_M) * 250), round((pool_m[0] + 2 * AROUND_M) * 250))
+    """Reflectance of what surrounds the pool, `(y, x)` at 4 mm, from `-SURROUNDINGS_WIDTH_M` on."""
+    shape = (
+        round((pool_m[1] + 2 * SURROUNDINGS_WIDTH_M) * 250),
+        round((pool_m[0] + 2 * SURROUNDINGS_WIDTH_M) * 250),
+    )
     y, x = np.mgrid[: shape[0], : shape[1]]
     slabs = ((x % 125 < 2) | (y % 125 < 2)).astype(np.float32)
     return 1.0 + 0.10 * _mottle(rng, shape, (1, 4, 30)) - 0.25 * slabs
@@ -120,15 +123,17 @@ def _still_picture(
     def edge(distance: np.ndarray) -> np.ndarray:
         return np.clip(distance / pixel_m + 0.5, 0, 1).astype(np.float32)
 
-    ground = _tinted(_sample(ground_texture(rng, pool_m), surface, 250, -AROUND_M), (106, 102, 97))
+    ground = _tinted(
+        _sample(ground_texture(rng, pool_m), surface, 250, -SURROUNDINGS_WIDTH_M), (106, 102, 97)
+    )
     tiles = _tinted(_sample(floor_texture(rng, pool_m), floor, 1000, 0.0), FLOOR_RGB)
     wall_shade = 0.72 + 0.8 * np.clip(_inside(surface, pool_m), 0, 0.2)
     water = _mix(_tinted(wall_shade, WALL_RGB), tiles, edge(_inside(floor, pool_m)))
-    gap = -_inside(surface, pool_m) / RIM_M
+    gap = -_inside(surface, pool_m) / RIM_WIDTH_M
     roundness = np.sin(np.pi * np.clip(gap, 0, 1)).astype(np.float32)
     rim = _tinted(0.80 + 0.20 * roundness, (205, 212, 220))
     wet = edge(_inside(surface, pool_m))
-    picture = _mix(ground, rim, edge(_inside(surface, pool_m, RIM_M)))
+    picture = _mix(ground, rim, edge(_inside(surface, pool_m, RIM_WIDTH_M)))
     return _mix(picture, water, wet) * _vignette(camera)[..., None], wet
 
 
@@ -155,7 +160,7 @@ def caustics(floor: np.ndarray, strength: float, seed: int) -> np.ndarray:
     swing = np.concatenate([np.cos(turned), np.sin(turned)], axis=1)
     bend = (waves[:, 0] ** 2, waves[:, 1] ** 2, waves[:, 0] * waves[:, 1])
     xx, yy, xy = (
-        RAY_BENDING * (swing * np.tile(b / k2, 2)).astype(np.float32) @ still for b in bend
+        RAY_DEFLECTION * (swing * np.tile(b / k2, 2)).astype(np.float32) @ still for b in bend
     )
     light = np.minimum(1 / np.maximum(np.abs((1 - xx) * (1 - yy) - xy**2), 0.2), 4)
     light = (light - light.mean(axis=1, keepdims=True)) / light.std(axis=1, keepdims=True)

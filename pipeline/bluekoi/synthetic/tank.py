@@ -14,12 +14,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from bluekoi.synthetic.laws import Recoil, Run, Situation, Tank, fin_load, plate_load, thrust
-from bluekoi.synthetic.water import current
+from bluekoi.synthetic.laws import (
+    FlowState,
+    Recoil,
+    Tank,
+    TrialSettings,
+    fin_load,
+    head_plate_load,
+    thrust,
+)
+from bluekoi.synthetic.water import water_velocity
 
 
 @dataclass(frozen=True)
-class Motion:
+class TrialMotion:
     """A solved trial: `mean(t)` gives the state without recoil, `pose(t)` with it.
 
     `duration_s` is the last time solved for; earlier than 0 the robot lies at its start.
@@ -37,14 +45,14 @@ class Motion:
     def pose(self, time_s: np.ndarray) -> np.ndarray:
         """Pose with recoil, `(times, 5)`: x, y (m); core heading, head angle, beat (rad)."""
         state = self.mean(time_s)
-        sway, turn = recoil_of(self.recoil, time_s, state[:, 6])
+        sway, turn = recoil_motion(self.recoil, time_s, state[:, 6])
         psi = state[:, 2] + turn
         x = state[:, 0] - sway * np.sin(state[:, 2])
         y = state[:, 1] + sway * np.cos(state[:, 2])
         return np.stack([x, y, psi, self.head_angle(time_s), state[:, 6]], axis=1)
 
 
-def recoil_of(
+def recoil_motion(
     recoil: Recoil | None, time_s: np.ndarray, beat: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Sway (m, to the left of the core) and heading (rad) of the recoil, each `(times,)`."""
@@ -55,18 +63,20 @@ def recoil_of(
     return sway, recoil.heading_rad * onset * np.sin(beat - recoil.lag_rad)
 
 
-def situation_of(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> Situation:
+def flow_state(tank: Tank, run: TrialSettings, *, time_s: float, state: np.ndarray) -> FlowState:
     """What the forces depend on at one instant, water motion taken off the velocity."""
-    moving = current(tank.eddies, time_s, complex(state[0], state[1]))
+    moving = water_velocity(tank.eddies, time_s, complex(state[0], state[1]))
     psi = float(state[2])
     velocity = complex(state[3], state[4]) - moving
-    return Situation(psi, psi - run.head_angle_rad, velocity, float(state[5]))
+    return FlowState(psi, psi - run.head_angle_rad, velocity, float(state[5]))
 
 
-def rates(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> list[float]:
+def state_derivative(
+    tank: Tank, run: TrialSettings, *, time_s: float, state: np.ndarray
+) -> list[float]:
     """Time derivative of the state (eq. 8 with whatever the tank adds)."""
-    now = situation_of(tank, run, time_s=time_s, state=state)
-    plate_force, plate_moment = plate_load(tank, run, now)
+    now = flow_state(tank, run, time_s=time_s, state=state)
+    plate_force, plate_moment = head_plate_load(tank, run, now)
     fin_force, fin_moment = fin_load(tank, now)
     force = thrust(tank, run, now) + plate_force + fin_force
     quadratic = -tank.coefficients.C_Md * now.yaw_rate * abs(now.yaw_rate)
@@ -77,11 +87,13 @@ def rates(tank: Tank, run: Run, *, time_s: float, state: np.ndarray) -> list[flo
     return [state[3], state[4], state[5], a.real, a.imag, turn, 2 * math.pi * run.flap_hz]
 
 
-def simulate(tank: Tank, run: Run, duration_s: float, *, rtol: float = 1e-9) -> Motion:
+def simulate(
+    tank: Tank, run: TrialSettings, duration_s: float, *, rtol: float = 1e-9
+) -> TrialMotion:
     """The trial from rest at `run.start`, by DOP853 with dense output."""
     start = [*run.start, 0.0, 0.0, 0.0, run.start_beat_rad]
     solution = solve_ivp(
-        lambda t, s: rates(tank, run, time_s=t, state=s),
+        lambda t, s: state_derivative(tank, run, time_s=t, state=s),
         (0.0, duration_s),
         start,
         method="DOP853",
@@ -94,10 +106,10 @@ def simulate(tank: Tank, run: Run, duration_s: float, *, rtol: float = 1e-9) -> 
     def head_angle(time_s: np.ndarray) -> np.ndarray:
         return np.full(np.shape(np.atleast_1d(time_s)), run.head_angle_rad)
 
-    return Motion(duration_s, solution.sol, head_angle, tank.recoil)
+    return TrialMotion(duration_s, solution.sol, head_angle, tank.recoil)
 
 
-def steady_turn(tank: Tank, run: Run, *, settle_s: float = 16.0) -> tuple[float, float]:
+def steady_turn(tank: Tank, run: TrialSettings, *, settle_s: float = 16.0) -> tuple[float, float]:
     """Speed (m/s) and radius (m, infinite when straight) that the trial tends to in still water."""
     still = replace(tank, eddies=(), pool_m=(1e3, 1e3))
     away = replace(run, start=(500.0, 500.0, 0.0))

@@ -8,18 +8,18 @@ from fractions import Fraction
 import numpy as np
 
 from bluekoi.synthetic.body import keypoints
-from bluekoi.synthetic.design import Design, Plan
-from bluekoi.synthetic.encode import GOPRO_RATE
-from bluekoi.synthetic.laws import Run, Tank
-from bluekoi.synthetic.optics import Camera, nudged, project, resized
-from bluekoi.synthetic.tank import Motion, simulate, steady_turn
+from bluekoi.synthetic.design import StudyDesign, TrialPlan
+from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
+from bluekoi.synthetic.laws import Tank, TrialSettings
+from bluekoi.synthetic.optics import Camera, displaced_camera, project, resized_camera
+from bluekoi.synthetic.tank import TrialMotion, simulate, steady_turn
 from bluekoi.synthetic.water import draw_eddies
 
 START_HEADINGS = 72
 """Directions tried for the start of a trial, evenly over the circle."""
 CHECK_STEP_S = 0.05
 """Interval at which a path is checked against the walls."""
-STEADY_SHARE = 0.3
+STEADY_TRIAL_SHARE = 0.3
 """Last part of a trial, as a share of its duration, over which its true steady state is taken."""
 PATH_STEP_S = 0.05
 """Interval at which the true path is written."""
@@ -29,19 +29,21 @@ PATH_STEP_S = 0.05
 class Trial:
     """A solved trial: plan, laws, start, motion, and its frame times (s, mid-exposure)."""
 
-    plan: Plan
+    plan: TrialPlan
     tank: Tank
-    run: Run
-    motion: Motion
+    run: TrialSettings
+    motion: TrialMotion
     time_s: np.ndarray
 
 
-def generator(design: Design, trial_id: str, purpose: str) -> np.random.Generator:
+def generator(design: StudyDesign, trial_id: str, purpose: str) -> np.random.Generator:
     """Random numbers for one purpose in one trial, the same in every run."""
     return np.random.default_rng([design.seed, zlib.crc32(f"{trial_id}/{purpose}".encode())])
 
 
-def _path(tank: Tank, plan: Plan, motion: Motion, until_s: float) -> tuple[np.ndarray, np.ndarray]:
+def _path(
+    tank: Tank, plan: TrialPlan, motion: TrialMotion, until_s: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Check times and the keypoints `(times, 5)` at them (x + i y, m)."""
     time_s = np.arange(0, until_s + 1e-9, CHECK_STEP_S)
     return time_s, keypoints(tank.robot, plan.head_length_m, motion.pose(time_s))
@@ -55,7 +57,9 @@ def _room_until(points: np.ndarray, room: tuple[float, float]) -> int:
     return int(out[0]) if len(out) else len(points)
 
 
-def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, float, float]:
+def _start(
+    design: StudyDesign, tank: Tank, plan: TrialPlan, run: TrialSettings
+) -> tuple[float, float, float]:
     """A start from which the path stays off the walls for as long as can be."""
     rng = generator(design, plan.trial_id, "start")
     far = replace(tank, eddies=(), pool_m=(1e3, 1e3))
@@ -66,7 +70,7 @@ def _start(design: Design, tank: Tank, plan: Plan, run: Run) -> tuple[float, flo
 
 
 def start_pose_in_pool(
-    design: Design, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
+    design: StudyDesign, pool_m: tuple[float, float], points: np.ndarray, rng: np.random.Generator
 ) -> tuple[float, float, float]:
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
     room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
@@ -82,7 +86,7 @@ def start_pose_in_pool(
     return place[0], place[1], float(turns[best])
 
 
-def time_until_wall(design: Design, tank: Tank, plan: Plan, motion: Motion) -> float:
+def time_until_wall(design: StudyDesign, tank: Tank, plan: TrialPlan, motion: TrialMotion) -> float:
     """Time (s) until which every keypoint keeps half the margin to the walls."""
     time_s, points = _path(tank, plan, motion, plan.longest_s)
     gap = np.minimum(
@@ -93,7 +97,9 @@ def time_until_wall(design: Design, tank: Tank, plan: Plan, motion: Motion) -> f
     return float(time_s[hit[0] - 1]) if len(hit) else plan.longest_s
 
 
-def solve_trial(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -> Trial:
+def solve_trial(
+    design: StudyDesign, trial_id: str, *, rate: Fraction = GOPRO_FRAME_RATE_HZ
+) -> Trial:
     """The solved trial of a design, from its seed."""
     plan = design.plan(trial_id)
     rng = generator(design, trial_id, "motion")
@@ -102,7 +108,7 @@ def solve_trial(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -
         coefficients=design.coefficients_at.get(plan.power_pct, design.tank.coefficients),
         eddies=draw_eddies(rng, design.water_rms_m_s),
     )
-    run = Run(
+    run = TrialSettings(
         flap_hz=design.flap_hz[plan.power_pct] * (1 + design.flap_spread * rng.standard_normal()),
         head_angle_rad=math.radians(plan.head_angle_deg),
         head_length_m=plan.head_length_m,
@@ -114,21 +120,21 @@ def solve_trial(design: Design, trial_id: str, *, rate: Fraction = GOPRO_RATE) -
     return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))
 
 
-def camera_at(design: Design, time_s: float) -> Camera:
+def camera_at(design: StudyDesign, time_s: float) -> Camera:
     """The design's camera at its picture size, before or after it was moved."""
     state = design.conditions
-    camera = resized(design.camera, state.size_px)
+    camera = resized_camera(design.camera, state.size_px)
     if state.view_shift_m:
         x, y, z = camera.centre_m
         camera = replace(camera, centre_m=(x + state.view_shift_m, y, z))
     if state.nudge_at_s is None or time_s < state.nudge_at_s:
         return camera
     turn = (0.6 * state.nudge_deg, -0.5 * state.nudge_deg, 0.6 * state.nudge_deg)
-    return nudged(camera, (0.001, -0.0015, 0.0), turn)
+    return displaced_camera(camera, (0.001, -0.0015, 0.0), turn)
 
 
-def pixels_of(
-    design: Design, trial: Trial, points: np.ndarray, *, sinking_m_s: float = 0.0
+def keypoint_pixels(
+    design: StudyDesign, trial: Trial, points: np.ndarray, *, sinking_m_s: float = 0.0
 ) -> np.ndarray:
     """Pixels `(frames, 5, 2)` of keypoints `(frames, 5)` (x + i y, m) at the keypoint depth."""
     flat = points.ravel()
@@ -142,7 +148,7 @@ def pixels_of(
     return np.where((trial.time_s >= design.conditions.nudge_at_s)[:, None, None], after, before)
 
 
-def frame_truth(design: Design, trial: Trial) -> dict[str, np.ndarray]:
+def frame_truth(design: StudyDesign, trial: Trial) -> dict[str, np.ndarray]:
     """What is true in each frame: arrays by name, first axis the frames.
 
     `pose` and `mean` hold x, y (m) and core heading (rad) with and without recoil;
@@ -152,7 +158,7 @@ def frame_truth(design: Design, trial: Trial) -> dict[str, np.ndarray]:
     points = keypoints(trial.tank.robot, trial.plan.head_length_m, pose)
     return {
         "time_s": trial.time_s,
-        "keypoints_px": pixels_of(design, trial, points),
+        "keypoints_px": keypoint_pixels(design, trial, points),
         "keypoints_m": np.stack([points.real, points.imag], axis=-1),
         "pose": pose[:, :3],
         "head_angle_rad": pose[:, 3],
@@ -163,13 +169,13 @@ def frame_truth(design: Design, trial: Trial) -> dict[str, np.ndarray]:
     }
 
 
-def summary(trial: Trial) -> dict[str, float | str | None]:
+def steady_summary(trial: Trial) -> dict[str, float | str | None]:
     """Steady figures of a trial: over its last 30 %, and those it tends to in still water.
 
     Radii (m) are speed over rate of course, None for straight trials.
     """
     end = float(trial.time_s[-1])
-    time_s = np.linspace((1 - STEADY_SHARE) * end, end, 400)
+    time_s = np.linspace((1 - STEADY_TRIAL_SHARE) * end, end, 400)
     mean = trial.motion.mean(time_s)
     speed = np.hypot(mean[:, 3], mean[:, 4])
     course = np.unwrap(np.arctan2(mean[:, 4], mean[:, 3]))

@@ -16,7 +16,7 @@ class Eddy:
     rate_rad_s: float
 
 
-def current(eddies: tuple[Eddy, ...], time_s: float, place: complex) -> complex:
+def water_velocity(eddies: tuple[Eddy, ...], time_s: float, place: complex) -> complex:
     """Water velocity (m/s) at a place (m): `u = d psi / dy`, `v = -d psi / dx`."""
     u = v = 0.0
     for eddy in eddies:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, printable
-from ..stages.manifest import RUN
+from ..stages.manifest import RUN_VARIABLE
 from .client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
@@ -43,7 +43,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         return plan
     command = os.environ.get(COMMAND_VARIABLE) or shlex.join(sys.argv)
     run = {"command": command, "settings": dict(config), "code": fingerprint("stages")}
-    os.environ[RUN] = json.dumps(run)
+    os.environ[RUN_VARIABLE] = json.dumps(run)
     if not (plan.results / "manifest.json").is_file():
         (plan.results / "outcome.json").unlink(missing_ok=True)  # the stage that writes both
     remove_stale_locks(Path(".snakemake") / "locks", plan.results)

@@ -6,13 +6,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bluekoi.synthetic.body import keypoints
-from bluekoi.synthetic.conditions import MIDDLE
-from bluekoi.synthetic.design import Design, Plan
-from bluekoi.synthetic.encode import GOPRO_RATE
-from bluekoi.synthetic.laws import Run, Tank
-from bluekoi.synthetic.optics import gopro_like
-from bluekoi.synthetic.tank import Motion
-from bluekoi.synthetic.trial import Trial, generator, pixels_of, start_pose_in_pool, time_until_wall
+from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
+from bluekoi.synthetic.design import StudyDesign, TrialPlan
+from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
+from bluekoi.synthetic.laws import Tank, TrialSettings
+from bluekoi.synthetic.optics import gopro_like_camera
+from bluekoi.synthetic.tank import TrialMotion
+from bluekoi.synthetic.trial import (
+    Trial,
+    generator,
+    keypoint_pixels,
+    start_pose_in_pool,
+    time_until_wall,
+)
 from bluekoi.synthetic.water import draw_eddies
 from validation.generators.concealed.recipe import Recipe
 from validation.generators.concealed.swimmer.motion import swim
@@ -27,7 +33,7 @@ CHECK_STEP_S = 0.05
 SINKING_M = 0.15
 """Depth (m) gained per unit of drag gained, while sinking."""
 NUDGE_M_PER_DEG = 0.0234
-FILM = replace(MIDDLE, mbit_s=20.0)
+FILM = replace(MIDDLE_CONDITIONS, mbit_s=20.0)
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class Swum:
     trial: Trial
     command: Command
     eddies: np.ndarray
-    motor: Motion
+    motor: TrialMotion
 
 
 def settings(recipe: Recipe) -> tuple[tuple[float, float], ...]:
@@ -51,29 +57,31 @@ def settings(recipe: Recipe) -> tuple[tuple[float, float], ...]:
     return (*one, (large, head), (-large, head), (large, long))
 
 
-def design_of(recipe: Recipe) -> Design:
+def design_of(recipe: Recipe) -> StudyDesign:
     """The recipe's trials, camera and noise as a design; its tank gives robot and pool alone."""
     longer = 1.5 if any(c.name in NEEDS_LONG_TRIALS for c in recipe.chosen) else 1.0
     rows = [(power, *setting) for power in recipe.flap_hz for setting in settings(recipe)]
     plans = tuple(
-        Plan(f"T{n:02d}", power, angle, round(head, 4), longer * LONGEST_S[power])
+        TrialPlan(f"T{n:02d}", power, angle, round(head, 4), longer * LONGEST_S[power])
         for n, (power, angle, head) in enumerate(rows, start=1)
     )
     robot = recipe.robot
     if recipe.fault is not None and recipe.fault[0] == "uncorrected_refraction":
         robot = replace(robot, keypoint_depth_m=round(recipe.fault[1], 4))
-    return Design(
+    return StudyDesign(
         recipe.name,
         plans,
         Tank(robot=robot, fin=None, recoil=recipe.recoil),
         recipe.seed,
-        camera=gopro_like("fisheye" if recipe.wide_lens else "pinhole"),
+        camera=gopro_like_camera("fisheye" if recipe.wide_lens else "pinhole"),
         flap_hz=recipe.flap_hz,
         water_rms_m_s=recipe.water_rms_m_s,
     )
 
 
-def _far_path(recipe: Recipe, laws: Laws, design: Design, plan: Plan, run: Run) -> np.ndarray:
+def _far_path(
+    recipe: Recipe, laws: Laws, design: StudyDesign, plan: TrialPlan, run: TrialSettings
+) -> np.ndarray:
     """Keypoints `(times, 5)` of the path in still open water, from the origin along x."""
     still = laws._replace(current_x=0.0, current_y=0.0, gyre=0.0, wall=0.0, tether_n_m=0.0)
     command = Command(run.flap_hz, run.head_angle_rad, run.head_length_m)
@@ -84,12 +92,12 @@ def _far_path(recipe: Recipe, laws: Laws, design: Design, plan: Plan, run: Run) 
     return keypoints(design.tank.robot, plan.head_length_m, motion.pose(time_s))
 
 
-def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
+def swum(recipe: Recipe, design: StudyDesign, laws: Laws, plan: TrialPlan) -> Swum:
     """One trial of the recipe under the given laws, from its seed."""
     rng = generator(design, plan.trial_id, "motion")
     eddies = draw_eddies(rng, design.water_rms_m_s)
     spread = 1 + design.flap_spread * rng.standard_normal()
-    run = Run(
+    run = TrialSettings(
         flap_hz=design.flap_hz[plan.power_pct] * spread,
         head_angle_rad=math.radians(plan.head_angle_deg),
         head_length_m=plan.head_length_m,
@@ -105,12 +113,14 @@ def swum(recipe: Recipe, design: Design, laws: Laws, plan: Plan) -> Swum:
     rows = as_rows(eddies)
     motion = swim(recipe.body, laws, command, plan.longest_s, eddies=rows, recoil=recipe.recoil)
     late = recipe.fault[1] if recipe.fault and recipe.fault[0] == "time_offset" else 0.0
-    frames = int((time_until_wall(design, design.tank, plan, motion) + late) * GOPRO_RATE) + 1
-    time_s = np.arange(frames) / float(GOPRO_RATE) - late
+    frames = (
+        int((time_until_wall(design, design.tank, plan, motion) + late) * GOPRO_FRAME_RATE_HZ) + 1
+    )
+    time_s = np.arange(frames) / float(GOPRO_FRAME_RATE_HZ) - late
     return Swum(Trial(plan, design.tank, run, motion, time_s), command, rows, motion)
 
 
-def film_design(recipe: Recipe, design: Design, trial: Trial) -> Design:
+def film_design(recipe: Recipe, design: StudyDesign, trial: Trial) -> StudyDesign:
     """The design as it stands while a trial is filmed: the camera may have been displaced."""
     if recipe.fault is None or recipe.fault[0] != "camera_shift":
         return replace(design, conditions=FILM)
@@ -122,7 +132,7 @@ def film_design(recipe: Recipe, design: Design, trial: Trial) -> Design:
     return replace(design, conditions=state)
 
 
-def seen_pixels(recipe: Recipe, design: Design, one: Swum, laws: Laws) -> np.ndarray:
+def seen_pixels(recipe: Recipe, design: StudyDesign, one: Swum, laws: Laws) -> np.ndarray:
     """Pixels `(frames, 5, 2)` where the keypoints truly appear, faults of seeing included."""
     trial = one.trial
     pose = trial.motion.pose(trial.time_s)
@@ -130,4 +140,4 @@ def seen_pixels(recipe: Recipe, design: Design, one: Swum, laws: Laws) -> np.nda
     if recipe.fault is not None and recipe.fault[0] == "keypoint_bias":
         points[:, 2] += 1j * np.exp(1j * pose[:, 2]) * recipe.fault[1]
     sinking = SINKING_M * laws.sink_per_s
-    return pixels_of(film_design(recipe, design, trial), trial, points, sinking_m_s=sinking)
+    return keypoint_pixels(film_design(recipe, design, trial), trial, points, sinking_m_s=sinking)

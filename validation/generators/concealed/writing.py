@@ -8,9 +8,9 @@ import yaml
 
 from bluekoi.files import write_text
 from bluekoi.synthetic.campaign import study_contents, write_study_files
-from bluekoi.synthetic.design import Design
-from bluekoi.synthetic.encode import GOPRO_RATE, write_video
-from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.design import StudyDesign
+from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ, write_video
+from bluekoi.synthetic.film import render_frames
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.trial import generator
 from validation.generators.concealed.effects import PHYSICS
@@ -20,7 +20,7 @@ from validation.generators.concealed.strength import scaled
 from validation.generators.concealed.swimmer.quantities import Laws
 from validation.generators.concealed.trials import Swum, design_of, film_design, seen_pixels, swum
 from validation.generators.concealed.truth import path_truth
-from validation.tracking import TrackingNoise, dlc_text, tracked
+from validation.tracking import TrackingNoise, dlc_text, tracked_keypoints
 
 __all__ = ["conceal"]
 
@@ -28,7 +28,7 @@ POINT_NOISE_M = 0.00085
 """Noise of one tracked point in the pool plane at factor 1: 0.32 px each way, 1.88 mm a pixel."""
 
 
-def _put_in(recipe: Recipe, design: Design) -> tuple[Laws, list[dict[str, Any]]]:
+def _put_in(recipe: Recipe, design: StudyDesign) -> tuple[Laws, list[dict[str, Any]]]:
     """Laws with every chosen effect at its strength, and what is true of each effect."""
     laws, reported = recipe.laws, []
     if recipe.has_fin:
@@ -88,12 +88,12 @@ def _fault_told(recipe: Recipe) -> list[dict[str, Any]]:
 
 def _stated_rate(recipe: Recipe) -> float:
     wrong = recipe.fault[1] if recipe.fault and recipe.fault[0] == "clock_error" else 0.0
-    return float(GOPRO_RATE) * (1 + wrong)
+    return float(GOPRO_FRAME_RATE_HZ) * (1 + wrong)
 
 
-def _write_tables(recipe: Recipe, design: Design, folder: Path) -> None:
+def _write_tables(recipe: Recipe, design: StudyDesign, folder: Path) -> None:
     rate = _stated_rate(recipe)
-    wrong = rate != float(GOPRO_RATE)
+    wrong = rate != float(GOPRO_FRAME_RATE_HZ)
     source = "videos/{}.mp4" if recipe.footage else "keypoints/{}.csv"
     fps = None if recipe.footage and not wrong else rate
     write_study_files(design, folder, source=source, fps=fps)
@@ -102,21 +102,23 @@ def _write_tables(recipe: Recipe, design: Design, folder: Path) -> None:
     write_text(folder / "study.yaml", yaml.safe_dump(contents, sort_keys=False))
 
 
-def _write_keypoints(recipe: Recipe, design: Design, one: Swum, laws: Laws, path: Path) -> None:
+def _write_keypoints(
+    recipe: Recipe, design: StudyDesign, one: Swum, laws: Laws, path: Path
+) -> None:
     usual, rng = TrackingNoise(), generator(design, one.trial.plan.trial_id, "tracking")
     noise = replace(
         usual, white_px=usual.white_px * recipe.noise, slow_px=usual.slow_px * recipe.noise
     )
     pixels = seen_pixels(recipe, design, one, laws)
-    seen, likelihood = tracked(pixels, noise, rng, step_s=1 / float(GOPRO_RATE))
+    seen, likelihood = tracked_keypoints(pixels, noise, rng, step_s=1 / float(GOPRO_FRAME_RATE_HZ))
     write_text(path, dlc_text(seen, likelihood))
 
 
-def _film(recipe: Recipe, design: Design, one: Swum, path: Path) -> None:
+def _film(recipe: Recipe, design: StudyDesign, one: Swum, path: Path) -> None:
     state = film_design(recipe, design, one.trial)
     path.parent.mkdir(parents=True, exist_ok=True)
     c = state.conditions
-    write_video(path, frames_of(state, one.trial), size_px=c.size_px, mbit_s=c.mbit_s)
+    write_video(path, render_frames(state, one.trial), size_px=c.size_px, mbit_s=c.mbit_s)
 
 
 def conceal(recipe: Recipe, folder: Path) -> dict[str, Any]:

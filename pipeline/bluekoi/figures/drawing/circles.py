@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from ...campaign import Campaign
 from ...data import Float
 from ...study import Trial
-from .groups import angles_deg, head_lengths, head_name, turns
+from .groups import angles_deg, head_lengths, head_name, turning_trials
 from .style import Style, placeholder
 
 LINE_STYLES = ("-", "--", ":", "-.")
@@ -19,7 +19,7 @@ LINE_STYLES = ("-", "--", ":", "-.")
 
 def compared_angle_deg(campaign: Campaign) -> float:
     """Head angle tested with most head lengths, the larger one at a tie; NaN without turns."""
-    found = turns(campaign)
+    found = turning_trials(campaign)
     if not found:
         return float("nan")
 

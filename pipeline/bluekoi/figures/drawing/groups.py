@@ -18,7 +18,7 @@ TRUSTED_QUALITIES = ("good", "straight")
 
 
 @dataclass(frozen=True)
-class Mean:
+class ConditionMean:
     """Mean over the repeats of a condition.
 
     std: sample standard deviation over repeats; of a single trial, its standard error.
@@ -50,17 +50,17 @@ def head_name(campaign: Campaign, head_length_m: float) -> str:
     return f"{round(ratio, 1):g}x head"
 
 
-def is_one_x(campaign: Campaign, trial: Trial) -> bool:
+def has_standard_head(campaign: Campaign, trial: Trial) -> bool:
     """Whether a trial used the 1x head."""
     return abs(trial.head_length_m - campaign.study.setup.robot.head_length_m) < 1e-6
 
 
-def straights(campaign: Campaign) -> tuple[Trial, ...]:
+def straight_trials(campaign: Campaign) -> tuple[Trial, ...]:
     """Analysed trials with a straight head."""
     return tuple(trial for trial in campaign.analysed if is_straight(trial))
 
 
-def turns(campaign: Campaign) -> tuple[Trial, ...]:
+def turning_trials(campaign: Campaign) -> tuple[Trial, ...]:
     """Analysed trials with a turned head and a finite radius."""
     return tuple(
         trial
@@ -74,22 +74,22 @@ def angles_deg(trials: Iterable[Trial]) -> tuple[float, ...]:
     return tuple(sorted({abs(trial.head_angle_deg) for trial in trials}))
 
 
-def speed_means(campaign: Campaign) -> tuple[Mean, ...]:
+def speed_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
     """Mean steady speed of straight runs, m/s, per power and head length."""
-    return _means(campaign, straights(campaign), lambda s: (s.speed_m_s, s.speed_std_m_s))
+    return _means(campaign, straight_trials(campaign), lambda s: (s.speed_m_s, s.speed_std_m_s))
 
 
-def radius_means(campaign: Campaign) -> tuple[Mean, ...]:
+def radius_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
     """Mean turn radius, m, per power, absolute head angle and head length.
 
     Good steady turns only; all turns of a condition that has no good one.
     """
-    return _means(campaign, turns(campaign), lambda s: (s.radius_m, s.radius_std_m))
+    return _means(campaign, turning_trials(campaign), lambda s: (s.radius_m, s.radius_std_m))
 
 
 def _means(
     campaign: Campaign, trials: Iterable[Trial], read: Callable[[Steady], tuple[float, float]]
-) -> tuple[Mean, ...]:
+) -> tuple[ConditionMean, ...]:
     groups: dict[tuple[float, float, float], list[Steady]] = {}
     for trial in trials:
         key = (trial.power_pct, abs(trial.head_angle_deg), trial.head_length_m)
@@ -105,7 +105,7 @@ def _mean(
     key: tuple[float, float, float],
     rows: list[Steady],
     read: Callable[[Steady], tuple[float, float]],
-) -> Mean | None:
+) -> ConditionMean | None:
     finite = [row for row in rows if np.isfinite(read(row)[0])]
     trusted = [row for row in finite if row.quality in TRUSTED_QUALITIES]
     kept = trusted or finite
@@ -113,10 +113,12 @@ def _mean(
         return None
     values = np.array([read(row)[0] for row in kept])
     std = float(values.std(ddof=1)) if len(values) > 1 else read(kept[0])[1]
-    return Mean(*key, float(values.mean()), std, len(values), bool(trusted))
+    return ConditionMean(*key, float(values.mean()), std, len(values), bool(trusted))
 
 
-def draw_mean(axes: Axes, x: float, mean: Mean, style: Style, *, size: float = 5.5) -> None:
+def draw_mean(
+    axes: Axes, x: float, mean: ConditionMean, style: Style, *, size: float = 5.5
+) -> None:
     """A mean with its standard deviation; hollow if it is not trusted."""
     edge = {"mec": "white", "mew": 0.8} if mean.trusted else {"mfc": "white"}
     axes.errorbar(x, mean.value, yerr=mean.std, fmt=style.marker, color=style.colour, ms=size,

@@ -71,7 +71,7 @@ def missing_forces(campaign: Campaign) -> dict[str, MissingForce]:
     return {name: one for name, one in found.items() if np.isfinite(one.force).all()}
 
 
-def variable(campaign: Campaign, one: MissingForce, name: str) -> Float:
+def variable_along_trial(campaign: Campaign, one: MissingForce, name: str) -> Float:
     """A variable of mismatch.json along a trial, (n,); NaN for an unknown name."""
     x, y, psi, u, v, r, t = one.motion.T
     trial = campaign.study.trial(one.trial_id)

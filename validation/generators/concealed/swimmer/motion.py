@@ -11,7 +11,7 @@ from numba import njit
 from scipy.interpolate import CubicSpline
 
 from bluekoi.synthetic.laws import Recoil
-from bluekoi.synthetic.tank import Motion
+from bluekoi.synthetic.tank import TrialMotion
 from validation.generators.concealed.swimmer.drive import frequency, head_angle, thrust
 from validation.generators.concealed.swimmer.extras import drag_over_speed, other_moment, tether
 from validation.generators.concealed.swimmer.plates import cross_flow, fin, head_plate
@@ -129,8 +129,8 @@ def swim(
     *,
     eddies: np.ndarray,
     recoil: Recoil | None,
-) -> Motion:
-    """The trial from release as a `Motion`: place of the core's keypoint, velocity of the
+) -> TrialMotion:
+    """The trial from release as a `TrialMotion`: place of the core's keypoint, velocity of the
     centre of mass in the pool frame.
     """
     steps = math.ceil(duration_s / STEP_S / KEEP) * KEEP + KEEP
@@ -147,4 +147,4 @@ def swim(
         clipped = np.clip(np.atleast_1d(at_s), 0.0, duration_s)
         return np.array([head_angle(laws, command, float(t)) for t in clipped])
 
-    return Motion(duration_s, lambda t: spline(t).T, angle, recoil)
+    return TrialMotion(duration_s, lambda t: spline(t).T, angle, recoil)

@@ -14,7 +14,7 @@ MAX_TRIALS_BYTES_READ = 10_000_000
 """Size of a trials.csv up to which a shell completes names of trials."""
 
 
-class Named(click.Path):
+class NonEmptyPath(click.Path):
     """A path that is not empty, as that of a shell's variable that was never set is."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -27,7 +27,7 @@ class Named(click.Path):
         return super().convert(value, param, ctx)
 
 
-class StudyName(Named):
+class StudyName(NonEmptyPath):
     """A folder with a study.yaml; a shell completes these, and the folders on the way to one.
 
     also: further names that stand for a study.

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 
-class Finite(click.FloatRange):
+class FiniteNumber(click.FloatRange):
     """A number within a range; neither `nan`, which passes every comparison, nor `inf`."""
 
     def convert(
@@ -21,7 +21,7 @@ class Finite(click.FloatRange):
         return number
 
 
-class Numbers(click.ParamType):
+class NumberList(click.ParamType):
     """Numbers `50,75,100`, or a row of them `10:60:5` (from, to, step), each from low to high."""
 
     name = "numbers"

@@ -20,16 +20,18 @@ MAX_SCALE = 1.5
 """All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
 MAX_HEAD_ANGLE_ERROR_DEG = 25.0
 """Difference of commanded and measured head angle above which a trial is refused."""
-OUTSIDE_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
+OUTSIDE_POOL_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25
 """A quarter of the frames further beyond a wall than this share of the pool's longer side."""
-JUMP_LENGTHS, JUMP_S, JUMP_STEPS = 0.5, 0.1, 10.0
+MIN_JUMP_LENGTHS, MAX_JUMP_DURATION_S, MIN_JUMP_STEP_RATIO = 0.5, 0.1, 10.0
 """A jump: half a body length and ten usual steps within 0.1 s, without coming back."""
-MEDIAN_HALF_WINDOW = 3
-WAYPOINT_LENGTHS = 0.25
+MEDIAN_HALF_WINDOW_FRAMES = 3
+WAYPOINT_DISTANCE_LENGTHS = 0.25
 """Directions of travel are taken over so many body lengths, at any frame rate."""
 
 
-def implausible(study: Study, trial: Trial, positions: Positions, pose: Pose) -> list[Finding]:
+def plausibility_findings(
+    study: Study, trial: Trial, positions: Positions, pose: Pose
+) -> list[Finding]:
     """What cannot be right about a trial, with file, found, expected and remedy."""
     table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
     return [
@@ -114,7 +116,7 @@ def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]
     seen = pose.values[np.isfinite(pose.values[:, :2]).all(axis=1), :2]
     pool = study.setup.pool
     beyond = np.maximum(-seen, seen - np.array([pool.length_m, pool.width_m])).max(axis=1)
-    out = beyond > OUTSIDE_SHARE * max(pool.length_m, pool.width_m)
+    out = beyond > OUTSIDE_POOL_SHARE * max(pool.length_m, pool.width_m)
     if len(seen) == 0 or out.mean() < OUTSIDE_FRAMES_SHARE:
         return []
     x, y = np.median(seen[out], axis=0)
@@ -131,7 +133,7 @@ def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Findin
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
     length = study.setup.robot.body_length_m
-    kept = waypoints(xy, WAYPOINT_LENGTHS * length)
+    kept = waypoints(xy, WAYPOINT_DISTANCE_LENGTHS * length)
     way, heading = np.diff(xy[kept], axis=0), heading[kept][:-1]
     gone = np.linalg.norm(way, axis=1)
     if gone.sum() < length:
@@ -148,7 +150,7 @@ def _jump(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     seen = np.isfinite(pose.values[:, :2]).all(axis=1)
     t, xy = pose.time_s[seen], pose.values[seen, :2]
     length = study.setup.robot.body_length_m
-    at = first_jump(t, xy, JUMP_LENGTHS * length)
+    at = first_jump(t, xy, MIN_JUMP_LENGTHS * length)
     if at is None:
         return []
     way = float(np.linalg.norm(xy[at + 1] - xy[at]))
@@ -171,13 +173,13 @@ def first_jump(time_s: Float, xy_m: Float, least_m: float) -> int | None:
     steps = np.linalg.norm(np.diff(xy_m, axis=0), axis=1)
     if len(steps) < 2:
         return None
-    large = (steps > max(least_m, JUMP_STEPS * float(np.median(steps)))) & (
-        np.diff(time_s) <= JUMP_S
+    large = (steps > max(least_m, MIN_JUMP_STEP_RATIO * float(np.median(steps)))) & (
+        np.diff(time_s) <= MAX_JUMP_DURATION_S
     )
     for k in np.flatnonzero(large).tolist():
         before, after = (
-            xy_m[max(k - MEDIAN_HALF_WINDOW, 0)],
-            xy_m[min(k + 1 + MEDIAN_HALF_WINDOW, len(xy_m) - 1)],
+            xy_m[max(k - MEDIAN_HALF_WINDOW_FRAMES, 0)],
+            xy_m[min(k + 1 + MEDIAN_HALF_WINDOW_FRAMES, len(xy_m) - 1)],
         )
         if np.linalg.norm(after - before) > 0.6 * steps[k]:
             return k

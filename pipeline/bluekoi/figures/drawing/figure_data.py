@@ -45,7 +45,7 @@ class Point(NamedTuple):
     value: Number = ""
 
 
-def extract(figure: Figure) -> list[Point]:
+def extract_points(figure: Figure) -> list[Point]:
     """All data points of a figure in drawing order; colour bars and annotations are skipped."""
     names = {
         _look(handle): str(handle.get_label())

@@ -17,7 +17,7 @@ NOTICE_EVERY_S = 30.0
 
 
 @dataclass
-class Wait:
+class Progress:
     """Work under way. usual_s: how long it takes where nothing better is known; share: done."""
 
     what: str
@@ -40,13 +40,15 @@ class Wait:
 
 
 @contextmanager
-def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> Iterator[Wait]:
-    """`Wait` to note progress on; shown on standard error from the third second on.
+def progress_notice(
+    what: str, usual_s: float = 10.0, stream: TextIO | None = None
+) -> Iterator[Progress]:
+    """`Progress` to note progress on; shown on standard error from the third second on.
 
     On a terminal one line, rewritten each second and taken away at the end; in a file a line
     every half minute.
     """
-    wait, over, out = Wait(what, usual_s), threading.Event(), stream or sys.stderr
+    wait, over, out = Progress(what, usual_s), threading.Event(), stream or sys.stderr
     teller = threading.Thread(target=_print_progress, args=(wait, over, out), daemon=True)
     teller.start()
     try:
@@ -56,7 +58,7 @@ def waiting(what: str, usual_s: float = 10.0, stream: TextIO | None = None) -> I
         teller.join()
 
 
-def _print_progress(wait: Wait, over: threading.Event, out: TextIO) -> None:
+def _print_progress(wait: Progress, over: threading.Event, out: TextIO) -> None:
     live = out.isatty()
     pause = FIRST_NOTICE_S
     while not over.wait(pause):

@@ -109,12 +109,12 @@ def turn_radii(
     return _with_band(np.where(np.isfinite(found), found, np.nan))
 
 
-def radius(campaign: Campaign, row: PowerFit, head_length_m: float, angle_deg: float) -> float:
+def turn_radius(campaign: Campaign, row: PowerFit, head_length_m: float, angle_deg: float) -> float:
     """Steady turn radius, m; NaN without a steady turn."""
     return float(turn_radii(campaign, row, [head_length_m], [angle_deg]).best[0])
 
 
-def over_angle(
+def radii_over_angle(
     campaign: Campaign, row: PowerFit, head_length_m: float, angles_deg: Iterable[float]
 ) -> Sweep:
     """Radii at head angles, m."""
@@ -122,7 +122,7 @@ def over_angle(
     return turn_radii(campaign, row, [head_length_m] * len(angles), angles)
 
 
-def over_length(
+def radii_over_length(
     campaign: Campaign, row: PowerFit, lengths_m: Iterable[float], angle_deg: float
 ) -> Sweep:
     """Radii at head lengths, m."""

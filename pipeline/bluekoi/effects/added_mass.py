@@ -1,11 +1,11 @@
-"""Water carried along by the body.
+"""Added mass of the water around the body.
 
-Kirchhoff's equations with added masses A11, A22 and added inertia A66 in the frame of the core;
-their cross terms are in the rates: surge gains (m + A22) v r, sway -(m + A11) u r, yaw the Munk
-moment -(A22 - A11) u v, which pushes a long body broadside on.
+Kirchhoff's equations with added masses A11 (surge), A22 (sway) and added yaw inertia A66 in the
+frame of the core. The cross terms are (m + A22) v r in surge, -(m + A11) u r in sway, and in yaw
+the Munk moment -(A22 - A11) u v, which turns a long body across the flow.
 A11 and A66 go with A22 by the proportions of a slender body (A11 = c A22, c = 0.1;
-A66 = j A22 L^2/12 with the body length L, j = 1). A body that sheds vortices at its tail feels the
-share e of the Munk moment. Zero at rest only as a force: it resists every acceleration.
+A66 = j A22 L^2/12 with the body length L, j = 1). On a body that sheds vortices at its tail, only
+the share e of the Munk moment acts. The added inertia also acts when the robot starts from rest.
 Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman (1977), sec. 4.13.
 """
 
@@ -20,10 +20,10 @@ VARIABLES = (
     "turn",
 )
 STATEMENT = (
-    "The water around the robot has to be accelerated with it, most of all sideways, so it "
-    "starts, drifts and turns as if it were heavier."
+    "The body accelerates water together with itself, mostly sideways: it starts, drifts and "
+    "turns like a heavier body."
 )
-REGIME = "start-up and every change of speed; drifting turns"
+REGIME = "start-up and every change of speed; turns with sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "motor_spin_up", "lift_lag")
 PARAMETERS = (
     Parameter("sway_mass", "kg", 0.2, 0.0, 3.0, "added mass in sway", symbol="A22"),

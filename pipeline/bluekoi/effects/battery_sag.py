@@ -1,10 +1,11 @@
-"""Thrust that falls during a trial.
+"""Thrust that falls during a trial with the supply voltage.
 
     dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,  t since the start of the trial, f_1 = 3.5 Hz
 
-The loss is -k t T at first (always, if w = 0) and approaches -k T / w, as a voltage settles under
-load; a motor that draws more loses more (e > 0). Thrust goes with f^2, so that a motor log shows
-half of it as a frequency that falls.
+The change of thrust is -k t T at first (for w = 0 at all times) and approaches -k T / w, because
+the voltage settles under load. With e > 0 the loss is larger at a higher flapping frequency. Thrust
+is proportional to f^2; therefore a motor log shows half of the relative loss as a falling
+frequency.
 Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
 ch. 2).
 """
@@ -19,7 +20,7 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("surge",)
 VARIABLES = ("time",)
-STATEMENT = "The longer a trial lasts, the weaker the push: the supply sags."
+STATEMENT = "Thrust decreases during a trial because the supply voltage falls."
 REGIME = "late in long trials"
 CONFUSED_WITH = ("sinking", "thrust_loss_with_speed", "wake_reentry")
 PARAMETERS = (

@@ -1,10 +1,11 @@
-"""A centre of mass that is not where it was said to be.
+"""A centre of mass displaced from the stated position.
 
     N = -d (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
 
-All side forces of the head act at an arm shorter by d, the shift towards the head; what pushes
-along the core passes the centre of mass at a distance s, the shift to the left, and turns the
-robot. The keypoint core_center runs at (-d, -s) from the centre of mass.
+X_h, Y_h: force on the head along and across it. d is the shift towards the head: the arm of the
+head's side forces is shorter by d. s is the shift to the left: forces along the core act at the
+distance s from the centre of mass and turn the robot. The keypoint core_center lies at (-d, -s)
+from the centre of mass.
 Source: rigid-body statics.
 """
 
@@ -16,9 +17,10 @@ KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("head angle", "side")
 STATEMENT = (
-    "The centre of mass does not lie where the study says: further along or beside the core."
+    "The centre of mass does not lie where the study states it: it is displaced along the core or"
+    " to one side of it."
 )
-REGIME = "all turns; beside the core also straight runs, with opposite sign to port and starboard"
+REGIME = "all turns; a shift to one side also in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "stall", "tail_fin_lift", "keypoint_bias")
 STRENGTHS = 2
 PARAMETERS = (

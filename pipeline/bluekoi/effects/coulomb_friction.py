@@ -1,9 +1,10 @@
-"""A force against motion that hardly depends on speed.
+"""Friction force independent of speed.
 
     F = -F_c (1 + s exp(-(V / V_s)^2)) v / sqrt(V^2 + c^2),  V_s = 0.1 m/s
 
-It vanishes at rest, smoothly below the speed c; a large c makes it rise gradually, as V / (V + c)
-does. s is the excess of static over sliding friction (Stribeck).
+v is the velocity. Below the speed c the force falls smoothly to 0 at rest; with a large c it rises
+gradually with the speed, like V / (V + c). s is the excess of static over sliding friction
+(Stribeck).
 Source: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), 1083, sec. 2 (Coulomb
 and Stribeck friction); here a tether, the floor, or the film on the surface.
 """
@@ -18,7 +19,7 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("speed",)
-STATEMENT = "Something drags on the robot with nearly constant force, whatever its speed."
+STATEMENT = "A nearly constant friction force acts against the motion, independent of the speed."
 REGIME = "lowest speeds: start-up and 50 % power"
 CONFUSED_WITH = ("viscous_drag", "thrust_loss_with_speed")
 PARAMETERS = (

@@ -1,13 +1,14 @@
-"""Sideways drag along core and tail, strip by strip.
+"""Cross-flow drag of core and tail by strip theory.
 
     dY = -1/2 rho C d_x w ((1 - e) |w| + e (|w| w_1)^(1/2)) dx,  w = v + x r,  w_1 = 0.1 m/s
     N = integral x dY
 
-over the body from the hinge to the tail base (Gauss points of order 5), and over the tail behind it
-as one strip. The depth of the body goes from (1 + q) times the head's span at the hinge to (1 - q)
-times it at the tail base; the tail is w spans deep.
-Quadratic in the sideways speed; the part e has the power 3/2, of a drag coefficient that falls with
-the Reynolds number. Vanishes in straight swimming and without rotation.
+Integrated over the body from the hinge to the tail base (five Gauss points), and over the tail
+behind it as one strip. d_x is the vertical depth of the body at x; it falls linearly from (1 + q)
+times the head's span at the hinge to (1 - q) times the span at the tail base. The depth of the tail
+is `tail_depth` spans (w in the table). The force is quadratic in the sideways speed w; the part e
+grows as its power 3/2, as with a drag coefficient that falls with the Reynolds number. The force
+vanishes in straight swimming.
 Source: Hoerner (1965), ch. 3; Fossen (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
 """
 
@@ -23,11 +24,8 @@ VARIABLES = (
     "drift",
     "turn",
 )
-STATEMENT = (
-    "Core and tail are dragged sideways through the water when the robot drifts or turns, "
-    "strip by strip along the body."
-)
-REGIME = "tight turns with much drift"
+STATEMENT = "Core and tail have drag across the body when the robot moves sideways or turns."
+REGIME = "tight turns with much sideways motion"
 CONFUSED_WITH = ("tail_fin_lift", "linear_yaw_damping", "stall")
 PARAMETERS = (
     Parameter("drag_coefficient", "1", 0.5, 0.0, 5.0, "of a section across the flow", symbol="C"),

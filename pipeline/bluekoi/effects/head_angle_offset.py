@@ -1,8 +1,9 @@
-"""A head that does not stand at the angle commanded.
+"""Constant offset of the head angle.
 
     phi = commanded + d ((1 - g - b) + g commanded / phi_1 + b sign(commanded)),  phi_1 = 35 deg
 
-A constant offset, a gain (the part g) or backlash (the part b), which leaves a turned head short.
+The error of the head angle phi is a constant offset d, a gain error (the part g) or backlash (the
+part b), by which a turned head stays behind the command.
 Source: own statement (servo horn or push rod set one notch off; length of the horn; play).
 """
 
@@ -16,10 +17,10 @@ KIND = "physics"
 CHANNELS = ("yaw", "sway")
 VARIABLES = ("side",)
 STATEMENT = (
-    "The head does not stand at the commanded angle: a constant offset, so that straight "
-    "runs bend and the two sides differ."
+    "The head does not stand at the commanded angle: a constant offset bends straight runs and "
+    "makes turns to the two sides unequal."
 )
-REGIME = "all trials, to one side"
+REGIME = "all trials, with the same sign"
 CONFUSED_WITH = ("trim_moment", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
     Parameter("offset", "rad", 0.02, -0.4, 0.4, "counter-clockwise positive", symbol="d"),

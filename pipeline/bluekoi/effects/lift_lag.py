@@ -1,13 +1,13 @@
-"""Lift that takes time to build up.
+"""Lift that follows the angle of attack with a delay.
 
-Lift follows its steady value over the time in which the flow passes the plate:
+Lift approaches its steady value over the time in which the flow passes the plate:
 
     z' = (V^(2 - e) sin 2 alpha - z) V / (s h),    y' = (z - y) V / (s h)
 
-and L uses V^e ((1 - w) z + w y) in place of the share k of V^2 sin 2 alpha. w = 0 is a lag of first
-order, w = 1 two of them in series (the flow turns, then the circulation follows). With e = 0 the
-force itself lags, with e = 1 the circulation, with e = 2 only the lift coefficient. The share m k
-of the moment q C_Ma sin 2 alpha lags as well. h is the head length. Vanishes in steady motion.
+In the lift L, the share k of V^2 sin 2 alpha is replaced by k V^e ((1 - w) z + w y). w = 0 is a
+first-order lag, w = 1 two in series (the flow turns, then the circulation follows). With e = 0 the
+force lags, with e = 1 the circulation, with e = 2 the lift coefficient. The share m k of the moment
+q C_Ma sin 2 alpha lags as well. h is the head length. The effect vanishes in steady motion.
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
 """
@@ -20,8 +20,8 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("sway", "yaw")
 VARIABLES = ("angle of attack",)
-STATEMENT = "The lift of the head follows changes of angle and speed with a delay."
-REGIME = "start of turns and every change; nothing in the steady circle"
+STATEMENT = "The lift of the head follows changes of angle of attack and speed with a delay."
+REGIME = "start of turns and every change of speed; not in the steady circle"
 CONFUSED_WITH = ("servo_lag", "added_mass", "motor_spin_up")
 PARAMETERS = (
     Parameter("lagging_share", "1", 0.5, 0.0, 1.2, "share of the lift that lags", symbol="k"),

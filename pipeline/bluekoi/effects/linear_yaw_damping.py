@@ -4,7 +4,7 @@
 
 The part p grows as r^(3/2), as skin friction of a laminar boundary layer on the turning body; the
 part q as V r, as the lift that turning gives to sections of a body that swims ahead.
-Vanishes without rotation; against the quadratic term C_Md it weighs most in slow turns.
+It vanishes without rotation. Relative to the quadratic term C_Md it is largest in slow turns.
 Source: Fossen (2011), sec. 6.4 (linear damping, potential and skin friction); Schlichting and
 Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman (1977), sec. 7.9 (lift of a slender body).
 """
@@ -19,10 +19,10 @@ KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("turn",)
 STATEMENT = (
-    "The water resists turning in proportion to the yaw rate, not only to its square, so slow "
-    "turns are damped more than the model says."
+    "The water damps turning in proportion to the yaw rate, in addition to the quadratic damping "
+    "of the model."
 )
-REGIME = "turns; weighs most at low yaw rate and low power"
+REGIME = "turns, mostly at low yaw rate and low power"
 CONFUSED_WITH = ("tail_fin_lift", "crossflow_drag", "viscous_drag")
 PARAMETERS = (
     Parameter("N_r", "N m s", 0.005, 0.0, 0.3, "moment at 0.5 rad/s and 0.3 m/s over 0.5 rad/s"),

@@ -1,12 +1,12 @@
-"""A motor that takes time to reach its speed.
+"""Spin-up of the motor.
 
     f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
     z = max(1 - t / (2 tau), 0),  t since the start, 0 during the dead time t_d
 
-w = 0 is a first-order motor. w = 1 is a motor with a controller, which reaches full frequency after
-2 tau: by a linear ramp (q = 0) or a soft start (q = 1). In all these forms the tail is behind a
-motor that starts at once by k (tau + t_d) beats per Hz, which a motor log shows
-(`motor/start.py`).
+w = 0 is a first-order motor. w = 1 is a motor with a controller that reaches full frequency after
+2 tau, by a linear ramp (q = 0) or a smooth one (q = 1). In all these forms the lost time is
+k (tau + t_d): the phase stays behind that of a motor with immediate full speed by f times this
+time. A motor log shows it (`motor/start.py`).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """
@@ -20,7 +20,8 @@ KIND = "physics"
 CHANNELS = ("surge",)
 VARIABLES = ("early",)
 STATEMENT = (
-    "The tail does not beat at full frequency from the start: the motor takes time to spin up."
+    "The tail does not beat at full frequency from the start: the motor needs time to reach its "
+    "speed."
 )
 REGIME = "the first second of every trial"
 CONFUSED_WITH = ("added_mass", "time_offset", "thrust_loss_with_speed")

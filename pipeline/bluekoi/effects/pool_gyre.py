@@ -1,12 +1,12 @@
 """One eddy that fills the pool.
 
-Stream function sin(pi x / L) sin(pi y / W), so that no water crosses the walls; G is the largest
-speed along the long walls. The part b is a vortex about the middle of the pool instead, with the
-azimuthal velocity
+The stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses the
+walls; G is the largest speed along the long walls. The part b of the flow is instead a vortex about
+the middle of the pool with the azimuthal velocity
 
     v = 2 G (r / a) / (1 + (r / a)^2),  largest at the radius a of its core
 
-which turns as a solid body where a is large. Source: Batchelor, An Introduction to Fluid Dynamics
+which is a rigid rotation if a is large. Source: Batchelor, An Introduction to Fluid Dynamics
 (1967), sec. 7.4 (cell); Scully, MIT ASRL TR 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1
 (vortex).
 """
@@ -22,10 +22,10 @@ KIND = "physics"
 CHANNELS = ("surge", "sway", "yaw")
 VARIABLES = ("place",)
 STATEMENT = (
-    "The water of the pool turns slowly as one eddy, so that trials are pushed differently in "
-    "different places."
+    "The water of the pool rotates slowly as one eddy, so that the current depends on the "
+    "position in the pool."
 )
-REGIME = "depends on the place in the pool"
+REGIME = "depends on the position in the pool"
 CONFUSED_WITH = ("uniform_current", "wall_effect", "port_starboard_asymmetry")
 PARAMETERS = (
     Parameter("wall_speed", "m/s", 0.01, -0.3, 0.3,

@@ -4,10 +4,10 @@ The head's lift is (1 + k) times as large with the flow from one side and (1 - k
 
     dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
 
-With w above 0 the sides differ less at small angles of attack. The part m of the moment
-q C_Ma sin 2 alpha differs in the same way. The yaw damping C_Md r |r| may differ by the share n,
-and the head's drag C_Da (1 - cos 2 alpha) by the share g. Vanishes at zero angle of attack without
-rotation.
+With w > 0 the difference is smaller at small angles of attack. The part m of the moment
+q C_Ma sin 2 alpha differs in the same way. The yaw damping C_Md r |r| differs by the share n, and
+the head's drag C_Da (1 - cos 2 alpha) by the share g. The effect vanishes at zero angle of attack
+without rotation.
 Source: own statement (asymmetric hull or head cap).
 """
 
@@ -20,7 +20,10 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("sway", "yaw")
 VARIABLES = ("side",)
-STATEMENT = "The robot turns better to one side than to the other."
+STATEMENT = (
+    "Lift, drag or yaw damping differ between the two sides, so that turns to port and to "
+    "starboard differ."
+)
 REGIME = "turns, with opposite sign to port and starboard"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "keypoint_bias")
 STRENGTHS = 3

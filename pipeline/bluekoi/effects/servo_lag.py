@@ -1,10 +1,10 @@
-"""A head that takes time to turn.
+"""Delay of the head servo.
 
     phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
 
-n = 1 and q = 0 is a first-order lag. With a limited rate, n is larger and q = 1: the time is
-proportional to the angle. The core turns by the part c, psi' = r + c phi', and the head by the
-rest; with c = 1 the head keeps its direction, as in Eq. 8.
+n = 1 and q = 0 is a first-order lag. For a servo of limited rate, n is larger and q = 1: the time
+is proportional to the angle. While the servo moves, the core turns by the share c of the change,
+psi' = r + c phi', and the head by the rest. With c = 1 the head keeps its direction, as in Eq. 8.
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
 """
 
@@ -16,7 +16,10 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("yaw", "sway")
 VARIABLES = ("early",)
-STATEMENT = "The head does not stand at its angle from the start: the servo takes time to turn it."
+STATEMENT = (
+    "The head does not stand at its commanded angle from the start: the servo needs time to turn "
+    "it."
+)
 REGIME = "the first second of turns"
 CONFUSED_WITH = ("motor_spin_up", "lift_lag", "time_offset")
 PARAMETERS = (

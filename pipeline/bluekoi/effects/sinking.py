@@ -3,9 +3,9 @@
     seen = c + (1 - g s(t)) (true - c),  c below the camera,    D = -1/2 rho A c_g g s(t) V^2 v_hat
     s(t) = t ((1 - w) + w t / t_1) (1 - exp(-b t)) / (b t),  t since the start, t_1 = 4 s
 
-As its distance from the camera grows, it appears smaller and nearer to the point below the camera,
-g. Trim and drag change with the depth, c_g times as much. w is the part that grows as t^2
-(accelerated sinking); b is the rate at which it settles.
+g is the rate at which the image shrinks towards c as the distance from the camera grows. Trim and
+drag change with the depth: the relative change of the drag is c_g times that of the image. w is the
+part that grows as t^2 (accelerated sinking); b is the rate at which the depth settles.
 Source: own statement (the paper reports slight sinking, sec. III-A).
 """
 
@@ -18,7 +18,8 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("time",)
 STATEMENT = (
-    "The robot sinks during the trial: it looks smaller and smaller, and drag changes with time."
+    "The robot sinks during the trial: its image shrinks towards the point below the camera, and "
+    "its drag changes."
 )
 REGIME = "late in long trials"
 CONFUSED_WITH = ("battery_sag", "wake_reentry")

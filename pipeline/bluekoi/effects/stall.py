@@ -1,7 +1,7 @@
 """Lift lost at a high angle of attack.
 
 The head plate loses the share k w(alpha) of its lift, where w rises from 0 to 1 as |sin alpha| goes
-from s0 to s0 + b, and the share m k w of its moment q C_Ma sin 2 alpha. Vanishes at small angles.
+from s0 to s0 + b, and the share m k w of its moment q C_Ma sin 2 alpha; none at small angles.
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4.
 """
@@ -15,9 +15,9 @@ KIND = "physics"
 CHANNELS = ("sway", "yaw")
 VARIABLES = ("angle of attack",)
 STATEMENT = (
-    "At a high angle of attack the flow separates from the head and part of its lift is lost."
+    "At a high angle of attack the flow separates from the head, which loses part of its lift."
 )
-REGIME = "large head angle, angle of attack beyond some 20 degrees"
+REGIME = "large head angles, with an angle of attack above 20 degrees"
 CONFUSED_WITH = ("head_angle_offset", "lift_lag", "servo_lag")
 PARAMETERS = (
     Parameter("lift_loss", "1", 0.3, 0.0, 1.0, "share of the lift lost in fully separated flow",

@@ -1,17 +1,17 @@
 """Core and tail as a fin.
 
-A low-aspect-ratio fin at distance a behind the centre of mass meets the water at the sideways
-speed v_a = v - a r and gives the side force of a thin wing at small angle. A long one meets it at
-another speed at each station; two stations at a - b and a + b have the same mean and spread:
+A low-aspect-ratio fin at the distance a behind the centre of mass has the sideways speed v - a r
+and the side force of a thin wing at a small angle. On a long fin this speed varies along the fin.
+It is represented by two stations, at a - b and a + b, with the same mean and spread:
 
     dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
     dX = g dY w u / (u^2 + w^2)
 
-with S = C_La,fin x area. p = 0 is the law of a wing at small angles. Sideways flow that contributes
-to the dynamic pressure and cross-flow drag make p larger; a fin that stalls gradually makes it
-smaller. g is the part of the force along the body: above 0 induced drag, below 0 leading-edge
-suction (-1: the force is normal to the flow). The force vanishes without forward speed (p = 0) and
-in straight swimming, which it stabilises.
+with S = C_La,fin x area. p = 0 is the law of a wing at small angles. p is larger if the sideways
+flow contributes to the dynamic pressure, or with cross-flow drag; it is smaller for a fin that
+stalls gradually. g is the part of the force along the body: g > 0 is induced drag, g < 0
+leading-edge suction (g = -1: the force is normal to the flow). The force vanishes in straight
+swimming, which it stabilises, and for p = 0 without forward speed.
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
 Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio).
 """
@@ -29,10 +29,10 @@ VARIABLES = (
     "turn",
 )
 STATEMENT = (
-    "Core and tail act as a fin: moving sideways or turning, they feel a side force that "
-    "grows with forward speed and turns the nose back into the flow."
+    "Core and tail act as a fin: with sideways motion or rotation they produce a side force that "
+    "grows with forward speed and turns the nose into the flow."
 )
-REGIME = "turning or drifting while moving forward; nothing in straight swimming"
+REGIME = "turns and sideways motion with forward speed; not in straight swimming"
 CONFUSED_WITH = ("crossflow_drag", "linear_yaw_damping", "added_mass")
 PARAMETERS = (
     Parameter("lift_area", "m2", 0.03, 0.0, 0.1, "lift slope times area of the fin", symbol="S"),

@@ -2,11 +2,10 @@
 
     N = T d (sin(phi) + w (phi - sin(phi)))
 
-The head's mass swings to one side with phi, and with it the centre of mass: with sin(phi) about a
-hinge (w = 0); w is the part that grows with phi itself, as of a body that bends along an arc. A
-jet that follows the turned body (sin 2 phi) has a w below 0, up to 45 degrees.
-Vanishes with the head straight. Source: rigid-body statics; MODEL equations place T through the
-centre of mass.
+Turning the head by phi moves its mass, and with it the centre of mass, to one side: by sin(phi) for
+a hinge (w = 0). w is the part proportional to phi, as for a body that bends along an arc. w < 0
+describes a tail jet that is deflected by the turned head (sin 2 phi, up to 45 degrees). The moment
+vanishes with a straight head. Source: rigid-body statics; in Eq. 8, T acts at the centre of mass.
 """
 
 from __future__ import annotations
@@ -16,8 +15,11 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("head angle",)
-STATEMENT = "With the head turned, the thrust misses the centre of mass and turns the robot."
-REGIME = "turns, in proportion to thrust; also before it moves"
+STATEMENT = (
+    "When the head is turned, the line of thrust misses the centre of mass, and the thrust turns "
+    "the robot."
+)
+REGIME = "turns, in proportion to thrust; also at rest"
 CONFUSED_WITH = ("head_angle_offset", "trim_moment", "stall")
 PARAMETERS = (
     Parameter("offset", "m", 0.003, -0.05, 0.05,

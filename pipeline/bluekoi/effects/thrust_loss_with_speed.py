@@ -1,10 +1,10 @@
-"""A tail that swims into its own advance.
+"""Thrust that falls with forward speed.
 
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
 Thrust falls with the advance per beat, u / f: linearly, and in the part w with its square. With
 q = 0 the loss depends on the advance, as for a propeller; with q = 1 (w = 0) or 2 (w = 1) the lost
-share of the thrust depends on the speed only. Vanishes at rest; for w = 0 also with a resting tail.
+share of the thrust depends on the speed only. The loss vanishes at rest.
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
 """
@@ -20,8 +20,8 @@ VARIABLES = (
     "speed",
     "beat",
 )
-STATEMENT = "The faster the robot already swims, the less thrust a tail beat gives."
-REGIME = "start-up against cruise: strong push at first, less at speed"
+STATEMENT = "Thrust falls as the forward speed of the robot rises."
+REGIME = "start-up (more thrust) against steady swimming (less thrust)"
 CONFUSED_WITH = ("viscous_drag", "wave_drag", "battery_sag")
 PARAMETERS = (
     Parameter("loss_per_advance", "m", 0.02, 0.0, 1.0,

@@ -1,10 +1,10 @@
-"""A robot that is not quite symmetric.
+"""Constant yaw moment of an asymmetric robot.
 
     N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-p = 1 is an asymmetric hull. The part w goes with the thrust, of which a misaligned tail turns a
-share. Vanishes without motion and beat; turns a robot with a straight head, always to the same
-side.
+p = 1 describes an asymmetric hull. The part w is proportional to the thrust, as for a misaligned
+tail. The moment vanishes if robot and tail are at rest. It turns a robot with a straight head
+always to the same side.
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """
 
@@ -17,9 +17,9 @@ KIND = "physics"
 CHANNELS = ("yaw",)
 VARIABLES = ("side",)
 STATEMENT = (
-    "A small constant turning moment acts even with the head straight: the robot is out of trim."
+    "A small constant yaw moment acts even with a straight head: the robot is not symmetric."
 )
-REGIME = "all trials, to one side, straight runs most visibly"
+REGIME = "all trials, with the same sign; best in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
 PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,

@@ -1,10 +1,10 @@
-"""Water that moves evenly through the pool.
+"""Uniform current in the pool.
 
     w = (c_x (1 + a eta), c_y (1 + a xi)) (1 + b (t - 3 s) / 3 s)
 
-All forces depend on the velocity relative to it. xi = 2 x / L - 1 and eta = 2 y / W - 1
-are 0 in the middle of the pool and 1 at its walls: a is the shear across the current. b is how much
-the current grows, or settles, during a trial.
+All forces depend on the velocity relative to the water. xi = 2 x / L - 1 and eta = 2 y / W - 1 are
+0 in the middle of the pool and 1 at its walls: a is the shear across the current. b is the relative
+change of the current during a trial.
 
 Source: Fossen (2011), sec. 8.3 (relative velocity in an irrotational current).
 """
@@ -17,8 +17,7 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("current",)
 STATEMENT = (
-    "The water itself moves, the same everywhere: the robot is carried along, and turn "
-    "circles drift."
+    "The water moves with the same velocity everywhere and carries the robot along: circles drift."
 )
 REGIME = "all trials, in a fixed direction of the pool"
 CONFUSED_WITH = ("pool_gyre", "keypoint_bias", "trim_moment")

@@ -3,9 +3,8 @@
     D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
 
 Laminar flow (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^(3/2). The part w grows as V, as
-in creeping flow. The part h acts at the head plate, a distance l ahead of the centre of mass, as
-all drag does in the paper; the rest acts at the centre of mass. Weaker than
-quadratic drag as speed grows; vanishes at rest.
+in creeping flow. The part h acts at the head plate, at the distance l ahead of the centre of mass,
+like all drag in the paper; the rest acts at the centre of mass. The force vanishes at rest.
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
 """
 
@@ -19,8 +18,8 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("speed",)
 STATEMENT = (
-    "Skin friction grows more slowly than speed squared, so drag weighs more at low power "
-    "than the model says."
+    "Skin friction grows more slowly than the square of the speed, so that drag at low power is "
+    "larger than in the model."
 )
 REGIME = "low speed: 50 % power, start-up and coasting"
 CONFUSED_WITH = ("coulomb_friction", "thrust_loss_with_speed", "wave_drag")

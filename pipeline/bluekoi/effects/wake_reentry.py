@@ -1,10 +1,10 @@
-"""Coming round into its own wake.
+"""Drag changed by the own wake after a full circle.
 
-After about a circle (in a tight one earlier, since a wake is wider than the body) the robot swims
-in water that it has set in motion: the drag changes by the share -k, smoothly from n_1 - b/2 to n_1
-+ b/2 turns, and by g times as much again with each further turn. Where the wake fades, it counts by
-its age 2 pi / |r| as (age / 6 s)^-a. The part j acts as moving water does, with the speed and not
-with its square. Vanishes in straight runs and short arcs.
+After about one circle (earlier in a tight one, because a wake is wider than the body) the robot
+swims in water that it has set in motion. The drag changes by the share -k, smoothly from n_1 - b/2
+to n_1 + b/2 turns, and by g k more with each further turn. If the wake decays (a > 0), the change
+is multiplied by (age / 6 s)^-a with the age 2 pi / |r|. The part j is proportional to the speed
+instead of its square, as in moving water. The effect vanishes in straight runs and short arcs.
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).
 """
@@ -17,7 +17,7 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("heading turned",)
-STATEMENT = "After a full circle the robot meets the water that it stirred up itself."
+STATEMENT = "After a full circle the robot swims through its own wake."
 REGIME = "tight turns beyond 360 degrees of arc"
 CONFUSED_WITH = ("battery_sag", "sinking")
 PARAMETERS = (

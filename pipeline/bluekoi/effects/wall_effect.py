@@ -1,12 +1,11 @@
-"""Water held up between the body and a wall.
+"""Forces close to a wall of the pool.
 
-    D grows by k near(d),  near = (1 - w) exp(-d / s) + w / (1 + (d / s)^2), for each wall at d
-    a force g near(d) 1/2 rho A V^2 pulls towards it, and a moment as of j in place of g at 0.1 m
-    ahead of the centre of mass turns towards it
+    n(d) = (1 - w) exp(-d / s) + w / (1 + (d / s)^2),  d: distance from the wall
+    drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m),  q = rho V^2 / 2
 
-The part w falls with the square of the distance, like the effect of an image behind the wall in two
-dimensions; g is the suction of such an image and j what turns the robot towards it. Vanishes away
-from walls.
+summed over the four walls. The part w falls as the square of the distance, like the effect of an
+image behind the wall in two dimensions. g is the attraction by this image, and j the force that
+turns the robot if it acts 0.1 m ahead of the centre of mass. The effect vanishes away from walls.
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
 
@@ -18,8 +17,10 @@ from ..integrate.system import Parameter
 KIND = "physics"
 CHANNELS = ("surge", "sway", "yaw")
 VARIABLES = ("place",)
-STATEMENT = "Close to a wall of the pool the robot is slowed, pulled or turned."
-REGIME = "within some 0.3 m of a wall"
+STATEMENT = (
+    "Close to a wall of the pool, additional drag, an attraction and a yaw moment act on the robot."
+)
+REGIME = "within about 0.3 m of a wall"
 CONFUSED_WITH = ("pool_gyre", "uniform_current")
 STRENGTHS = 3
 PARAMETERS = (

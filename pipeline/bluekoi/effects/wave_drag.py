@@ -1,11 +1,12 @@
-"""Drag of the waves that a robot close to the surface makes.
+"""Wave drag close to the surface.
 
     D = -k V^4 ((1 - w) + w (V / V_1)^2) (1 + g R(V)) v_hat,  V_1 = 0.4 m/s
     R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2
 
-It rises faster than speed squared below the hull speed; w is the part that grows as V^6. Waves of
-bow and stern that reinforce each other give it a hump at the speed V_c, of the height g. The part h
-acts at the head plate, a distance l ahead of the centre of mass, the rest at the centre of mass.
+Below the hull speed, wave drag rises faster than the square of the speed; w is the part that grows
+as V^6. Interference of bow and stern waves gives a hump of the height g at the speed V_c. The part
+h acts at the head plate, at the distance l ahead of the centre of mass, the rest at the centre of
+mass.
 
 Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
 Hoerner (1965), ch. 11.
@@ -19,7 +20,8 @@ KIND = "physics"
 CHANNELS = ("surge", "sway")
 VARIABLES = ("speed",)
 STATEMENT = (
-    "Close to the surface the robot makes waves, a drag that grows faster than speed squared."
+    "Close to the surface the robot makes waves; their drag grows faster than the square of the "
+    "speed."
 )
 REGIME = "the highest speeds: 100 % power"
 CONFUSED_WITH = ("thrust_loss_with_speed", "viscous_drag")

@@ -1,10 +1,10 @@
 """Figures of a campaign, one file each; the folder is the registry.
 
-A figure module has TITLE, CAPTION (text for the report), REQUIRED_RESULTS (fields of `Campaign` without
-which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on the
-campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
-`unavailable(campaign)`, the reason or an empty string.
-Code shared by several figures is in `drawing`.
+A figure module has TITLE, CAPTION (text for the report), REQUIRED_RESULTS (fields of `Campaign`
+without which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on
+the campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
+`unavailable(campaign)`, the reason or an empty string. Code shared by several figures is in
+`drawing`.
 """
 
 from __future__ import annotations

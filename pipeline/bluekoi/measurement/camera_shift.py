@@ -1,9 +1,9 @@
-"""A camera that was moved between trials or during one.
+"""A camera that was moved between or during trials.
 
-From the moment t_shift of a trial on, everything in it appears displaced by (dx, dy). If the camera
-moved in several trials, (dx, dy) is the displacement of the trial that determines it best; those of
-the other trials follow from it by the rotation and scale (x_shift, y_shift) with which they were
-found, which is (1, 0) for a single trial.
+From the time t_shift of a trial on, all positions are displaced by (dx, dy). If the camera moved in
+several trials, (dx, dy) is the displacement in the trial that determines it best. The displacements
+of the other trials relative to it are fixed at their first estimates: a rotation and scale
+(x_shift, y_shift), which is (1, 0) for a single trial.
 Source: own statement.
 """
 
@@ -14,8 +14,8 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("sway", "yaw")
-STATEMENT = "The camera was moved: from some moment on everything appears displaced."
-REGIME = "from one trial or moment on"
+STATEMENT = "The camera was moved: from some time on, all positions are displaced."
+REGIME = "from one trial or time on"
 CONFUSED_WITH = ("keypoint_bias", "uniform_current")
 STRENGTHS = 2
 PARAMETERS = (

@@ -12,7 +12,7 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway", "yaw")
 STATEMENT = "The frame rate is wrong: all motion appears too slow or too fast by the same factor."
-REGIME = "everything, in proportion to speed; tail beats in the video against the motor log"
+REGIME = "all motion, in proportion to speed; tail beats in the video compared with the motor log"
 CONFUSED_WITH = ("scale_error",)
 EVIDENCE = {"clock_ratio": {"rate_error": 1.0}}
 PARAMETERS = (

@@ -1,7 +1,7 @@
-"""A keypoint that is always marked away from its true point.
+"""Constant offset of a keypoint on the body.
 
-The pose is fitted to all keypoints, so that an offset of one of them moves the whole: the core
-centre by (bx, by) along and across the core, the core's heading by bpsi, the head angle by bphi.
+The pose is fitted to all keypoints. An offset of one of them therefore shifts the fitted core
+centre by (bx, by) along and across the core, the core's heading by bpsi and the head angle by bphi.
 The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
 Source: own statement.
 """
@@ -12,7 +12,7 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("sway", "yaw")
-STATEMENT = "A keypoint is always marked away from its true point on the robot."
+STATEMENT = "A keypoint is always marked away from its true position on the robot."
 REGIME = "all frames, fixed to the robot"
 CONFUSED_WITH = ("centre_of_mass_shift", "trim_moment", "head_angle_offset", "camera_shift")
 STRENGTHS = 4

@@ -1,12 +1,13 @@
-"""Lens distortion left over.
+"""Residual lens distortion.
 
     seen = true + k [(rho^2 - q Q) (true - c) + a] + (p_x, p_y) (rho^2 - q Q)
 
-rho is the distance from c, where the lens axis meets the water; k is the radial part and (p_x, p_y)
-the tangential one, of a lens whose elements are not in line. The camera pose was fitted to the
-pool corners and compensates part of the error; Q and a describe that part. Q, a and c are computed
-from the camera of the study with another first coefficient (camera/error_displacement.py), q = 1.
-Of the tangential distortion 2 p.d d + rho^2 p, the pose compensates the first term, a tilt.
+rho is the distance of `true` from c, the point where the lens axis meets the water. k is the radial
+distortion and p = (p_x, p_y) the tangential one, of a lens whose elements are not aligned. The
+camera pose was fitted to the pool corners and compensates part of the error: Q and a describe that
+part. Q, a and c are computed from the camera of the study with a changed first distortion
+coefficient (camera/error_displacement.py), for which q = 1. Of the tangential distortion
+2 (p . d) d + rho^2 p with d = true - c, the pose compensates the first term, a tilt.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """
@@ -18,7 +19,8 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
 STATEMENT = (
-    "The lens correction is wrong: positions are displaced outwards or inwards towards the edges."
+    "The lens correction is wrong: towards the edges of the picture, positions are displaced "
+    "outwards or inwards."
 )
 STRENGTHS = 3
 REGIME = "towards the edges of the pool"

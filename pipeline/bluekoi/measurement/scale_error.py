@@ -2,9 +2,9 @@
 
     seen - c = ((1 + k (1 + a)) x, (1 + k (1 - a)) y),  x, y = true - c, c the middle of the pool
 
-a is 1 or -1 where one side of the pool alone was stated wrong.
-If a detector places keypoints at stated lengths behind the nose, the error applies to the nose. It
-lies the distance `ahead` in front of the core's centre.
+a is 1 or -1 if only one side of the pool was stated wrong. If a detector places the keypoints at
+stated lengths behind the nose, the error applies to the nose, which lies at the distance `ahead` in
+front of the core's centre.
 Source: own statement (pool dimensions or corner marks wrong).
 """
 
@@ -15,7 +15,7 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
 STATEMENT = "The scale is wrong: all lengths appear too long or too short by the same factor."
-REGIME = "everything, in proportion"
+REGIME = "all positions, in proportion"
 CONFUSED_WITH = ("uncorrected_refraction", "clock_error")
 PARAMETERS = (
     Parameter("length_error", "1", 0.01, -0.3, 0.3, "share by which lengths are observed too long",

@@ -1,9 +1,9 @@
-"""Recordings that do not start together.
+"""Video, commands and motor log that do not start together.
 
-The motion starts d after the video, or after the start that the motor log shows, with full
-thrust. A video that starts during the motion has no
-effect, since each trial's initial state is free. A motor log whose clock is e ahead of the video is
-visible only in the phase of the tail beat (`motor/delay.py`).
+The motion starts with full thrust at the time d after the start of the video, or after the start
+that the motor log shows. A video that starts during the motion has no effect, because the initial
+state of each trial is free. If the motor log is the time e ahead of the video, this is visible only
+in the phase of the tail beat (`motor/delay.py`).
 Source: own statement.
 """
 
@@ -14,10 +14,10 @@ from ..integrate.system import Parameter
 
 KIND = "measurement"
 CHANNELS = ("surge",)
-STATEMENT = (
-    "Video, commands and motor log do not start at the same time: the video is early or late."
+STATEMENT = "Video, commands and motor log do not start at the same time."
+REGIME = (
+    "the start of every trial; the phase of the tail beat in the video compared with the motor log"
 )
-REGIME = "the start of every trial; the phase of the tail beat in the video against the motor log"
 EVIDENCE = {"delay": {"log_lead": 1.0}}
 STRENGTHS = 2
 CONFUSED_WITH = ("motor_spin_up", "servo_lag")

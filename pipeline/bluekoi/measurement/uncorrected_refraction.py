@@ -1,8 +1,12 @@
-"""Refraction at the surface not corrected, or for the wrong depth.
+"""Refraction at the surface not corrected, or for a wrong depth.
 
-For a camera above the point (x_c, y_c), a keypoint that lies deeper than assumed appears closer to
-that point: seen = true - k (true - c) (1 + q b rho^2), with b from the height of the camera and the
-index stated (camera/error_displacement.py), q = 1 where either index or depth is wrong.
+c = (x_c, y_c) is the point below the camera. A keypoint that lies deeper than assumed appears
+closer to it:
+
+    seen = true - k (true - c) (1 + q b rho^2),  rho = |true - c|
+
+b follows from the camera's height and the stated index (camera/error_displacement.py). q = 1 if
+only the index or only the depth is wrong.
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
 
@@ -13,10 +17,10 @@ from ..integrate.system import Parameter
 KIND = "measurement"
 CHANNELS = ("surge", "sway")
 STATEMENT = (
-    "Refraction at the water's surface was not corrected, or for the wrong depth: lengths "
-    "come out too short, more so towards the edges."
+    "Refraction at the water surface was not corrected, or for a wrong depth: lengths appear too "
+    "short, more so towards the edges of the pool."
 )
-REGIME = "everything, more so towards the edges of the pool"
+REGIME = "all positions, more so towards the edges of the pool"
 CONFUSED_WITH = ("scale_error", "lens_error")
 PARAMETERS = (
     Parameter("inward_shift", "1", 0.005, -0.05, 0.05,

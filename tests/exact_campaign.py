@@ -168,7 +168,7 @@ def searched(base: Campaign) -> Campaign:
         **base.__dict__,
         "geometry": GEOMETRY,
         "mismatch": {
-            "verdict": "physics", "sentence": "Physics left out: linear_yaw_damping.",
+            "verdict": "physics", "sentence": "Missing physics: linear_yaw_damping.",
             "causes": [cause], "rivals": [],
             "probabilities": {"linear_yaw_damping": 0.98, "servo_lag": 0.04},
             "where": [{"channel": "yaw", "variable": "yaw_rate_rad_s", "share": 0.7,

@@ -292,7 +292,7 @@ def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
     assert other.endswith("has no T77, 50 %, 75 %")
     done = CliRunner().invoke(main, ["simulate", str(study), "--flap-hz", "4", "--results",
                                      str(folder)])  # fmt: skip
-    assert "Beware: these trials do not determine C_Da" in done.output
+    assert "Warning: these trials do not determine C_Da" in done.output
 
 
 def test_of_turns_as_tight_the_tested_and_the_faster_one_is_the_answer() -> None:
@@ -365,7 +365,7 @@ def test_a_schedule_is_run_to_its_end_and_a_cut_is_reported(study: Path, tmp_pat
     file.write_text("time_s,flap_hz,head_angle_deg\n0,4,0\n15,4,0\n20,4,45\n")
     whole = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file)])
     assert "after 20 s" in whole.output
-    assert "Beware" not in whole.output
+    assert "Warning" not in whole.output
     cut = CliRunner().invoke(main, ["simulate", str(study), "--schedule", str(file), "--seconds",
                                     "5"])  # fmt: skip
     assert "the schedule goes on to 20 s, the simulation ends at 5 s" in cut.output

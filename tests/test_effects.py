@@ -91,7 +91,7 @@ def test_mirror_symmetry(effect: Effect) -> None:
 @pytest.mark.parametrize("effect", [e for e in ALL if e.name in ONE_SIDED], ids=lambda e: e.name)
 def test_one_sided_effects_say_so(effect: Effect) -> None:
     reported = (effect.regime + effect.statement).lower()
-    words = ("to one side", "two sides", "place", "wall", "direction", "everything", "all frames",
+    words = ("to one side", "two sides", "position", "wall", "direction", "all frames", "same sign",
              "edges", "opposite sign", "displaced")  # fmt: skip
     assert any(word in reported for word in words)
 

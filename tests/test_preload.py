@@ -27,7 +27,7 @@ from bluekoi.study import Setup, Trial
 from bluekoi.synthetic.campaign import study_contents
 from bluekoi.synthetic.conditions import Conditions
 from bluekoi.synthetic.design import demo_design
-from bluekoi.synthetic.film import frames_of
+from bluekoi.synthetic.film import render_frames
 from bluekoi.synthetic.trial import solve_trial
 
 def compiled():
@@ -41,7 +41,7 @@ before = compiled()
 design = replace(demo_design(), conditions=Conditions(size_px=(640, 360)))
 trial = solve_trial(design, "T20")
 few = replace(trial, time_s=trial.time_s[::8])
-film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(frames_of(design, few))]
+film = [Frame(i, float(few.time_s[i]), p.luma) for i, p in enumerate(render_frames(design, few))]
 plan = trial.plan
 silhouette.detect(lambda: film, Setup(**study_contents(design), detection={"body": "rigid"}), Trial(
     trial_id="T20", source="a.mp4", power_pct=plan.power_pct, head_angle_deg=plan.head_angle_deg,

@@ -125,12 +125,12 @@ def test_excluded_trials_are_named_with_the_reason(tmp_path):
 def test_names_and_variables_are_written_in_words(tmp_path, found):
     mismatch = {
         **found.mismatch,
-        "sentence": "Physics left out: linear_yaw_damping and a_thing.",
+        "sentence": "Missing physics: linear_yaw_damping and a_thing.",
         "where": [{"channel": "yaw", "variable": "sway_speed_m_s", "share": 0.5, "trials": []}],
         "next_trial": {"power_pct": 50, "why": "here tail_fin_lift and crossflow_drag part most"},
     }
     text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
-    assert "Physics left out: linear yaw damping and a_thing." in text
+    assert "Missing physics: linear yaw damping and a_thing." in text
     assert "sway speed, positive to the left (m/s)" in text
     assert "here tail fin lift and crossflow drag part most" in text
     assert "linear yaw damping: N_r (N m s)" in text

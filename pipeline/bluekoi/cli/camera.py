@@ -71,9 +71,9 @@ def pool(
 ) -> None:
     """Draw the pool corners of STUDY on FRAME, and check them against the edges seen.
 
-    FRAME is a picture or a video; without it the first frame of a trial. While study.yaml has no
-    corners yet, a ruled picture is drawn to read them off. Exit code 0 only where the edges are
-    found with certainty and confirm the corners given.
+    FRAME is a picture or a video; default: the first frame of a trial. If study.yaml has no corners
+    yet, the frame is drawn with a pixel grid to read them off. The exit code is 0 only if the edges
+    are found with certainty and confirm the given corners.
     """
     from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415

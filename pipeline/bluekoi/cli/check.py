@@ -30,7 +30,7 @@ def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> No
     help="Show meaning, unit and default of a key of study.yaml or a column of trials.csv.",
 )
 def check(study: Path) -> None:
-    """List all that is wrong in the files of STUDY, a folder with study.yaml and trials.csv."""
+    """List all errors in the files of STUDY, a folder with study.yaml and trials.csv."""
     from ..errors import InputError  # noqa: PLC0415
     from ..preparation.input_check import file_findings, setup_findings  # noqa: PLC0415
     from ..study import load_study, missing_files  # noqa: PLC0415

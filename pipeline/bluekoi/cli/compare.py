@@ -25,7 +25,7 @@ MARKED_ABOVE_STDS = 3.0
 @click.argument("first", type=StudyName("demo", path_type=Path))
 @click.argument("second", type=StudyName("demo", path_type=Path))
 @click.option("--out", type=NonEmptyPath(path_type=Path), help="Folder for table and figure.")
-@click.option("--all", "everything", is_flag=True, help="List what is the same as well.")
+@click.option("--all", "everything", is_flag=True, help="Also list what is equal.")
 def compare(first: Path, second: Path, out: Path | None, everything: bool) -> None:
     """Show what differs between two runs: coefficients, causes, errors, settings and inputs.
 

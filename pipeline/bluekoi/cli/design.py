@@ -29,10 +29,10 @@ if TYPE_CHECKING:
               show_default=True,
               help="Head lengths.")  # fmt: skip
 @click.option("--robot", "other", multiple=True, metavar="KEY=NUMBERS",
-              help="A further key of robot in study.yaml: mass_kg=0.5,0.7.")  # fmt: skip
+              help="Values of another key of `robot`, e.g. mass_kg=0.5,0.7.")  # fmt: skip
 @click.option("--speed-m-s", type=FiniteNumber(min=0), default=0.0, show_default=True,
-              help="The turn must be at least so fast.")  # fmt: skip
-@click.option("--tested-only", is_flag=True, help="Answer from the tested range alone.")
+              help="Lowest speed of the turn.")  # fmt: skip
+@click.option("--tested-only", is_flag=True, help="Restrict the answer to the tested range.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder; default: RESULTS/design.")
 def design(
     *, study: Path, results: Path | None, model: str | None, powers: tuple[float, ...], angles_deg:
@@ -41,8 +41,8 @@ def design(
 ) -> None:  # fmt: skip
     """Speed and radius of other designs of STUDY's robot, and the tightest turn among them.
 
-    Writes designs.csv and designs.png; designs that no other beats in speed and radius are on the
-    front.
+    Writes designs.csv and designs.png. Designs that no other design surpasses in both speed and
+    radius form the Pareto front.
     """
     from ..data import write_columns  # noqa: PLC0415
     from ..design_space import columns, designs, load_fitted, smallest_radius, tested_range  # noqa: PLC0415
@@ -64,7 +64,7 @@ def design(
     click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
     click.echo(_answer(best, speed_m_s) if best else _none(found, speed_m_s, tested_only))
     for sentence in fit.warnings:
-        click.echo(f"Beware: {sentence}.", err=True)
+        click.echo(f"Warning: {sentence}.", err=True)
 
 
 def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:

@@ -30,7 +30,7 @@ Verdict = tuple[bool, str]
 @click.command()
 @click.pass_context
 def doctor(ctx: click.Context) -> None:
-    """Tell what is missing on this machine, and how to mend it."""
+    """Check whether this machine has what a run needs, and say how to install what is missing."""
     sound = True
     for check in (_python, _packages, _shell, _codec, _compiled, _room, _memory, _extras):
         for good, text in check():

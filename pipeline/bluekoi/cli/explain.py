@@ -19,7 +19,7 @@ from .parameter_types import NonEmptyPath
     "others",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="A folder of recordings to predict, not fitted (repeat).",
+    help="A folder of recordings to predict without fitting them (may be repeated).",
 )
 @click.option(
     "--left-out", is_flag=True, help="Predict each condition by models fitted to the others."
@@ -29,23 +29,27 @@ from .parameter_types import NonEmptyPath
     type=FiniteNumber(min=0.001),
     default=1.0,
     show_default=True,
-    help="First seconds of a predicted trial that tell its start.",
+    help="Duration at the start of a predicted trial from which its initial state is estimated.",
 )
-@click.option("--candidates", metavar="NAMES", help="Causes to ask for, joined by commas.")
-@click.option("--without", metavar="NAMES", help="Causes to leave out, joined by commas.")
+@click.option(
+    "--candidates", metavar="NAMES", help="Candidate causes to test, separated by commas."
+)
+@click.option(
+    "--without", metavar="NAMES", help="Candidate causes to exclude, separated by commas."
+)
 @click.option(
     "--compare",
     "sets",
     multiple=True,
     metavar="NAMES",
-    help="A set of causes, joined by commas, to fit and compare as well (repeat).",
+    help="A set of causes, separated by commas, to fit in addition (may be repeated).",
 )
-@click.option("--quiet", is_flag=True, help="No lines of progress.")
+@click.option("--quiet", is_flag=True, help="Do not show progress.")
 def explain(
     *, model: Path, data: Path, out: Path | None, others: tuple[Path, ...], left_out: bool, known_s:
     float, candidates: str | None, without: str | None, sets: tuple[str, ...], quiet: bool,
 ) -> None:  # fmt: skip
-    """Which causes the model in MODEL.py leaves out of the recordings in the folder DATA.
+    """Find the causes that the model in MODEL.py lacks to describe the recordings in DATA.
 
     MODEL.py is run as a program: use only files that you would run yourself. Writes
     explanation.json, explanation.md and report.html.

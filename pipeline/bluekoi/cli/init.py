@@ -24,10 +24,10 @@ HEAD_LENGTH_HELP = "1x head, nose to hinge, m; filled in for every trial."
 def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | None) -> None:
     """Write study.yaml and trials.csv for VIDEOS, keypoint files, or all that a folder holds.
 
-    The folder of the study is the one given, or that of the files, or the current one. Motor logs
-    in it are matched by name; power and head angle are read from names such as p50_phi-20.mp4.
-    What cannot be read off the files is left empty, each with a comment on its meaning and unit;
-    `bluekoi check` lists what is still to be filled in. Nothing is overwritten.
+    The folder of the study is the one given with --study, else that of the files, else the current
+    one. Motor logs in it are matched by name; power and head angle are read from names such as
+    p50_phi-20.mp4. Keys that the files do not determine are left empty, with a comment on their
+    meaning and unit; `bluekoi check` lists them. No file is overwritten.
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415

@@ -105,7 +105,7 @@ def check_cores(_ctx: click.Context, _param: click.Parameter, value: str) -> str
 def run(
     ctx: click.Context, study: str, results: Path | None, cores: str, further: tuple[str, ...]
 ) -> None:
-    """Analyse STUDY, a folder or `demo`; what was done already is kept.
+    """Analyse STUDY, a folder or `demo`; results that are up to date are kept.
 
     FURTHER options go to Snakemake as they stand, after `--`.
     """

@@ -27,7 +27,7 @@ def run_command(study: Path, results: Path) -> list[str]:
 @click.option("--browser/--no-browser", default=True, show_default=True,
               help="Open the page in the browser.")  # fmt: skip
 def setup(study: Path, results: Path | None, port: int, browser: bool) -> None:
-    """Set STUDY up in the browser, from a folder of videos to a study that runs.
+    """Fill in the files of STUDY in the browser, starting from a folder of videos.
 
     The page is served on this machine alone, at an address with a random token, until Ctrl-C.
     Nothing is written before it is saved there.

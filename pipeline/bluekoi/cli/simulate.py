@@ -30,12 +30,12 @@ PICTURE_SUFFIXES = (".png", ".pdf", ".svg")
 @click.command()
 @click.argument("study", type=StudyName(path_type=Path))
 @click.option("--flap-hz", type=FiniteNumber(0, 100), help="Flapping frequency.")
-@click.option("--power-pct", type=FiniteNumber(0, 300), help="Or motor power.")
+@click.option("--power-pct", type=FiniteNumber(0, 300), help="Motor power, instead of a frequency.")
 @click.option("--head-angle-deg", type=FiniteNumber(-120, 120), help="Default: 0.")
 @click.option("--schedule", type=click.Path(path_type=Path),
               help="csv of commands: time_s, head_angle_deg, power_pct or flap_hz.")  # fmt: skip
 @click.option("--manoeuvre", type=click.Choice(MANOEUVRE_NAMES),
-              help="Or a well-known one, made from frequency, head angle and seconds.")  # fmt: skip
+              help="Standard manoeuvre with this frequency, angle and duration.")  # fmt: skip
 @click.option("--head-length-m", type=FiniteNumber(0, 10, min_open=True), help="Default: 1x.")
 @click.option("--seconds", type=FiniteNumber(0.1, 600),
               help="Default: 10, or to the end of the schedule if that is later.")  # fmt: skip
@@ -78,7 +78,7 @@ def simulate(
         _print_path(run)
     _save(run, commands, setup, length, out=out, picture=picture)
     for sentence in _warnings(fit, run, commands, power_pct):
-        click.echo(f"Beware: {sentence}.", err=True)
+        click.echo(f"Warning: {sentence}.", err=True)
 
 
 def _refuse_idle(

@@ -50,13 +50,13 @@ ask for files.
 @click.option("--cores", default="all", show_default=True, callback=check_cores,
               help="How many jobs at once.")  # fmt: skip
 @click.option("--every", "every_s", type=click.FloatRange(0.1), default=2.0, show_default=True,
-              help="Seconds between two looks at the files.")  # fmt: skip
+              help="Seconds between two checks of the files.")  # fmt: skip
 def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None:
     """Analyse STUDY again whenever a file or a row in it changes, until Ctrl-C.
 
-    RESULTS/watch.html shows the report and loads it again after each analysis. A file that is still
-    being copied is left until it is whole; an error in the study is reported, and the next change
-    waited for.
+    RESULTS/watch.html shows the report and reloads it after each analysis. A file that is still
+    being copied is read when its size no longer changes. After an error in the study is reported,
+    the next change is awaited.
     """
     from ..files import write_text  # noqa: PLC0415
 

@@ -231,7 +231,7 @@ def _random_forces(ready: Prepared, best: Scored, bare: Scored) -> list[str]:
         now, before = best.model.noise.disturbance[k], bare.model.noise.disturbance[k]
         if best.causes and now > MAX_RANDOM_FORCE_SHARE * before and now > 0:
             out.append(f"The random force on {channel} is {now:.3g} with the named causes and "
-                       f"{before:.3g} without: laws may hide in it.")  # fmt: skip
+                       f"{before:.3g} without: it may contain missing physics.")  # fmt: skip
         if best.model.noise.tau[k] >= 0.99 * ready.model.random_force_s[2]:
             out.append(
                 f"The random force on {channel} lasts as long as it may "

@@ -57,7 +57,7 @@ def explanation_json(found: Explanation) -> dict[str, Any]:
 def sentence(found: Explanation) -> str:
     """The verdict in a sentence or two."""
     if found.verdict == "none":
-        return "Nothing beyond the noise: no candidate is more probable than not."
+        return "No mismatch beyond the noise: no candidate has a probability above 1/2."
     said = [f"{c.name} ({c.probability:.2f}): {found.model.by_name[c.name].statement}"
             for c in found.named]  # fmt: skip
     if found.verdict == UNEXPLAINED:

@@ -244,8 +244,8 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> lis
     for name, force, main, t, bound in zip(names, forces, mean, tau, upper, strict=False):
         if force > MAX_RANDOM_FORCE_SHARE * main:
             at = " with a correlation time at its bound" if t >= 0.99 * bound else ""
-            out.append(f"The random {name} force is comparable to the main force{at}: "
-                       "laws may hide in it.")  # fmt: skip
+            out.append(f"The estimated random {name} force is comparable to the main force{at}: "
+                       "it may contain missing physics.")  # fmt: skip
     return out
 
 

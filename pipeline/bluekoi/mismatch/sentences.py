@@ -38,18 +38,18 @@ def verdict_sentence(
 def _nothing(found: MismatchResult) -> str:
     if not _determined(found):
         return (
-            "These trials determine hardly any coefficient, so nothing can be said about what "
-            "the model lacks: film turns to both sides at two head angles and two powers."
+            "These trials determine fewer than half of the coefficients, so the search cannot tell "
+            "what the model lacks: film turns to both sides at two head angles and two powers."
         )
     if extra := excess_error_clause(found):
-        return f"No cause is more probable than not, yet {_errors(found)}{extra}."
-    return "Nothing beyond the noise: the model as it stands explains these recordings."
+        return f"No cause has a probability above 1/2, but {_errors(found)}{extra}."
+    return "No mismatch beyond the noise: the model without further causes describes these trials."
 
 
 def _errors(found: MismatchResult) -> str:
     before, after = (1000 * found.errors[k]["path_rmse_m"] for k in ("baseline", "extended"))
     held = set(found.held_out) < {f.name for f in found.forces}
-    on = "on trials not fitted" if held else "on the fitted trials (none could be held out)"
+    on = "on held-out trials" if held else "on the fitted trials (none could be held out)"
     if found.verdict == "none":
         return f"{on} the path error is {before:.1f} mm"
     way = "falls" if after < before else "changes"
@@ -66,7 +66,7 @@ def unexplained_sentence(variable: str) -> str:
 
 def _blame(named: Sequence[Mapping[str, Any]]) -> str:
     kind = next((c["kind"] for c in named if c["name"] != UNEXPLAINED), "")
-    return "The measurement is at fault" if kind == "measurement" else "Physics left out"
+    return "Measurement error" if kind == "measurement" else "Missing physics"
 
 
 def _with_probability(cause: Mapping[str, Any]) -> str:
@@ -79,8 +79,8 @@ def excess_error_clause(found: MismatchResult) -> str:
     after, floor = found.errors["extended"]["path_rmse_m"], found.floor_m
     if not after > MAX_NOISE_FLOOR_RATIO * floor > 0:
         return ""
-    return (f", {after / floor:.1f} times what noise explains: a law has another form than the "
-            "model's, or more is missing that these trials do not identify")  # fmt: skip
+    return (f", {after / floor:.1f} times the noise floor: a force has another form than in the "
+            "model, or these trials do not identify everything that is missing")  # fmt: skip
 
 
 def _determined(found: MismatchResult) -> bool:

@@ -146,7 +146,7 @@ def with_clock_cause(
     return {
         **content,
         "verdict": clock_error.KIND,
-        "sentence": f"The measurement is at fault: clock_error, {said}.{rest}",
+        "sentence": f"Measurement error: clock_error, {said}.{rest}",
         "causes": [cause, *others],
         "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
         "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},

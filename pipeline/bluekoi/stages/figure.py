@@ -21,5 +21,5 @@ def figure(study: Path, results: Path, figure: str) -> None:
 def preload() -> None:
     """Import all figures."""
     figures = import_module("bluekoi.figures")
-    for name in figures.names():
+    for name in figures.figure_names():
         figures.title(name)

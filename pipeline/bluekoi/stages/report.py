@@ -18,7 +18,7 @@ def report(study: Path, results: Path) -> None:
     campaign = load_campaign(results, load_study(study))
     figures_text = {
         name: (figures.title(name, campaign), figures.caption(name, campaign))
-        for name in figures.names()
+        for name in figures.figure_names()
     }
     write_report(
         campaign, figures_text, results / "figures", results / "overlays", Layout(results).report

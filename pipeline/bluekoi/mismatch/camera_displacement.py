@@ -1,8 +1,9 @@
-"""Moments at which everything seen was displaced at once: a camera that was moved.
+"""Times at which all positions were displaced at once, because the camera was moved.
 
-A swimming body does not jump, so a level shift needs no model of what is missing. For every moment
-of a trial the displacement from then on that fits the filter's prediction errors e best has the
-generalised likelihood ratio (Willsky and Jones, IEEE Trans. Automatic Control 21 (1976), 108)
+A swimming body does not jump; a level shift of the positions can therefore be detected without
+knowing which physics is missing. For every time of a trial, the displacement from then on that fits
+the filter's prediction errors e best has the generalised likelihood ratio (Willsky and Jones, IEEE
+Trans. Automatic Control 21 (1976), 108)
 
     J = de / d(displacement),   lambda = (J'e)' (J'J)^-1 (J'e),
 

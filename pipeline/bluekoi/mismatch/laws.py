@@ -36,7 +36,7 @@ VARIABLES_OF_EFFECT: Mapping[str, tuple[str, ...]] = {
     "time": ("time_s",),
     "turn": ("yaw_rate_rad_s",),
 }
-"""`VARIABLES` of an effect -> variables over which its law is drawn."""
+"""`VARIABLES` of an effect -> variables of `covariates` over which its law may be drawn."""
 DERIVATIVE_STEP_STDS = 0.1
 """Step of the derivatives with respect to a parameter, in its standard deviations."""
 

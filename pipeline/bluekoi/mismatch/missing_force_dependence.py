@@ -1,9 +1,9 @@
-"""The missing force: along the paths, and in what it depends on.
+"""The missing force along the paths, and the variables that it depends on.
 
-The disturbance states of the filter around the fitted model, smoothed, are the force that the model
-lacks, with its uncertainty. What it depends on follows from cross-validation: a smooth curve over a
-variable, fitted to the other conditions, predicts it in a condition left out. Correlated errors
-within a trial cannot imitate that.
+The missing force is the smoothed estimate of the disturbance states of the filter around the fitted
+model. Its dependence on a variable is tested by cross-validation: a smooth curve over the variable
+is fitted to the other conditions and predicts the force in the condition left out. Errors that are
+correlated within a trial cannot produce such a dependence.
 """
 
 from __future__ import annotations

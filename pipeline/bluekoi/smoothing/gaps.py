@@ -1,8 +1,8 @@
-"""Deviations over gaps, calibrated on artificial gaps of the same length in the same trial.
+"""Uncertainty over gaps, calibrated on artificial gaps of the same length in the same trial.
 
-A process noise that fits frame by frame may state the error over many unseen frames wrongly: the
-motion of a fish changes from stroke to stroke. Where frames were seen they are hidden in runs as
-long as the gap. The smoothed state then changes by d, whose covariance the model states exactly,
+A process noise estimated from consecutive frames may give a wrong error over many unseen frames,
+because the motion of a fish changes from stroke to stroke. Therefore measured frames are hidden in
+intervals as long as the gap. This changes the smoothed state by d, with the covariance
 
     cov(d) = P_hidden - P_seen,
 
@@ -19,13 +19,14 @@ from .kalman_numba import compiled_filter_and_smooth
 from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
 MIN_GAP_NODES = 3
-"""Nodes of a gap whose deviations are calibrated; over shorter ones the model is not at issue."""
+"""Shortest gap, in nodes, whose standard deviations are calibrated."""
 GAP_MARGIN_NODES, MIN_MEASURED_SHARE = 3, 0.8
-"""Artificial gaps lie where, with so many nodes on both sides, this share was measured."""
+"""Artificial gaps lie where this share of their nodes, and of so many nodes on both sides, was
+measured."""
 PRIOR_GAP_COUNT = 0.25
-"""The stated variance counts as this many artificial gaps on which it was right."""
+"""Weight of the model's own variance, as a number of artificial gaps with a factor of 1."""
 DECAY_GAP_LENGTHS = 3.0
-"""Artificial gaps count by exp(-distance / (this many gap lengths)): a motion has phases."""
+"""Weight of an artificial gap: exp(-distance from the gap / (this many gap lengths))."""
 
 
 def with_calibrated_gaps(

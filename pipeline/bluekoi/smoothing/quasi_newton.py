@@ -1,8 +1,8 @@
-"""A small quasi-Newton search for few parameters and a smooth cost of order the data's count.
+"""BFGS minimisation of a smooth cost over a few parameters, which are logarithms.
 
-It stops where little can be gained and no step is longer than a factor e^2. On seven exact motions
-scipy's BFGS takes three times as many evaluations (17,449 against 5,766), and L-BFGS-B leaves the
-range of numbers in its first step.
+It stops if the next step promises a small gain; no step is longer than a factor e^2. On seven exact
+motions scipy's BFGS needs three times as many evaluations (17,449 instead of 5,766), and the first
+step of L-BFGS-B overflows.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Whether one trial shows the robot that trials.csv and study.yaml describe.
 
-Errors of some percent are the search's business (scale, clock, offsets). What is refused here is
-another thing altogether: keypoints exchanged, the row of another trial, a cut in the recording.
-One such trial in the fit would spoil what all the others say.
+Errors of a few percent (scale, clock, offsets) are found by the search for causes. Trials with
+gross errors are refused here: exchanged keypoints, the row of another trial, a cut in the
+recording. One such trial would bias the fit to all trials.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from ..pose.body import body_lengths, trusted_points
 from ..study import Study, Trial
 
 MAX_LENGTH_ERROR_SHARE, MAX_LENGTH_ERROR_M = 0.25, 0.02
-"""A rigid part may be off the trial's own scale by so much, the larger of share and length."""
+"""Largest error of a rigid part's length on the trial's scale: the larger of share and length."""
 MAX_SCALE = 1.5
-"""All parts together may come out larger or smaller by this factor: beyond the search's bounds."""
+"""Largest ratio of measured to stated lengths of all parts together, or its inverse."""
 MAX_HEAD_ANGLE_ERROR_DEG = 25.0
 """Difference of commanded and measured head angle above which a trial is refused."""
 OUTSIDE_POOL_SHARE, OUTSIDE_FRAMES_SHARE = 0.1, 0.25

@@ -322,7 +322,7 @@ def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Misma
     _, found = demo
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
     blind = replace(found, verdict="none", baseline=wide)
-    assert "nothing can be said" in verdict_sentence(blind, [], [])
+    assert "the search cannot tell" in verdict_sentence(blind, [], [])
     assert "No mismatch beyond the noise" in verdict_sentence(
         replace(found, verdict="none"), [], []
     )

@@ -9,7 +9,15 @@ import pandas as pd
 import pytest
 from scipy.signal import butter, filtfilt
 
-from bluekoi.explain import Explanation, Trial, explain, load_model, predict_left_out, read_trials
+from bluekoi.explain import (
+    Explanation,
+    Trial,
+    explain,
+    load_model,
+    predict,
+    predict_left_out,
+    read_trials,
+)
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
@@ -61,6 +69,29 @@ def test_spindowns_are_damped_by_the_square_and_read_by_a_gyro_off_zero(recordin
     compass = [t.evidence["compass"][0] for t in found.prepared.trials]
     assert bias.value == pytest.approx(np.mean(compass), abs=2 * bias.std)
     assert found.held_out.extended["rate_rmse"] <= 0.0067
+
+
+def test_a_ship_fitted_to_zigzags_turns_in_circles(recordings):
+    found = searched("ship_zigzag", recordings / "ship_zigzag")
+    assert names(found) >= {"speed_loss", "slipstream"}
+    assert found.held_out.extended["path_rmse"] < 0.17 < found.held_out.baseline["path_rmse"]
+    predicted = predict(found, [circle(1.0), circle(-1.0)], known_s=5.0)
+    for run in predicted.runs["extended", "start from the first seconds"]:
+        assert np.isfinite(run.simulated).all()
+        assert 2.0 < run.measures["advance_m"] / 7.0 < 5.0
+        assert 2.0 < run.measures["tactical_diameter_m"] / 7.0 < 5.0
+
+
+def circle(side: float) -> Trial:
+    """A ship of 7 m that is put into a turn of 10 m radius by 35 degrees of rudder."""
+    t = np.arange(0.0, 120.0, 0.5)
+    turned = np.maximum(t - 15.0, 0.0)
+    speed = np.where(t < 15.0, 1.18, 0.6)
+    psi = side * 0.06 * turned
+    x, y = (np.cumsum(speed * f(psi)) * 0.5 for f in (np.cos, np.sin))
+    rudder = np.radians(np.where(t < 10.0, 0.0, -35.0 * side))
+    return Trial(f"circle {side:g}", t, {"x_seen": x, "y_seen": y, "heading": psi},
+                 {"rudder": rudder})  # fmt: skip
 
 
 def test_balls_are_held_back_by_air_and_seen_in_perspective(recordings):

@@ -96,10 +96,14 @@ def test_samples_further_apart_than_ten_time_constants_are_reported():
     assert "check the unit of time" in sentence
 
 
-def test_an_input_that_is_never_on_is_reported():
+@pytest.mark.parametrize(("level", "more"), [(0.0, "; right column?"), (25.0, "")])
+def test_an_input_of_one_value_is_reported(level, more):
     assert warnings_of(MODEL, [trial()]) == []
-    off = replace(trial(), inputs={"push": np.zeros(60)})
-    assert warnings_of(MODEL, [off]) == ["Input push is 0 throughout: is it the right column?"]
+    one = [replace(trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
+    told = f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
+    assert warnings_of(MODEL, one) == [told]
+    other = replace(one[1], inputs={"push": np.full(60, 3.0)})
+    assert warnings_of(MODEL, [one[0], other]) == []
 
 
 @pytest.mark.parametrize("far", [100.0, np.inf, np.nan])

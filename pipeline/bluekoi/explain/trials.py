@@ -187,8 +187,10 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     for i in model.inputs:
         columns = [t.inputs[i.name] for t in trials]
         changed = np.concatenate([np.diff(c) for c in columns])
-        if not np.any(np.concatenate(columns)):
-            out.append(f"Input {i.name} is 0 throughout: is it the right column?")
+        if np.ptp(level := np.concatenate(columns)) == 0:
+            more = "" if level[0] else "; right column?"
+            out.append(f"Input {i.name} is {level[0]:g} throughout: how forces depend on it is not "
+                       f"determined{more}.")  # fmt: skip
         if not i.held and _is_stepwise(changed):
             out.append(f"Input {i.name} changes in steps; if it was held between samples, declare "
                        "it held=True in the model.")  # fmt: skip

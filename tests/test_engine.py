@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
@@ -24,7 +26,9 @@ from bluekoi.engine import (
 )
 from bluekoi.engine.evidence import Layout, laplace
 from bluekoi.engine.expansion import likely_strengths
+from bluekoi.engine.problem import MOST_TRIALS
 from bluekoi.engine.scored import score
+from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
@@ -209,6 +213,37 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
         start = likely_strengths(whole, expanded(whole, first), "constant_force")
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
+
+
+def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:
+    whole = problem(driven(0.3, 0.1, trials=MOST_TRIALS + 12))
+    visited = search(whole)
+    assert visited.best.model.key == {"quadratic_drag", "constant_force"}
+    assert len(visited.best.expansion.log_likelihood) == len(whole.series)
+
+
+def test_the_subset_holds_the_trials_that_alone_inform_on_a_number() -> None:
+    """Two of thirty trials inform on the second number, the others on the first alone."""
+    information = np.zeros((30, 2, 2))
+    information[:, 0, 0] = 1.0
+    information[[4, 17], 1, 1] = 1.0
+    assert {4, 17} <= set(designed_subset(information, 5))
+
+
+def test_the_subset_has_nearly_the_determinant_of_the_best_one() -> None:
+    rng = np.random.default_rng(3)
+    columns = rng.standard_normal((9, 4, 3)) * rng.uniform(0.2, 2.0, (9, 1, 1))
+    information = np.swapaxes(columns, 1, 2) @ columns
+
+    def size(chosen: Sequence[int]) -> float:
+        return float(np.linalg.slogdet(information[list(chosen)].sum(axis=0))[1])
+
+    best = max(size(chosen) for chosen in combinations(range(9), 4))
+    assert size(designed_subset(information, 4)) > best - 0.5
+
+
+def test_a_small_study_is_searched_whole() -> None:
+    assert designed_subset(np.ones((5, 1, 1)), 24) == [0, 1, 2, 3, 4]
 
 
 def test_order_of_the_trials_changes_no_probability() -> None:

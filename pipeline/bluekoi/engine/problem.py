@@ -11,6 +11,10 @@ from ..fitting import Free, Noise, Series, trial_values
 from ..integrate import Kernel
 from .candidates import Candidate
 
+MOST_TRIALS = 24
+"""A search uses at most so many trials, those that say most; what it finds is verified on all. The
+noise too is estimated on at most so many."""
+
 Progress = Callable[[str], None]
 
 

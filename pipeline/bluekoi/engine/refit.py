@@ -21,7 +21,7 @@ from ..fitting import (
 )
 from ..fitting.filtering import disturbance_slots
 from .candidates import Candidate, parameter
-from .problem import Problem
+from .problem import MOST_TRIALS, Problem
 
 TOLERANCE = 0.1
 """A fit ends with a step of this many standard deviations in the mean square."""
@@ -100,16 +100,16 @@ def fitted(
     noise: Noise,
     known: Mapping[str, float],
     *,
-    predictor: FilterResults | None = None,
-    passes: int = 3,
+    at_start: FilterResults | None = None,
+    passes: int = 2,
     iterations: int = 12,
     free: Sequence[Free] | None = None,
     discrepancy: Mapping[str, float] | None = None,
 ) -> FittedSet:
-    """A set fitted under one noise. The filter's gains are held during a fit and follow it,
-    `passes` times or until the numbers rest.
+    """A set fitted under one noise; after the first fit the filter's gains are held, `passes` fits
+    in all or until the numbers rest.
 
-    predictor: the filter's pass whose gains are held at first; without, one at the start.
+    at_start: the filter's pass at the start with this noise, where known.
     """
     frees = free_of(problem, causes) if free is None else tuple(free)
     point = start_of(problem, causes, known, discrepancy)
@@ -117,12 +117,12 @@ def fitted(
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
     found = None
-    if predictor is None:
-        points = local.points(frees, np.array([start[f.label] for f in frees]))
-        predictor = filter_all(problem.kernel, problem.series, points, noise)
+    predictor = None
     for _ in range(passes):
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
-                    iterations=iterations, tolerance=TOLERANCE, predictor=predictor)  # fmt: skip
+                    iterations=iterations, tolerance=TOLERANCE, predictor=predictor,
+                    at_start=at_start)  # fmt: skip
+        at_start = None
         moved = _moved(found, start)
         start = found.by_label()
         predictor = filter_all(problem.kernel, problem.series,
@@ -130,6 +130,7 @@ def fitted(
         if moved < 1.0:
             break
     assert found is not None
+    assert predictor is not None
     normal = normal_equations(problem.kernel, problem.series, point, frees, found.values,
                               noise=noise, predictor=predictor)  # fmt: skip
     rows = [parameter(problem.kernel.system, f) for f in frees]
@@ -177,7 +178,7 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted to a problem's trials with the formulas of its causes alone, under its own
     noise.
     """
-    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=2,
+    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free)  # fmt: skip
     return own_noise(problem, plain, most=2)
 
@@ -214,7 +215,7 @@ def own_noise(
 def _beneath(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted under small random forces."""
     return fitted(problem, model.causes, quiet(problem, model.noise), model.fit.by_label(),
-                  passes=2, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+                  passes=1, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
 
 
 def _round(
@@ -229,10 +230,11 @@ def _round(
         return model
     points = _points(problem, model)
     found = fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                      line_searches=not near, max_trials=len(points), passes=passes)  # fmt: skip
-    again = fitted(problem, model.causes, found.noise, model.fit.by_label(), passes=2,
+                      line_searches=not near, max_trials=MOST_TRIALS, passes=passes)  # fmt: skip
+    known = found.passes if len(found.passes) == len(points) else None
+    again = fitted(problem, model.causes, found.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=model.discrepancy,
-                   predictor=found.passes)  # fmt: skip
+                   at_start=known)  # fmt: skip
     return max(model, again, key=lambda m: m.log_likelihood)
 
 

@@ -61,7 +61,7 @@ def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
     if not left or not all(map(np.isfinite, left.values())):
         return scored
     model = scored.model
-    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=2,
+    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=left)  # fmt: skip
     if not again.usable:
         return scored

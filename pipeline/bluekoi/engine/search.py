@@ -4,13 +4,14 @@ Around the most probable set so far, the second-order expansion scores every fur
 are refitted, with all their functional forms and their own noise; so are the sets that lack one of
 the causes, and around these again the best replacements. The search ends where none of this finds
 a more probable set. (Shotgun stochastic search without the dice: Hans, Dobra and West, JASA 102
-(2007), 507.)
+(2007), 507.) Of a large study the search uses the trials that say most; the probable sets are then
+fitted to all trials, and what the expansion about the best adds there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,21 +19,16 @@ from .candidates import Candidate
 from .evidence import layout, log_evidence, log_prior
 from .expansion import Expansion, expanded, likely_strengths
 from .plausible import residual_sizes
-from .problem import Problem
-from .refit import FittedSet, fitted, likeliest_start, own_noise, quiet, starts_of
-from .scored import Scored, score, with_discrepancy
+from .problem import MOST_TRIALS, Problem
+from .refit import FittedSet, fitted, own_noise, quiet, starts_of
+from .scored import Scored, score
+from .subset import designed_subset
+from .visited import CLOSE, Visited
 
 REFITS = 5
 """How many further causes are refitted around a set."""
 REPLACEMENTS = 2
 """How many causes are refitted in the place of one of a set."""
-CLOSE = 20.0
-"""Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
-costs a set up to that much."""
-NESTED_CLOSE = float(np.log(3000))
-"""As `CLOSE` for a set that adds a cause to a probable set, from whose final noise it began: it is
-left with a posterior odds below 1 / 3000, which changes a probability by a fiftieth of its Monte
-Carlo error (`posterior.DRAWS`)."""
 QUIET_REFITS = 2
 """How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
@@ -41,79 +37,9 @@ more than e^-6."""
 HOPELESS = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""
-
-
-@dataclass
-class Visited:
-    """All sets fitted so far."""
-
-    problem: Problem
-    sets: dict[frozenset[str], Scored] = field(default_factory=dict)
-    full: dict[frozenset[str], Expansion] = field(default_factory=dict)
-    converged: set[frozenset[str]] = field(default_factory=set)
-
-    @property
-    def best(self) -> Scored:
-        """The most probable set."""
-        return max(self.sets.values(), key=lambda s: s.log_posterior)
-
-    def add(
-        self,
-        causes: Sequence[str],
-        near: FittedSet,
-        start: dict[str, float] | None = None,
-        *,
-        refit: bool = False,
-    ) -> Scored | None:
-        """Fit a set, begun at another's values and noise, under its own noise; None where it runs
-        away. refit: also a set that has been fitted; its better fit is kept.
-        """
-        key = frozenset(causes)
-        before = self.sets.get(key)
-        if before is not None and not refit:
-            return before
-        self.problem.progress(" + ".join(causes) or "baseline")
-        known = {**near.fit.by_label(), **(start or {})}
-        for cause in key - near.key:
-            known |= likeliest_start(self.problem, near, cause)
-        model = fitted(self.problem, causes, near.noise, known)
-        if not model.usable:
-            return before
-        found = score(self.problem, own_noise(self.problem, model, most=1))
-        if before is None or found.log_joint > before.log_joint:
-            self.sets[key] = found
-            self.full.pop(key, None)
-            self.converged.discard(key)
-        return self.sets[key]
-
-    def converge(self) -> None:
-        """Fit noise and numbers of the probable sets until they no longer improve."""
-        while todo := [k for k, s in self.sets.items() if k not in self.converged
-                       and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
-            key = max(todo, key=lambda k: self.sets[k].log_posterior)
-            self.converged.add(key)
-            model = own_noise(self.problem, self.sets[key].model)
-            found = self.sets[key]
-            if model is not found.model:
-                found = score(self.problem, model)
-            found = with_discrepancy(self.problem, found)
-            if found is not self.sets[key]:
-                self.sets[key] = found
-                self.full.pop(key, None)
-
-    def _reach(self, key: frozenset[str]) -> float:
-        """How much less probable than the best a set may be for its fit to be continued."""
-        likely = self.best.log_posterior - NESTED_CLOSE
-        nested = any(other < key and self.sets[other].log_posterior > likely
-                     for other in self.converged)  # fmt: skip
-        return NESTED_CLOSE if nested else CLOSE
-
-    def expansion(self, scored: Scored) -> Expansion:
-        """Expansion about a set in the numbers of all candidates."""
-        key = scored.model.key
-        if key not in self.full:
-            self.full[key] = expanded(self.problem, scored.model)
-        return self.full[key]
+VERIFIED = 4
+"""How many further sets of a subset of the trials are fitted to all of them, besides the best and
+those that lack one of its causes."""
 
 
 def proposals(
@@ -143,8 +69,45 @@ def allowed(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
 
 
 def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
+    """All sets that were worth a fit; of more than `MOST_TRIALS` trials, those worth one to all."""
+    if len(problem.series) <= MOST_TRIALS:
+        return _search(problem, start or {})
+    plain = fitted(problem, (), problem.noise, start or {})
+    part = designed_subset(expanded(problem, plain).hessian, MOST_TRIALS)
+    few = replace(problem, series=tuple(problem.series[i] for i in part))
+    return _verified(problem, _search(few, plain.fit.by_label()))
+
+
+def _verified(problem: Problem, few: Visited) -> Visited:
+    """The probable sets of a subset of the trials, fitted to all of them with what these add."""
+    visited = Visited(replace(few.problem, series=problem.series))
+    for scored in _to_verify(few):
+        visited.add(scored.causes, scored.model)
+    visited.converge()
+    done: set[frozenset[str]] = set()
+    while (best := visited.best).model.key not in done:
+        done.add(best.model.key)
+        if len(best.causes) < problem.most_causes:
+            _further(visited, best, LEAST_REFITS)
+        for cause in best.causes:
+            visited.add(tuple(c for c in best.causes if c != cause), best.model)
+        visited.converge()
+    return visited
+
+
+def _to_verify(few: Visited) -> list[Scored]:
+    """The most probable set, those that lack one of its causes, and the next probable ones."""
+    best = few.best
+    lacking = [few.sets[k] for c in best.causes if (k := best.model.key - {c}) in few.sets]
+    others = [s for s in few.sets.values() if s is not best and s not in lacking
+              and s.log_posterior > best.log_posterior - CLOSE]  # fmt: skip
+    others = sorted(others, key=lambda s: -s.log_posterior)[:VERIFIED]
+    return [best, *(s for s in lacking if np.isfinite(s.log_posterior)), *others]
+
+
+def _search(problem: Problem, start: dict[str, float]) -> Visited:
     """All sets that were worth a fit."""
-    first = own_noise(problem, fitted(problem, (), problem.noise, start or {}))
+    first = own_noise(problem, fitted(problem, (), problem.noise, start))
     expansion = expanded(problem, first)
     problem = replace(problem, residual_sizes=residual_sizes(problem, expansion))
     visited = Visited(problem)
@@ -190,7 +153,7 @@ def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
     covered = {f.label for c in problem.candidates if any(problem.covers(own, c) for own in causes)
                for f in c.strengths}  # fmt: skip
     left = {label: v for label, v in source.discrepancy.items() if label in covered}
-    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=2,
+    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
     if again.log_likelihood <= model.log_likelihood:
         return
@@ -219,7 +182,7 @@ def _under_small_forces(visited: Visited, scored: Scored) -> None:
     """
     problem = visited.problem
     model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
-                   scored.model.fit.by_label(), passes=2, free=scored.model.fit.free)  # fmt: skip
+                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free)  # fmt: skip
     if not model.usable:
         return
     expansion = expanded(problem, model)

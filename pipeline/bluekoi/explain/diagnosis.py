@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-import numba
 import numpy as np
 
 from ..data import Float
 from ..errors import InputError, input_error
+from ..vectors import njit
 from .model import Function, Model, arguments
 from .trials import Trial
 
@@ -106,7 +106,7 @@ def _equations(model: Model) -> Iterator[tuple[str, Function]]:
 def _compiler_fault(function: Function) -> str:
     """What the compiler says against a function, in a line; empty where it compiles."""
     try:
-        numba.njit(function)(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
+        njit(function)(*(0.5 + 0.1 * i for i in range(len(arguments(function)))))
     except ArithmeticError:
         return ""
     except Exception as error:

@@ -1,6 +1,7 @@
 """One study of a seed in the layout of `validation.running`, with its truth."""
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +18,16 @@ OUTSIDE = "unexplained"
 
 
 def generate(
-    seed: int, index: int, directory: Path, *, footage: bool = False, name: str = "concealed"
-) -> dict[str, Any]:
+    seed: int, index: int, directory: Path, *, footage: bool = False, name: str = "concealed",
+    trials: int | None = None,
+) -> dict[str, Any]:  # fmt: skip
     """The truth of study `index` of a seed, written below a directory; kept where it is there.
 
     A study is drawn again, at most three times, where its effect leaves too small an error.
+    trials: how many instead of those dealt, a multiple of three.
     """
     entry, study = entry_of(seed, index, footage=footage), f"{name}-{seed}-{index:03d}"
+    entry = replace(entry, trials=trials or entry.trials)
     truth_file = directory / "truth" / f"{study}.json"
     if truth_file.exists():
         return read_json(truth_file)

@@ -1,5 +1,6 @@
 """The trials of a concealed study: where each starts, how it swims, what a tracker would see."""
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -47,14 +48,17 @@ class Swum:
 
 
 def settings(recipe: Recipe) -> tuple[tuple[float, float], ...]:
-    """Head angles (deg) and lengths (m) of each power: eight, or three in a small campaign."""
+    """Head angles (deg) and lengths (m) of each power: three in a small campaign, else eight,
+    repeated in a large one.
+    """
     head = recipe.robot.head_length_m
     long = round(1.4583 * head, 4)
     small, large = recipe.angles_deg
     if recipe.trials == 9:
         return (0.0, head), (small, head), (-large, long)
     one = ((0.0, head), (0.0, head), (0.0, long), (small, head), (-small, head))
-    return (*one, (large, head), (-large, head), (large, long))
+    eight = (*one, (large, head), (-large, head), (large, long))
+    return tuple(itertools.islice(itertools.cycle(eight), recipe.trials // len(recipe.flap_hz)))
 
 
 def design_of(recipe: Recipe) -> StudyDesign:

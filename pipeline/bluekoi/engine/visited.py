@@ -1,0 +1,103 @@
+"""The sets of causes that a search has fitted, each under its own noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .expansion import Expansion, expanded
+from .problem import Problem
+from .refit import FittedSet, fitted, likeliest_start, own_noise
+from .scored import Scored, score, with_discrepancy
+
+CLOSE = 20.0
+"""Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
+costs a set up to that much."""
+NESTED_CLOSE = float(np.log(3000))
+"""As `CLOSE` for a set that adds a cause to a probable set, from whose final noise it began: it is
+left with a posterior odds below 1 / 3000, which changes a probability by a fiftieth of its Monte
+Carlo error (`posterior.DRAWS`)."""
+
+
+@dataclass
+class Visited:
+    """All sets fitted so far."""
+
+    problem: Problem
+    sets: dict[frozenset[str], Scored] = field(default_factory=dict)
+    full: dict[frozenset[str], Expansion] = field(default_factory=dict)
+    converged: set[frozenset[str]] = field(default_factory=set)
+
+    @property
+    def best(self) -> Scored:
+        """The most probable set."""
+        return max(self.sets.values(), key=lambda s: s.log_posterior)
+
+    def add(
+        self,
+        causes: Sequence[str],
+        near: FittedSet,
+        start: dict[str, float] | None = None,
+        *,
+        refit: bool = False,
+    ) -> Scored | None:
+        """Fit a set, begun at another's values and noise, under its own noise; None where it runs
+        away. refit: also a set that has been fitted; its better fit is kept.
+        """
+        key = frozenset(causes)
+        before = self.sets.get(key)
+        if before is not None and not refit:
+            return before
+        self.problem.progress(" + ".join(causes) or "baseline")
+        known = {**near.fit.by_label(), **(start or {})}
+        for cause in key - near.key:
+            known |= likeliest_start(self.problem, near, cause)
+        model = fitted(self.problem, causes, near.noise, known,
+                       discrepancy=self._shared_discrepancy(near, key))  # fmt: skip
+        if not model.usable:
+            return before
+        found = score(self.problem, own_noise(self.problem, model, most=1))
+        if before is None or found.log_joint > before.log_joint:
+            self.sets[key] = found
+            self.full.pop(key, None)
+            self.converged.discard(key)
+        return self.sets[key]
+
+    def _shared_discrepancy(self, near: FittedSet, causes: frozenset[str]) -> dict[str, float]:
+        """What the formulas of another set's causes leave that these causes may leave as well."""
+        by_name = self.problem.by_name
+        covered = {f.label for term in self.problem.candidates if term.name not in causes
+                   and any(self.problem.covers(by_name[c], term) for c in causes)
+                   for f in term.strengths}  # fmt: skip
+        return {label: v for label, v in near.discrepancy.items() if label in covered}
+
+    def converge(self) -> None:
+        """Fit noise and numbers of the probable sets until they no longer improve."""
+        while todo := [k for k, s in self.sets.items() if k not in self.converged
+                       and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
+            key = max(todo, key=lambda k: self.sets[k].log_posterior)
+            self.converged.add(key)
+            model = own_noise(self.problem, self.sets[key].model)
+            found = self.sets[key]
+            if model is not found.model:
+                found = score(self.problem, model)
+            found = with_discrepancy(self.problem, found)
+            if found is not self.sets[key]:
+                self.sets[key] = found
+                self.full.pop(key, None)
+
+    def _reach(self, key: frozenset[str]) -> float:
+        """How much less probable than the best a set may be for its fit to be continued."""
+        likely = self.best.log_posterior - NESTED_CLOSE
+        nested = any(other < key and self.sets[other].log_posterior > likely
+                     for other in self.converged)  # fmt: skip
+        return NESTED_CLOSE if nested else CLOSE
+
+    def expansion(self, scored: Scored) -> Expansion:
+        """Expansion about a set in the numbers of all candidates."""
+        key = scored.model.key
+        if key not in self.full:
+            self.full[key] = expanded(self.problem, scored.model)
+        return self.full[key]

@@ -50,6 +50,33 @@ def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab):
     assert missing.exit_code == 1
     assert "pool.length_m" in missing.output
     assert "unknown" not in missing.output
+    assert "pool.length_m: found nothing; expected a valid number" in missing.output
+    assert "`bluekoi pool STUDY` draws a frame with ruled lines" in missing.output
+
+
+def test_the_same_empty_cell_in_all_rows_is_one_line(lab):
+    bluekoi("init", lab)
+    table = lab / "trials.csv"
+    head, row, _ = table.read_text().splitlines()
+    rows = [row.replace("p100_phi30,", f"T{k},", 1).replace("p50_phi-20,", f"T{k},", 1)
+            for k in range(9)]  # fmt: skip
+    table.write_text("\n".join([head, *rows]) + "\n")
+    lines = [line for line in bluekoi("check", lab).output.splitlines() if "trials.csv" in line]
+    assert len(lines) == 1
+    assert "rows 2 to 10 (T0 to T8), head_length_m: found nothing" in lines[0]
+    rows[4] = rows[4].replace(",50,", ",50,").replace(",,", ",0.12,", 1)
+    table.write_text("\n".join([head, *rows]) + "\n")
+    assert "8 rows (T0 to T8), head_length_m" in bluekoi("check", lab).output
+
+
+def test_corners_are_read_off_before_anything_else_is_filled_in(lab, monkeypatch):
+    """With the key left empty, as `init` writes it, and a frame in the folder of the study."""
+    monkeypatch.chdir(lab.parent)
+    bluekoi("init", lab)
+    for words in ((), ("videos/p100_phi30.mp4",)):
+        done = bluekoi("pool", "lab", *words, "--out", "grid.png")
+        assert done.exit_code == 0, done.output
+        assert "pool_corners_px: [[u, v]" in done.output
 
 
 def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab):

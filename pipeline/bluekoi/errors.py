@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 EXIT_INTERRUPTED = 130
 """Exit code of a command that was interrupted from the keyboard."""
+MIN_ROWS_TOGETHER = 4
+"""The same finding in as many rows of a table or more is shown as one line."""
+ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
+"""Place of a finding in a row: its number, the trial, the column."""
 INTERRUPTED_MESSAGE = "Interrupted. What is done is kept; start again and it goes on."
 
 
@@ -43,11 +48,35 @@ class InputError(Exception):
         self.findings: tuple[Finding, ...] = (
             (findings,) if isinstance(findings, Finding) else tuple(findings)
         )
-        super().__init__("\n".join(str(finding) for finding in self.findings))
+        super().__init__("\n".join(str(finding) for finding in _together(self.findings)))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Finding, ...]]]:
         """Carry the findings, not their text, to another process."""
         return type(self), (self.findings,)
+
+
+def _together(findings: Iterable[Finding]) -> list[Finding]:
+    """Findings that differ in the row of a table alone made one, at the place of the first."""
+    groups: dict[object, list[Finding]] = {}
+    for finding in findings:
+        row = ROW_PATTERN.fullmatch(finding.where)
+        groups.setdefault(replace(finding, where=row[3]) if row else finding, []).append(finding)
+    return [
+        one
+        for same in groups.values()
+        for one in (same if len(same) < MIN_ROWS_TOGETHER else [_of_rows(same)])
+    ]
+
+
+def _of_rows(same: list[Finding]) -> Finding:
+    """One finding for all the rows that `same` stand for."""
+    rows = [row for one in same if (row := ROW_PATTERN.fullmatch(one.where))]
+    if not rows:
+        return same[0]
+    first, last = rows[0], rows[-1]
+    unbroken = int(last[1]) - int(first[1]) == len(rows) - 1
+    numbers = f"rows {first[1]} to {last[1]}" if unbroken else f"{len(rows)} rows"
+    return replace(same[0], where=f"{numbers} ({first[2]} to {last[2]}), {first[3]}")
 
 
 def input_error(

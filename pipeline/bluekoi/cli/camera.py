@@ -71,14 +71,17 @@ def pool(
 ) -> None:
     """Draw the pool corners of STUDY on FRAME, and check them against the edges seen.
 
-    FRAME is a picture or a video; default: the first frame of a trial. If study.yaml has no corners
-    yet, the frame is drawn with a pixel grid to read them off. The exit code is 0 only if the edges
-    are found with certainty and confirm the given corners.
+    FRAME is a picture or a video, looked for here and in STUDY; default: the first frame of a
+    trial. If study.yaml has no corners yet, the frame is drawn with a pixel grid to read them off;
+    nothing else has to be filled in for that. The exit code is 0 only if the edges are found with
+    certainty and confirm the given corners.
     """
     from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
     from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
 
+    if frame and not frame.exists() and (study / frame).exists():
+        frame = study / frame
     _spare(out, (".png",), (frame,) if frame else ())
     confirmed = True
     if not lacks_corners(study / "study.yaml"):

@@ -12,6 +12,11 @@ from pydantic import BaseModel, ValidationError
 from ..errors import Finding, nearest
 from .rules import COMBINED_FIELDS
 
+REMEDIES = {
+    "camera.pool_corners_px": "`bluekoi pool STUDY` draws a frame with ruled lines, from which to "
+    "read four [u, v]."
+}
+"""Key of study.yaml that is empty -> where its value comes from."""
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = 110
 _BRIEF.maxlevel = 3
@@ -52,6 +57,9 @@ def _finding(path: str, model: type[BaseModel], item: dict[str, Any], prefix: st
     if item["type"] == "missing":
         thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
         return Finding(path, where, "nothing", thing)
+    if item["input"] is None:
+        remedy = REMEDIES.get(where, "")
+        return Finding(path, where, "nothing", _expected(item), remedy)
     return Finding(path, where, brief(item["input"]), _expected(item))
 
 
@@ -63,6 +71,8 @@ def _expected(item: dict[str, Any]) -> str:
         return f"{count} entries, not {limits.get('actual_length')}"
     if item["type"] in ("model_type", "dict_type", "model_attributes_type"):
         return "keys with values below it"
+    if item["type"] == "tuple_type":
+        return "a list in brackets"
     return str(item["msg"]).removeprefix("Value error, ").removeprefix("Input should be ")
 
 

@@ -54,8 +54,9 @@ def lacks_corners(path: Path) -> bool:
     """Whether a study.yaml that can be read says nothing yet of where the pool's corners are."""
     content = _content(path, [])
     camera = content.get("camera") if content is not None else None
-    known = {"pool_corners_px", "homography"}
-    return content is not None and not (isinstance(camera, dict) and known & set(camera))
+    given = camera if isinstance(camera, dict) else {}
+    known = ("pool_corners_px", "homography")
+    return content is not None and all(given.get(name) is None for name in known)
 
 
 def _content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:

@@ -23,14 +23,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests")]  # validation/, then what tests share
+sys.path.insert(0, str(ROOT))  # validation/
 
 from bluekoi.synthetic.campaign import render_trial, write_study_files  # noqa: E402
 from bluekoi.synthetic.conditions import Conditions  # noqa: E402
 from bluekoi.synthetic.design import conditions_design  # noqa: E402
-from studies import small_study  # noqa: E402
+from validation.generators.concealed.studies import generate  # noqa: E402
 
 TICK = os.sysconf("SC_CLK_TCK")
+STUDY_OF_A_FIN = (811, 0)
+"""Seed and number of a study of the generator."""
 
 
 def filmed_study(folder: Path) -> Path:
@@ -43,24 +45,44 @@ def filmed_study(folder: Path) -> Path:
 
 
 def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
-    """A study of so many trials: three simulated ones over and over, each with files of its own.
+    """A study of so many trials, each of its own: keypoints of the project's generator, or films.
 
-    Of films the files are further names of the same three, so that the disk does not fill.
+    Films are further names of the same three, so that the disk does not fill.
     """
     study = folder / f"study{trials}"
     if study.is_dir():
         return study
-    base = filmed_study(folder / "base") if films else small_study(folder / "base")
+    if not films:
+        return swum(folder, study, trials)
+    base = filmed_study(folder / "base")
     study.mkdir()
     shutil.copy(base / "study.yaml", study)
-    with (base / "trials.csv").open(newline="") as lines:
-        rows = list(csv.DictReader(lines))
+    rows = read_rows(base / "trials.csv")
     made = [taken(base, study, rows[i % len(rows)], f"N{i:04d}") for i in range(trials)]
-    with (study / "trials.csv").open("w", newline="") as out:
+    write_rows(study / "trials.csv", made)
+    return study
+
+
+def swum(folder: Path, study: Path, trials: int) -> Path:
+    """A study of the project's own generator, of a robot with a fin that the model lacks."""
+    truth = generate(*STUDY_OF_A_FIN, folder, trials=3 * math.ceil(trials / 3))
+    (folder / "studies" / truth["study"]).rename(study)
+    write_rows(study / "trials.csv", read_rows(study / "trials.csv")[:trials])
+    return study
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Rows of a table by column."""
+    with path.open(newline="") as lines:
+        return list(csv.DictReader(lines))
+
+
+def write_rows(path: Path, rows: list[dict[str, str]]) -> None:
+    """A table of rows that have the same columns."""
+    with path.open("w", newline="") as out:
         writer = csv.DictWriter(out, rows[0])
         writer.writeheader()
-        writer.writerows(made)
-    return study
+        writer.writerows(rows)
 
 
 def taken(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, str]:

@@ -24,7 +24,8 @@ from bluekoi.engine import (
     posterior,
     search,
 )
-from bluekoi.engine.evidence import Layout, laplace
+from bluekoi.engine.columns import Layout
+from bluekoi.engine.evidence import laplace
 from bluekoi.engine.expansion import likely_strengths
 from bluekoi.engine.problem import MOST_TRIALS
 from bluekoi.engine.scored import score

@@ -4,6 +4,8 @@ candidates  what may be added, and what is known of it before any data
 problem     a system, its trials, its candidates
 refit       nonlinear fits of a set of causes with its own noise
 expansion   second-order expansion of the likelihood in the numbers of all candidates
+columns     numbers of a set in an expansion, and their priors
+forces      forces of a set's causes and of residual terms along the trials
 evidence    marginal likelihood of a set of causes
 scored      log posterior of a fitted set, its discrepancy integrated out
 search      which sets are worth a fit

@@ -26,6 +26,7 @@ from ..fitting.predictions import ParameterChange, whitened_products
 from ..fitting.side_measurements import side_measurement_terms
 from ..integrate import System
 from .candidates import Candidate, parameter
+from .forces import forces_in_set
 from .problem import Problem
 from .refit import FittedSet, start_of
 
@@ -37,6 +38,7 @@ class Expansion:
     own: columns of the set's free numbers, in order. strengths: other candidate -> columns. forms:
     other candidate -> columns of strength times (another form less the leading one). starts: other
     candidate with forms to try -> the form (label -> value) that its columns have, the likeliest.
+    forces: those of the set's causes and of residual terms (`forces_in_set`).
     """
 
     model: FittedSet
@@ -47,6 +49,7 @@ class Expansion:
     strengths: dict[str, tuple[int, ...]]
     forms: dict[str, tuple[int, ...]]
     starts: dict[str, dict[str, float]] = field(default_factory=dict)
+    forces: dict[str, Float] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
@@ -98,7 +101,7 @@ def expanded(
     normal = _products(problem, model, points, changes, frees)
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
     whole = Expansion(model, hessian, gradient, normal.log_likelihood, own_columns, strengths,
-                      forms)  # fmt: skip
+                      forms, forces=forces_in_set(problem, model))  # fmt: skip
     return _likeliest_forms(whole, tried)
 
 

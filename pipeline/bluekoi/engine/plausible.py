@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .evidence import plausible_sizes
+from .columns import plausible_sizes
 from .expansion import Expansion
 from .problem import Problem
 

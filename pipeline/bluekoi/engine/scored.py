@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting import cov_hc2
-from .evidence import Layout, discrepancy_at_best, layout, log_evidence, log_prior
+from .columns import Layout, layout
+from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expanded
 from .problem import Problem
 from .refit import FittedSet, fitted, own_noise

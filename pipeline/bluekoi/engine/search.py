@@ -16,7 +16,8 @@ from dataclasses import replace
 import numpy as np
 
 from .candidates import Candidate
-from .evidence import layout, log_evidence, log_prior
+from .columns import layout
+from .evidence import log_evidence, log_prior
 from .expansion import Expansion, expanded, likely_strengths
 from .plausible import residual_sizes
 from .problem import MOST_TRIALS, Problem
@@ -80,7 +81,8 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
 
 def _verified(problem: Problem, few: Visited) -> Visited:
     """The probable sets of a subset of the trials, fitted to all of them with what these add."""
-    visited = Visited(replace(few.problem, series=problem.series))
+    visited = Visited(replace(few.problem, series=problem.series),
+                      started_twice=frozenset(few.converged))  # fmt: skip
     for scored in _to_verify(few):
         visited.add(scored.causes, scored.model)
     visited.converge()

@@ -23,12 +23,16 @@ Carlo error (`posterior.DRAWS`)."""
 
 @dataclass
 class Visited:
-    """All sets fitted so far."""
+    """All sets fitted so far.
+
+    started_twice: sets whose noise has been estimated from both starts on a part of the trials.
+    """
 
     problem: Problem
     sets: dict[frozenset[str], Scored] = field(default_factory=dict)
     full: dict[frozenset[str], Expansion] = field(default_factory=dict)
     converged: set[frozenset[str]] = field(default_factory=set)
+    started_twice: frozenset[frozenset[str]] = frozenset()
 
     @property
     def best(self) -> Scored:
@@ -79,7 +83,8 @@ class Visited:
                        and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
             key = max(todo, key=lambda k: self.sets[k].log_posterior)
             self.converged.add(key)
-            model = own_noise(self.problem, self.sets[key].model)
+            twice = key not in self.started_twice
+            model = own_noise(self.problem, self.sets[key].model, two_starts=twice)
             found = self.sets[key]
             if model is not found.model:
                 found = score(self.problem, model)

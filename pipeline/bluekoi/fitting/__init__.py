@@ -5,7 +5,7 @@ from .bootstrap import parametric_bootstrap
 from .filtering import Filtered, FilterResults, disturbance_slots, filter_all, filter_series, smooth
 from .free_run import FreeRun, free_runs
 from .joint import Fit, conditional_response, fit, pseudo_inverse
-from .missing_force import MissingForce, added_force, missing_force
+from .missing_force import MissingForce, added_force, missing_force, rms_forces
 from .noise import fit_noise
 from .normal import (
     Normal,
@@ -62,6 +62,7 @@ __all__ = [
     "off_bounds",
     "parametric_bootstrap",
     "pseudo_inverse",
+    "rms_forces",
     "slots_by_name",
     "smooth",
     "student_t_draws",

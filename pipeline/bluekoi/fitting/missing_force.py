@@ -10,7 +10,7 @@ import numpy as np
 from ..data import Float
 from ..integrate import LANES, Kernel
 from ..integrate.batch import propagate
-from .filtering import disturbance_slots, filter_all, smooth, with_noise
+from .filtering import FilterResults, disturbance_slots, filter_all, smooth, with_noise
 from .series import Noise, Series
 
 IMPULSE_S = 1e-3
@@ -83,3 +83,38 @@ def _force_difference(
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(own - own[:, :, 1:2], posinf=0.0, neginf=0.0)  # a model that ran away
     return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
+
+
+def rms_forces(
+    kernel: Kernel, passes: FilterResults, points: Sequence[Float],
+    changes: Sequence[Sequence[Float]], noise: Noise,
+) -> Float:  # fmt: skip
+    """Root mean square (changes, channels), over all frames of all trials, of the force by which
+    each change of the parameters differs from `points`, along the filtered paths.
+
+    changes: full parameter vectors of every trial, for each change.
+    """
+    slots = disturbance_slots(kernel, acting=True)
+    each = np.repeat(np.arange(len(passes)), [len(s.times) for s in passes.series])
+    times = np.concatenate([s.times for s in passes.series])[:, None] + np.array([0.0, IMPULSE_S])
+    inputs = np.repeat(np.concatenate([s.inputs for s in passes.series])[:, None], 2, axis=1)
+    constants = np.array([s.constants for s in passes.series])[each]
+    state = np.repeat(np.concatenate([f.filtered for f in passes])[:, :, None], LANES, axis=2)
+    for k, slot in enumerate(slots):
+        state[:, slot, 1 + k] += 1.0
+    first, out = 1 + len(slots), []
+    for begin in range(0, len(changes), LANES - first):
+        some = changes[begin : begin + LANES - first]
+        lanes = [points] * first + list(some) + [points] * (LANES - first - len(some))
+        values = np.array([[with_noise(kernel, v, noise) for v in of] for of in lanes])
+        _, after = propagate(
+            kernel, state, np.moveaxis(values, 0, 2)[each],
+            np.repeat(constants[:, :, None], LANES, axis=2), times=times, inputs=inputs,
+            keep_states=True,
+        )  # fmt: skip
+        own = after[:, 1, : len(kernel.system.states)]
+        with np.errstate(invalid="ignore"):
+            moved = np.nan_to_num(own - own[:, :, :1], posinf=0.0, neginf=0.0)
+        force = np.linalg.pinv(moved[:, :, 1:first]) @ moved[:, :, first : first + len(some)]
+        out.append(np.sqrt(np.mean(force**2, axis=0)).T)
+    return np.concatenate(out) if out else np.zeros((0, len(slots)))

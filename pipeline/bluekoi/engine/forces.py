@@ -1,0 +1,53 @@
+"""Forces of a fitted set's causes and of residual terms, along the paths of its trials."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Free, rms_forces
+from ..integrate import System
+from .candidates import Candidate, parameter
+from .problem import Problem
+from .refit import FittedSet, start_of
+
+
+def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
+    """Root mean square force (channels,) of each cause of a set, by name, and of a unit strength
+    of each residual term that may stem from their formulas (`Problem.covers`), by label.
+    """
+    system, causes = problem.kernel.system, [problem.by_name[c] for c in model.causes]
+    terms = [f for term in problem.candidates if term.name not in model.causes
+             and any(problem.covers(c, term) for c in causes) for f in term.strengths]  # fmt: skip
+    if not terms:
+        return {}
+    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    points = replace(problem, base=base).points(model.fit.free, model.fit.values)
+    steps = [_step(system, f) for f in terms]
+    changes = [[_without(system, v, c) for v in points] for c in causes]
+    changes += [[_added(system, v, f, h) for v in points]
+                for f, h in zip(terms, steps, strict=True)]  # fmt: skip
+    found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
+    own = dict(zip((c.name for c in causes), found, strict=False))
+    units = found[len(causes) :] / np.array(steps)[:, None]
+    return own | dict(zip((f.label for f in terms), units, strict=True))
+
+
+def _step(system: System, free: Free) -> float:
+    p = parameter(system, free)
+    return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
+
+
+def _without(system: System, values: Float, cause: Candidate) -> Float:
+    out = values.copy()
+    for f in cause.strengths:
+        out[system.slot[f.name]] = 0.0
+    return out
+
+
+def _added(system: System, values: Float, free: Free, step: float) -> Float:
+    out = values.copy()
+    out[system.slot[free.name]] += step
+    return out

@@ -1,0 +1,58 @@
+"""What the formula of a cause may leave: forces in its own channels, a share of its own there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from bluekoi.engine import FittedSet, Problem, expanded, fitted
+from bluekoi.engine.columns import KAPPA, layout
+from bluekoi.engine.forces import forces_in_set
+from bluekoi.integrate import compiled
+from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.model import plates
+from bluekoi.tuning import downsampled, tune
+from campaigns import Errors, plans, sixteen
+
+SURGE, SWAY, YAW = range(3)
+
+
+@pytest.fixture(scope="module")
+def friction() -> tuple[Problem, FittedSet]:
+    """Six trials, fitted with a friction force, which is far stronger in surge than in sway."""
+    series = sixteen(plans(powers=(75,)), Errors(), np.random.default_rng(5), count=1)[0]
+    baseline = tune(downsampled(series))
+    problem = robot_problem(compiled(plates()), downsampled(series, 5.0), baseline, displaced=(),
+                            progress=lambda _: None)  # fmt: skip
+    known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}
+    return problem, fitted(problem, ("coulomb_friction",), problem.noise, known)
+
+
+def test_a_residual_term_pushes_in_its_channel_alone(friction: tuple[Problem, FittedSet]) -> None:
+    forces = forces_in_set(*friction)
+    unit = forces["residual.sway_v"]
+    assert max(unit[SURGE], unit[YAW]) < 1e-3 * unit[SWAY]
+
+
+def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
+    friction: tuple[Problem, FittedSet],
+) -> None:
+    problem, model = friction
+    place = problem.kernel.system.all_states.index("v")
+    v = np.concatenate([f.filtered[:, place] for f in model.passes])
+    unit = forces_in_set(problem, model)["residual.sway_v"]
+    assert unit[SWAY] == pytest.approx(np.sqrt(np.mean(v**2)), rel=0.01)
+
+
+def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
+    friction: tuple[Problem, FittedSet],
+) -> None:
+    problem, model = friction
+    forces = forces_in_set(problem, model)
+    expansion = expanded(problem, model)
+    lay = layout(problem, expansion, model.causes)
+    precisions = dict(zip(lay.columns.tolist(), lay.precision, strict=True))
+    (column,) = expansion.strengths["residual.sway_v"]
+    force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
+    assert force == pytest.approx(KAPPA * forces["coulomb_friction"][SWAY])
+    assert force < 0.7 * KAPPA * forces["coulomb_friction"][SURGE]

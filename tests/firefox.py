@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 KEYS = {"Tab": "\ue004", "Enter": "\ue007", "ArrowRight": "\ue014", "End": "\ue010",
-        "Home": "\ue011"}  # fmt: skip
+        "Home": "\ue011", "Escape": "\ue00c"}  # fmt: skip
 EVALUATE = """const done = arguments[1];
 const script = document.createElement("script");
 script.textContent = `window.evaluated = ${arguments[0]}`;

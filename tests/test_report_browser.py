@@ -72,6 +72,13 @@ OFFSCREEN = """(() => [...document.querySelectorAll("body *")].filter((e) => {
 }).map((e) => e.tagName + "." + e.className))()"""
 
 
+READOUT_OVERHANG = """(() => { const t = document.getElementById("explorer-readout");
+  return t.scrollWidth - t.parentElement.clientWidth; })()"""
+CUT_CAPTIONS = """(() => [...document.querySelectorAll("caption")].filter((e) =>
+  e.getClientRects().length && e.getBoundingClientRect().right > innerWidth)
+  .map((e) => e.textContent))()"""
+
+
 def figure_texts() -> dict[str, tuple[str, str]]:
     return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
 
@@ -152,7 +159,7 @@ def wait(tab: Tab, condition: str) -> None:
 def test_the_explorer_works_by_keyboard_alone(page, browser, phone):
     tab = Tab(browser, page, phone=phone)
     explored_by_keyboard(tab)
-    assert tab.evaluate("now.id") == "T03"
+    assert tab.evaluate("now.id") == "T02"
 
 
 @pytest.mark.parametrize("phone", [False, True])
@@ -185,6 +192,15 @@ def explored_by_keyboard(tab: Tab | FirefoxTab) -> None:
     assert tab.evaluate(STATE)[3] == "Play"
     tab.press("n", 78, "n")
     wait(tab, "now.id === 'T03' && now.drawn")
+    tab.press("Escape", 27)
+    assert tab.evaluate("document.activeElement.getAttribute('href')") == "#trial-T03"
+    tab.evaluate("document.getElementById('filter').focus()")
+    for letter in "t02":
+        tab.press(letter, ord(letter.upper()), letter)
+    wait(tab, "document.querySelectorAll('#trial-table tbody tr:not([hidden])').length === 1")
+    wait(tab, "now.id === 'T02' && now.drawn")
+    tab.press("Escape", 27)
+    wait(tab, "document.querySelectorAll('#trial-table tbody tr[hidden]').length === 0")
     assert tab.console_messages() == []
 
 
@@ -292,6 +308,10 @@ def test_it_can_be_read_on_a_phone(page, browser):
     assert tab.evaluate("document.documentElement.clientWidth") == 390
     assert tab.evaluate(SMALLEST) >= 12
     assert tab.evaluate(OFFSCREEN) == []
+    tab.evaluate("location.hash = 'trial-T02'")
+    wait(tab, "now.id === 'T02' && now.drawn")
+    assert tab.evaluate(CUT_CAPTIONS) == []
+    assert tab.evaluate(READOUT_OVERHANG) <= 1
 
 
 def test_the_keyboard_reaches_and_sorts_with_a_ring_around_what_has_the_focus(page, browser):

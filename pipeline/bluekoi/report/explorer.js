@@ -236,7 +236,14 @@ for (const [name, factor] of [["in", 0.5], ["out", 2], ["all", 0]]) part(`zoom-$
 const frame = () => (last() - first()) / Math.max(1, times().length - 1);
 const KEYS = { " ": toggle, ArrowRight: (e) => jump(e.shiftKey ? 1 : frame()), ArrowLeft: (e) => jump(e.shiftKey ? -1 : -frame()),
   Home: () => jump(-1e9), End: () => jump(1e9), n: () => step(1), p: () => step(-1),
-  "+": () => zoom(0.5), "-": () => zoom(2), 0: () => zoom(0) };
+  "+": () => zoom(0.5), "-": () => zoom(2), 0: () => zoom(0), Escape: leave };
+// Back to the trial in the table.
+function leave() {
+  pause();
+  const link = document.querySelector(`#trial-table a[href="#trial-${now.id}"]`);
+  link?.scrollIntoView({ block: "center" });
+  link?.focus({ preventScroll: true });
+}
 function jump(by) { pause(); seek(now.time + by); }
 explorer.addEventListener("keydown", (event) => {
   const { target } = event;

@@ -43,6 +43,12 @@ for (const [key, field] of Object.entries(filters)) {
   const values = [...new Set(cards.map((card) => card.dataset[key]))].sort((a, b) => a.localeCompare(b, "en", { numeric: true }));
   field.append(...values.map((text) => Object.assign(document.createElement("option"), { value: text, textContent: text })));
 }
+filters.text.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape" || !filters.text.value) return;
+  event.preventDefault();
+  filters.text.value = "";
+  filterTrials();
+});
 // Print all details.
 window.addEventListener("beforeprint", () => {
   document.querySelectorAll("details").forEach((one) => { one.open = true; });

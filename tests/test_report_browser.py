@@ -72,6 +72,14 @@ OFFSCREEN = """(() => [...document.querySelectorAll("body *")].filter((e) => {
 }).map((e) => e.tagName + "." + e.className))()"""
 
 
+BROKEN_WORDS = """(() => [...document.querySelectorAll("#explorer-readout th")].filter((e) => {
+  const range = document.createRange();
+  return [...e.firstChild.data.matchAll(/\\S+/g)].some((word) => {
+    range.setStart(e.firstChild, word.index);
+    range.setEnd(e.firstChild, word.index + word[0].length);
+    return new Set([...range.getClientRects()].map((box) => box.top)).size > 1;
+  });
+}).map((e) => e.textContent))()"""
 READOUT_OVERHANG = """(() => { const t = document.getElementById("explorer-readout");
   return t.scrollWidth - t.parentElement.clientWidth; })()"""
 CUT_CAPTIONS = """(() => [...document.querySelectorAll("caption")].filter((e) =>
@@ -312,6 +320,7 @@ def test_it_can_be_read_on_a_phone(page, browser):
     wait(tab, "now.id === 'T02' && now.drawn")
     assert tab.evaluate(CUT_CAPTIONS) == []
     assert tab.evaluate(READOUT_OVERHANG) <= 1
+    assert tab.evaluate(BROKEN_WORDS) == []
 
 
 def test_the_keyboard_reaches_and_sorts_with_a_ring_around_what_has_the_focus(page, browser):

@@ -169,8 +169,8 @@ async function draw() {
     mode: "lines", line: line(kind), hovertemplate: "x %{x:.3f} m<br>y %{y:.3f} m<br>t %{customdata:.2f} s" }));
   const dots = kinds.map((kind) => ({ x: [null], y: [null], mode: "markers", showlegend: false, hoverinfo: "skip",
     marker: { size: 11, color: COLOURS[kind], line: { color: "#fff", width: 2 } } }));
-  await Plotly.react(part("path"), [...paths, ...dots], { font: FONT, height: Math.min(400, 0.62 * part("path").clientWidth + 90), uirevision: now.id, hovermode: "closest",
-    margin: { l: 50, r: 10, t: 10, b: 40 }, legend: { orientation: "h", y: -0.16 },
+  await Plotly.react(part("path"), [...paths, ...dots], { font: FONT, height: Math.min(400, 0.62 * part("path").clientWidth + 112), uirevision: now.id, hovermode: "closest",
+    margin: { l: 50, r: 10, t: 32, b: 40 }, legend: { orientation: "h", y: -0.16 },
     shapes: [{ type: "rect", x0: 0, y0: 0, x1: length, y1: width, line: { color: "#8fa3b0" }, fillcolor: "#f2f7fa", layer: "below" }],
     xaxis: { ...titled("x (m)"), range: [-0.05, length + 0.05], constrain: "domain" },
     yaxis: { ...titled("y (m)"), range: [-0.05, width + 0.15], scaleanchor: "x", constrain: "domain" } }, CONFIG);

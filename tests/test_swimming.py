@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -18,6 +19,7 @@ from bluekoi.motor.swimming import (
     implausible_numbers,
     study_warnings,
     swimming_numbers,
+    tail_warnings,
 )
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth
@@ -152,3 +154,21 @@ def test_a_fit_without_a_solution_ends_in_words_with_the_doubts_about_the_trials
     with pytest.raises(InputError, match="a fit without a solution") as raised:
         fit(tmp_path / "study", tmp_path)
     assert "trial A: the tail beats 4 times as fast" in str(raised.value)
+
+
+def test_a_tail_measured_from_the_hinge_is_warned_about_and_a_right_one_is_not(tmp_path):
+    """The distance of the keypoints is 66 mm; hinge to tail tip is 277 mm."""
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    for name in PLANS:
+        keypoints(study, results, name)
+        tracks(study, results, name)
+    statuses = {name: read_json(results / f"status/{name}.json") for name in PLANS}
+    assert tail_warnings(statuses, 0.066) == []
+    assert tail_warnings({}, 0.066) == []
+    (said,) = tail_warnings(statuses, 0.277)
+    assert "277 mm" in said
+    setup = yaml.safe_load((study / "study.yaml").read_text())
+    setup["robot"]["tail_length_m"] = 0.277
+    (study / "study.yaml").write_text(yaml.safe_dump(setup))
+    outcome(study, results)
+    assert said in read_json(results / "outcome.json")["warnings"]

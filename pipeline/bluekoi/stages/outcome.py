@@ -7,7 +7,7 @@ from pathlib import Path
 from ..camera.length_warnings import length_warnings
 from ..files import optional_json, read_json, write_json
 from ..motor.powers import power_warnings
-from ..motor.swimming import study_warnings
+from ..motor.swimming import study_warnings, tail_warnings
 from ..study import load_study
 from ..study.rules import robot_doubts
 from .failure import failure_reason
@@ -32,6 +32,7 @@ def outcome(study: Path, results: Path) -> list[str]:
     warnings = [
         *robot_doubts(loaded.setup),
         *study_warnings(statuses),
+        *tail_warnings(statuses, loaded.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),
         *length_warnings(geometry, mismatch),
     ]

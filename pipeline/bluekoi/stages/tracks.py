@@ -16,7 +16,7 @@ from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
 from ..motor import beat_lag, clock_ratio, compare, flapping_from_log, flapping_given, tail_beat
-from ..motor.swimming import REMEDY, implausible_numbers, swimming_numbers
+from ..motor.swimming import REMEDY, implausible_numbers, swimming_numbers, tail_length_seen
 from ..pose import rigid_pose
 from ..smoothing import smooth_with_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
@@ -88,6 +88,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         "remarks": list(dict.fromkeys(remarks)),
         "flapping": _flapping_json(flapping),
         "swimming": swimming,
+        "tail_m": tail_length_seen(positions),
         "pool_edges": edges,
     }
 

@@ -20,9 +20,11 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
+from bluekoi.engine.candidates import Candidate, parameter
 from bluekoi.engine.expansion import Expansion, expanded
 from bluekoi.engine.problem import Problem
 from bluekoi.engine.refit import fitted
+from bluekoi.fitting import rms_forces
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
@@ -51,14 +53,37 @@ def _by_form(problem: Problem, expansion: Expansion) -> Iterator[tuple[str, floa
     H = expansion.hessian.sum(axis=0)
     for candidate in problem.candidates:
         forms = expansion.forms[candidate.name]
-        terms = [c for other in problem.candidates if problem.covers(candidate, other)
-                 for c in expansion.strengths[other.name]]  # fmt: skip
+        covered = [t for t in problem.candidates if problem.covers(candidate, t)]
+        terms = [c for t in covered for c in expansion.strengths[t.name]]
         strengths = list(expansion.strengths[candidate.name])
-        for form in forms if terms else ():
+        if not (forms and terms):
+            continue
+        scale = _force_ratios(problem, expansion, candidate, covered) ** 2
+        for form in forms if scale.any() else ():
             known = [*expansion.own, *strengths, *(f for f in forms if f != form)]
             left = unexplained_squares(H, known, [form, *terms])
-            scale = H[strengths[0], strengths[0]] / np.maximum(H[terms, terms], 1e-30)
             yield candidate.name, float(left[0] / (left[1:] * scale).sum())
+
+
+def _force_ratios(
+    problem: Problem, expansion: Expansion, cause: Candidate, terms: Sequence[Candidate]
+) -> Float:
+    """Force of a unit strength of a cause over that of each term's, in the term's channel; 0 for
+    all terms of a cause without force.
+    """
+    model, system = expansion.model, problem.kernel.system
+    points = problem.points(model.fit.free, model.fit.values)
+    frees = [cause.strengths[0], *(f for t in terms for f in t.strengths)]
+    steps = [1e-3 * abs(parameter(system, f).typical or 1.0) for f in frees]
+    changes = []
+    for free, step in zip(frees, steps, strict=True):
+        moved = [v.copy() for v in points]
+        for v in moved:
+            v[system.slot[free.name]] += step
+        changes.append(moved)
+    found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
+    own, *units = found / np.array(steps)[:, None]
+    return np.array([own[k] / unit[k] for unit in units for k in [int(np.argmax(unit))]])
 
 
 def unexplained_squares(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:

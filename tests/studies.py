@@ -25,7 +25,7 @@ PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degre
 def bare_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
     """12 trials of the paper's bare model in still water; Table I per power if asked.
 
-    With the common coefficients the radii do not depend on power (MODEL.md, audit 3).
+    With the common coefficients the radii do not depend on power (docs/paper.md, Audit: Power).
     """
     settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
     plans = numbered_plans((50, 75, 100), settings)

@@ -19,7 +19,7 @@ from hypothesis.extra import numpy as arrays
 from bluekoi.errors import InputError
 from bluekoi.explain import Model, Observation, Trial, load_model, read_trials
 from bluekoi.explain.feedback import explained_by_innovations
-from bluekoi.explain.trials import unit_of_time, validated_trials
+from bluekoi.explain.trials import time_unit_warnings, validated_trials
 
 CART = Path(__file__).parent / "cart_model.py"
 MODEL = load_model(CART)
@@ -172,11 +172,11 @@ def test_an_angle_in_degrees_that_is_declared_in_radians_is_refused():
 
 def test_a_wrong_unit_of_time_is_reported():
     trials = [good()]
-    assert unit_of_time(trials, 2.0) == []
-    (coarse,) = unit_of_time([replace(good(), times=100.0 * np.arange(COUNT))], 2.0)
+    assert time_unit_warnings(trials, 2.0) == []
+    (coarse,) = time_unit_warnings([replace(good(), times=100.0 * np.arange(COUNT))], 2.0)
     assert "100 s apart" in coarse
     assert "unit of time" in coarse
-    (short,) = unit_of_time([replace(good(), times=1e-4 * np.arange(COUNT))], 2.0)
+    (short,) = time_unit_warnings([replace(good(), times=1e-4 * np.arange(COUNT))], 2.0)
     assert "lasts 0.0019 s" in short
 
 

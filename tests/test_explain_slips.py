@@ -13,7 +13,7 @@ from bluekoi.explain import Stage, Trial, load_model, read_trials
 from bluekoi.explain.diagnosis import compiling, runs_away
 from bluekoi.explain.numbers import Number, at_bounds
 from bluekoi.explain.prediction import Run, runaways
-from bluekoi.explain.trials import unit_of_time, validated_trials, warnings_of
+from bluekoi.explain.trials import time_unit_warnings, validated_trials, warnings_of
 
 MODEL = load_model(Path(__file__).parent / "cart_model.py")
 TIMES = 0.05 * np.arange(60)
@@ -91,8 +91,8 @@ def test_each_slip_has_one_message_that_leads_to_its_fix(settings, header, messa
 
 
 def test_samples_further_apart_than_ten_time_constants_are_reported():
-    assert unit_of_time([trial()], 20.0) == []
-    (sentence,) = unit_of_time([replace(trial(), times=1000.0 * TIMES)], 0.3)
+    assert time_unit_warnings([trial()], 20.0) == []
+    (sentence,) = time_unit_warnings([replace(trial(), times=1000.0 * TIMES)], 0.3)
     assert "check the unit of time" in sentence
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from bluekoi.synthetic.design import FLAP_HZ
+from bluekoi.synthetic.eddies import draw_eddies, water_velocity
 from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, aerodynamic_arm, published_model_tank
 from bluekoi.synthetic.tank import simulate, steady_turn
-from bluekoi.synthetic.water import draw_eddies, water_velocity
 from studies import TABLE_1
 
 BARE = published_model_tank(Tank())

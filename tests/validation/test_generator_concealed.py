@@ -10,9 +10,9 @@ import pytest
 from bluekoi.files import write_json
 from bluekoi.model import simulate
 from bluekoi.study import load_study
+from bluekoi.synthetic.eddies import draw_eddies, water_velocity
 from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, published_model_tank
 from bluekoi.synthetic.tank import simulate as demo_tank
-from bluekoi.synthetic.water import draw_eddies, water_velocity
 from studies import small_study
 from validation.generators.concealed import generate
 from validation.generators.concealed.effects import OUTSIDE, PHYSICS

@@ -59,7 +59,7 @@ def test_radius_does_not_depend_on_power_in_the_base_model():
 
 
 def test_straight_swimming_is_unstable_without_a_fin():
-    """Audit 5 of MODEL.md: growth of 3.6 per second at 100 %."""
+    """docs/paper.md, Straight swimming: growth of 3.6 per second at 100 %."""
     k, p = eff.table(())
     assert dyn.straight_growth_per_s(BODY, C, 5.82, k, p) == pytest.approx(3.6, abs=0.2)
 

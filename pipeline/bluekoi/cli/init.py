@@ -31,7 +31,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     """
     from ..errors import input_error  # noqa: PLC0415
     from ..files import write_text  # noqa: PLC0415
-    from ..preparation.facts import file_facts, with_facts  # noqa: PLC0415
+    from ..preparation.file_properties import file_properties, with_properties  # noqa: PLC0415
     from ..preparation.prefill import (  # noqa: PLC0415
         blank_study_yaml,
         trial_rows,
@@ -48,10 +48,10 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
         remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)
     with progress_notice(f"opening the files of {len(rows)} trials"):
-        facts = file_facts(folder, rows)
+        found = file_properties(folder, rows)
     write_text(folder / "trials.csv", trials_csv(rows))
-    write_text(folder / "study.yaml", with_facts(blank_study_yaml(), facts))
-    for one in facts:
+    write_text(folder / "study.yaml", with_properties(blank_study_yaml(), found))
+    for one in found:
         click.echo(f"{one.trial_id}: {one.source}: {one.text}")
     click.echo(
         f"Written: {folder / 'study.yaml'} and {folder / 'trials.csv'} ({len(rows)} trials). Fill "

@@ -31,11 +31,12 @@ def checked_model(model: Model) -> None:
 
     Raises: InputError with all that is wrong with it.
     """
-    findings = _parts(model)
+    findings = _check_types(model)
     if not findings:
-        findings = [*_names(model), *_stages(model), *_causes(model), *_coefficients(model)]
+        checks = _check_names, _check_stages, _check_causes, _check_coefficients
+        findings = [f for check in checks for f in check(model)]
     if not findings:
-        findings = [*_calls(model)]
+        findings = [*_check_calls(model)]
     if findings:
         raise InputError(findings)
 
@@ -49,14 +50,14 @@ FIELD_TYPES = {"states": State, "observations": Observation, "inputs": Input, "c
 """Field of a model -> type of its entries."""
 
 
-def _parts(model: Model) -> list[Finding]:
+def _check_types(model: Model) -> list[Finding]:
     """Parts of a model of the wrong type: not a sequence of its items, or not a number."""
     out = [f for name, kind in FIELD_TYPES.items()
-           for f in _sequence(model, name, getattr(model, name), kind)]  # fmt: skip
+           for f in _check_sequence(model, name, getattr(model, name), kind)]  # fmt: skip
     if out:
         return out
     for c in model.causes:
-        out += _sequence(model, f"cause {c.name}: parameters", c.parameters, Parameter)
+        out += _check_sequence(model, f"cause {c.name}: parameters", c.parameters, Parameter)
         if not isinstance(c.hooks, Mapping) or not all(map(callable, c.hooks.values())):
             out.append(_finding(model, f"cause {c.name}: hooks", _shown(c.hooks),
                                 "{'STAGE': function}"))  # fmt: skip
@@ -69,7 +70,7 @@ def _parts(model: Model) -> list[Finding]:
     return out
 
 
-def _sequence(model: Model, where: str, given: object, kind: type) -> list[Finding]:
+def _check_sequence(model: Model, where: str, given: object, kind: type) -> list[Finding]:
     expected = f"a tuple of {kind.__name__}"
     if isinstance(given, kind):
         remedy = "A tuple of one needs a comma: (X,)."
@@ -84,7 +85,8 @@ def _shown(value: object) -> str:
     return repr(value) if isinstance(value, str) else type(value).__name__
 
 
-def _names(model: Model) -> list[Finding]:
+def _check_names(model: Model) -> list[Finding]:
+    """Names that are unusable, used twice or refer to nothing; counts and standard deviations."""
     out = []
     if not model.name.isidentifier():
         out.append(Finding("model", "name", f"'{model.name}'", "letters, digits and _"))
@@ -120,7 +122,8 @@ def _names(model: Model) -> list[Finding]:
     return out
 
 
-def _stages(model: Model) -> list[Finding]:
+def _check_stages(model: Model) -> list[Finding]:
+    """Stages that are missing, return the wrong outputs or have unknown arguments."""
     out = []
     stages = {s.name: s for s in model.stages}
     for name, wanted, what in (
@@ -135,7 +138,7 @@ def _stages(model: Model) -> list[Finding]:
     known = set(model.given_names)
     for stage in model.stages:
         if stage.function is not None:
-            out += _asks(model, f"stage {stage.name}", stage.function, known)
+            out += _check_arguments(model, f"stage {stage.name}", stage.function, known)
         elif not stage.open:
             out.append(_finding(model, f"stage {stage.name}", "no function",
                                 "a function, or open=True"))  # fmt: skip
@@ -156,13 +159,17 @@ def _stages(model: Model) -> list[Finding]:
     return out
 
 
-def _asks(model: Model, where: str, function: Function, known: set[str]) -> list[Finding]:
+def _check_arguments(
+    model: Model, where: str, function: Function, known: set[str]
+) -> list[Finding]:
+    """Arguments of a function that are not among the known names."""
     return [_finding(model, f"{where}: {function.__name__}", f"argument '{a}'",
                      "a state, input, constant, coefficient, t or an output of a stage before",
                      nearest(a, known)) for a in arguments(function) if a not in known]  # fmt: skip
 
 
-def _causes(model: Model) -> list[Finding]:
+def _check_causes(model: Model) -> list[Finding]:
+    """Causes of unknown kind, without a function for an open stage, or with wrong parameters."""
     out = []
     opened = [s.name for s in model.stages if s.open or s.name == OBSERVE_STAGE]
     names = [c.name for c in model.causes]
@@ -189,13 +196,13 @@ def _causes(model: Model) -> list[Finding]:
                     f"1 to {len(c.parameters)}, the number of its parameters",
                 )
             )
-        out += [f for k, p in enumerate(c.parameters)
-                for f in _bounds(model, f"{where}: {p.name}", p, zero=k < c.strengths)]  # fmt: skip
-        out += _cause_asks(model, c)
+        for k, p in enumerate(c.parameters):
+            out += _check_bounds(model, f"{where}: {p.name}", p, zero=k < c.strengths)
+        out += _check_cause_arguments(model, c)
     return out
 
 
-def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
+def _check_cause_arguments(model: Model, cause: Cause) -> list[Finding]:
     """Arguments of a cause's functions that nothing gives."""
     base = model.given_names | {p.argument for p in cause.parameters} | set(cause.states)
     every = base | {
@@ -209,15 +216,16 @@ def _cause_asks(model: Model, cause: Cause) -> list[Finding]:
                 known |= set(s.outputs)  # of its own stage too: what the model gives there
             if s.name == stage:
                 break
-        out += _asks(model, f"cause {cause.name}", function, known)
+        out += _check_arguments(model, f"cause {cause.name}", function, known)
     if cause.rates is not None:
-        out += _asks(model, f"cause {cause.name}", cause.rates, every)
+        out += _check_arguments(model, f"cause {cause.name}", cause.rates, every)
     return out
 
 
-def _coefficients(model: Model) -> list[Finding]:
+def _check_coefficients(model: Model) -> list[Finding]:
+    """Coefficients with wrong bounds, or that no equation takes as an argument."""
     out = [f for p in model.coefficients
-           for f in _bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
+           for f in _check_bounds(model, f"coefficient {p.name}", p, zero=False)]  # fmt: skip
     known = [p.name for p in model.coefficients]
     used = {a for f in _functions(model) for a in arguments(f)}
     out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
@@ -235,7 +243,8 @@ def _functions(model: Model) -> list[Function]:
     return own
 
 
-def _bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Finding]:
+def _check_bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Finding]:
+    """Start value and bounds of a parameter; zero: the bounds must include 0."""
     if not all(math.isfinite(x) for x in (p.start, p.lower, p.upper)):
         return [_finding(model, where, f"{p.start}, {p.lower} to {p.upper}",
                          "a finite start value and bounds")]  # fmt: skip
@@ -254,20 +263,21 @@ def _bounds(model: Model, where: str, p: Parameter, *, zero: bool) -> list[Findi
     return []
 
 
-def _calls(model: Model) -> list[Finding]:
+def _check_calls(model: Model) -> list[Finding]:
     """Functions called once with plain numbers: errors and wrong counts of outputs."""
     stages = {s.name: s for s in model.stages}
     out = [f for s in model.stages if s.function is not None
-           for f in _call(model, f"stage {s.name}", s.function, s.outputs)]  # fmt: skip
+           for f in _check_call(model, f"stage {s.name}", s.function, s.outputs)]  # fmt: skip
     for c in model.causes:
         for name, function in c.hooks.items():
-            out += _call(model, f"cause {c.name}, stage {name}", function, stages[name].outputs)
+            where = f"cause {c.name}, stage {name}"
+            out += _check_call(model, where, function, stages[name].outputs)
         if c.rates is not None:
-            out += _call(model, f"cause {c.name}, rates", c.rates, c.states)
+            out += _check_call(model, f"cause {c.name}, rates", c.rates, c.states)
     return out
 
 
-def _call(
+def _check_call(
     model: Model, where: str, function: Callable[..., object], outputs: Sequence[str]
 ) -> list[Finding]:
     place = f"{where}: {function.__name__}"

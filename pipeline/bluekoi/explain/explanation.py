@@ -43,9 +43,11 @@ beyond which the report warns."""
 
 
 @dataclass(frozen=True)
-class Compared:
-    """A set of causes that was asked for: its log posterior less that of the most probable set, the
-    criterion of its fit, its numbers, and its errors on conditions left out.
+class ComparedSet:
+    """A set of causes that `explain(compare=...)` was asked to fit.
+
+    log_posterior: less that of the most probable set. fitted_to: criterion of the fit. numbers:
+    fitted parameters. errors: root mean squares on conditions left out of the fit.
     """
 
     causes: tuple[str, ...]
@@ -59,11 +61,12 @@ class Compared:
 class Explanation:
     """What a model leaves out of its trials.
 
-    verdict: none, physics, measurement or unexplained. named: causes, the one that explains most
-    first, with gains in log evidence. unexplained: probability of a force that no candidate
-    describes. probabilities: of every candidate asked. baseline, extended: fitted without and with
-    the named causes, and their numbers. held_out: errors on conditions left out. warnings:
-    sentences on what limits the result.
+    verdict: none, physics, measurement or unexplained. named: causes with a probability above 1/2,
+    by falling gain; gains: log evidence that each adds. unexplained: probability of a force that no
+    candidate describes. probabilities: of every candidate cause. baseline, extended: the model
+    fitted without and with the named causes; baseline_numbers, numbers: their fitted parameters.
+    held_out: errors on conditions left out of the fit. compared: results of the sets in `compare`.
+    warnings: what limits the result, in sentences.
     """
 
     prepared: Prepared
@@ -80,7 +83,7 @@ class Explanation:
     best: Scored
     held_out: HeldOut
     warnings: tuple[str, ...]
-    compared: tuple[Compared, ...] = ()
+    compared: tuple[ComparedSet, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -152,16 +155,16 @@ def by_its_causes(problem: Problem, model: FittedSet) -> FittedSet:
 def _compared(
     ready: Prepared, visited: Visited, causes: tuple[str, ...], test: Sequence[Series],
     horizon_s: float,
-) -> Compared:  # fmt: skip
+) -> ComparedSet:  # fmt: skip
     """A set of causes, fitted from the baseline on where the search had no use for it."""
     problem, best = ready.problem, visited.best
     scored = visited.add(causes, visited.sets[frozenset()].model)
     if scored is None:
-        return Compared(causes, -np.inf, PREDICTION_ERRORS, (), {})
+        return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
     scored = score(problem, own_noise(problem, scored.model))
     final = by_its_causes(problem, scored.model)
     ((criterion, errors),) = errors_of_sets(ready.model, problem, [final], test, horizon_s)
-    return Compared(causes, scored.log_posterior - best.log_posterior, criterion,
+    return ComparedSet(causes, scored.log_posterior - best.log_posterior, criterion,
                     tuple(numbers(problem.kernel, final)), errors)  # fmt: skip
 
 

@@ -37,9 +37,12 @@ class Run:
 
 @dataclass(frozen=True)
 class Predicted:
-    """Runs of every trial by the baseline and by the extended model, each with the start that suits
-    the whole trial and with the initial state estimated from its first `known_s` seconds; measures
-    of the recordings; causes that were not applied.
+    """Free runs (simulations) of trials that the model was not fitted to.
+
+    runs: (`baseline` or `extended`, how the initial state was found) -> one run a trial. The
+    initial state is fitted to the whole trial, or estimated from its first `known_s` seconds only.
+    measured: quantities of the recordings that are also computed from the runs. not_applied: named
+    causes that belong to the site of the fitted recordings. messages: remarks, in sentences.
     """
 
     runs: dict[tuple[str, str], list[Run]]

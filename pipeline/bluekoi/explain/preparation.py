@@ -19,7 +19,7 @@ from .diagnosis import runs_away
 from .model import Model
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
 from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, longest_step_s, rates_per_s, step_error
-from .trials import Trial, all_series, cut_trials, unit_of_time
+from .trials import Trial, all_series, cut_trials, time_unit_warnings
 
 MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
 """Fewer trials are cut into stretches, so many in all or more, of so many frames at least. Each cut
@@ -68,7 +68,7 @@ def prepare(
     if noise is None:
         raise runs_away(model, trials)
     fastest = partial(max_rate_per_s, kernel, series, base, noise=noise)
-    warnings += unit_of_time(trials, fastest(names=()))
+    warnings += time_unit_warnings(trials, fastest(names=()))
     step = longest_step_s(fastest(names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
     assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))

@@ -197,9 +197,9 @@ def warnings_of(model: Model, trials: Sequence[Trial]) -> list[str]:
     return out
 
 
-def unit_of_time(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
-    """A sentence where sampling interval or duration does not suit a model whose shortest time
-    constant is 1 / rate: the unit of time may be wrong.
+def time_unit_warnings(trials: Sequence[Trial], rate_per_s: float) -> list[str]:
+    """A warning that the trials' unit of time may be wrong: where the sampling interval or the
+    duration does not suit a model whose shortest time constant is 1 / rate.
     """
     interval = float(np.median([np.median(np.diff(t.times)) for t in trials]))
     longest = max(float(np.ptp(t.times)) for t in trials)

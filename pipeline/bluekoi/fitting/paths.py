@@ -2,14 +2,16 @@
 
     minimise  sum over trials of |(seen - simulated(a, s_t)) / sigma|^2 + |s_t - prior|^2
 
-over the common numbers a and the starting states s_t. The normal equations have the form of an
-arrow: each trial's start couples only to a. Eliminating it leaves, for each trial,
+over the common parameters a and the starting states s_t. The normal matrix is bordered
+block-diagonal (an arrowhead): each trial's start couples only to a. Eliminating it leaves the Schur
+complement of each trial,
 
-    H = A - B C^-1 B',   g = a - B C^-1 c,
+    H = A - B C^-1 B',   g = b - B C^-1 c,
 
-and the sum over trials is solved. Sixteen lanes hold a trial and all of its differences.
-Right where nothing random pushes; the model being unstable in straight runs, small disturbances
-look like physics here (prediction errors, `joint.fit`, do not fall for it).
+with the right-hand sides b of the parameters and c of the start; the sum over trials is solved.
+Sixteen SIMD lanes hold a trial and all runs of its finite differences. The criterion is right where
+no random forces act: the model is unstable in straight runs, and small disturbances then look like
+physics. Prediction errors (`joint.fit`) do not have this fault.
 """
 
 from __future__ import annotations
@@ -46,18 +48,22 @@ class PathFit:
 
 
 @dataclass(frozen=True)
-class _Arrow:
-    """Blocks of the normal equations by trial: common (p, p), (p,), mixed (p, s), start (s, s)."""
+class _BlockNormal:
+    """Blocks of the normal equations by trial (t), of parameters (p) and starting states (s).
+
+    common (t, p, p), mixed (t, p, s), start (t, s, s); right-hand sides common_rhs (t, p) and
+    start_rhs (t, s); cost (t,): sum of squares.
+    """
 
     common: Float
     mixed: Float
     start: Float
-    common_side: Float
-    start_side: Float
+    common_rhs: Float
+    start_rhs: Float
     cost: Float
 
 
-NO_ARROW = _Arrow(*(np.zeros(0) for _ in range(6)))
+NO_BLOCKS = _BlockNormal(*(np.zeros(0) for _ in range(6)))
 
 
 def fit_paths(
@@ -83,7 +89,7 @@ def fit_paths(
         at = _minimised(problem.first_part(share), at, limits,
                         iterations=iterations if whole else COARSE_ITERATIONS,
                         tolerance=tolerance if whole else 1.0)  # fmt: skip
-    normal, _ = _reduced(at.arrow, 0.0)
+    normal, _ = _reduced(at.blocks, 0.0)
     return PathFit(Fit(tuple(free), at.x, normal, at.outcome, at.count), at.starts)
 
 
@@ -94,7 +100,7 @@ class _Point:
     x: Float
     starts: Float
     damping: float
-    arrow: _Arrow = NO_ARROW
+    blocks: _BlockNormal = NO_BLOCKS
     outcome: str = STALLED
     count: int = 0
 
@@ -103,34 +109,34 @@ def _minimised(
     problem: PaddedTrials, at: _Point, limits: Float, *, iterations: int, tolerance: float
 ) -> _Point:
     """Rounds from a point on, until the next step would move nothing beyond the tolerance."""
-    at = replace(at, arrow=_arrow(problem, at.x, at.starts), outcome=STALLED, count=0)
-    while np.isfinite(at.arrow.cost).all() and at.count < iterations and at.damping < 1e8:
-        normal, to_start = _reduced(at.arrow, at.damping)
+    at = replace(at, blocks=_block_normal(problem, at.x, at.starts), outcome=STALLED, count=0)
+    while np.isfinite(at.blocks.cost).all() and at.count < iterations and at.damping < 1e8:
+        normal, to_start = _reduced(at.blocks, at.damping)
         step = damped_step(normal, at.damping, at.x, *limits)
         x = np.clip(at.x + step, *limits)
         starts = at.starts.copy()
         shift = to_start[0] @ (x - at.x) + to_start[1]
         starts[:, : problem.open_states] += shift
-        if _is_small(at.arrow, x - at.x, shift, tolerance):
+        if _is_small(at.blocks, x - at.x, shift, tolerance):
             return replace(at, outcome=CONVERGED)
-        arrow = _arrow(problem, x, starts)
-        if np.isfinite(arrow.cost).all() and arrow.cost.sum() <= at.arrow.cost.sum():
-            at = _Point(x, starts, max(at.damping * 0.1, 1e-9), arrow, count=at.count + 1)
+        blocks = _block_normal(problem, x, starts)
+        if np.isfinite(blocks.cost).all() and blocks.cost.sum() <= at.blocks.cost.sum():
+            at = _Point(x, starts, max(at.damping * 0.1, 1e-9), blocks, count=at.count + 1)
         else:
             at = replace(at, damping=at.damping * 10.0, count=at.count + 1)
     return at
 
 
-def _is_small(arrow: _Arrow, change: Float, shift: Float, tolerance: float) -> bool:
+def _is_small(blocks: _BlockNormal, change: Float, shift: Float, tolerance: float) -> bool:
     """Whether a step moves nothing by more than `tolerance` of its deviation, starts included."""
-    moved = change @ arrow.common.sum(axis=0) @ change
-    moved += 2.0 * np.einsum("p,tps,ts->", change, arrow.mixed, shift)
-    moved += np.einsum("ts,tsr,tr->", shift, arrow.start, shift)
+    moved = change @ blocks.common.sum(axis=0) @ change
+    moved += 2.0 * np.einsum("p,tps,ts->", change, blocks.mixed, shift)
+    moved += np.einsum("ts,tsr,tr->", shift, blocks.start, shift)
     return bool(moved < tolerance**2 * max(change.size + shift.size, 1))
 
 
-def _arrow(problem: PaddedTrials, x: Float, starts: Float) -> _Arrow:
-    """Blocks at a point, by batches of simulations."""
+def _block_normal(problem: PaddedTrials, x: Float, starts: Float) -> _BlockNormal:
+    """`_BlockNormal` at a point, from batches of simulations."""
     n = problem.open_states
     size = np.concatenate([np.full(n, START_STEP),
                            1e-4 * np.maximum(np.abs(x), problem.least_step)])  # fmt: skip
@@ -144,7 +150,7 @@ def _arrow(problem: PaddedTrials, x: Float, starts: Float) -> _Arrow:
     pull = (starts - problem.prior) / problem.prior_std
     H[:, range(n), range(n)] += 1.0 / problem.prior_std[:, :n] ** 2
     g[:, :n] -= (pull / problem.prior_std)[:, :n]
-    return _Arrow(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
+    return _BlockNormal(H[:, n:, n:], H[:, n:, :n], H[:, :n, :n], g[:, n:], g[:, :n],
                   products[:, 0, 0] + np.sum(pull**2, axis=1))  # fmt: skip
 
 
@@ -171,20 +177,20 @@ def _products(
     return out
 
 
-def _reduced(arrow: _Arrow, damping: float) -> tuple[Normal, tuple[Float, Float]]:
-    """Normal equations without the starts; the starts' steps: slope (t, s, p) and own (t, s)."""
-    if arrow.start.size == 0:
-        nothing = arrow.mixed.transpose(0, 2, 1)
-        return Normal(arrow.common, arrow.common_side, -0.5 * arrow.cost), (
+def _reduced(blocks: _BlockNormal, damping: float) -> tuple[Normal, tuple[Float, Float]]:
+    """Schur complement, summed over trials; the starts' steps: slope (t, s, p) and own (t, s)."""
+    if blocks.start.size == 0:
+        nothing = blocks.mixed.transpose(0, 2, 1)
+        return Normal(blocks.common, blocks.common_rhs, -0.5 * blocks.cost), (
             nothing,
-            arrow.start_side,
+            blocks.start_rhs,
         )
-    C = arrow.start * (1.0 + damping * np.eye(arrow.start.shape[1]))
-    inverse_mixed = _solved(C, arrow.mixed.transpose(0, 2, 1))
-    own = _solved(C, arrow.start_side[:, :, None])[:, :, 0]
-    hessian = arrow.common - arrow.mixed @ inverse_mixed
-    gradient = arrow.common_side - np.einsum("tps,ts->tp", arrow.mixed, own)
-    return Normal(hessian, gradient, -0.5 * arrow.cost), (-inverse_mixed, own)
+    C = blocks.start * (1.0 + damping * np.eye(blocks.start.shape[1]))
+    inverse_mixed = _solved(C, blocks.mixed.transpose(0, 2, 1))
+    own = _solved(C, blocks.start_rhs[:, :, None])[:, :, 0]
+    hessian = blocks.common - blocks.mixed @ inverse_mixed
+    gradient = blocks.common_rhs - np.einsum("tps,ts->tp", blocks.mixed, own)
+    return Normal(hessian, gradient, -0.5 * blocks.cost), (-inverse_mixed, own)
 
 
 def _solved(matrices: Float, sides: Float) -> Float:

@@ -1,4 +1,4 @@
-"""Keypoints of the robot from its outline against the pool: a rigid head, a rigid core, a tail.
+"""Keypoints from a template of the robot fitted to its outline: a rigid head and core, a tail.
 
 A background from a few pictures; the outline's half-widths learned from the same pictures; then,
 frame by frame, the template fitted to the edges from where the robot is expected.

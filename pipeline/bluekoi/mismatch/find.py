@@ -99,7 +99,7 @@ def find_mismatch(
     progress("baseline")
     averaged, coarse = downsampled(series), downsampled(series, SEARCH_RATE_HZ)
     baseline = tune([s for s in averaged if s.name not in held_out])
-    displaced, drifting = _moved_pictures(kernel, averaged, baseline)
+    displaced, drifting = _displaced_and_drifting(kernel, averaged, baseline)
     series = with_displacements(kernel, series, displaced)
     averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
     if not has_roles(study):
@@ -153,10 +153,10 @@ def find_mismatch(
     )  # fmt: skip
 
 
-def _moved_pictures(
+def _displaced_and_drifting(
     kernel: Kernel, series: Sequence[Series], model: Tuned
 ) -> tuple[list[CameraDisplacement], Drift | None]:
-    """Trials whose camera was displaced, and the one that drifts."""
+    """Displacements of the camera during a trial, and the trial whose positions drift, if any."""
     fitted = kernel, series, model.trial_values(kernel, series), model.noise
     return detect_displacements(*fitted), drifting_trial(*fitted)
 

@@ -23,9 +23,10 @@ MAX_VARIABLES_PER_CHANNEL = 2
 """A channel's force is stated to depend on at most so many variables; each must explain this share
 of all missing force beyond the variables before it.
 """
-WEAK_CHANNEL_MIN_SHARE, WEAK_CHANNEL_MIN_TOTAL_SHARE = 0.3, 0.002
-"""The best variable of a weak channel is stated where it explains this share of the channel's own
-force, which is at least that share of all.
+MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL, MIN_TOTAL_SHARE_OF_WEAK_CHANNEL = 0.3, 0.002
+"""In a channel where no variable explains `MIN_ADDED_SHARE`, the best one is stated if it explains
+the first share of the channel's force, and this force is at least the second share of all missing
+force (sums of squares, scaled).
 """
 CHANNELS = ("surge", "sway", "yaw")
 
@@ -97,8 +98,8 @@ def _added(
         best = max(shares, key=lambda name: shares[name])
         weak = (
             not adds
-            and own >= WEAK_CHANNEL_MIN_TOTAL_SHARE
-            and shares[best] >= WEAK_CHANNEL_MIN_SHARE * own
+            and own >= MIN_TOTAL_SHARE_OF_WEAK_CHANNEL
+            and shares[best] >= MIN_EXPLAINED_SHARE_IN_WEAK_CHANNEL * own
         )
         if shares[best] < MIN_ADDED_SHARE and not weak:
             break

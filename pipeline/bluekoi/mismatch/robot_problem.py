@@ -22,7 +22,7 @@ TRIAL_EFFECTS = (
 )
 PRIORS = Priors(cause=0.03, unlisted=0.10, likely={"tail_fin_lift": 0.5})
 """About one of 30 causes acts in a study, one study in ten has a force that is not listed, and the
-published model cannot swim straight without a fin (MODEL, audit 5)."""
+published model cannot swim straight without a fin (docs/paper.md, Audit)."""
 LABEL_STD_M = 0.001  # ASSUME keypoints are labelled to 1 mm on the body
 CORE_LABEL_DISTANCE_M, HEAD_LABEL_DISTANCE_M = (
     0.2,

@@ -108,7 +108,12 @@ def force(
     float, pool_x: float, pool_y: float, pool_strain: float, pool_swirl: float, surge_t: float,
     sway_t: float, sway_x: float, sway_y: float, yaw_t: float, yaw_x: float, yaw_y: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Surge and sway (N) and yaw (N m)."""
+    """Surge and sway (N) and yaw (N m).
+
+    Motion: t, f, x, y, uc and vc (surge and sway velocity of the centre of mass, m/s), r, uh and vh
+    (velocity of the head), V, sphi, cpsi, spsi. surge_*, sway_*, yaw_*, pool_*: the strengths of
+    the terms that they name, units in `TERMS`; sway_v is the sway force per sway velocity.
+    """
     jet, wave = f * f * sphi, -4.0 * uh * vh * (uh * uh - vh * vh) / (V * V)
     q12, q13, q14 = (f - 2.5) / 0.6, (f - 3.5) / 0.6, (f - 4.5) / 0.6
     e12, e13, e14 = 1.0 + q12 * q12, 1.0 + q13 * q13, 1.0 + q14 * q14

@@ -53,7 +53,7 @@ def state(folder: Path) -> dict[str, Any]:
         "files": {**asdict(files), "cameras": _camera_files(folder)},
         "keys": [asdict(key) for key in keys()],
         "draft": as_json(draft),
-        "new_rows": _unused(draft, folder),
+        "new_rows": _rows_of_unlisted_files(draft, folder),
         "findings": [asdict(finding) for finding in draft_findings(draft, folder)],
     }
 
@@ -64,11 +64,11 @@ def as_json(draft: Draft) -> dict[str, Any]:
             "revision": draft.revision}  # fmt: skip
 
 
-def recording_facts(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
+def recording_properties(folder: Path, rows: list[Mapping[str, str]]) -> list[dict[str, Any]]:
     """Of each row: duration of the recording [s], frames/s, size, and flapping frequency of its log
     [Hz]; what cannot be read is left out.
     """
-    return [_recorded(folder, row) for row in rows]
+    return [_recording_properties(folder, row) for row in rows]
 
 
 def picture_of(
@@ -194,7 +194,7 @@ def _number(text: str) -> float | None:
     return found if math.isfinite(found) and found > 0 else None
 
 
-def _recorded(folder: Path, row: Mapping[str, str]) -> dict[str, Any]:
+def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     try:
         trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
@@ -214,8 +214,8 @@ def _recorded(folder: Path, row: Mapping[str, str]) -> dict[str, Any]:
     return found
 
 
-def _unused(draft: Draft, folder: Path) -> list[dict[str, str]]:
-    """Rows for the files of the folder that no trial names yet."""
+def _rows_of_unlisted_files(draft: Draft, folder: Path) -> list[dict[str, str]]:
+    """Pre-filled rows of trials.csv for files of the folder that no row of the draft names."""
     named = {part.strip() for row in draft.rows for part in row.get("source", "").split(";")}
     return [row for row in trial_rows(study_files(folder))
             if not set(row["source"].split(";")) & named]  # fmt: skip

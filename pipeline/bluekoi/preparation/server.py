@@ -77,7 +77,7 @@ class SetupServer:
         questions = {"state": self._state, "run": self.run.state, "job": self._job}
         orders = {
             "check": self._check, "save": self._save, "corners": self._corners,
-            "outline": self._outline, "recording_facts": self._recording_facts,
+            "outline": self._outline, "recording_properties": self._recording_properties,
             "preview": self._preview, "calibrate": self._calibrate, "start": self._start,
             "stop": self._stop,
         }  # fmt: skip
@@ -154,8 +154,8 @@ class SetupServer:
         content = _content()
         return answers.outline(content["values"], content["place"])
 
-    def _recording_facts(self) -> dict[str, Any]:
-        return {"rows": answers.recording_facts(self.folder, _content()["rows"])}
+    def _recording_properties(self) -> dict[str, Any]:
+        return {"rows": answers.recording_properties(self.folder, _content()["rows"])}
 
     def _preview(self) -> dict[str, Any]:
         """Begin the preview of one row; the other rows need not be complete."""

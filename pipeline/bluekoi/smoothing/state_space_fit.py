@@ -35,10 +35,10 @@ MIN_LOG_LIK_GAIN_COLOURED = 10.0
 """Gain in twice the log likelihood that coloured noise must bring."""
 CORRELATION_TIME_UNIT_FRAMES, PRIOR_LOG_COLOURED_STDS = 3.0, (2.0, 1.0)
 """Unit of the correlation time, in frames; prior deviations of log variance and log time."""
-START_SPEED_STD_RESTING, START_SPEED_STD_MOVING = 0.01, 3.0
-"""Prior deviation of the first rate, in usual speeds, for a start from rest and in motion."""
-START_ACCELERATION_STD_RESTING, START_ACCELERATION_STD_MOVING = 3.0, 0.01
-"""Prior deviation of the first acceleration, in usual speeds per T, from rest and in motion."""
+RELATIVE_START_STDS_RESTING, RELATIVE_START_STDS_MOVING = (0.01, 3.0), (3.0, 0.01)
+"""Prior standard deviations of the initial rate of change, over the trial's usual one
+(`ScreenedMeasurements.speed`), and of the initial acceleration, over usual rate / T: for a start
+from rest, and for one in motion."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def cost_with_moving_start(fitted: FittedModel) -> float:
     m = model.z.shape[1]
     P0 = model.P0.copy()
     rates = np.arange(m, 2 * m)
-    P0[rates, rates] *= (START_SPEED_STD_MOVING / START_SPEED_STD_RESTING) ** 2
+    P0[rates, rates] *= (RELATIVE_START_STDS_MOVING[0] / RELATIVE_START_STDS_RESTING[0]) ** 2
     gate, other = outlier_gate(m), replace(model, P0=P0)
     gain = minus_two_log_likelihood(other, fitted.first, gate) - minus_two_log_likelihood(
         model, fitted.first, gate
@@ -226,12 +226,8 @@ def _prior(
     """
     z, m = data.z[data.plausible], data.z.shape[1]
     reach = float(np.ptp(z, axis=0).max()) + data.speed * T
-    rate = (START_SPEED_STD_RESTING if resting else START_SPEED_STD_MOVING) * data.speed
-    push = (
-        (START_ACCELERATION_STD_RESTING if resting else START_ACCELERATION_STD_MOVING)
-        * data.speed
-        / T
-    )
+    stds = RELATIVE_START_STDS_RESTING if resting else RELATIVE_START_STDS_MOVING
+    rate, acceleration = stds[0] * data.speed, stds[1] * data.speed / T
     x0 = np.zeros(3 * m + 2 * recoils)
     x0[:m] = np.median(z[:5], axis=0)
-    return x0, np.array([reach**2, rate**2, push**2])
+    return x0, np.array([reach**2, rate**2, acceleration**2])

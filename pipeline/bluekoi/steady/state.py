@@ -22,8 +22,8 @@ SPEED_TOLERANCES = (0.005, 0.01, 0.02)
 twice the share."""
 RATE_TOLERANCE_RAD_S = 0.01
 """A change of turning rate, rad/s, that counts as none."""
-MAX_EXTRAPOLATION = 1.2
-"""v_inf of the start-up is accepted up to this multiple of the last speed."""
+MAX_EXTRAPOLATED_SPEED_RATIO = 1.2
+"""The speed that the start-up tends to (v_inf) is accepted up to this multiple of the last."""
 MIN_DISTANCE_M = 0.02
 """Extent of a path below which the robot did not swim."""
 MIN_DURATION_S = 0.7
@@ -166,7 +166,7 @@ def _extrapolated_speed(track: Track, at: slice, plateau: Plateau) -> tuple[floa
     Where it is not, the start-up is no tanh, and the last speed stands with its own change.
     """
     speed = track.speed_m_s[at]
-    if plateau.speed_m_s < MAX_EXTRAPOLATION * float(speed[-1]):
+    if plateau.speed_m_s < MAX_EXTRAPOLATED_SPEED_RATIO * float(speed[-1]):
         return plateau.speed_m_s, max(plateau.speed_std_m_s, 0.02 * plateau.speed_m_s)
     return float(speed.mean()), float(max(np.ptp(speed), plateau.speed_std_m_s))
 
@@ -175,7 +175,7 @@ def _straight(base: Steady, segment: _Segment, plateau: Plateau) -> Steady:
     if segment.settled:
         return replace(base, quality="straight")
     reason = "the speed still changes at the end: film for longer or start nearer the wall"
-    if plateau.speed_m_s < MAX_EXTRAPOLATION * base.speed_m_s:
+    if plateau.speed_m_s < MAX_EXTRAPOLATED_SPEED_RATIO * base.speed_m_s:
         reason += f"; by its start-up it would be within 1 % at {plateau.settled_s:.1f} s"
     return replace(base, quality="not_steady", reason=reason)
 

@@ -7,12 +7,12 @@ import cmath
 import math
 from dataclasses import dataclass, replace
 
-from bluekoi.synthetic.water import Eddy
+from bluekoi.synthetic.eddies import Eddy
 
 
 @dataclass(frozen=True)
 class Robot:
-    """The robot's geometry and inertia, SI units (paper, Fig. 2; MODEL.md, audit 2)."""
+    """The robot's geometry and inertia, SI units (paper, Fig. 2; docs/paper.md, Audit)."""
 
     mass_kg: float = 0.68
     yaw_inertia_kg_m2: float = 0.0095
@@ -26,17 +26,23 @@ class Robot:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Coefficients of eqs. 1 to 7: `C_T` (m^2), `C_Ma` (m), `C_Md` (kg m^2), others without unit.
+    """Coefficients of eqs. 1 to 7, with the paper's symbols; three have units.
 
-    `C_T` and `C_Md` are Table I's numbers times 10^-3 (MODEL.md, audit 1).
+    `C_T` and `C_Md` are Table I's numbers times 10^-3 (docs/paper.md, Audit: Units).
     """
 
     C_T: float = 4.5e-3
+    """Thrust, m^2."""
     C_D0: float = 0.5
+    """Drag at zero angle of attack, 1."""
     C_Da: float = 2.5
+    """Drag by the angle of attack, 1."""
     C_La: float = 3.14
+    """Lift by the angle of attack, 1."""
     C_Ma: float = 0.1
+    """Yaw moment by the angle of attack, m."""
     C_Md: float = 0.130
+    """Yaw damping, kg m^2."""
 
 
 @dataclass(frozen=True)

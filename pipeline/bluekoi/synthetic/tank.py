@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from bluekoi.synthetic.eddies import water_velocity
 from bluekoi.synthetic.laws import (
     FlowState,
     Recoil,
@@ -23,7 +24,6 @@ from bluekoi.synthetic.laws import (
     head_plate_load,
     thrust,
 )
-from bluekoi.synthetic.water import water_velocity
 
 
 @dataclass(frozen=True)

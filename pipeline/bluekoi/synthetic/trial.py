@@ -9,11 +9,11 @@ import numpy as np
 
 from bluekoi.synthetic.body import keypoints
 from bluekoi.synthetic.design import StudyDesign, TrialPlan
+from bluekoi.synthetic.eddies import draw_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
 from bluekoi.synthetic.laws import Tank, TrialSettings
 from bluekoi.synthetic.optics import Camera, displaced_camera, project, resized_camera
 from bluekoi.synthetic.tank import TrialMotion, simulate, steady_turn
-from bluekoi.synthetic.water import draw_eddies
 
 START_HEADINGS = 72
 """Directions tried for the start of a trial, evenly over the circle."""

@@ -26,7 +26,9 @@ from .turning_trials import (
 )
 from .undetermined import as_json, is_undetermined, undetermined_combinations
 
-ENSEMBLE_DRAWS, GROWTH_DRAWS = 200, 60
+ENSEMBLE_DRAWS, STABILITY_DRAWS = 200, 60
+"""Draws of the fitted coefficients: written to coefficients.json, and the first of them, for which
+the stability of straight swimming is computed."""
 MIN_TURNING_TRIALS = 2
 """Trials with the head turned, below which nothing is said of straight swimming: one cannot tell
 how trials disagree.
@@ -58,7 +60,7 @@ def coefficients(
             "undetermined": undetermined_combinations(few, joint, study.setup),
             "identifiability": identifiability(few, joint),
             "straight_swimming": straight_swimming(
-                study, steps, joint, draws[:GROWTH_DRAWS], series=few
+                study, steps, joint, draws[:STABILITY_DRAWS], series=few
             ),
         },
     }, joint

@@ -1,4 +1,4 @@
-"""Whether a fitted model swims straight: eigenvalues of straight swimming (MODEL audit 5)."""
+"""Whether a fitted model swims straight: eigenvalues of straight swimming (docs/paper.md)."""
 
 from __future__ import annotations
 

@@ -41,7 +41,8 @@ def source_files(*modules: str) -> list[str]:
 
 def _closure(modules: tuple[str, ...]) -> set[Path]:
     seen: set[Path] = set()
-    todo = [path for name in modules for path in _files(PACKAGE_FOLDER, tuple(name.split(".")))]
+    parts = [tuple(name.split(".")) for name in modules]
+    todo = [path for name in parts for path in _module_files(PACKAGE_FOLDER, name)]
     while todo:
         path = todo.pop()
         if path not in seen:
@@ -55,23 +56,25 @@ def _read(path: Path) -> tuple[str, tuple[Path, ...]]:
     """Hash of a file, and the files of the package that it imports, in functions as well."""
     content = path.read_bytes()
     text = content.decode() if path.suffix == ".py" else ""
-    names = {name for found in IMPORT_STATEMENT.finditer(text) for name in _names(found, path)}
-    files = tuple(file for name in sorted(names) for file in _files(PACKAGE_FOLDER, name))
+    statements = IMPORT_STATEMENT.finditer(text)
+    names = {name for one in statements for name in _imported_names(one, path)}
+    files = tuple(file for name in sorted(names) for file in _module_files(PACKAGE_FOLDER, name))
     return hashlib.sha256(content).hexdigest(), files
 
 
-def _names(found: re.Match[str], path: Path) -> Iterator[tuple[str, ...]]:
-    """Modules that one import statement may mean, as parts below the package."""
+def _imported_names(found: re.Match[str], path: Path) -> Iterator[tuple[str, ...]]:
+    """Modules that a match of `IMPORT_STATEMENT` may import, as name parts below the package."""
     listed = COMMENT.sub("", found["names"] or found["modules"]).strip("() \n")
     words = [part.split()[0] for part in listed.split(",") if part.strip()]
     if found["modules"]:
         parts = [tuple(word.split(".")) for word in words]
         yield from (name[1:] for name in parts if name[0] == PACKAGE_FOLDER.name and len(name) > 1)
-    elif (base := _base(found["base"], path)) is not None:
+    elif (base := _name_in_package(found["base"], path)) is not None:
         yield from ((*base, word) for word in words)
 
 
-def _base(name: str, path: Path) -> tuple[str, ...] | None:
+def _name_in_package(name: str, path: Path) -> tuple[str, ...] | None:
+    """Parts below the package of a module name in `path`, relative or not; None if outside it."""
     module = name.lstrip(".")
     level, parts = len(name) - len(module), tuple(module.split(".")) if module else ()
     if level == 0:
@@ -81,7 +84,7 @@ def _base(name: str, path: Path) -> tuple[str, ...] | None:
 
 
 @cache
-def _files(package: Path, name: tuple[str, ...]) -> list[Path]:
+def _module_files(package: Path, name: tuple[str, ...]) -> list[Path]:
     """Files that importing `name` runs; a package that is taken whole counts with all its files.
 
     The last part may be a module, or something defined in the module before it.
@@ -90,14 +93,14 @@ def _files(package: Path, name: tuple[str, ...]) -> list[Path]:
     found = [path for path in parents if path.is_file()]
     target = package.joinpath(*name)
     if target.is_dir():
-        return found + _texts(target)
+        return found + _text_files(target)
     if target.with_suffix(".py").is_file():
         return [*found, target.with_suffix(".py")]
     owner = package.joinpath(*name[:-1])
     if owner.is_dir() and owner != package:
-        return found + _texts(owner)
+        return found + _text_files(owner)
     return [*found, owner.with_suffix(".py")] if owner.with_suffix(".py").is_file() else found
 
 
-def _texts(folder: Path) -> list[Path]:
+def _text_files(folder: Path) -> list[Path]:
     return [path for path in folder.rglob("*") if path.suffix in TEXT_SUFFIXES]

@@ -9,6 +9,7 @@ import numpy as np
 from bluekoi.synthetic.body import keypoints
 from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
 from bluekoi.synthetic.design import StudyDesign, TrialPlan
+from bluekoi.synthetic.eddies import draw_eddies
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
 from bluekoi.synthetic.laws import Tank, TrialSettings
 from bluekoi.synthetic.optics import gopro_like_camera
@@ -20,7 +21,6 @@ from bluekoi.synthetic.trial import (
     start_pose_in_pool,
     time_until_wall,
 )
-from bluekoi.synthetic.water import draw_eddies
 from validation.generators.concealed.recipe import Recipe
 from validation.generators.concealed.swimmer.motion import swim
 from validation.generators.concealed.swimmer.quantities import NO_EDDIES, Command, Laws

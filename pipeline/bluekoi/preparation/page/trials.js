@@ -158,7 +158,7 @@ async function measure() {
   if (now === measured) return;
   measured = now;
   try {
-    store.recorded = (await ask("recording_facts", { rows })).rows;
+    store.recorded = (await ask("recording_properties", { rows })).rows;
     document.querySelectorAll("#trials-table tbody tr").forEach((row, k) => row.querySelector(".about").replaceWith(about(k)));
   } catch (error) {
     id("trials-said").textContent = error.message;

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numba import njit
 
-from bluekoi.synthetic.water import Eddy
+from bluekoi.synthetic.eddies import Eddy
 from validation.generators.concealed.swimmer.quantities import Body, Laws
 
 __all__ = ["as_rows", "eddy_flow", "gyre_flow", "water"]

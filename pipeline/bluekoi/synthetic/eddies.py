@@ -1,4 +1,4 @@
-"""Gentle random motion of the pool water: slow eddies without divergence."""
+"""Random eddies of the pool water: slow and free of divergence."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the files of a study are: duration, rate and size of recordings, frequency of motor logs."""
+"""Properties of a study's files: duration, rate and size of recordings, frequency of motor logs."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ..study import VIDEO_SUFFIXES
 
 
 @dataclass(frozen=True)
-class FileFacts:
-    """One row of trials.csv as its files are.
+class FileProperties:
+    """Properties of the files that one row of trials.csv names.
 
     text: duration, frame rate, picture size and motor frequency in words, or why a file cannot be
-    read. size_px: of a video, (width, height).
+    read. size_px: (width, height) of a video's frames.
     """
 
     trial_id: str
@@ -26,12 +26,12 @@ class FileFacts:
     size_px: tuple[int, int] | None = None
 
 
-def file_facts(folder: Path, rows: Sequence[Mapping[str, str]]) -> list[FileFacts]:
-    """Facts of each row of `prefill.trial_rows`, paths relative to `folder`."""
-    return [_facts(folder, row) for row in rows]
+def file_properties(folder: Path, rows: Sequence[Mapping[str, str]]) -> list[FileProperties]:
+    """Properties of each row of `prefill.trial_rows`, paths relative to `folder`."""
+    return [_properties_of_row(folder, row) for row in rows]
 
 
-def _facts(folder: Path, row: Mapping[str, str]) -> FileFacts:
+def _properties_of_row(folder: Path, row: Mapping[str, str]) -> FileProperties:
     name, source = row["trial_id"], row["source"]
     parts: list[str] = []
     size = None
@@ -46,14 +46,14 @@ def _facts(folder: Path, row: Mapping[str, str]) -> FileFacts:
         if log := row.get("motor_log"):
             parts.append(f"{log}: {flapping_from_log(folder / log).flap_hz:.3g} Hz")
     except InputError as error:
-        return FileFacts(name, source, f"cannot be used: {error.findings[0].found}")
-    return FileFacts(name, source, "; ".join(parts), size)
+        return FileProperties(name, source, f"cannot be used: {error.findings[0].found}")
+    return FileProperties(name, source, "; ".join(parts), size)
 
 
-def with_facts(study_yaml: str, facts: Sequence[FileFacts]) -> str:
-    """study.yaml with the facts as comments at its head and, where all agree, the image size."""
-    lines = ["# Recordings found:", *(f"#   {f.trial_id}: {f.source}: {f.text}" for f in facts)]
-    sizes = {f.size_px for f in facts if f.size_px}
+def with_properties(study_yaml: str, found: Sequence[FileProperties]) -> str:
+    """study.yaml with the properties as comments on top and, where all agree, the image size."""
+    lines = ["# Recordings found:", *(f"#   {f.trial_id}: {f.source}: {f.text}" for f in found)]
+    sizes = {f.size_px for f in found if f.size_px}
     if len(sizes) == 1:
         width, height = sizes.pop() or (0, 0)
         study_yaml = study_yaml.replace(

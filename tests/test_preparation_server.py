@@ -163,7 +163,7 @@ def test_the_preview_names_a_head_angle_of_the_wrong_sign(folder, monkeypatch):
             return Keypoints(np.arange(n) / 30, ("head_tip",), np.full((n, 1, 2), 100.0),
                              np.full((n, 1), sure), np.zeros((n, 1, 2, 2)))  # fmt: skip
 
-    monkeypatch.setattr("bluekoi.preparation.preview.source", lambda name: Detector)
+    monkeypatch.setattr("bluekoi.preparation.preview.source_module", lambda name: Detector)
     for angle, said in (("20", "with head_angle_deg -20 the robot is found"),
                         ("30", "does not fit the stated lengths"), ("-20", None)):  # fmt: skip
         row = {"trial_id": "S", "source": "p50_phi20.mp4", "power_pct": "50",

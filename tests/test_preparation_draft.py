@@ -134,7 +134,7 @@ def test_findings_stand_beside_their_fields(folder):
 
 def test_an_incomplete_draft_is_no_study_and_says_so_in_the_words_of_its_file(folder):
     draft = with_values(read_draft(folder), robot__mass_kg="")
-    with pytest.raises(InputError, match=r"^study\.yaml: robot\.mass_kg: found None") as refused:
+    with pytest.raises(InputError, match=r"^study\.yaml: robot\.mass_kg: found nothing") as refused:
         draft_study(draft, folder)
     assert str(refused.value).count("\n") == 0
     assert draft_study(read_draft(folder), folder).trials[0].trial_id == "T1"

@@ -76,12 +76,12 @@ run_demo() {
 }
 
 run_small() {
-    "$PYTHON" - "$WORK" <<'STUDY'
+    PYTHONPATH=tests:. "$PYTHON" - "$WORK" <<'STUDY'
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-from bluekoi.synthetic.design import bare_design
+from studies import bare_design
 from validation.tracking import keypoint_study
 
 design, root = bare_design(), Path(sys.argv[1])

@@ -53,7 +53,7 @@ def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
     if study.is_dir():
         return study
     if not films:
-        return swum(folder, study, trials)
+        return simulated_study(folder, study, trials)
     base = filmed_study(folder / "base")
     study.mkdir()
     shutil.copy(base / "study.yaml", study)
@@ -63,7 +63,7 @@ def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
     return study
 
 
-def swum(folder: Path, study: Path, trials: int) -> Path:
+def simulated_study(folder: Path, study: Path, trials: int) -> Path:
     """A study of the project's own generator, of a robot with a fin that the model lacks."""
     truth = generate(*STUDY_OF_A_FIN, folder, trials=3 * math.ceil(trials / 3))
     (folder / "studies" / truth["study"]).rename(study)

@@ -100,8 +100,10 @@ def test_samples_further_apart_than_ten_time_constants_are_reported():
 def test_an_input_of_one_value_is_reported(level, more):
     assert warnings_of(MODEL, [trial()]) == []
     one = [replace(trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
-    told = f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
-    assert warnings_of(MODEL, one) == [told]
+    warning = (
+        f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
+    )
+    assert warnings_of(MODEL, one) == [warning]
     other = replace(one[1], inputs={"push": np.full(60, 3.0)})
     assert warnings_of(MODEL, [one[0], other]) == []
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
-from bluekoi.engine.candidates import Candidate, parameter
+from bluekoi.engine.candidates import Candidate, strength_step
 from bluekoi.engine.expansion import Expansion, expanded
 from bluekoi.engine.problem import Problem
 from bluekoi.engine.refit import fitted
@@ -74,7 +74,7 @@ def _force_ratios(
     model, system = expansion.model, problem.kernel.system
     points = problem.points(model.fit.free, model.fit.values)
     frees = [cause.strengths[0], *(f for t in terms for f in t.strengths)]
-    steps = [1e-3 * abs(parameter(system, f).typical or 1.0) for f in frees]
+    steps = [strength_step(system, f) for f in frees]
     changes = []
     for free, step in zip(frees, steps, strict=True):
         moved = [v.copy() for v in points]

@@ -109,6 +109,12 @@ def parameter(system: System, free: Free) -> Parameter:
     return system.parameters[system.slot[free.name]]
 
 
+def strength_step(system: System, free: Free) -> float:
+    """Size of the difference by which a strength is varied about 0."""
+    p = parameter(system, free)
+    return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
+
+
 def form_precision(system: System, forms: Sequence[Free]) -> Float:
     """Prior precision (forms,) of functional forms, uniform ones as wide as their bounds."""
     rows = [parameter(system, f) for f in forms]

@@ -19,7 +19,9 @@ from .expansion import Expansion
 from .problem import Problem
 
 KAPPA = 0.2
-"""Prior standard deviation of a cause's discrepancy relative to its force (assumed)."""
+"""Prior standard deviation of a cause's discrepancy relative to its force in each channel
+(assumed). `python -m validation discrepancy` measures how far its forms differ: 0.04 in the median
+of 17 causes."""
 LEAST = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
 

@@ -25,7 +25,7 @@ from ..fitting.normal import (
 from ..fitting.predictions import ParameterChange, whitened_products
 from ..fitting.side_measurements import side_measurement_terms
 from ..integrate import System
-from .candidates import Candidate, parameter
+from .candidates import Candidate, parameter, strength_step
 from .forces import forces_in_set
 from .problem import Problem
 from .refit import FittedSet, start_of
@@ -201,10 +201,8 @@ def _strength_change(
     system: System, free: Free, every: np.ndarray, offsets: Mapping[int, float]
 ) -> ParameterChange:
     """Difference of a strength at 0, at the leading form or, with `offsets`, at another one."""
-    slot = system.slot[free.name]
-    p = system.parameters[slot]
     return ParameterChange(
-        1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower)), every, {slot: 1.0}, offsets
+        strength_step(system, free), every, {system.slot[free.name]: 1.0}, offsets
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..data import Float
 from ..fitting import Free, rms_forces
 from ..integrate import System
-from .candidates import Candidate, parameter
+from .candidates import Candidate, strength_step
 from .problem import Problem
 from .refit import FittedSet, start_of
 
@@ -25,7 +25,7 @@ def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
         return {}
     base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
     points = replace(problem, base=base).points(model.fit.free, model.fit.values)
-    steps = [_step(system, f) for f in terms]
+    steps = [strength_step(system, f) for f in terms]
     changes = [[_without(system, v, c) for v in points] for c in causes]
     changes += [[_added(system, v, f, h) for v in points]
                 for f, h in zip(terms, steps, strict=True)]  # fmt: skip
@@ -33,11 +33,6 @@ def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
     own = dict(zip((c.name for c in causes), found, strict=False))
     units = found[len(causes) :] / np.array(steps)[:, None]
     return own | dict(zip((f.label for f in terms), units, strict=True))
-
-
-def _step(system: System, free: Free) -> float:
-    p = parameter(system, free)
-    return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
 def _without(system: System, values: Float, cause: Candidate) -> Float:

@@ -13,7 +13,8 @@ from .candidates import Candidate
 
 MOST_TRIALS = 24
 """A search uses at most so many trials, those that say most; what it finds is verified on all. The
-noise too is estimated on at most so many."""
+noise too is estimated on at most so many. As many as the studies have on which the finder is
+validated (FINDER, protocol); `benchmarks/subset.py` compares with a search on all trials."""
 
 Progress = Callable[[str], None]
 

@@ -40,7 +40,7 @@ HOPELESS = 25.0
 is not refitted."""
 VERIFIED = 4
 """How many further sets of a subset of the trials are fitted to all of them, besides the best and
-those that lack one of its causes."""
+those that lack one of its causes. It bounds the work; sets left out have no probability."""
 
 
 def proposals(
@@ -151,10 +151,7 @@ def _share_noise(visited: Visited) -> None:
 def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
     """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
-    causes = [problem.by_name[c] for c in model.causes]
-    covered = {f.label for c in problem.candidates if any(problem.covers(own, c) for own in causes)
-               for f in c.strengths}  # fmt: skip
-    left = {label: v for label, v in source.discrepancy.items() if label in covered}
+    left = visited.shared_discrepancy(source, model.key)
     again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
     if again.log_likelihood <= model.log_likelihood:

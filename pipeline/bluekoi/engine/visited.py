@@ -59,7 +59,7 @@ class Visited:
         for cause in key - near.key:
             known |= likeliest_start(self.problem, near, cause)
         model = fitted(self.problem, causes, near.noise, known,
-                       discrepancy=self._shared_discrepancy(near, key))  # fmt: skip
+                       discrepancy=self.shared_discrepancy(near, key))  # fmt: skip
         if not model.usable:
             return before
         found = score(self.problem, own_noise(self.problem, model, most=1))
@@ -69,7 +69,7 @@ class Visited:
             self.converged.discard(key)
         return self.sets[key]
 
-    def _shared_discrepancy(self, near: FittedSet, causes: frozenset[str]) -> dict[str, float]:
+    def shared_discrepancy(self, near: FittedSet, causes: frozenset[str]) -> dict[str, float]:
         """What the formulas of another set's causes leave that these causes may leave as well."""
         by_name = self.problem.by_name
         covered = {f.label for term in self.problem.candidates if term.name not in causes

@@ -13,8 +13,8 @@ from ..vectors import njit
 from .model import Function, Model, arguments
 from .trials import Trial
 
-PLACES, MOST_TRIALS = 41, 4
-"""Moments of a trial, and trials, at which the equations are asked."""
+SAMPLES_PER_TRIAL, TRIALS_CHECKED = 41, 4
+"""Times of a trial, and trials, at which the equations are evaluated."""
 
 
 def runs_away(model: Model, trials: Sequence[Trial]) -> InputError:
@@ -36,8 +36,8 @@ def runs_away(model: Model, trials: Sequence[Trial]) -> InputError:
 
 def _moments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]]:
     """States as the trials show them, inputs, constants, coefficients and the time, by name."""
-    for trial in trials[:MOST_TRIALS]:
-        times = np.linspace(trial.times[0], trial.times[-1], PLACES)
+    for trial in trials[:TRIALS_CHECKED]:
+        times = np.linspace(trial.times[0], trial.times[-1], SAMPLES_PER_TRIAL)
 
         def at(column: Float, trial: Trial = trial, times: Float = times) -> Float:
             known = np.isfinite(column)
@@ -45,7 +45,7 @@ def _moments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]
 
         rows = {"t": times - times[0]}
         for s in model.states:
-            rows[s.name] = np.full(PLACES, s.start)
+            rows[s.name] = np.full(SAMPLES_PER_TRIAL, s.start)
             if s.observed:
                 rows[s.name] = at(trial.observed[s.observed])
             elif s.rate_of:
@@ -53,7 +53,7 @@ def _moments(model: Model, trials: Sequence[Trial]) -> Iterator[dict[str, float]
         rows |= {i.name: at(trial.inputs[i.name]) for i in model.inputs}
         fixed = {c.name: trial.constants.get(c.name, c.value) for c in model.constants}
         fixed |= {p.name: p.start for p in model.coefficients}
-        for k in range(PLACES):
+        for k in range(SAMPLES_PER_TRIAL):
             yield {name: float(row[k]) for name, row in rows.items()} | fixed
 
 
@@ -111,6 +111,6 @@ def _compiler_fault(function: Function) -> str:
         return ""
     except Exception as error:
         lines = [line.strip() for line in str(error).splitlines()]
-        told = [x for x in lines if x and not x.startswith("Failed in nopython mode")]
-        return f"{type(error).__name__}: {told[0] if told else ''}"
+        messages = [x for x in lines if x and not x.startswith("Failed in nopython mode")]
+        return f"{type(error).__name__}: {messages[0] if messages else ''}"
     return ""

@@ -59,30 +59,13 @@ def added_force(
         series, filter_all(kernel, series, on, noise), on, off, strict=True
     ):
         state, _ = smooth(result)
-        out.append(_force_difference(kernel, one, state, with_noise(kernel, with_, noise),
-                               without=with_noise(kernel, without, noise)))  # fmt: skip
+        changed, base = (np.tile(with_noise(kernel, v, noise), (len(state), 1))
+                         for v in (with_, without))  # fmt: skip
+        force = _forces_of_changes(kernel, state, base, [changed], times=one.times,
+                                   inputs=one.inputs,
+                                   constants=np.tile(one.constants, (len(state), 1)))  # fmt: skip
+        out.append(force[:, :, 0])
     return out
-
-
-def _force_difference(
-    kernel: Kernel, one: Series, state: Float, with_: Float, *, without: Float
-) -> Float:
-    slots, n = disturbance_slots(kernel, acting=True), len(one.times)
-    lanes = np.repeat(state[:, :, None], LANES, axis=2)
-    for k, slot in enumerate(slots):
-        lanes[:, slot, 2 + k] += 1.0
-    values = np.repeat(without[:, None], LANES, axis=1)
-    values[:, 0] = with_
-    constants = np.repeat(one.constants[:, None], LANES, axis=1)
-    _, after = propagate(
-        kernel, lanes, np.repeat(values[None], n, axis=0), np.repeat(constants[None], n, axis=0),
-        times=one.times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
-        inputs=np.repeat(one.inputs[:, None], 2, axis=1),
-    )  # fmt: skip
-    own = after[:, 1, : len(kernel.system.states)]
-    with np.errstate(invalid="ignore"):
-        moved = np.nan_to_num(own - own[:, :, 1:2], posinf=0.0, neginf=0.0)  # a model that ran away
-    return (np.linalg.pinv(moved[:, :, 2 : 2 + len(slots)]) @ moved[:, :, :1])[:, :, 0]
 
 
 def rms_forces(
@@ -94,27 +77,45 @@ def rms_forces(
 
     changes: full parameter vectors of every trial, for each change.
     """
-    slots = disturbance_slots(kernel, acting=True)
-    each = np.repeat(np.arange(len(passes)), [len(s.times) for s in passes.series])
-    times = np.concatenate([s.times for s in passes.series])[:, None] + np.array([0.0, IMPULSE_S])
-    inputs = np.repeat(np.concatenate([s.inputs for s in passes.series])[:, None], 2, axis=1)
-    constants = np.array([s.constants for s in passes.series])[each]
-    state = np.repeat(np.concatenate([f.filtered for f in passes])[:, :, None], LANES, axis=2)
-    for k, slot in enumerate(slots):
-        state[:, slot, 1 + k] += 1.0
-    first, out = 1 + len(slots), []
-    for begin in range(0, len(changes), LANES - first):
-        some = changes[begin : begin + LANES - first]
-        lanes = [points] * first + list(some) + [points] * (LANES - first - len(some))
-        values = np.array([[with_noise(kernel, v, noise) for v in of] for of in lanes])
-        _, after = propagate(
-            kernel, state, np.moveaxis(values, 0, 2)[each],
-            np.repeat(constants[:, :, None], LANES, axis=2), times=times, inputs=inputs,
-            keep_states=True,
-        )  # fmt: skip
-        own = after[:, 1, : len(kernel.system.states)]
-        with np.errstate(invalid="ignore"):
-            moved = np.nan_to_num(own - own[:, :, :1], posinf=0.0, neginf=0.0)
-        force = np.linalg.pinv(moved[:, :, 1:first]) @ moved[:, :, first : first + len(some)]
+    series = passes.series
+    each = np.repeat(np.arange(len(passes)), [len(s.times) for s in series])
+
+    def of_frames(vectors: Sequence[Float]) -> Float:
+        return np.array([with_noise(kernel, v, noise) for v in vectors])[each]
+
+    state, base = np.concatenate([f.filtered for f in passes]), of_frames(points)
+    times, inputs = (np.concatenate([getattr(s, k) for s in series]) for k in ("times", "inputs"))
+    constants = np.array([s.constants for s in series])[each]
+    most, out = LANES - 1 - len(disturbance_slots(kernel, acting=True)), []
+    for begin in range(0, len(changes), most):
+        some = [of_frames(change) for change in changes[begin : begin + most]]
+        force = _forces_of_changes(kernel, state, base, some, times=times, inputs=inputs,
+                                   constants=constants)  # fmt: skip
         out.append(np.sqrt(np.mean(force**2, axis=0)).T)
-    return np.concatenate(out) if out else np.zeros((0, len(slots)))
+    return np.concatenate(out) if out else np.zeros((0, LANES - 1 - most))
+
+
+def _forces_of_changes(
+    kernel: Kernel, state: Float, base: Float, changed: Sequence[Float], *, times: Float,
+    inputs: Float, constants: Float,
+) -> Float:  # fmt: skip
+    """Force (n, channels, changes) at n states by which changed parameters (n, parameters) differ
+    from the base: the impulse over `IMPULSE_S`, in those of unit random forces.
+    """
+    slots = disturbance_slots(kernel, acting=True)
+    first = 1 + len(slots)
+    lanes = np.repeat(state[:, :, None], LANES, axis=2)
+    for k, slot in enumerate(slots):
+        lanes[:, slot, 1 + k] += 1.0
+    values = np.repeat(base[:, :, None], LANES, axis=2)
+    values[:, :, first : first + len(changed)] = np.stack(changed, axis=2)
+    _, after = propagate(
+        kernel, lanes, values, np.repeat(constants[:, :, None], LANES, axis=2),
+        times=times[:, None] + np.array([0.0, IMPULSE_S]), keep_states=True,
+        inputs=np.repeat(inputs[:, None], 2, axis=1),
+    )  # fmt: skip
+    own = after[:, 1, : len(kernel.system.states)]
+    with np.errstate(invalid="ignore"):
+        moved = np.nan_to_num(own - own[:, :, :1], posinf=0.0, neginf=0.0)  # a model that ran away
+    force: Float = np.linalg.pinv(moved[:, :, 1:first]) @ moved[:, :, first : first + len(changed)]
+    return force

@@ -23,15 +23,11 @@ MAX_STEP_S = 1 / 60
 
 def active_effects(system: System, values: Float) -> np.ndarray:
     """Which effects any of the parameter vectors `(..., parameters)` uses, uint8 `(effects,)`."""
-    slots, first = system.strength_slots
-    if len(slots) == 0:
-        return np.zeros(0, dtype=np.uint8)
-    used = values[..., slots].any(axis=tuple(range(values.ndim - 1)))
-    return np.maximum.reduceat(used, first).astype(np.uint8)
+    return _active_in_blocks(system, values.reshape(1, -1, values.shape[-1]).swapaxes(1, 2))[0]
 
 
 def _active_in_blocks(system: System, values: Float) -> np.ndarray:
-    """Which effects each block of parameter vectors (blocks, parameters, 16) uses, uint8 (blocks,
+    """Which effects each block of parameter vectors (blocks, parameters, n) uses, uint8 (blocks,
     effects).
     """
     slots, first = system.strength_slots

@@ -56,3 +56,20 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
     force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
     assert force == pytest.approx(KAPPA * forces["coulomb_friction"][SWAY])
     assert force < 0.7 * KAPPA * forces["coulomb_friction"][SURGE]
+
+
+def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
+    friction: tuple[Problem, FittedSet],
+) -> None:
+    """The most probable point of both: its terms stand where likelihood and prior balance."""
+    problem, model = friction
+    stds = {"residual.surge_u": 0.02, "residual.sway_v": 0.02}
+    both = fitted(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
+    assert both.discrepancy.keys() == stds.keys()
+    assert both.log_joint > model.log_joint
+    expansion = expanded(problem, both)
+    for label, std in stds.items():
+        (column,) = expansion.strengths[label]
+        slope = float(expansion.gradient[:, column].sum()) - both.discrepancy[label] / std**2
+        bend = float(expansion.hessian[:, column, column].sum()) + std**-2
+        assert abs(slope) < 0.2 * np.sqrt(bend)

@@ -131,7 +131,10 @@ def call(
     }  # fmt: skip
     known |= {p.argument: p.start for p in effect.parameters} | dict.fromkeys(effect.states, 0.0)
     known |= given
-    function = effect.hooks[stage]
+    if "z_fin" in effect.states and "z_fin" not in given:
+        known["z_fin"] = v - known["a"] * r  # lift that has built up
+    function = effect.rates if stage == "rates" else effect.hooks[stage]
+    assert function is not None
     names = inspect.signature(function).parameters
     return list(function(**{name: known[name] for name in names}))
 
@@ -167,6 +170,18 @@ def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
     X, Y, _ = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
     lift = 0.5 * 1000 * 0.03 * np.hypot(0.4, 0.25) * 0.25
     assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
+
+
+def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
+    """A fin set to 0.1 m/s sideways at 0.4 m/s, s = 1: z grows as 0.1 (1 - exp(-V t / h))."""
+    fin = plates().effect("tail_fin_lift")
+    motion, V, z, step = np.array([0.4, 0.1, 0.0]), np.hypot(0.4, 0.1), 0.0, 1e-4
+    for _ in range(3000):
+        z += step * call(fin, "rates", motion, s=1.0, z_fin=z)[0]
+    assert z == pytest.approx(0.1 * (1 - np.exp(-V * 0.3 / 0.12)), rel=1e-3)
+    whole = call(fin, "force", motion, b=0.0, p=0.0)
+    part = call(fin, "force", motion, b=0.0, p=0.0, z_fin=z)
+    assert part[1] == pytest.approx(whole[1] * z / 0.1)
 
 
 @pytest.mark.parametrize("p", [-0.8, 0.0, 4.0])

@@ -199,6 +199,15 @@ def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, tru
     assert found.probability.sum() == pytest.approx(1.0)
 
 
+def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
+    """Else its fit has not ended, and a cause loses to another whose fit has."""
+    visited = search(problem(driven(0.3, 0.1)))
+    likely = {k: visited.sets[k].model.log_joint for k in visited.converged}
+    pairs = [(part, whole) for part in likely for whole in likely if part < whole]
+    assert pairs
+    assert all(likely[whole] > likely[part] - 1.0 for part, whole in pairs)
+
+
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:
     visited = search(problem(driven(0.3, 0.1)))
     values = visited.best.model.fit.by_label()

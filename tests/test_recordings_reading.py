@@ -140,6 +140,7 @@ def test_the_ships_u_and_v_are_velocities_in_the_tank(recordings):
     np.testing.assert_allclose(v[turned], np.gradient(y, t)[turned], atol=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.recordings
 def test_the_fishs_tail_beats_twice_as_fast_as_commanded_and_not_always_the_same(recordings):
     found = fish.read_recordings(recordings / "robotic_fish")

@@ -71,6 +71,7 @@ def test_spindowns_are_damped_by_the_square_and_read_by_a_gyro_off_zero(recordin
     assert found.held_out.extended["rate_rmse"] <= 0.0067
 
 
+@pytest.mark.long
 def test_a_ship_fitted_to_zigzags_turns_in_circles(recordings):
     found = searched("ship_zigzag", recordings / "ship_zigzag")
     assert names(found) >= {"speed_loss", "slipstream"}

@@ -77,7 +77,7 @@ def normalised_errors(pose: Pose, gap: int, offset: int) -> np.ndarray:
 
 @pytest.mark.recordings
 @pytest.mark.parametrize("gap", [5, pytest.param(10, marks=LONG), pytest.param(20, marks=LONG)])
-@pytest.mark.parametrize("source", [film_fish, larvae])
+@pytest.mark.parametrize("source", [pytest.param(film_fish, marks=LONG), larvae])
 def test_deviations_over_gaps_hold_on_filmed_fish(recordings, source, gap):
     offsets = (0, 11) if source is film_fish else (0, 7, 14, 21)
     poses = source(recordings)

@@ -21,7 +21,6 @@ STATEMENT = (
 )
 REGIME = "all trials, with the same sign; best in straight runs"
 CONFUSED_WITH = ("head_angle_offset", "port_starboard_asymmetry", "keypoint_bias")
-FORMULA_ERROR = 0.4  # twice the rms of 0.2 by `python -m validation discrepancy`, six studies
 PARAMETERS = (
     Parameter("moment_arm", "m", 0.001, -0.1, 0.1,
               "moment per 1/2 rho A V0^2, counter-clockwise positive", symbol="c"),

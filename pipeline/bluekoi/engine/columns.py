@@ -151,21 +151,18 @@ def plausible_sizes(problem: Problem, cause: str) -> Float:
 
 def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
-    makes their force `KAPPA` times that of the cause in the same channel, or the share by which
-    the cause's formulas are known to be off (`Effect.formula_error`).
+    makes their force `KAPPA` times that of the cause in the same channel.
     """
     model = expansion.model
-    system = problem.kernel.system
     found: dict[int, tuple[float, float]] = {}
     for cause in (c for c in causes if c in model.causes and not problem.by_name[c].is_residual):
         candidate = problem.by_name[cause]
-        share = system.effect(cause).formula_error or KAPPA
         for other in problem.candidates:
             known = other.name not in causes and other.name in expansion.strengths
             if not known or not problem.covers(candidate, other):
                 continue
             for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True):
-                deviation = share * _relative_size(expansion, candidate, free, column)
+                deviation = KAPPA * _relative_size(expansion, candidate, free, column)
                 at = model.discrepancy.get(free.label, 0.0)
                 found[column] = max(found.get(column, (LEAST, at)), (deviation, at))
     return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]

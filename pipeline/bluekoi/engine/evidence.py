@@ -108,8 +108,12 @@ def log_prior(problem: Problem, causes: Sequence[str]) -> float:
     return float(np.log(odds).sum())
 
 
-def discrepancy_at_best(problem: Problem, expansion: Expansion, lay: Layout) -> dict[str, float]:
-    """Residual term -> its most probable strength as a discrepancy of the set's causes."""
+def discrepancy_at_best(
+    problem: Problem, expansion: Expansion, lay: Layout
+) -> dict[str, tuple[float, float]]:
+    """Residual term -> its most probable strength as a discrepancy of the set's causes, and its
+    prior standard deviation.
+    """
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
     precision = np.where(lay.included, 0.0, lay.precision)
@@ -123,5 +127,5 @@ def discrepancy_at_best(problem: Problem, expansion: Expansion, lay: Layout) -> 
         for name, columns in expansion.strengths.items() if problem.by_name[name].is_residual
         for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
     }  # fmt: skip
-    return {places[i]: float(lay.at[k] + step[k])
+    return {places[i]: (float(lay.at[k] + step[k]), float(lay.precision[k] ** -0.5))
             for k, i in enumerate(lay.columns) if i in places and lay.gaussian[k]}  # fmt: skip

@@ -37,7 +37,10 @@ likelihood below which another round is not worth its time."""
 @dataclass(frozen=True)
 class FittedSet:
     """A set of causes, fitted: names, fit, noise, the filter's pass at the fit, which numbers stand
-    at a bound (p,), and the residual terms (label -> strength) that its causes' formulas leave.
+    at a bound (p,).
+
+    discrepancy: residual term -> strength of what the formulas of its causes leave, fitted with its
+    numbers. deviations: residual term -> prior standard deviation of that.
     """
 
     causes: tuple[str, ...]
@@ -46,6 +49,7 @@ class FittedSet:
     passes: FilterResults
     at_bound: np.ndarray
     discrepancy: Mapping[str, float] = field(default_factory=dict)
+    deviations: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def usable(self) -> bool:
@@ -56,6 +60,12 @@ class FittedSet:
     def log_likelihood(self) -> float:
         """Of all trials; forms' priors included."""
         return self.fit.log_likelihood if self.usable else -np.inf
+
+    @property
+    def log_joint(self) -> float:
+        """Log likelihood with the prior of the discrepancy, less its constant."""
+        prior = sum((self.discrepancy.get(k, 0.0) / std) ** 2 for k, std in self.deviations.items())
+        return self.log_likelihood - 0.5 * prior
 
     @property
     def key(self) -> frozenset[str]:
@@ -105,15 +115,20 @@ def fitted(
     iterations: int = 12,
     free: Sequence[Free] | None = None,
     discrepancy: Mapping[str, float] | None = None,
+    deviations: Mapping[str, float] | None = None,
 ) -> FittedSet:
     """A set fitted under one noise; after the first fit the filter's gains are held, `passes` fits
     in all or until the numbers rest.
 
-    at_start: the filter's pass at the start with this noise, where known.
+    at_start: the filter's pass at the start with this noise, where known. deviations: those of the
+    discrepancy, which is fitted with the numbers of the set; without, it is held.
     """
-    frees = free_of(problem, causes) if free is None else tuple(free)
-    point = start_of(problem, causes, known, discrepancy)
-    start = {f.label: known.get(f.label, float(point[problem.kernel.system.slot[f.name]]))
+    own = free_of(problem, causes) if free is None else tuple(free)
+    slot = problem.kernel.system.slot
+    left = dict.fromkeys(deviations or {}, 0.0) | dict(discrepancy or {})
+    frees = (*own, *map(Free, deviations or {}))
+    point = start_of(problem, causes, known, left)
+    start = {f.label: left.get(f.label, known.get(f.label, float(point[slot[f.name]])))
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
     found = None
@@ -121,7 +136,7 @@ def fitted(
     for _ in range(passes):
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
                     iterations=iterations, tolerance=TOLERANCE, predictor=predictor,
-                    at_start=at_start)  # fmt: skip
+                    at_start=at_start, spreads=deviations)  # fmt: skip
         at_start = None
         moved = _moved(found, start)
         start = found.by_label()
@@ -131,12 +146,15 @@ def fitted(
             break
     assert found is not None
     assert predictor is not None
-    normal = normal_equations(problem.kernel, problem.series, point, frees, found.values,
-                              noise=noise, predictor=predictor)  # fmt: skip
-    rows = [parameter(problem.kernel.system, f) for f in frees]
-    bound = [not p.lower < v < p.upper for p, v in zip(rows, found.values, strict=True)]
-    return FittedSet(tuple(causes), replace(found, normal=normal), noise, predictor,
-                     np.array(bound, dtype=bool), discrepancy or {})  # fmt: skip
+    values = found.values[: len(own)]
+    left |= {label: start[label] for label in deviations or {}}
+    point = start_of(problem, causes, known, left)
+    normal = normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
+                              predictor=predictor)  # fmt: skip
+    rows = [parameter(problem.kernel.system, f) for f in own]
+    bound = [not p.lower < v < p.upper for p, v in zip(rows, values, strict=True)]
+    return FittedSet(tuple(causes), replace(found, free=own, values=values, normal=normal), noise,
+                     predictor, np.array(bound, dtype=bool), left, deviations or {})  # fmt: skip
 
 
 def starts_of(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
@@ -203,19 +221,26 @@ def own_noise(
     begins = (model, _beneath(problem, model)) if two_starts else (model,)
     for begin in begins:
         first = _round(problem, begin, begin.noise, begin.passes, near=begin is model)
-        best = max(best, first, key=lambda m: m.log_likelihood)
+        best = max(best, first, key=lambda m: m.log_joint)
     for _ in range(most - 1):
         again = _round(problem, best, best.noise, best.passes, near=True)
-        if again.log_likelihood - best.log_likelihood < LEAST_GAIN:
+        if again.log_joint - best.log_joint < LEAST_GAIN:
             break
         best = again
     return best
 
 
+def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
+    """Whether the trials are likelier at a set's numbers under another noise than under its own."""
+    passes = filter_all(problem.kernel, problem.series, _points(problem, model), noise)
+    return _total(passes) > model.log_likelihood
+
+
 def _beneath(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted under small random forces."""
     return fitted(problem, model.causes, quiet(problem, model.noise), model.fit.by_label(),
-                  passes=1, free=model.fit.free, discrepancy=model.discrepancy)  # fmt: skip
+                  passes=1, free=model.fit.free, discrepancy=model.discrepancy,
+                  deviations=model.deviations)  # fmt: skip
 
 
 def _round(
@@ -233,9 +258,9 @@ def _round(
                       line_searches=not near, max_trials=MOST_TRIALS, passes=passes)  # fmt: skip
     known = found.passes if len(found.passes) == len(points) else None
     again = fitted(problem, model.causes, found.noise, model.fit.by_label(), passes=1,
-                   free=model.fit.free, discrepancy=model.discrepancy,
-                   at_start=known)  # fmt: skip
-    return max(model, again, key=lambda m: m.log_likelihood)
+                   free=model.fit.free, discrepancy=model.discrepancy, at_start=known,
+                   deviations=model.deviations)  # fmt: skip
+    return max(model, again, key=lambda m: m.log_joint)
 
 
 def _points(problem: Problem, model: FittedSet) -> list[Float]:

@@ -11,7 +11,10 @@ from .columns import Layout, layout
 from .evidence import discrepancy_at_best, log_evidence, log_prior
 from .expansion import Expansion, expanded
 from .problem import Problem
-from .refit import FittedSet, fitted, own_noise
+from .refit import MOST_NOISE_ROUNDS, FittedSet, fitted, own_noise
+
+SETTLED = 0.3
+"""Relative change of the discrepancy's prior deviations for which a set is not fitted again."""
 
 
 @dataclass(frozen=True)
@@ -52,21 +55,27 @@ class Scored:
         return float(np.trace(H @ C) / move.sum())
 
 
-def with_discrepancy(problem: Problem, scored: Scored) -> Scored:
-    """A set whose numbers and noise are estimated beside what its causes' formulas leave, where
-    that fits better: such a remainder is not random.
+def with_discrepancy(problem: Problem, scored: Scored, *, most: int = MOST_NOISE_ROUNDS) -> Scored:
+    """A set fitted together with what its causes' formulas leave, where that fits better: such a
+    remainder is not random. most: rounds of noise and numbers.
     """
     if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
         return scored
     left = discrepancy_at_best(problem, scored.expansion, scored.layout)
-    if not left or not all(map(np.isfinite, left.values())):
+    known = scored.model.deviations
+    if not left or not np.isfinite(list(left.values())).all():
+        return scored
+    stds = {label: std for label, (_, std) in left.items()}
+    same = stds.keys() == known.keys()
+    if same and all(abs(np.log(std / known[label])) < SETTLED for label, std in stds.items()):
         return scored
     model = scored.model
     again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
-                   free=model.fit.free, discrepancy=left)  # fmt: skip
+                   free=model.fit.free, discrepancy={k: v for k, (v, _) in left.items()},
+                   deviations=stds)  # fmt: skip
     if not again.usable:
         return scored
-    other = score(problem, own_noise(problem, again, two_starts=False))
+    other = score(problem, own_noise(problem, again, most=most, two_starts=False))
     return max(scored, other, key=lambda s: s.log_joint)
 
 

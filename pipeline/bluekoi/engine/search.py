@@ -21,7 +21,7 @@ from .evidence import log_evidence, log_prior
 from .expansion import Expansion, expanded, likely_strengths
 from .plausible import residual_sizes
 from .problem import MOST_TRIALS, Problem
-from .refit import FittedSet, fitted, own_noise, quiet, starts_of
+from .refit import FittedSet, fitted, is_likelier_under, own_noise, quiet, starts_of
 from .scored import Scored, score
 from .subset import designed_subset
 from .visited import CLOSE, Visited
@@ -126,7 +126,7 @@ def _search(problem: Problem, start: dict[str, float]) -> Visited:
             continue
         for cause in best.causes:
             rest = tuple(c for c in best.causes if c != cause)
-            less = visited.add(rest, best.model)
+            less = visited.add(rest, best.model, refit=True)
             if less is not None:
                 _further(visited, less, REPLACEMENTS)
         visited.converge()
@@ -138,13 +138,15 @@ def _share_noise(visited: Visited) -> None:
     """Refit the probable sets from the noise of the most probable and of the likeliest one.
 
     The noise likelihood has several optima: two sets are compared fairly only if both had the
-    chance of the better one.
+    chance of the better one. A set that is far behind under its own noise may lead under another's.
     """
     likeliest = max(visited.sets.values(), key=lambda s: s.model.log_likelihood)
     for source in {s.model.key: s for s in (visited.best, likeliest)}.values():
         for key, scored in list(visited.sets.items()):
+            if key == source.model.key or len(key) > len(visited.best.causes):
+                continue
             close = scored.log_posterior > visited.best.log_posterior - CLOSE
-            if key != source.model.key and close and len(key) <= len(visited.best.causes):
+            if close or is_likelier_under(visited.problem, scored.model, source.model.noise):
                 _with_noise_of(visited, scored, source.model)
 
 
@@ -153,8 +155,9 @@ def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
     problem, model = visited.problem, scored.model
     left = visited.shared_discrepancy(source, model.key)
     again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
-                   free=model.fit.free, discrepancy=left or model.discrepancy)  # fmt: skip
-    if again.log_likelihood <= model.log_likelihood:
+                   free=model.fit.free, discrepancy=left or model.discrepancy,
+                   deviations=model.deviations)  # fmt: skip
+    if again.log_joint <= model.log_joint:
         return
     other = score(problem, own_noise(problem, again, two_starts=False))
     if other.log_joint > scored.log_joint:
@@ -181,7 +184,9 @@ def _under_small_forces(visited: Visited, scored: Scored) -> None:
     """
     problem = visited.problem
     model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
-                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free)  # fmt: skip
+                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free,
+                   discrepancy=scored.model.discrepancy,
+                   deviations=scored.model.deviations)  # fmt: skip
     if not model.usable:
         return
     expansion = expanded(problem, model)

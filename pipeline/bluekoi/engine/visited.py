@@ -15,6 +15,9 @@ from .scored import Scored, score, with_discrepancy
 CLOSE = 20.0
 """Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
 costs a set up to that much."""
+NESTED_LOSS = 1.0
+"""A set is at least as likely as a part of it. A fit that is e^1 times less likely is repeated from
+where the further cause is absent."""
 NESTED_CLOSE = float(np.log(3000))
 """As `CLOSE` for a set that adds a cause to a probable set, from whose final noise it began: it is
 left with a posterior odds below 1 / 3000, which changes a probability by a fiftieth of its Monte
@@ -58,11 +61,19 @@ class Visited:
         known = {**near.fit.by_label(), **(start or {})}
         for cause in key - near.key:
             known |= likeliest_start(self.problem, near, cause)
-        model = fitted(self.problem, causes, near.noise, known,
-                       discrepancy=self.shared_discrepancy(near, key))  # fmt: skip
+        left = self.shared_discrepancy(near, key)
+        stds = {label: std for label, std in near.deviations.items() if label in left}
+        model = fitted(self.problem, causes, near.noise, known, discrepancy=left,
+                       deviations=stds)  # fmt: skip
+        if near.key < key and model.log_joint < near.log_joint - NESTED_LOSS:
+            absent = {f.label: 0.0 for cause in key - near.key
+                      for f in self.problem.by_name[cause].strengths}  # fmt: skip
+            model = fitted(self.problem, causes, near.noise, {**known, **absent}, discrepancy=left,
+                           deviations=stds)  # fmt: skip
         if not model.usable:
             return before
         found = score(self.problem, own_noise(self.problem, model, most=1))
+        found = with_discrepancy(self.problem, found, most=1)
         if before is None or found.log_joint > before.log_joint:
             self.sets[key] = found
             self.full.pop(key, None)

@@ -54,6 +54,7 @@ def fit(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], noise: Noise, *,
     start: Mapping[str, float] | None = None, iterations: int = 25, tolerance: float = 1e-3,
     predictor: FilterResults | None = None, at_start: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None,
 ) -> Fit:  # fmt: skip
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
@@ -62,7 +63,8 @@ def fit(
     gain follows from the quadratic model of the last normal equations. A step that is small because
     it is damped ends the fit at `DAMPED_TOLERANCE` of that, and is not taken: there the quadratic
     model has failed.
-    predictor: as in `normal_equations`. at_start: the filter's pass at the start, where known.
+    predictor, spreads: as in `normal_equations`. at_start: the filter's pass at the start, where
+    known.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -71,7 +73,7 @@ def fit(
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
     normal = normal_equations(kernel, series, base, free, x, noise=noise,
-                              predictor=predictor or at_start)  # fmt: skip
+                              predictor=predictor or at_start, spreads=spreads)  # fmt: skip
     damping, outcome, count = DAMPING, STALLED, 0
     while normal.usable and count < iterations and damping < 1e8:
         count += 1
@@ -84,7 +86,7 @@ def fit(
             outcome = CONVERGED
             break
         candidate = normal_equations(
-            kernel, series, base, free, trial, noise=noise, predictor=predictor
+            kernel, series, base, free, trial, noise=noise, predictor=predictor, spreads=spreads
         )
         gain = candidate.log_likelihood.sum() - normal.log_likelihood.sum()
         if candidate.usable and gain >= -1e-9:

@@ -7,7 +7,7 @@ filter's own start, whose covariance is wide.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +59,11 @@ def slots_by_name(kernel: Kernel) -> dict[str, int]:
 def normal_equations(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], values: Float, *,
     noise: Noise, predictor: FilterResults | None = None,
+    spreads: Mapping[str, float] | None = None,
 ) -> Normal:  # fmt: skip
     """Normal equations at a point, from one filter pass and one batch of perturbed predictions.
 
+    spreads: prior standard deviations about 0 by label, in place of `Parameter.spread`.
     predictor: gains of a filter at another point over the same series, held in place of a new
     pass; many candidates are then compared as predictors of one form, at a fraction of the cost.
     """
@@ -78,7 +80,7 @@ def normal_equations(
         trial_effect_stds(kernel, points, noise),
     )
     information, score, side = side_measurement_terms(kernel, series, free, points)
-    known = prior_terms(kernel, free, values, len(series))
+    known = prior_terms(kernel, free, values, len(series), spreads)
     return Normal(
         products[:, 1:, 1:] + information + known.hessian,
         products[:, 1:, 0] + score + known.gradient,
@@ -130,11 +132,19 @@ def marginal_products(products: Float, stds: Float) -> tuple[Float, Float]:
     return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant
 
 
-def prior_terms(kernel: Kernel, free: Sequence[Free], values: Float, trials: int) -> Normal:
-    """What is plausible before any data (`Parameter.spread`), shared evenly among the trials."""
+def prior_terms(
+    kernel: Kernel, free: Sequence[Free], values: Float, trials: int,
+    spreads: Mapping[str, float] | None = None,
+) -> Normal:  # fmt: skip
+    """What is plausible before any data (`Parameter.spread` about `start`, or `spreads` about 0 by
+    label), shared evenly among the trials.
+    """
     parameters = [kernel.system.parameters[slots_by_name(kernel)[f.name]] for f in free]
-    precision = np.array([p.spread for p in parameters]) ** -2.0 / trials
-    off = np.array([p.start for p in parameters]) - values
+    known = spreads or {}
+    stds = [known.get(f.label, p.spread) for f, p in zip(free, parameters, strict=True)]
+    precision = np.array(stds) ** -2.0 / trials
+    means = [0.0 if f.label in known else p.start for f, p in zip(free, parameters, strict=True)]
+    off = np.array(means) - values
     return Normal(
         np.tile(np.diag(precision), (trials, 1, 1)),
         np.tile(precision * off, (trials, 1)),

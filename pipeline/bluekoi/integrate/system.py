@@ -76,8 +76,7 @@ class Effect:
     own, all starting at 0, with `rates` giving their derivatives. evidence: names of side
     measurements -> parameter -> how many times that they change by, or a function of parameters,
     asked for as by hooks, that predicts them. starts: strengths from which fits begin, where one
-    start may lead astray. formula_error: share of its force by which the formulas in the literature
-    differ from what is measured, where it is known.
+    start may lead astray.
     """
 
     name: str
@@ -95,7 +94,6 @@ class Effect:
     regime: str = ""
     strengths: int = 1
     starts: tuple[float, ...] = ()
-    formula_error: float | None = None
 
     @cached_property
     def informs(self) -> dict[str, tuple[str, ...]]:
@@ -245,5 +243,4 @@ def effect_from_module(module: ModuleType, stages: tuple[Stage, ...]) -> Effect:
         regime=getattr(module, "REGIME", ""),
         strengths=getattr(module, "STRENGTHS", 1),
         starts=tuple(getattr(module, "STARTS", ())),
-        formula_error=getattr(module, "FORMULA_ERROR", None),
     )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..fitting import Series
-from ..integrate import LANES, Kernel, compiled
+from ..integrate import LANES, Kernel, System, compiled
 from ..integrate.batch import in_lanes, propagate
 from ..model import constants, plates, simulate
 from ..study import Setup, Study
@@ -26,7 +26,8 @@ def growth_per_s(
     flap_hz: float,
     effects: Mapping[str, Mapping[str, float]] | None = None,
 ) -> float:
-    """Largest real part of the eigenvalues of heading, surge, sway and yaw about straight running.
+    """Largest real part of the eigenvalues of heading, surge, sway, yaw and the effects' own states
+    about straight running.
 
     The flow over a short span is differenced about the terminal speed; heading alone is neutral.
     NaN where the coefficients give no steady run.
@@ -37,7 +38,8 @@ def growth_per_s(
     kernel = compiled(plates())
     state = np.zeros((1, len(kernel.system.all_states), LANES))
     state[0, 3] = run.speed_m_s[-1]
-    for lane, i in enumerate(LINEARISED_STATES, start=1):
+    varied = [*LINEARISED_STATES, *_own_states(kernel.system, effects or {})]
+    for lane, i in enumerate(varied, start=1):
         state[0, i, lane] += 1e-6
     values = plates().values(coefficients, effects)
     _, states = propagate(
@@ -49,12 +51,17 @@ def growth_per_s(
         inputs=np.tile([0.0, flap_hz], (1, 2, 1)),
         keep_states=True,
     )
-    end = states[0, 1, LINEARISED_STATES, :]
-    F = (end[:, 1 : 1 + len(LINEARISED_STATES)] - end[:, :1]) / 1e-6
+    end = states[0, 1, varied, :]
+    F = (end[:, 1 : 1 + len(varied)] - end[:, :1]) / 1e-6
     if not np.isfinite(F).all():
         return float("nan")
     # the heading's own eigenvalue is 1 (0 per second): leave it out
     return float(np.log(np.max(np.abs(np.linalg.eigvals(F[1:, 1:])))) / LINEARISATION_S)
+
+
+def _own_states(system: System, effects: Collection[str]) -> list[int]:
+    """Places of the states of effects, such as the lift of a fin that builds up."""
+    return [system.all_states.index(s) for name in effects for s in system.effect(name).states]
 
 
 MIN_GROWTH_PER_S = 0.05

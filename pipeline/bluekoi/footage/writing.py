@@ -33,7 +33,7 @@ def encode(
         stream = out.add_stream("libx264", rate=rate)
         stream.width, stream.height = (side - side % 2 for side in size)
         stream.pix_fmt, stream.codec_context.time_base = "yuv420p", TIME_BASE_S
-        stream.options = {"crf": str(crf), "preset": "veryfast"}
+        stream.options = {"crf": str(crf), "preset": "superfast"}
         for count, picture in enumerate(pictures, 1):
             kind = "gray" if picture.ndim == 2 else "bgr24"
             frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format=kind)

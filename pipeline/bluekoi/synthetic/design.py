@@ -61,6 +61,10 @@ DEMO_SETTINGS = (
 )
 
 
+DEMO_CONDITIONS = replace(MIDDLE_CONDITIONS, mbit_s=20.0)
+"""At 45 Mbit/s, as action cameras write, encoding and decoding take half of the demo's time."""
+
+
 def numbered_plans(
     powers: Iterable[int], settings: Iterable[tuple[float, float]]
 ) -> tuple[TrialPlan, ...]:
@@ -75,7 +79,7 @@ def demo_design(seed: int = 11) -> StudyDesign:
     """24 trials at 1080p: fin, gently moving water, recoil, and linear yaw damping."""
     tank = Tank(yaw_damping_n_m_s=0.03)
     plans = numbered_plans((50, 75, 100), DEMO_SETTINGS)
-    return StudyDesign("demo", plans, tank, seed, water_rms_m_s=0.001)
+    return StudyDesign("demo", plans, tank, seed, water_rms_m_s=0.001, conditions=DEMO_CONDITIONS)
 
 
 def conditions_design(state: Conditions, seed: int = 13, *, longest_s: float = 3.4) -> StudyDesign:

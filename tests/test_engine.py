@@ -229,6 +229,7 @@ def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all
     whole = problem(driven(0.3, 0.1, trials=MOST_TRIALS + 12))
     visited = search(whole)
     assert visited.best.model.key == {"quadratic_drag", "constant_force"}
+    assert frozenset() in visited.sets  # the model without causes, with which others are compared
     assert len(visited.best.expansion.log_likelihood) == len(whole.series)
 
 

@@ -80,10 +80,12 @@ def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
 
 
 def _verified(problem: Problem, few: Visited) -> Visited:
-    """The probable sets of a subset of the trials, fitted to all of them with what these add."""
+    """The probable sets of a subset of the trials and the model without causes, fitted to all of
+    them with what these add.
+    """
     visited = Visited(replace(few.problem, series=problem.series),
                       started_twice=frozenset(few.converged))  # fmt: skip
-    for scored in _to_verify(few):
+    for scored in (few.sets[frozenset()], *_to_verify(few)):
         visited.add(scored.causes, scored.model)
     visited.converge()
     done: set[frozenset[str]] = set()

@@ -38,6 +38,9 @@ more than e^-6."""
 HOPELESS = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""
+LEAST_RISE = 1.0
+"""The search goes on about a set that is e^1 times more probable than the last one; sets that are
+nearly as probable have nearly the same neighbours."""
 VERIFIED = 4
 """How many further sets of a subset of the trials are fitted to all of them, besides the best and
 those that lack one of its causes. It bounds the work; sets left out have no probability."""
@@ -117,14 +120,14 @@ def _search(problem: Problem, start: dict[str, float]) -> Visited:
     visited = Visited(problem)
     visited.sets[frozenset()] = score(problem, first)
     visited.full[frozenset()] = expansion
-    done: set[frozenset[str]] = set()
-    while (best := visited.best).model.key not in done:
-        done.add(best.model.key)
+    before = -np.inf
+    while (best := visited.best).log_posterior > before + LEAST_RISE:
+        before = best.log_posterior
         if len(best.causes) < visited.problem.most_causes:
             _further(visited, best, REFITS)
             _under_small_forces(visited, best)
             visited.converge()
-        if visited.best.model.key != best.model.key:
+        if visited.best.log_posterior > before + LEAST_RISE:
             continue
         for cause in best.causes:
             rest = tuple(c for c in best.causes if c != cause)

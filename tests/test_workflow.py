@@ -164,7 +164,7 @@ def test_the_code_of_the_page_makes_the_page_alone(home):
 
 
 def test_the_code_of_the_distances_checks_them_again_and_searches(home):
-    append(home.root / "pipeline/bluekoi/camera/geometry.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/camera/rigid_length_check.py", "\n# changed\n")
     found = home.planned()
     assert found["geometry"] == found["mismatch"] == 1
     assert "tracks" not in found

@@ -11,9 +11,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..data import Float
-from ..errors import InputError, input_error, nearest
+from ..errors import InputError, did_you_mean, input_error
 from ..study import Setup, Study
-from ..study.messages import explain
+from ..study.validation_messages import findings_from_validation_error
 from .fits import COEFFICIENT_DRAWS, Fitted
 from .front import Design
 from .steady_states import Condition, steady_states
@@ -73,7 +73,7 @@ def designs(
     for key in keys:
         if key not in known:
             raise input_error("robot", key, "an unknown key", "a key of robot in study.yaml",
-                        nearest(key, known))  # fmt: skip
+                        did_you_mean(key, known))  # fmt: skip
     grid = list(itertools.product(powers, angles_deg, lengths_m, *(other or {}).values()))
     robots = [_with(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid]
     conditions = [
@@ -114,7 +114,7 @@ def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
     try:
         return type(setup).model_validate(contents)
     except ValidationError as error:
-        raise InputError(explain("--robot", error, type(setup))) from error
+        raise InputError(findings_from_validation_error("--robot", error, type(setup))) from error
 
 
 def _band(draws: Float) -> tuple[float, float, float]:

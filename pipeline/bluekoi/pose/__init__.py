@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, poorly_seen
+from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, has_excess_variance
 from ..errors import input_error
 from ..study import Robot
 from .body import RIGID_PARTS, Body, body_lengths, trusted_points
@@ -86,7 +86,7 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
     known = np.flatnonzero(np.isfinite(angle))
     if len(known) == 0:
         return angle
-    poor = poorly_seen(variance[known], np.nanmedian(variance[known]))
+    poor = has_excess_variance(variance[known], np.nanmedian(variance[known]))
     unknown = variance[known] > max(MAX_DIRECTION_STD_RAD**2, float(np.nanmedian(variance[known])))
     well = known[~(_in_short_runs(poor) | _in_short_runs(unknown, len(unknown)))]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..data import Float, Positions, confident
+from ..data import Float, Positions, is_confident
 from ..study import Robot
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
@@ -53,7 +53,7 @@ def trusted_points(positions: Positions) -> tuple[Float, Float]:
     for i, name in enumerate(RIGID_PARTS):
         if name in positions.names:
             k = positions.names.index(name)
-            trusted = confident(positions.likelihood[:, k])
+            trusted = is_confident(positions.likelihood[:, k])
             xy[trusted, i] = positions.xy_m[trusted, k]
             cov[trusted, i] = positions.cov_m2[trusted, k]
     xy[~np.isfinite(xy).all(axis=2)] = np.nan

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vectors import njit
+from ..vector_width import njit
 from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vectors import njit
+from ..vector_width import njit
 
 RECOIL_MEMORY_BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats."""

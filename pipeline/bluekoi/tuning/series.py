@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..data import Flapping, Float, Pose, Track, poorly_seen
+from ..data import Flapping, Float, Pose, Track, has_excess_variance
 from ..fitting import Series
 from ..model import constants, plates
 from ..observation import view_of
@@ -101,7 +101,7 @@ def _hardly_seen(noise: Float, unusable: np.ndarray) -> np.ndarray:
     """
     variance = np.einsum("nii->ni", noise[:, :3, :3])
     usual = np.median(variance[~unusable], axis=0) if not unusable.all() else np.inf
-    return np.any(poorly_seen(variance, usual), axis=1)
+    return np.any(has_excess_variance(variance, usual), axis=1)
 
 
 def _start(times: Float, track: Track) -> Float:

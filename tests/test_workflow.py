@@ -84,9 +84,9 @@ class Home:
 )
 def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
     """Two processes compile at the same time, each its own kernel."""
-    asked, loaded = set(), kernel._loaded
+    asked, loaded = set(), kernel._load_compiled
     monkeypatch.setattr(
-        kernel, "_loaded", lambda system, more: asked.add(more) or loaded(system, more)
+        kernel, "_load_compiled", lambda system, more: asked.add(more) or loaded(system, more)
     )
     load()
     assert asked == {general}

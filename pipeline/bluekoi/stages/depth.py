@@ -9,7 +9,7 @@ from .layout import Layout
 
 
 def keypoint_depth(setup: Setup, layout: Layout) -> float:
-    """Depth to use, m, by `study.keypoint_depth`; without an estimate until geometry.json is there."""
+    """Depth to use, m, by `study.keypoint_depth`; no estimate until geometry.json is there."""
     return setup_with_keypoint_depth(
         setup, read_json_if_present(layout.geometry)
     ).robot.keypoint_depth_m

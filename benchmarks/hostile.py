@@ -35,7 +35,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from bluekoi.camera.length_warnings import length_warnings
 from bluekoi.cli import main as bluekoi
 from bluekoi.errors import InputError
-from bluekoi.motor.swimming import study_warnings
+from bluekoi.motor.swimming_plausibility import study_warnings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.mismatch import mismatch

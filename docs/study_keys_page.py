@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from bluekoi.study.keys import FILE_MODELS, keys
+from bluekoi.study.key_reference import FILE_MODELS, keys
 
 PAGE = Path(__file__).resolve().parent / "study_keys.md"
 HEAD = """# Keys of a study

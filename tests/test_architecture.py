@@ -91,10 +91,10 @@ def test_every_configuration_key_has_a_sentence_a_type_and_a_default():
 
 def test_a_fingerprint_follows_imports_inside_functions_and_whole_registries():
     found = source_files("stages.keypoints")
-    assert "footage/reading.py" in found  # imported in a function
+    assert "footage/frame_reading.py" in found  # imported in a function
     assert "keypoints/silhouette.py" in found  # a source: the folder is the registry
     assert "smoothing/linear_gaussian.py" not in found
-    assert "camera/pool.py" in source_files("stages.tracks")
+    assert "camera/pool_projection.py" in source_files("stages.tracks")
 
 
 def test_the_fingerprint_of_one_figure_leaves_the_others_out():
@@ -136,7 +136,7 @@ def test_files_are_short_enough_to_read_in_one_go():
 def test_compiled_functions_are_declared_by_the_njit_that_knows_the_vectors():
     direct = re.compile(r"^(?:import numba|from numba import .*\bnjit\b)", re.M)
     found = {path.name for path in PACKAGE_FOLDER.rglob("*.py") if direct.search(path.read_text())}
-    assert found == {"vectors.py"}
+    assert found == {"vector_width.py"}
 
 
 def test_all_modules_compile_for_the_same_vectors():

@@ -8,18 +8,18 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
-from bluekoi.camera.boards import Board, View, find_board, read_board
-from bluekoi.camera.bundle import fit_lens
-from bluekoi.camera.calibrate import (
-    best_model,
+from bluekoi.camera.boards import Board, BoardView, find_board, read_board
+from bluekoi.camera.focal_length_groups import two_focal_lengths
+from bluekoi.camera.gyroflow_profile import read_profile
+from bluekoi.camera.lens import Lens, lens_parameters, project_to_pixels
+from bluekoi.camera.lens_bundle_adjustment import fit_lens
+from bluekoi.camera.lens_calibration import (
     calibrate_files,
+    calibration_from_profile,
     camera_section,
-    from_profile,
+    select_lens_model,
 )
-from bluekoi.camera.focal_groups import two_focal_lengths
-from bluekoi.camera.lens import Lens, parameters, pixels
 from bluekoi.camera.lens_selection import MODELS_COMPARED, evaluate_model, select_lens
-from bluekoi.camera.profile import read_profile
 from bluekoi.errors import InputError
 
 SIZE = (640, 480)
@@ -40,11 +40,11 @@ def views_of(lens: Lens, where: np.ndarray, noise_px: float, rng: np.random.Gene
     found = []
     for i, pose in enumerate(where):
         seen = BOARD.corners_m @ Rotation.from_rotvec(pose[:3]).as_matrix().T + pose[3:]
-        image = pixels(lens, seen)
+        image = project_to_pixels(lens, seen)
         inside = np.all((image > 0) & (image < np.array(SIZE)), axis=1)
         if inside.sum() >= 20:
             noisy = image[inside] + rng.normal(0, noise_px, (int(inside.sum()), 2))
-            found.append(View(f"view {i}", BOARD.corners_m[inside], noisy))
+            found.append(BoardView(f"view {i}", BOARD.corners_m[inside], noisy))
     return found
 
 
@@ -79,7 +79,7 @@ def test_exact_corners_give_the_lens_back(lens):
     views = views_of(lens, poses(14, rng), 0.0, rng)
     fit = fit_lens(views, lens.model, 4, SIZE)
     assert fit.rms_px < 1e-5
-    assert np.allclose(parameters(fit.lens)[:4], parameters(lens)[:4], atol=1e-2)
+    assert np.allclose(lens_parameters(fit.lens)[:4], lens_parameters(lens)[:4], atol=1e-2)
 
 
 def test_lens_uncertainty_is_of_the_right_width():
@@ -88,7 +88,7 @@ def test_lens_uncertainty_is_of_the_right_width():
         rng = np.random.default_rng(100 + seed)
         views = views_of(PINHOLE, poses(20, rng), 0.2, rng)
         fit = fit_lens(views, "pinhole", 4, SIZE)
-        miss = parameters(fit.lens) - parameters(PINHOLE)
+        miss = lens_parameters(fit.lens) - lens_parameters(PINHOLE)
         pulls.append(miss / np.sqrt(np.diag(fit.lens_cov)))
     width = float(np.sqrt(np.mean(np.square(pulls))))
     assert 0.8 < width < 1.3, width
@@ -97,11 +97,11 @@ def test_lens_uncertainty_is_of_the_right_width():
 def test_the_model_is_chosen_by_views_held_out():
     rng = np.random.default_rng(6)
     wide = views_of(FISHEYE, poses(14, rng, near=0.12), 0.15, rng)
-    best, tried = best_model(wide, "auto", SIZE)
+    best, tried = select_lens_model(wide, "auto", SIZE)
     assert best.model == "fisheye"
     assert len(tried) == len(MODELS_COMPARED)
     narrow = views_of(PINHOLE, poses(11, rng), 0.15, rng)
-    best, _ = best_model(narrow, "pinhole", SIZE)
+    best, _ = select_lens_model(narrow, "pinhole", SIZE)
     assert (best.model, best.terms) == ("pinhole", 4)
     assert best.held_out_px < 1.2 * best.fit.rms_px
 
@@ -135,7 +135,7 @@ def test_a_refused_calibration_names_its_reasons_and_the_cure():
     rng = np.random.default_rng(9)
     views = views_of(PINHOLE, poses(9, rng, tilt=0.05), 0.1, rng)
     with pytest.raises(InputError, match=r"frontally: 0 of 9(.|\n)*tilted by 20 to 45 degrees"):
-        best_model(views, "pinhole", SIZE)
+        select_lens_model(views, "pinhole", SIZE)
 
 
 def test_a_lens_that_folds_inside_the_picture_is_refused():
@@ -170,7 +170,7 @@ def test_a_view_grossly_off_is_left_out_and_named():
     rng = np.random.default_rng(12)
     views = views_of(PINHOLE, poses(15, rng), 0.15, rng)
     spoilt = views[3].image_px + rng.normal(0, 6, views[3].image_px.shape)
-    views[3] = View("shaken", views[3].board_m, spoilt)
+    views[3] = BoardView("shaken", views[3].board_m, spoilt)
     best = evaluate_model(views, "pinhole", 4, SIZE)
     assert len(best.left_out) == 1
     assert "shaken" in best.left_out[0]
@@ -324,7 +324,7 @@ def test_a_profile_that_cannot_be_right_is_refused(tmp_path, change, words):
     path = tmp_path / "lens.json"
     content = {"calib_dimension": {"w": 64, "h": 48}, "fisheye_params": lens}
     path.write_text(json.dumps(content))
-    assert "nan" not in camera_section(from_profile(path))
+    assert "nan" not in camera_section(calibration_from_profile(path))
     path.write_text(json.dumps(content | {"fisheye_params": lens | change}))
     with pytest.raises(InputError, match=words):
         read_profile(path)

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bluekoi.camera.boards import Board, View
-from bluekoi.camera.bundle import fit_lens
-from bluekoi.camera.calibrate import best_model, calibrate_files, camera_section
+from bluekoi.camera.boards import Board, BoardView
 from bluekoi.camera.image_circle import ImageCircle, image_circle
 from bluekoi.camera.lens import Lens
+from bluekoi.camera.lens_bundle_adjustment import fit_lens
+from bluekoi.camera.lens_calibration import calibrate_files, camera_section, select_lens_model
 from bluekoi.camera.lens_selection import lens_implausibilities
 from bluekoi.errors import InputError
 
@@ -38,14 +38,14 @@ def equisolid(points: np.ndarray) -> np.ndarray:
     return CENTRE + points[:, :2] * (radius / across)[:, None]
 
 
-def views(n: int, noise_px: float, seed: int, widest_deg: float = 60.0) -> list[View]:
+def views(n: int, noise_px: float, seed: int, widest_deg: float = 60.0) -> list[BoardView]:
     rng, found = np.random.default_rng(seed), []
     while len(found) < n:
         turn, shift = placed(rng, widest_deg)
         image = equisolid(BOARD.corners_m @ turn.T + shift)
         if np.hypot(*(image - CENTRE).T).max() < 0.92 * RADIUS:
             noisy = image + rng.normal(0, noise_px, image.shape)
-            found.append(View(f"view {len(found)}", BOARD.corners_m, noisy))
+            found.append(BoardView(f"view {len(found)}", BOARD.corners_m, noisy))
     return found
 
 
@@ -89,7 +89,7 @@ def test_a_circular_fisheye_is_calibrated_and_its_image_circle_reported(tmp_path
 
 @pytest.mark.long
 def test_all_models_are_compared_on_a_circular_fisheye_and_the_fisheye_is_selected():
-    best, _ = best_model(views(16, 0.2, 1), "auto", SIZE, CIRCLE)
+    best, _ = select_lens_model(views(16, 0.2, 1), "auto", SIZE, CIRCLE)
     assert best.model == "fisheye"
     assert best.held_out_px < 0.33  # 0.2 px noise in each of two directions is 0.28
 
@@ -117,7 +117,7 @@ def test_a_projection_that_folds_inside_the_image_circle_is_refused():
 def test_the_advice_for_a_circular_fisheye_can_be_followed():
     boards = views(16, 0.2, 1)[:5]
     with pytest.raises(InputError, match=r"only 5 views(.|\n)*rim of the image circle") as refused:
-        best_model(boards, "fisheye", SIZE, CIRCLE)
+        select_lens_model(boards, "fisheye", SIZE, CIRCLE)
     assert "corners of the picture" not in str(refused.value)
 
 

@@ -9,11 +9,11 @@ from scipy.interpolate import RectBivariateSpline
 from scipy.special import ndtr
 from test_camera_geometry import LENS, ROBOT, TRUTH
 
-from bluekoi.camera import project, to_pool
-from bluekoi.camera.corner_fit import fit_corners
-from bluekoi.camera.corners_picture import pool_corners_picture
+from bluekoi.camera import map_to_pool, pool_to_pixels
+from bluekoi.camera.pool_corner_check import pool_corners_picture
+from bluekoi.camera.pool_corner_fit import fit_corners
 from bluekoi.camera.pool_edge_check import compare_pool_edges
-from bluekoi.footage import encode
+from bluekoi.footage import encode_h264
 from bluekoi.stages.pool_edges import check_pool_edges
 from bluekoi.study import Setup, load_study
 from studies import edit_rows, small_study
@@ -27,7 +27,7 @@ def depth_inside_m() -> np.ndarray:
     """Distance of every pixel's place from the pool's edge, positive inside, by exact optics."""
     width, height = TRUTH.size_px
     u, v = np.arange(0.0, width + 8, 8), np.arange(0.0, height + 8, 8)
-    coarse = to_pool(TRUTH, np.stack(np.meshgrid(u, v), -1).reshape(-1, 2), 0.0)
+    coarse = map_to_pool(TRUTH, np.stack(np.meshgrid(u, v), -1).reshape(-1, 2), 0.0)
     places = coarse.reshape(len(v), len(u), 2)
     x, y = (
         RectBivariateSpline(v, u, places[:, :, k])(np.arange(height), np.arange(width))
@@ -47,7 +47,7 @@ def drawn_pool(rim_m: float = 0.0, seed: int = 1) -> np.ndarray:
 
 def outer_corners() -> np.ndarray:
     signs = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    return project(TRUTH, TRUTH.corners_m + RIM_M * signs)
+    return pool_to_pixels(TRUTH, TRUTH.corners_m + RIM_M * signs)
 
 
 def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> Setup:
@@ -180,7 +180,7 @@ def test_a_trials_status_says_where_its_recording_has_the_pools_edges(tmp_path):
     shift = np.array([[1.0, 0, 40.0], [0, 1.0, 0]])
     frame = cv2.warpAffine(drawn_pool(), shift, (1920, 1080), borderMode=cv2.BORDER_REPLICATE)
     (study / "videos").mkdir()
-    encode(study / "videos/T10.mp4", [np.dstack([frame] * 3)] * 3, fps=30, size=(1920, 1080))
+    encode_h264(study / "videos/T10.mp4", [np.dstack([frame] * 3)] * 3, fps=30, size=(1920, 1080))
     edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
     loaded = load_study(study).model_copy(update={"setup": setup_with(TRUTH.corners_px)})
     found, remarks = check_pool_edges(loaded, loaded.trial("T10"))

@@ -12,11 +12,11 @@ from bluekoi.camera import (
     Lens,
     PoolCamera,
     camera_from_corners,
+    map_to_pool,
     pool_camera,
-    project,
-    to_pool,
+    pool_to_pixels,
 )
-from bluekoi.camera.error_displacement import error_forms
+from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
@@ -40,7 +40,7 @@ def camera(index: float = WATER) -> PoolCamera:
     shift = -turn @ np.array([1.4, 0.75, 2.0])
     blank = PoolCamera(lens().size_px, np.zeros((4, 2)), CORNERS_M, index, np.zeros((4, 2)), 1.0,
                        lens(), turn, shift)  # fmt: skip
-    return camera_from_corners(lens(), project(blank, CORNERS_M), CORNERS_M, index)
+    return camera_from_corners(lens(), pool_to_pixels(blank, CORNERS_M), CORNERS_M, index)
 
 
 def stated(*, k1: float = -0.06, index: float = WATER) -> Setup:
@@ -76,9 +76,9 @@ def share_left(model: np.ndarray, seen: np.ndarray) -> float:
 
 @pytest.mark.parametrize("off", [-0.05, 0.03])
 def test_a_wrong_lens_moves_places_as_its_candidate_says(off):
-    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
+    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
     wrong = camera_from_corners(lens(-0.06 + off), camera().corners_px, CORNERS_M, WATER)
-    seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
+    seen = map_to_pool(wrong, pixels, DEPTH_M) - PLACES
     given = named(stated(k1=-0.06 + off), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))
     radial = given | {"q": 1.0, "p_x": 0.0, "p_y": 0.0}
     assert share_left(fitted(lens_error.observe, radial, 0.01, seen), seen) < 0.06
@@ -86,11 +86,11 @@ def test_a_wrong_lens_moves_places_as_its_candidate_says(off):
 
 def test_a_lens_out_of_line_moves_places_as_its_candidate_says():
     """Tangential distortion whose tilt the pose makes up for."""
-    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
+    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
     right = lens(-0.06)
     bent = replace(right, distortion=right.distortion + np.array([0, 0, 0.004, 0, 0]))
     wrong = camera_from_corners(bent, camera().corners_px, CORNERS_M, WATER)
-    seen = to_pool(wrong, pixels, DEPTH_M) - PLACES
+    seen = map_to_pool(wrong, pixels, DEPTH_M) - PLACES
     given = named(stated(), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")) | {"q": 1.0}
     names = ({"k": 1.0}, {"p_x": 1.0}, {"p_y": 1.0})
     still = {"k": 0.0, "p_x": 0.0, "p_y": 0.0}
@@ -105,17 +105,17 @@ def test_a_lens_out_of_line_moves_places_as_its_candidate_says():
 def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_says(index):
     """Left out: index 1 is stated, or one of no liquid. Else keypoints lie 30 mm too deep."""
     depth = DEPTH_M + (0.03 if index == WATER else 0.0)
-    pixels = project(camera(), np.column_stack([PLACES, np.full(len(PLACES), -depth)]))
-    seen = to_pool(camera(index), pixels, DEPTH_M) - PLACES
+    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -depth)]))
+    seen = map_to_pool(camera(index), pixels, DEPTH_M) - PLACES
     given = named(stated(index=index), ("x_cam", "y_cam", "bend")) | {"q": 1.0}
     assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
     assert share_left(fitted(uncorrected_refraction.observe, given, 0.01, seen), seen) < 0.03
 
 
 def test_a_homography_is_taken_for_a_camera_over_the_middle():
-    assert error_forms(SETUP).below_m == (1.3, 0.8)
-    assert error_forms(SETUP).bend_1_m2 == 0.0
-    assert error_forms(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
+    assert camera_error_constants(SETUP).below_m == (1.3, 0.8)
+    assert camera_error_constants(SETUP).bend_1_m2 == 0.0
+    assert camera_error_constants(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
 
 
 def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
@@ -124,7 +124,10 @@ def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
     with pytest.raises(InputError):
         pool_camera(setup.model_copy(update={"camera": crossed}))
-    assert error_forms(setup.model_copy(update={"camera": crossed})).below_m == (1.3, 0.8)
+    assert camera_error_constants(setup.model_copy(update={"camera": crossed})).below_m == (
+        1.3,
+        0.8,
+    )
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from bluekoi.camera import Lens, PoolCamera, camera_from_corners, project, to_pool
-from bluekoi.camera.geometry import check_distances, check_geometry, estimate_depth
+from bluekoi.camera import Lens, PoolCamera, camera_from_corners, map_to_pool, pool_to_pixels
+from bluekoi.camera.calibration_uncertainty import calibration_covariance, calibration_error_modes
 from bluekoi.camera.geometry_hypotheses import fit_hypothesis
-from bluekoi.camera.resection import pool_rectangle, pose, pose_near
-from bluekoi.camera.rigid_distances import Geometry
-from bluekoi.camera.uncertainty import calibration_covariance, calibration_modes
-from bluekoi.camera.whole_length import systematic_share, whole_lengths
+from bluekoi.camera.resection import first_order_pose, pool_rectangle, pose_from_marks
+from bluekoi.camera.rigid_distances import CameraGeometry
+from bluekoi.camera.rigid_length_check import (
+    check_camera_geometry,
+    check_rigid_distances,
+    estimate_depth,
+)
+from bluekoi.camera.whole_length import systematic_length_error_share, whole_lengths
 from bluekoi.data import Positions
 from bluekoi.errors import InputError
 from bluekoi.study import Robot
@@ -51,7 +55,7 @@ def camera_above(lens: Lens = LENS, size: tuple[float, float] = (2.6, 1.6)) -> P
         rotation=turn,
         translation=shift,
     )
-    return camera_from_corners(lens, project(blank, corners), corners, 1.333)
+    return camera_from_corners(lens, pool_to_pixels(blank, corners), corners, 1.333)
 
 
 TRUTH = camera_above()
@@ -78,9 +82,11 @@ def campaign(
     trials = []
     for _ in range(12):
         points = body(120, rng, tip_m=tip_m).reshape(-1, 2)
-        image = project(truth, np.column_stack([points, np.broadcast_to(-depth_m, len(points))]))
+        image = pool_to_pixels(
+            truth, np.column_stack([points, np.broadcast_to(-depth_m, len(points))])
+        )
         image = image + rng.normal(0, noise_px, image.shape)
-        xy = to_pool(believed, image, DEPTH_M).reshape(120, 4, 2)
+        xy = map_to_pool(believed, image, DEPTH_M).reshape(120, 4, 2)
         ones = np.ones((120, 4))
         cov = np.full((120, 4, 2, 2), np.nan)
         trials.append(Positions(np.arange(120) / 30, PARTS, xy, cov, ones))
@@ -88,7 +94,7 @@ def campaign(
 
 
 def checked(believed: PoolCamera, **made):
-    return check_geometry(
+    return check_camera_geometry(
         believed,
         campaign(believed, **made),
         depth_m=DEPTH_M,
@@ -138,9 +144,9 @@ def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
         ones, cov = np.ones((120, 5)), np.full((120, 5, 2, 2), np.nan)
         trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
     lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
-    geometry = Geometry(believed, DEPTH_M)
-    return check_distances(
-        geometry, lengths, min_share=systematic_share(geometry, lengths), given=given
+    geometry = CameraGeometry(believed, DEPTH_M)
+    return check_rigid_distances(
+        geometry, lengths, min_share=systematic_length_error_share(geometry, lengths), given=given
     )
 
 
@@ -161,7 +167,7 @@ def test_a_depth_that_was_given_gives_way_to_the_scale(monkeypatch):
         ahead = 4.0 if hypothesis.name == "keypoint_depth" else 0.0
         return replace(found, gain=found.gain + ahead)
 
-    monkeypatch.setattr("bluekoi.camera.geometry.fit_hypothesis", by_a_hair)
+    monkeypatch.setattr("bluekoi.camera.rigid_length_check.fit_hypothesis", by_a_hair)
     free = whole_checked(TRUTH, depth_m=DEPTH_M + 0.03)
     given = whole_checked(TRUTH, ("keypoint_depth",), depth_m=DEPTH_M + 0.03)
     assert (free.outcome, given.outcome) == ("keypoint_depth", "scale_error")
@@ -249,20 +255,22 @@ def test_trials_without_rigid_pairs_are_a_fault():
     trials = campaign(TRUTH)[:1]
     blind = replace(trials[0], likelihood=np.zeros((120, 4)))
     with pytest.raises(InputError, match="no two neighbouring rigid keypoints"):
-        check_geometry(TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**ROBOT))
+        check_camera_geometry(
+            TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**ROBOT)
+        )
 
 
 def test_calibration_modes_are_what_misclicked_corners_do():
     rng = np.random.default_rng(2)
-    spot = project(TRUTH, np.array([[0.3, 0.3, -0.04], [2.2, 1.3, -0.04]]))
+    spot = pool_to_pixels(TRUTH, np.array([[0.3, 0.3, -0.04], [2.2, 1.3, -0.04]]))
     camera = replace(TRUTH, corner_std_px=1.0)
-    modes = calibration_modes(camera, spot, DEPTH_M)
+    modes = calibration_error_modes(camera, spot, DEPTH_M)
     assert modes.shape == (2, 2, 8)
     places = []
     for _ in range(120):
         clicked = TRUTH.corners_px + rng.normal(0, 1.0, (4, 2))
         again = camera_from_corners(LENS, clicked, TRUTH.corners_m, 1.333)
-        places.append(to_pool(again, spot, DEPTH_M))
+        places.append(map_to_pool(again, spot, DEPTH_M))
     found = np.std(places, axis=0)
     stated = np.sqrt(np.diagonal(calibration_covariance(camera, spot, DEPTH_M), axis1=1, axis2=2))
     assert np.allclose(found, stated, rtol=0.25)
@@ -271,8 +279,8 @@ def test_calibration_modes_are_what_misclicked_corners_do():
 def test_pose_of_nearby_corners_is_the_whole_fits_to_two_hundredths_of_the_change():
     moved = TRUTH.corners_px + np.random.default_rng(4).normal(0, 1.0, (4, 2))
     marks = (TRUTH.corners_m, TRUTH.refractive_index)
-    whole = pose(LENS, moved, *marks)
-    near = pose_near(
+    whole = pose_from_marks(LENS, moved, *marks)
+    near = first_order_pose(
         LENS, moved, *marks, rotation=TRUTH.rotation, translation=TRUTH.translation
     )  # fmt: skip
     for own, right, before in zip(near[:2], whole[:2], (TRUTH.rotation, TRUTH.translation),

@@ -13,8 +13,8 @@ import yaml
 from exact_campaign import GEOMETRY, campaign
 
 from bluekoi.camera import pool_camera
-from bluekoi.camera.error_displacement import error_forms
-from bluekoi.camera.uncertainty import calibration_at
+from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_places
+from bluekoi.camera.error_displacement import camera_error_constants
 from bluekoi.campaign import Campaign, load_campaign
 from bluekoi.data import read_track
 from bluekoi.figures import draw
@@ -198,7 +198,7 @@ def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected
     (tmp_path / "geometry.json").write_text(json.dumps({"depth_m": 0.09}))
     setup = load_campaign(tmp_path, load_study(copy)).study.setup
     assert (setup.robot.keypoint_depth_m, setup.robot.depth_given) == (0.09, False)
-    assert error_forms(setup) != error_forms(load_study(copy).setup)
+    assert camera_error_constants(setup) != camera_error_constants(load_study(copy).setup)
     given = load_campaign(tmp_path, load_study(study)).study.setup
     assert given.robot.keypoint_depth_m == 0.04
 
@@ -220,7 +220,7 @@ def test_stated_deviations_of_positions_hold_the_calibrations(detected):
     track = read_track(Layout(results).track(PLANS[0]))
     camera = pool_camera(load_study(study).setup, None)
     xy = np.column_stack([track.x_m, track.y_m])
-    cov = calibration_at(camera, xy, 0.04)
+    cov = calibration_covariance_at_places(camera, xy, 0.04)
     assert (track.x_m_std**2 > cov[:, 0, 0]).all()
     assert (track.y_m_std**2 > cov[:, 1, 1]).all()
     assert (cov[:, 0, 0] > 0).all()

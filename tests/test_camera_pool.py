@@ -12,18 +12,18 @@ from bluekoi.camera import (
     Lens,
     PoolCamera,
     camera_from_corners,
-    jacobian,
     map_keypoints,
+    map_to_pool,
+    place_by_pixel_jacobian,
     pool_camera,
-    project,
-    to_pool,
+    pool_to_pixels,
 )
-from bluekoi.camera.refraction import air_path_share, refract_rays
+from bluekoi.camera.refraction import horizontal_air_path_share, refract_rays
 from bluekoi.camera.resection import pool_rectangle
 from bluekoi.data import Keypoints
 from bluekoi.errors import InputError
 from bluekoi.study import Setup
-from bluekoi.study.filmed import setup_in_film_pixels, to_study_pixels
+from bluekoi.study.recording_pixels import setup_in_film_pixels, to_study_pixels
 
 ROBOT = {
     "mass_kg": 0.68,
@@ -56,7 +56,7 @@ def overhead(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05) -> Po
         rotation=turn,
         translation=shift,
     )
-    return PoolCamera(**{**camera.__dict__, "corners_px": project(camera, CORNERS_M)})
+    return PoolCamera(**{**camera.__dict__, "corners_px": pool_to_pixels(camera, CORNERS_M)})
 
 
 def setup(camera: PoolCamera, **changes) -> Setup:
@@ -96,19 +96,21 @@ def test_refraction_oracle_aquacal(recordings):
     )
     xy = np.column_stack([table.X_m, -table.Y_m])
     image = table[["u_refracted_px", "v_refracted_px"]].to_numpy()
-    assert np.abs(to_pool(camera, image, table.depth_m.to_numpy()) - xy).max() < 1e-6
-    seen = project(camera, np.column_stack([xy, -table.depth_m]))
+    assert np.abs(map_to_pool(camera, image, table.depth_m.to_numpy()) - xy).max() < 1e-6
+    seen = pool_to_pixels(camera, np.column_stack([xy, -table.depth_m]))
     assert np.abs(seen - image).max() < 1e-6
     dry = PoolCamera(**{**camera.__dict__, "refractive_index": 1.0})
     straight = table[["u_no_refraction_px", "v_no_refraction_px"]].to_numpy()
-    assert np.abs(project(dry, np.column_stack([xy, -table.depth_m])) - straight).max() < 1e-6
+    assert (
+        np.abs(pool_to_pixels(dry, np.column_stack([xy, -table.depth_m])) - straight).max() < 1e-6
+    )
 
 
 def test_readme_claim_25_mm_at_the_corner_from_2_m_up():
     camera = overhead(height_m=2.0, tilt=0.0)
     corner = np.array([[0.0, 0.0]])
-    image = project(camera, np.column_stack([corner, [[-0.05]]]))
-    ignored = to_pool(camera, image, 0.0) - corner
+    image = pool_to_pixels(camera, np.column_stack([corner, [[-0.05]]]))
+    ignored = map_to_pool(camera, image, 0.0) - corner
     assert np.linalg.norm(ignored) == pytest.approx(0.025, abs=0.004)
 
 
@@ -123,8 +125,8 @@ def test_readme_claim_25_mm_at_the_corner_from_2_m_up():
 def test_project_and_to_pool_are_inverse(x, y, z, height, tilt):
     wide = Lens("fisheye", np.array(MATRIX), np.array([0.03, 0.06, -0.07, 0.03]), (1920, 1080))
     camera = overhead(wide, height, tilt)
-    image = project(camera, np.array([[x, y, z]]))
-    assert np.allclose(to_pool(camera, image, -z), [[x, y]], atol=1e-8)
+    image = pool_to_pixels(camera, np.array([[x, y, z]]))
+    assert np.allclose(map_to_pool(camera, image, -z), [[x, y]], atol=1e-8)
 
 
 def test_snell_holds_on_both_sides_of_the_surface():
@@ -133,7 +135,7 @@ def test_snell_holds_on_both_sides_of_the_surface():
     bent = refract_rays(rays, 1.333)
     assert np.allclose(np.linalg.norm(bent, axis=1), 1)
     assert np.allclose(1.333 * bent[:, 0], rays[:, 0])
-    share = air_path_share(np.array([1.5]), 2.0, np.array([0.3]), 1.333)[0]
+    share = horizontal_air_path_share(np.array([1.5]), 2.0, np.array([0.3]), 1.333)[0]
     air, water = 1.5 * share, 1.5 * (1 - share)
     assert air / np.hypot(air, 2) == pytest.approx(1.333 * water / np.hypot(water, 0.3), rel=1e-13)
 
@@ -144,13 +146,13 @@ def test_pose_comes_back_from_exact_corners():
     assert np.allclose(found.center_m, truth.center_m, atol=1e-7)
     assert found.rms_px < 1e-6
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
-    assert np.allclose(to_pool(found, project(truth, xyz), 0.04), xyz[:, :2], atol=1e-7)
+    assert np.allclose(map_to_pool(found, pool_to_pixels(truth, xyz), 0.04), xyz[:, :2], atol=1e-7)
 
 
 def test_marks_above_the_water_are_placed_there():
     truth = overhead()
     raised = pool_rectangle(2.6, 1.6, 0.12)
-    marks = project(truth, raised).tolist()
+    marks = pool_to_pixels(truth, raised).tolist()
     found = pool_camera(setup(truth, pool_corners_px=marks, pool_corners_height_m=0.12))
     assert np.allclose(found.center_m, truth.center_m, atol=1e-6)
     ignored = pool_camera(setup(truth, pool_corners_px=marks))
@@ -161,7 +163,9 @@ def test_recording_scaled_alike_is_followed_and_another_shape_refused():
     truth = overhead()
     twice = pool_camera(setup(truth), size_px=(3840, 2160))
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
-    assert np.allclose(to_pool(twice, project(truth, xyz) * 2 + 0.5, 0.04), xyz[:, :2], atol=1e-6)
+    assert np.allclose(
+        map_to_pool(twice, pool_to_pixels(truth, xyz) * 2 + 0.5, 0.04), xyz[:, :2], atol=1e-6
+    )
     with pytest.raises(InputError, match="turned by 90 degrees"):
         pool_camera(setup(truth), size_px=(1080, 1920))
     with pytest.raises(InputError, match="field of view"):
@@ -194,7 +198,7 @@ def test_corners_of_no_pool_are_refused_and_doubtful_ones_remarked():
 def test_stated_covariance_is_that_of_mapped_noise():
     camera, rng = overhead(), np.random.default_rng(5)
     cov_px = np.array([[0.5, 0.2], [0.2, 0.3]])
-    place = project(camera, np.array([[0.2, 1.4, -0.04]]))
+    place = pool_to_pixels(camera, np.array([[0.2, 1.4, -0.04]]))
     noisy = place + rng.multivariate_normal([0, 0], cov_px, 4000)
     n = len(noisy)
     keypoints = Keypoints(
@@ -206,7 +210,7 @@ def test_stated_covariance_is_that_of_mapped_noise():
     )
     mapped = map_keypoints(camera, keypoints, 0.04)
     found = np.cov(mapped.xy_m[:, 0].T)
-    slope = jacobian(camera, place, 0.04)[0]
+    slope = place_by_pixel_jacobian(camera, place, 0.04)[0]
     assert np.allclose(mapped.cov_m2[0, 0], slope @ cov_px @ slope.T, rtol=0.01)
     assert np.allclose(found, slope @ cov_px @ slope.T, rtol=0.08, atol=1e-9)
 
@@ -214,10 +218,12 @@ def test_stated_covariance_is_that_of_mapped_noise():
 def test_homography_alone_maps_its_plane_and_states_a_bound_that_holds():
     truth = overhead(tilt=0.03)
     found = pool_camera(setup(truth, matrix=None, distortion=None))
-    assert np.allclose(to_pool(found, truth.corners_px, 0.0), CORNERS_M[:, :2], atol=1e-9)
-    assert np.allclose(project(found, CORNERS_M), truth.corners_px, atol=1e-6)
+    assert np.allclose(map_to_pool(found, truth.corners_px, 0.0), CORNERS_M[:, :2], atol=1e-9)
+    assert np.allclose(pool_to_pixels(found, CORNERS_M), truth.corners_px, atol=1e-6)
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
-    error = np.linalg.norm(to_pool(found, project(truth, xyz), 0.04) - xyz[:, :2], axis=1)
+    error = np.linalg.norm(
+        map_to_pool(found, pool_to_pixels(truth, xyz), 0.04) - xyz[:, :2], axis=1
+    )
     assert 0.002 < error.max() < found.bound_m < 0.3
     assert "calibrate the camera" in found.remarks[0]
 
@@ -248,7 +254,9 @@ def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
     assert reported.camera.image_size_px == size
     by_size, by_section = pool_camera(given, size), pool_camera(reported)
     points = np.column_stack([pool_points(), np.full(60, -0.04)])
-    np.testing.assert_allclose(project(by_section, points), project(by_size, points), atol=1e-6)
+    np.testing.assert_allclose(
+        pool_to_pixels(by_section, points), pool_to_pixels(by_size, points), atol=1e-6
+    )
     back = to_study_pixels(given, size, np.array(reported.camera.pool_corners_px))
     np.testing.assert_allclose(back, np.array(given.camera.pool_corners_px), atol=1e-9)
     Setup.model_validate(reported.model_dump())

@@ -21,7 +21,7 @@ from bluekoi.cli import main
 from bluekoi.cli.outputs import refuse_study_files
 from bluekoi.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
 from bluekoi.errors import InputError, input_error
-from bluekoi.footage import encode
+from bluekoi.footage import encode_h264
 from studies import edit_rows, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -323,7 +323,7 @@ def test_pool_draws_corners_on_a_frame(tmp_path):
     study = small_study(tmp_path / "study")
     picture = np.full((1080, 1920, 3), 90, np.uint8)
     (study / "videos").mkdir()
-    encode(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
+    encode_h264(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
     edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
     result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
     assert result.exit_code == 1, "no edge confirms the corners"
@@ -395,7 +395,7 @@ def test_nothing_that_is_there_is_written_over(tmp_path):
 def test_check_reports_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "videos").mkdir()
-    encode(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,
+    encode_h264(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,
            size=(640, 480))  # fmt: skip
     edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
     path = study / "keypoints/T11.csv"

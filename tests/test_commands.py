@@ -13,7 +13,7 @@ from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.footage import encode
+from bluekoi.footage import encode_h264
 from bluekoi.study import load_study
 from studies import small_study
 
@@ -30,7 +30,7 @@ def lab(tmp_path):
     for name in ("p50_phi-20", "p100_phi30"):
         pictures = [np.full((48, 64, 3), 40 + k, np.uint8) for k in range(12)]
         (tmp_path / "lab/videos").mkdir(parents=True, exist_ok=True)
-        encode(tmp_path / f"lab/videos/{name}.mp4", pictures, fps=30.0, size=(64, 48))
+        encode_h264(tmp_path / f"lab/videos/{name}.mp4", pictures, fps=30.0, size=(64, 48))
     (tmp_path / "lab/motor").mkdir()
     (tmp_path / "lab/motor/p50_phi-20.csv").write_text(LOG)
     return tmp_path / "lab"

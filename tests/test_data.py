@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bluekoi import data
-from bluekoi.data import Keypoints, Pose, Positions, Track, confident, poorly_seen
+from bluekoi.data import Keypoints, Pose, Positions, Track, has_excess_variance, is_confident
 from bluekoi.errors import InputError
 
 TIMES = np.arange(5) / 30
@@ -129,9 +129,9 @@ def test_quoted_numbers_are_numbers(tmp_path):
 
 
 def test_a_point_counts_from_a_likelihood_of_0_6_on_or_where_none_is_stated():
-    assert confident(np.array([0.59, 0.6, 1.0, np.nan])).tolist() == [False, True, True, True]
+    assert is_confident(np.array([0.59, 0.6, 1.0, np.nan])).tolist() == [False, True, True, True]
 
 
 def test_a_frame_ten_times_less_sure_than_usual_is_poorly_seen():
     variance = np.array([1.0, 99.0, 101.0, np.nan])
-    assert poorly_seen(variance, 1.0).tolist() == [False, False, True, True]
+    assert has_excess_variance(variance, 1.0).tolist() == [False, False, True, True]

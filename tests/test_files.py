@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from bluekoi.errors import InputError, input_error, nearest, printable
+from bluekoi.errors import InputError, did_you_mean, escape_control_characters, input_error
 from bluekoi.files import atomic_write, read_json, to_json_types, write_json, write_text
 
 
@@ -70,9 +70,9 @@ def test_a_fault_says_place_found_expected_and_cure():
 
 
 def test_the_nearest_name_or_all_names():
-    assert nearest("mas_kg", ["mass_kg", "head"]) == "Did you mean 'mass_kg'?"
-    assert nearest("zzz", ["b", "a"]) == "Known: a, b."
+    assert did_you_mean("mas_kg", ["mass_kg", "head"]) == "Did you mean 'mass_kg'?"
+    assert did_you_mean("zzz", ["b", "a"]) == "Known: a, b."
 
 
 def test_control_characters_of_hostile_input_do_not_reach_the_terminal():
-    assert printable("a\x1b[31mb\nc\x07") == "a?[31mb\nc?"
+    assert escape_control_characters("a\x1b[31mb\nc\x07") == "a?[31mb\nc?"

@@ -14,8 +14,8 @@ import pytest
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage.chapters import in_order
-from bluekoi.footage.reading import evenly_spaced
+from bluekoi.footage.frame_reading import evenly_spaced_frames
+from bluekoi.footage.gopro_chapters import sort_chapters
 
 SIZE = (160, 96)
 
@@ -132,12 +132,12 @@ def test_chapters_are_joined_without_losing_time(tmp_path):
 )
 def test_wrong_chapters_are_refused(names, message):
     with pytest.raises(InputError, match=message):
-        in_order([Path(name) for name in names])
+        sort_chapters([Path(name) for name in names])
 
 
 def test_order_is_by_chapter_and_old_names_count(tmp_path):
     old = [Path("GP020007.MP4"), Path("GOPR0007.MP4"), Path("GP010007.MP4")]
-    assert [p.name for p in in_order(old)] == ["GOPR0007.MP4", "GP010007.MP4", "GP020007.MP4"]
+    assert [p.name for p in sort_chapters(old)] == ["GOPR0007.MP4", "GP010007.MP4", "GP020007.MP4"]
 
 
 def test_a_further_chapter_beside_it_is_remarked(tmp_path):
@@ -197,7 +197,7 @@ def test_colours_can_be_reduced_by_the_decoder(tmp_path, degrees):
 
 def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
     recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
-    few = list(evenly_spaced(recording, 3))
+    few = list(evenly_spaced_frames(recording, 3))
     assert [frame.time_s for frame in few] == pytest.approx(
         [0.0, 10 * 1001 / 30000, 20 * 1001 / 30000]
     )
@@ -223,9 +223,9 @@ def test_the_first_of_a_few_frames_is_the_first_picture(tmp_path):
     recording = open_recording([path])
     decoded = next(iter(frames(recording))).luma
     assert recording.first_luma is not None
-    np.testing.assert_array_equal(next(evenly_spaced(recording, 3)).luma, decoded)
+    np.testing.assert_array_equal(next(evenly_spaced_frames(recording, 3)).luma, decoded)
     late = open_recording([path], start_s=0.3)
-    assert next(evenly_spaced(late, 2)).time_s > 0.3
+    assert next(evenly_spaced_frames(late, 2)).time_s > 0.3
 
 
 @pytest.mark.recordings

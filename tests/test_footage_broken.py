@@ -12,7 +12,7 @@ from gopro_files import with_lens_mode
 from test_footage import SIZE, STEADY, patched, picture, write_video
 
 from bluekoi.errors import InputError
-from bluekoi.footage import encode, frames, open_recording
+from bluekoi.footage import encode_h264, frames, open_recording
 from bluekoi.stages.keypoints import unreadable_frames_remark
 from bluekoi.study import Trial
 
@@ -108,7 +108,7 @@ def test_failed_overlay_leaves_nothing(tmp_path):
         raise RuntimeError("stop")
 
     with pytest.raises(RuntimeError, match="stop"):
-        encode(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
+        encode_h264(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
     assert list(tmp_path.iterdir()) == []
 
 

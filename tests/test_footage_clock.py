@@ -12,8 +12,8 @@ from test_footage import SIZE, numbers, picture, write_video
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
-from bluekoi.footage import telemetry as reported
-from bluekoi.footage.telemetry import camera_seconds
+from bluekoi.footage import gopro_telemetry as reported
+from bluekoi.footage.gopro_telemetry import camera_seconds_per_footage_second
 
 
 class Entry:
@@ -26,10 +26,10 @@ class Entry:
 def test_the_cameras_clock_is_read_from_each_sensors_stream(tmp_path):
     body = payload({"Accelerometer": 80_577, "Gyroscope": 80_600})
     (tmp_path / "p.bin").write_bytes(b"xx" + body + b"more")
-    found = reported._stamps(tmp_path / "p.bin", Entry(2, len(body)))
+    found = reported._sensor_timestamps(tmp_path / "p.bin", Entry(2, len(body)))
     assert found == {"Accelerometer": 80_577, "Gyroscope": 80_600}
-    assert reported._stamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
-    assert reported._stamps(tmp_path / "p.bin", Entry(2, 9)) == {}
+    assert reported._sensor_timestamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
+    assert reported._sensor_timestamps(tmp_path / "p.bin", Entry(2, 9)) == {}
 
 
 @pytest.mark.parametrize(("ran", "refused"), [(1.0003, False), (None, False), (10.0, True)])
@@ -37,7 +37,9 @@ def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch,
     frames_at = [1001 * i for i in range(6)]
     path = write_video(tmp_path / "GX010001.MP4", frames_at, front=False)
     with_lens_mode(path, b"L")
-    monkeypatch.setattr("bluekoi.footage.recording.camera_seconds", lambda _: ran)
+    monkeypatch.setattr(
+        "bluekoi.footage.recording.camera_seconds_per_footage_second", lambda _: ran
+    )
     if not refused:
         assert open_recording([path]).frames_present == 6
         return
@@ -48,13 +50,15 @@ def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch,
 
 
 def test_a_file_without_telemetry_gives_no_clock(tmp_path):
-    assert camera_seconds(write_video(tmp_path / "a.mp4", [0, 1001, 2002])) is None
+    assert (
+        camera_seconds_per_footage_second(write_video(tmp_path / "a.mp4", [0, 1001, 2002])) is None
+    )
 
 
 @pytest.mark.recordings
 def test_a_gopros_own_clock_agrees_with_its_footage(recordings):
     path = recordings / "gopro_clip" / "max-heromode.mp4"
-    assert camera_seconds(path) == pytest.approx(1.0, abs=2e-3)
+    assert camera_seconds_per_footage_second(path) == pytest.approx(1.0, abs=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.freshness import states_of
 from bluekoi.study import Setup, Study, missing_files
-from bluekoi.study.image_files import expanded
+from bluekoi.study.image_files import expand_source
 
 HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps\n"
 
@@ -29,13 +29,13 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize("name", ["T1/frame_*.png", "T1/frame_%d.png", "T?/frame_[0-9]*.png"])
 def test_a_pattern_is_its_pictures_as_people_count(folder, name):
-    found = expanded(folder, name)
+    found = expand_source(folder, name)
     assert [path.name for path in found] == [f"frame_{i}.png" for i in range(1, 13)]
 
 
 def test_a_folder_is_all_of_its_pictures(folder):
-    assert len(expanded(folder, "T1")) == len(expanded(folder, "T1/")) == 13
-    assert expanded(folder, str(folder / "T1"))[0].is_absolute()
+    assert len(expand_source(folder, "T1")) == len(expand_source(folder, "T1/")) == 13
+    assert expand_source(folder, str(folder / "T1"))[0].is_absolute()
 
 
 def test_what_is_not_there_stays_a_path_to_complain_of(folder):
@@ -45,7 +45,7 @@ def test_what_is_not_there_stays_a_path_to_complain_of(folder):
 
 
 def test_frames_have_the_times_of_the_stated_rate(folder):
-    film = open_recording(expanded(folder, "T1/frame_*.png"), fps=20.0, start_s=0.1, end_s=0.4)
+    film = open_recording(expand_source(folder, "T1/frame_*.png"), fps=20.0, start_s=0.1, end_s=0.4)
     assert film.size_px == (80, 60)
     found = list(frames(film))
     np.testing.assert_allclose([one.time_s for one in found], np.arange(2, 9) / 20)
@@ -59,7 +59,7 @@ def test_frames_have_the_times_of_the_stated_rate(folder):
 def test_a_damaged_picture_costs_its_own_frame_alone(folder):
     (folder / "T1/frame_5.png").write_bytes(b"broken")
     cv2.imwrite(str(folder / "T1/frame_6.png"), np.zeros((10, 10), np.uint8))
-    film = open_recording(expanded(folder, "T1/frame_*.png"), fps=10.0)
+    film = open_recording(expand_source(folder, "T1/frame_*.png"), fps=10.0)
     assert [one.index for one in frames(film)] == [0, 1, 2, 3, 6, 7, 8, 9, 10, 11]
 
 
@@ -69,11 +69,11 @@ def test_a_damaged_picture_costs_its_own_frame_alone(folder):
 )
 def test_what_cannot_be_opened_is_refused(folder, name, fps, text):
     with pytest.raises(InputError, match=text):
-        open_recording(expanded(folder, name), fps=fps)
+        open_recording(expand_source(folder, name), fps=fps)
 
 
 def test_the_state_of_many_pictures_changes_with_one_of_them(folder):
-    paths = expanded(folder, "T1/frame_*.png") * 2
+    paths = expand_source(folder, "T1/frame_*.png") * 2
     before = states_of(paths)
     cv2.imwrite(str(paths[3]), np.full((60, 80), 99, np.uint8))
     assert len(before) == 1
@@ -108,7 +108,7 @@ def small_setup() -> Setup:
 
 
 def trials_of(folder):
-    from bluekoi.study.csv_file import read_trials
+    from bluekoi.study.trials_csv import read_trials
 
     findings: list = []
     trials = read_trials(folder / "trials.csv", findings)

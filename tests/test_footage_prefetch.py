@@ -10,8 +10,8 @@ import pytest
 from test_footage import STEADY, write_video
 
 from bluekoi.footage import frames, open_recording
+from bluekoi.footage.frame_reading import Film
 from bluekoi.footage.prefetch import MIN_BUFFERED_ITEMS, Prefetcher
-from bluekoi.footage.reading import Film
 from bluekoi.footage.recording import Recording
 
 

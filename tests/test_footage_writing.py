@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_footage import SIZE, picture
 
-from bluekoi.footage import encode, frames, open_recording
+from bluekoi.footage import encode_h264, frames, open_recording
 
 
 def shown(path) -> list[float]:
@@ -15,14 +15,16 @@ def shown(path) -> list[float]:
 
 @pytest.mark.parametrize("fps", [24.0, 29.97, 30.0, 59.94, 120.0])
 def test_pictures_without_times_keep_the_rate(tmp_path, fps):
-    assert encode(tmp_path / "o.mp4", (picture(i) for i in range(12)), fps=fps, size=SIZE) == 12
+    assert (
+        encode_h264(tmp_path / "o.mp4", (picture(i) for i in range(12)), fps=fps, size=SIZE) == 12
+    )
     np.testing.assert_allclose(shown(tmp_path / "o.mp4"), np.arange(12) / fps, atol=2e-5)
 
 
 def test_odd_sizes_and_colour_can_be_written(tmp_path):
     colour = np.zeros((97, 161, 3), np.uint8)
     colour[..., 2] = 200
-    assert encode(tmp_path / "c.mp4", [colour] * 3, fps=30, size=(161, 97)) == 3
+    assert encode_h264(tmp_path / "c.mp4", [colour] * 3, fps=30, size=(161, 97)) == 3
     recording = open_recording([tmp_path / "c.mp4"])
     assert recording.size_px == (160, 96)
     red = next(iter(frames(recording, colour=True))).bgr[40, 80]
@@ -36,13 +38,13 @@ def test_where_a_picture_fails_nothing_is_left(tmp_path):
         raise ValueError("no second picture")
 
     with pytest.raises(ValueError, match="no second"):
-        encode(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
+        encode_h264(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_overlay_video_can_be_played(tmp_path):
     path = tmp_path / "o.mp4"
-    assert encode(path, (picture(i) for i in range(8)), fps=29.97, size=SIZE) == 8
+    assert encode_h264(path, (picture(i) for i in range(8)), fps=29.97, size=SIZE) == 8
     data = path.read_bytes()
     assert data.index(b"moov") < data.index(b"mdat")
     recording = open_recording([path])

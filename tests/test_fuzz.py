@@ -26,7 +26,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from bluekoi.errors import InputError
-from bluekoi.footage import encode, frames, open_recording
+from bluekoi.footage import encode_h264, frames, open_recording
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import flapping_from_log
 from bluekoi.report.numbers import readable
@@ -275,7 +275,7 @@ def test_stages_find_no_defect_of_ours_in_spoilt_studies(data, compiled, folder)
 def mp4_bytes(folder: Path) -> bytes:
     path = folder / "whole.mp4"
     shades = (np.full((48, 64), 10 * i, np.uint8) for i in range(8))
-    encode(path, shades, fps=30.0, size=(64, 48))
+    encode_h264(path, shades, fps=30.0, size=(64, 48))
     return path.read_bytes()
 
 

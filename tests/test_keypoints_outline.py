@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
 
-from bluekoi.camera import pool_camera, project
+from bluekoi.camera import pool_camera, pool_to_pixels
 from bluekoi.data import Frame
 from bluekoi.keypoints.outline.background import (
     ROWS_PER_STRIP,
@@ -77,7 +77,9 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
     places = np.column_stack([x.ravel(), y.ravel()])
     plane = swimming_plane(setup)
-    seen = project(pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)]))
+    seen = pool_to_pixels(
+        pool_camera(setup), np.column_stack([places, np.full(len(places), -0.04)])
+    )
     length_m = setup.robot.body_length_m
     assert np.abs(plane.pixels(places / length_m) - seen).max() < 0.06
     assert np.abs(plane.body_lengths(seen) * length_m - places).max() < 2e-4

@@ -148,7 +148,7 @@ def test_the_overlays_do_not_depend_on_the_pages_code():
 
 def test_geometry_does_not_hang_on_smoothing_nor_tracks_on_the_check_of_distances():
     assert "smoothing/linear_gaussian.py" not in source_files("stages.geometry")
-    assert "camera/geometry.py" not in source_files("stages.tracks")
+    assert "camera/rigid_length_check.py" not in source_files("stages.tracks")
     assert os.path.exists(ROOT / "pipeline/bluekoi/stages/geometry.py")
 
 

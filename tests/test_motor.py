@@ -10,18 +10,18 @@ import pytest
 from bluekoi.data import Flapping, Positions
 from bluekoi.errors import InputError
 from bluekoi.motor import (
-    beat_lag,
-    clock_delay,
     clock_ratio,
-    common_ratio,
-    compare,
+    common_clock_ratio,
+    flapping_compared_with_video,
     flapping_from_log,
-    flapping_given,
+    flapping_from_stated_frequency,
     has_other_clock,
+    log_lead_from_beat_phases,
     read_log,
-    tail_beat,
+    tail_beat_from_video,
+    tail_beat_lag,
 )
-from bluekoi.motor.shaft import wrapped
+from bluekoi.motor.shaft_angle import wrap_angle
 
 
 def write_log(path, time_s, angle_deg, header="time_s,angle_deg"):
@@ -222,13 +222,13 @@ def with_tail(t, tail):
 @pytest.mark.parametrize("hz", [2.37, 5.82, 11.0])
 @pytest.mark.parametrize("guess", [float("nan"), 1.05])
 def test_tail_beat_in_the_video(hz, guess):
-    found, std = tail_beat(beating(np.random.default_rng(9), hz), guess * hz)
+    found, std = tail_beat_from_video(beating(np.random.default_rng(9), hz), guess * hz)
     assert abs(found - hz) < 4 * std
     assert std < 0.003 * hz
 
 
 def test_tail_beat_above_half_the_frame_rate_is_found_from_a_guess():
-    found, std = tail_beat(beating(np.random.default_rng(10), 18.2, jitter=1.0), 18.0)
+    found, std = tail_beat_from_video(beating(np.random.default_rng(10), 18.2, jitter=1.0), 18.0)
     assert abs(found - 18.2) < 4 * std
 
 
@@ -237,15 +237,17 @@ def test_tail_beat_deviation_has_the_right_width():
     pulls = []
     for _ in range(30):
         hz = rng.uniform(2, 6)
-        found, std = tail_beat(beating(rng, hz, frames=120, noise=0.08), hz)
+        found, std = tail_beat_from_video(beating(rng, hz, frames=120, noise=0.08), hz)
         pulls.append((found - hz) / std)
     assert 0.7 < np.sqrt(np.mean(np.square(pulls))) < 1.4
 
 
 def test_no_beat_is_nan():
     quiet = beating(np.random.default_rng(12), 3.0, amplitude=0.0)
-    assert np.isnan(tail_beat(quiet, 3.0)).all()
-    assert np.isnan(tail_beat(beating(np.random.default_rng(1), 3.0, frames=8), 3.0)).all()
+    assert np.isnan(tail_beat_from_video(quiet, 3.0)).all()
+    assert np.isnan(
+        tail_beat_from_video(beating(np.random.default_rng(1), 3.0, frames=8), 3.0)
+    ).all()
 
 
 def test_tail_beat_follows_the_motor_through_spin_up():
@@ -261,19 +263,19 @@ def test_tail_beat_follows_the_motor_through_spin_up():
     xy = seen.xy_m.copy()
     xy[:, 2] = xy[:, 1] - 0.066 * np.column_stack([np.cos(course), np.sin(course)])
     warped = Positions(seen.time_s, seen.names, xy, seen.cov_m2, seen.likelihood)
-    found, _ = tail_beat(warped, 4.0, flapping=motor)
+    found, _ = tail_beat_from_video(warped, 4.0, flapping=motor)
     assert found == pytest.approx(4.0, rel=0.004)
 
 
 def test_clocks_that_disagree_are_named_with_their_ratio():
     motor = Flapping(4.0, 0.0005, "motor_log")
-    same = compare(motor, 1.0005, 0.0003)
+    same = flapping_compared_with_video(motor, 1.0005, 0.0003)
     assert same.agrees
     assert same.video_hz == pytest.approx(4.002)
-    other = compare(motor, 1.02, 0.0005)
+    other = flapping_compared_with_video(motor, 1.02, 0.0005)
     assert not other.agrees
     assert "1.0200 +- 0.0005" in other.remarks[-1]
-    assert compare(motor, float("nan"), float("nan")) == motor
+    assert flapping_compared_with_video(motor, float("nan"), float("nan")) == motor
 
 
 @pytest.mark.parametrize("factor", [1 / 8, 1 / 4, 1 / 2, 29.97 / 50, 1.0, 1.02, 2.0, 4.0, 8.0])
@@ -309,18 +311,18 @@ def of_ratio(value):
 
 def test_trials_agree_on_a_ratio_only_by_majority():
     four = [of_ratio(4.001), of_ratio(3.998), of_ratio(4.0)]
-    assert common_ratio(four)[0] == pytest.approx(4.0, abs=1e-3)
-    assert common_ratio([*four, of_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
-    assert common_ratio([of_ratio(4.0), of_ratio(1.0)]) is None
-    assert common_ratio([of_ratio(4.0), of_ratio(float("nan"))]) is None
+    assert common_clock_ratio(four)[0] == pytest.approx(4.0, abs=1e-3)
+    assert common_clock_ratio([*four, of_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
+    assert common_clock_ratio([of_ratio(4.0), of_ratio(1.0)]) is None
+    assert common_clock_ratio([of_ratio(4.0), of_ratio(float("nan"))]) is None
     assert has_other_clock(of_ratio(1.0), (4.0, 0.001))
     assert not has_other_clock(of_ratio(4.0), (4.0, 0.001))
     assert has_other_clock(of_ratio(4.0), None)
 
 
 def test_given_frequency():
-    assert flapping_given(2.5).flap_hz == 2.5
-    assert flapping_given(2.5).source == "flap_hz"
+    assert flapping_from_stated_frequency(2.5).flap_hz == 2.5
+    assert flapping_from_stated_frequency(2.5).source == "flap_hz"
 
 
 @pytest.mark.parametrize("delay_s", [0.0, 0.14, -0.35])
@@ -335,11 +337,11 @@ def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay
         flapping = flapping_from_log(write_log(tmp_path / f"{k}.csv", log_s, angle))
         video = np.arange(180) / 29.97
         beat = 0.3 * np.cos(first + 2 * np.pi * hz * video - 0.7)
-        lag, std = beat_lag(with_tail(video, beat + 0.02 * rng.standard_normal(180)), flapping)
+        lag, std = tail_beat_lag(with_tail(video, beat + 0.02 * rng.standard_normal(180)), flapping)
         assert std < 0.05
-        assert wrapped(lag - (0.7 - 2 * np.pi * hz * delay_s)) == pytest.approx(0, abs=5 * std)
+        assert wrap_angle(lag - (0.7 - 2 * np.pi * hz * delay_s)) == pytest.approx(0, abs=5 * std)
         reported.append((flapping.flap_hz, lag, std))
-    value, std = clock_delay(*np.array(reported).T)
+    value, std = log_lead_from_beat_phases(*np.array(reported).T)
     assert value == pytest.approx(delay_s, abs=0.01)
     assert std == pytest.approx(0.03, abs=0.01)
 
@@ -347,10 +349,10 @@ def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay
 def test_inconsistent_phases_give_no_delay():
     rng = np.random.default_rng(32)
     hz, std = np.repeat([1.8, 3.0, 4.2, 5.6], 6), np.full(24, 0.02)
-    assert clock_delay(hz, rng.uniform(-np.pi, np.pi, 24), std) is None
-    assert clock_delay(hz[:4], np.zeros(4), std[:4]) is None
+    assert log_lead_from_beat_phases(hz, rng.uniform(-np.pi, np.pi, 24), std) is None
+    assert log_lead_from_beat_phases(hz[:4], np.zeros(4), std[:4]) is None
     alike = np.full(24, 3.0)
-    assert clock_delay(alike, np.full(24, 0.3), std) is None
+    assert log_lead_from_beat_phases(alike, np.full(24, 0.3), std) is None
 
 
 def test_a_log_of_noise_is_no_turning_shaft(tmp_path):

@@ -14,8 +14,8 @@ from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.errors import InputError
 from bluekoi.files import read_json
 from bluekoi.keypoints.deeplabcut import read
-from bluekoi.motor import clock_ratio, compare
-from bluekoi.motor.powers import power_warnings
+from bluekoi.motor import clock_ratio, flapping_compared_with_video
+from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
@@ -24,7 +24,7 @@ from bluekoi.stages.plausibility import first_jump, plausibility_findings
 from bluekoi.stages.tracks import _doubted, flapping_of, tracks
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
-from bluekoi.study.rules import robot_doubts
+from bluekoi.study.consistency_rules import robot_warnings
 from studies import edit_rows, small_study
 
 
@@ -184,7 +184,7 @@ SLOW = Steady(2.35, 0.24, 0.001, 0.4, 0.004, 40.0, 2.0, 4.0, "short_arc", "film 
 @pytest.mark.parametrize(("apart", "doubted"), [(2.0, True), (1.02, True), (1.004, False)])
 def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doubted):
     motor = Flapping(flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",))
-    found = compare(motor, apart, 0.0006)
+    found = flapping_compared_with_video(motor, apart, 0.0006)
     assert not found.agrees
     reason = _doubted(SLOW, found).reason
     assert ("clocks disagree" in reason) == doubted
@@ -309,9 +309,9 @@ def test_a_power_that_does_not_go_with_the_flapping_frequency_is_a_warning():
 @pytest.mark.parametrize("change", [{"mass_kg": 6.8}, {"yaw_inertia_kg_m2": 0.0009}])
 def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(seen, change):
     study, _, _ = seen
-    assert robot_doubts(study.setup) == []
+    assert robot_warnings(study.setup) == []
     robot = study.setup.robot.model_copy(update=change)
-    text, *_ = robot_doubts(study.setup.model_copy(update={"robot": robot}))
+    text, *_ = robot_warnings(study.setup.model_copy(update={"robot": robot}))
     assert "a radius of gyration of 0.0" in text
     assert "all coefficients are proportional to mass_kg" in text
 
@@ -322,7 +322,7 @@ def test_a_head_span_that_is_not_the_body_s_height_is_a_warning(seen, factor):
     study, _, _ = seen
     span = factor * study.setup.robot.head_span_m
     robot = study.setup.robot.model_copy(update={"head_span_m": span})
-    (text,) = robot_doubts(study.setup.model_copy(update={"robot": robot}))
+    (text,) = robot_warnings(study.setup.model_copy(update={"robot": robot}))
     assert f"head_span_m {span:g}" in text
     assert "inversely proportional to head_span_m" in text
 

@@ -12,8 +12,8 @@ from bluekoi.preparation.prefill import (
     trial_rows,
     trials_csv,
 )
-from bluekoi.study.csv_file import read_trials
-from bluekoi.study.yaml_file import read_setup
+from bluekoi.study.study_yaml import read_setup
+from bluekoi.study.trials_csv import read_trials
 
 LOG = "time_s,angle_deg\n0,0\n0.005,3\n"
 

@@ -16,7 +16,7 @@ import pytest
 from bluekoi.cli.run import run
 from bluekoi.cli.setup import run_command
 from bluekoi.data import Keypoints
-from bluekoi.footage import encode
+from bluekoi.footage import encode_h264
 from bluekoi.preparation.draft import Draft
 from bluekoi.preparation.draft_check import draft_study
 from bluekoi.preparation.prefill import study_files
@@ -42,7 +42,7 @@ def pool_frames(count: int = 24):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("study")
-    encode(made / "p50_phi20.mp4", iter(pool_frames()), fps=30, size=(640, 360))
+    encode_h264(made / "p50_phi20.mp4", iter(pool_frames()), fps=30, size=(640, 360))
     return made
 
 

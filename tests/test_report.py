@@ -12,7 +12,7 @@ import pytest
 from exact_campaign import campaign, searched
 
 from bluekoi import figures
-from bluekoi.camera.plane import plane_camera
+from bluekoi.camera.plane_camera import homography_camera
 from bluekoi.campaign import Campaign
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
@@ -173,7 +173,7 @@ def test_a_fit_that_determines_no_coefficient_gives_a_warning(found):
 def test_a_camera_without_calibration_is_a_warning_once_with_its_error(found):
     corners = np.array([[370.0, 970], [1600, 925], [1580, 170], [340, 210]])
     pool = np.array([[0.0, 0, 0], [2.6, 0, 0], [2.6, 1.6, 0], [0, 1.6, 0]])
-    camera = plane_camera(corners, pool, 1.333, 0.04, (1920, 1080))
+    camera = homography_camera(corners, pool, 1.333, 0.04, (1920, 1080))
     statuses = {name: {"ok": True, "remarks": ["1 frame rejected", *camera.remarks]}
                 for name in ("T01", "T02")}  # fmt: skip
     base = Campaign(**{**found.__dict__, "geometry": None, "statuses": statuses})

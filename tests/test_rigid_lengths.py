@@ -7,7 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bluekoi.camera.length_windows import MAX_WINDOWS, from_columns, to_columns, window_means
+from bluekoi.camera.length_windows import (
+    MAX_LENGTH_WINDOWS,
+    window_means,
+    windows_from_columns,
+    windows_to_columns,
+)
 from bluekoi.camera.rigid_distances import Distances
 from bluekoi.files import to_json_types
 from bluekoi.fitting import Free, Series, SharedMeasurement
@@ -151,7 +156,7 @@ def test_few_lengths_are_no_measurement() -> None:
 def test_windows_keep_mean_and_information_and_survive_json() -> None:
     right = swum(np.random.default_rng(2))
     windows = window_means(right)
-    again = from_columns(to_json_types(to_columns(windows)))
+    again = windows_from_columns(to_json_types(windows_to_columns(windows)))
     assert len(windows.excess_m) == 16 * 3 * 10
     assert np.sum(windows.std_m**-2) == pytest.approx(np.sum(right.std_m**-2))
     assert windows.excess_m.mean() == pytest.approx(right.excess_m.mean())
@@ -160,7 +165,7 @@ def test_windows_keep_mean_and_information_and_survive_json() -> None:
 
 def test_windows_of_many_trials_grow_longer() -> None:
     many = swum(np.random.default_rng(2), trials=250)
-    assert len(window_means(many).excess_m) <= MAX_WINDOWS
+    assert len(window_means(many).excess_m) <= MAX_LENGTH_WINDOWS
 
 
 def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> None:

@@ -179,13 +179,13 @@ def test_at_390_px_nothing_is_wider_than_the_page_and_corners_move_by_keys(video
 
 
 def test_why_nothing_is_found_stands_beside_the_video(tmp_path):
-    from bluekoi.footage import encode
+    from bluekoi.footage import encode_h264
 
     frame = np.full((360, 640, 3), 60, np.uint8)
     cv2.rectangle(frame, (60, 60), (580, 300), (170, 170, 170), -1)
     folder = tmp_path / "empty"
     folder.mkdir()
-    encode(folder / "p50_phi0.mp4", iter([frame] * 24), fps=30, size=(640, 360))
+    encode_h264(folder / "p50_phi0.mp4", iter([frame] * 24), fps=30, size=(640, 360))
     page = Page(folder, tmp_path)
     try:
         for name, value in (("length_m", 2.6), ("width_m", 1.2), ("depth_m", 0.3)):

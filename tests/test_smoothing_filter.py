@@ -9,7 +9,11 @@ from scipy.linalg import expm
 from bluekoi.smoothing import kalman_numba
 from bluekoi.smoothing.coloured_noise import with_coloured_noise
 from bluekoi.smoothing.grid import filter_grid
-from bluekoi.smoothing.kalman_filterpy import _filter, _step, filter_and_smooth
+from bluekoi.smoothing.kalman_filterpy import (
+    _new_kalman_filter,
+    _predict_and_update,
+    filter_and_smooth,
+)
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
@@ -42,10 +46,10 @@ def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> SmoothedState
     Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
     """
     n, _, d = model.H.shape
-    kf = _filter(model)
+    kf = _new_kalman_filter(model)
     means, covs = np.empty((n, d)), np.empty((n, d, d))
     for k in range(n):
-        _step(kf, model, k, bool(used[k]))
+        _predict_and_update(kf, model, k, bool(used[k]))
         means[k], covs[k] = kf.x, kf.P
     x, P, _, _ = kf.rts_smoother(means, covs, list(model.F), list(model.Q))
     return SmoothedStates(np.asarray(x), np.asarray(P))

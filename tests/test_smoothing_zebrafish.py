@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from bluekoi.data import Pose, Positions
-from bluekoi.motor import tail_beat
+from bluekoi.motor import tail_beat_from_video
 from bluekoi.smoothing import smooth
 from whole_files import read_whole
 
@@ -78,9 +78,9 @@ def test_tail_beat_frequency(larva):
         found.likelihood[at][:, parts],
     )
     theirs = float(result["stg3.ave.TSF.Hz"]) / 2
-    hz, std = tail_beat(positions, theirs)
+    hz, std = tail_beat_from_video(positions, theirs)
     assert hz == pytest.approx(theirs, rel=0.03)
     if int(result["stg3.no.strokes"]) >= 5:
-        blind, _ = tail_beat(positions)
+        blind, _ = tail_beat_from_video(positions)
         assert blind == pytest.approx(theirs, rel=0.03)
         assert std < 1.0

@@ -7,7 +7,7 @@ import pytest
 
 from bluekoi.data import Steady, Track
 from bluekoi.errors import InputError
-from bluekoi.motor import flapping_given
+from bluekoi.motor import flapping_from_stated_frequency
 from bluekoi.smoothing import smooth
 from bluekoi.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
 from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
@@ -17,7 +17,7 @@ SEEN = Seen(hz=5.82, gap_s=(2.0, 2.3))
 
 def state_of(truth, head_deg=0.0, seed=1) -> Steady:
     track = smooth(observe(truth, np.random.default_rng(seed), SEEN), SEEN.hz)
-    return steady_state(track, flapping_given(5.82), np.radians(head_deg))
+    return steady_state(track, flapping_from_stated_frequency(5.82), np.radians(head_deg))
 
 
 def arc(radius, degrees, n=60, center=(1.0, 0.5)):
@@ -84,7 +84,7 @@ def test_turn_from_rest_either_way(mirrored):
     pose = observe(truth, np.random.default_rng(6), SEEN)
     values = pose.values * np.array([1.0, mirrored, mirrored, 1.0])
     track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
-    found = steady_state(track, flapping_given(5.82), np.radians(30))
+    found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert found.quality == "good"
     assert found.turn == mirrored
     assert found.radius_m == pytest.approx(0.5, rel=0.01)
@@ -121,7 +121,9 @@ def test_a_longer_stretch_at_a_wider_tolerance_where_the_strictest_leaves_too_sh
              "vx_m_s": speed * np.cos(heading), "vy_m_s": speed * np.sin(heading),
              "head_angle_rad": np.full(len(t), 0.35)}  # fmt: skip
     widths = {f"{name}_std": np.full(len(t), 1e-5) for name in known}
-    found = steady_state(Track(time_s=t, **known, **widths), flapping_given(2.36), 0.35)
+    found = steady_state(
+        Track(time_s=t, **known, **widths), flapping_from_stated_frequency(2.36), 0.35
+    )
     assert found.quality == "good"
     assert 2.4 < found.steady_to_s - found.steady_from_s < 2.8
     assert found.radius_m == pytest.approx(0.57, rel=1e-3)
@@ -158,7 +160,7 @@ def test_water_that_moves_shows_against_speed_over_yaw_rate():
     values = pose.values.copy()
     values[:, 2] *= 1.15
     track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
-    found = steady_state(track, flapping_given(5.82), np.radians(30))
+    found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert "the water may move" in found.reason
 
 

@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.study.keys import explain_key, keys
+from bluekoi.study.key_reference import explain_key, keys
 
 UNITS = {"_m": "m", "_kg": "kg", "_s": "s", "_hz": "Hz", "_deg": "deg", "_px": "px", "_pct": "%"}
 

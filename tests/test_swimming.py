@@ -14,7 +14,7 @@ from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.errors import InputError
 from bluekoi.files import read_json, write_json
 from bluekoi.keypoints.deeplabcut import read
-from bluekoi.motor.swimming import (
+from bluekoi.motor.swimming_plausibility import (
     PLAUSIBLE_RANGES,
     implausible_numbers,
     study_warnings,

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from bluekoi.model import TABLE_1
-from bluekoi.tuning.stability import growth_per_s, verdict
+from bluekoi.tuning.stability import growth_per_s, stability_verdict
 from robots import SETUP
 
 
 def test_a_growth_that_all_draws_share_is_asserted_with_its_range() -> None:
-    reported = verdict(3.6, np.linspace(2.0, 5.0, 61).tolist())
+    reported = stability_verdict(3.6, np.linspace(2.0, 5.0, 61).tolist())
     assert reported["stable"] is False
     assert reported["interval_95"] == pytest.approx([2.0, 5.0], abs=0.1)
     assert "does not swim straight" in reported["sentence"]
@@ -19,7 +19,7 @@ def test_a_growth_that_all_draws_share_is_asserted_with_its_range() -> None:
 
 
 def test_a_growth_that_fades_in_all_draws_swims_straight() -> None:
-    reported = verdict(-1.0, [-2.0, -1.5, -0.5])
+    reported = stability_verdict(-1.0, [-2.0, -1.5, -0.5])
     assert reported["stable"] is True
     assert "The fitted model swims straight" in reported["sentence"]
 
@@ -28,14 +28,14 @@ def test_a_growth_that_fades_in_all_draws_swims_straight() -> None:
 def test_nothing_is_asserted_where_the_draws_hold_both_answers_or_many_have_none(
     draws: list[float],
 ) -> None:
-    reported = verdict(3.6, draws)
+    reported = stability_verdict(3.6, draws)
     assert reported["stable"] is None
     assert "not determined by these trials" in reported["sentence"]
 
 
 def test_without_draws_the_fit_itself_speaks() -> None:
-    assert verdict(0.0)["stable"] is True
-    assert verdict(3.6)["interval_95"] is None
+    assert stability_verdict(0.0)["stable"] is True
+    assert stability_verdict(3.6)["interval_95"] is None
 
 
 def test_coefficients_that_run_away_have_no_eigenvalue() -> None:

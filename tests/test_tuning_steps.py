@@ -23,7 +23,7 @@ from bluekoi.model import plates
 from bluekoi.tuning import Tuned, downsampled, tune
 from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint import START_NOISE
-from bluekoi.tuning.paper_steps import _second, draws
+from bluekoi.tuning.paper_steps import _fit_second_step, draws
 from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
 from campaigns import Errors, plans, sixteen
 
@@ -91,7 +91,7 @@ def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() 
 def steps() -> tuple[list[Series], Tuned, Tuned]:
     few = downsampled(sixteen(plans((75,), PLAN), Errors(), np.random.default_rng(5), count=1)[0])
     first = tune(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
-    return few[2:], first, _second(few[2:], first)
+    return few[2:], first, _fit_second_step(few[2:], first)
 
 
 def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> None:

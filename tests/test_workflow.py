@@ -84,9 +84,9 @@ class Home:
 )
 def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
     """Two processes compile at the same time, each its own kernel."""
-    asked, loaded = set(), kernel._loaded
+    asked, loaded = set(), kernel._load_compiled
     monkeypatch.setattr(
-        kernel, "_loaded", lambda system, more: asked.add(more) or loaded(system, more)
+        kernel, "_load_compiled", lambda system, more: asked.add(more) or loaded(system, more)
     )
     load()
     assert asked == {general}
@@ -164,7 +164,7 @@ def test_the_code_of_the_page_makes_the_page_alone(home):
 
 
 def test_the_code_of_the_distances_checks_them_again_and_searches(home):
-    append(home.root / "pipeline/bluekoi/camera/geometry.py", "\n# changed\n")
+    append(home.root / "pipeline/bluekoi/camera/rigid_length_check.py", "\n# changed\n")
     found = home.planned()
     assert found["geometry"] == found["mismatch"] == 1
     assert "tracks" not in found

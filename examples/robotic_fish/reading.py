@@ -11,7 +11,7 @@ import numpy as np
 from bluekoi.data import Float, Pose, Track
 from bluekoi.errors import input_error
 from bluekoi.explain import Trial
-from bluekoi.motor import tail_beat
+from bluekoi.motor import tail_beat_from_video
 from bluekoi.smoothing import smooth
 
 from ..averaging import block_means
@@ -71,7 +71,7 @@ def read(path: Path) -> Recording:
     times = rows[:, 0] - rows[0, 0]
     seen = np.column_stack([rows[:, 5:7], np.unwrap(rows[:, 4])])
     pose = Pose(times, np.column_stack([seen, np.zeros(len(seen))]), _cov(len(seen), 4))
-    hz, std = tail_beat(pose, 2.1)
+    hz, std = tail_beat_from_video(pose, 2.1)
     track = smooth(pose, hz)
     recoil = float(np.sqrt(2.0) * np.std(track.recoil[:, 2]))
     return Recording(f"{path.parent.name}/{path.stem}", float(name["amp"]), float(name["bias"]),

@@ -10,16 +10,16 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .data import Float, Pose, Steady, Track, read_columns, read_pose, read_track
-from .files import optional_json, read_json
+from .files import read_json, read_json_if_present
 from .steady import read_steady
 from .study import Study, Trial
-from .study.depth import study_with_depth
+from .study.keypoint_depth import study_with_keypoint_depth
 
 T = TypeVar("T")
 Tree = Mapping[str, Any]
-MIN_COVERED_SHARE = 0.8
+MIN_SHARE_OF_TRACK_SIMULATED = 0.8
 """Share of a track that a simulated path must cover to be judged."""
-MAX_ERROR_PCT = 1000.0
+MAX_SHOWN_ERROR_PCT = 1000.0
 """A larger error counts as a diverged model."""
 
 
@@ -89,7 +89,7 @@ class Campaign:
         )
         square = (x - track.x_m) ** 2 + (y - track.y_m) ** 2
         known = np.isfinite(square)
-        enough = known.mean() > MIN_COVERED_SHARE
+        enough = known.mean() > MIN_SHARE_OF_TRACK_SIMULATED
         found = float(np.sqrt(square[known].mean())) if enough else float("nan")
         return found if found < self.study.setup.pool.width_m else float("nan")
 
@@ -106,7 +106,7 @@ class Campaign:
         """
         errors = ((self.mismatch or {}).get("held_out") or {}).get(model) or {}
         value = float("nan") if errors.get(key) is None else float(errors[key])
-        most = self.study.setup.pool.width_m if key.endswith("_m") else MAX_ERROR_PCT
+        most = self.study.setup.pool.width_m if key.endswith("_m") else MAX_SHOWN_ERROR_PCT
         return float("inf") if value > most else value
 
     def why_left_out(self, trial_id: str) -> str:
@@ -136,39 +136,39 @@ def load_campaign(
     ids = [t.trial_id for t in study.trials] if trial_ids is None else list(trial_ids)
     table = root / "steady.csv"
     steady = read_steady(table) if table.is_file() else {}
-    geometry = optional_json(root / "geometry.json")
+    geometry = read_json_if_present(root / "geometry.json")
     found = Campaign(
-        study=study_with_depth(study, geometry),
-        tracks=_per_trial(root / "tracks", ids, ".csv", read_track),
-        poses=_per_trial(root / "poses", ids, ".csv", read_pose),
+        study=study_with_keypoint_depth(study, geometry),
+        tracks=_read_files_by_trial(root / "tracks", ids, ".csv", read_track),
+        poses=_read_files_by_trial(root / "poses", ids, ".csv", read_pose),
         steady={name: steady[name] for name in ids if name in steady},
-        statuses=_per_trial(root / "status", ids, ".json", read_json),
+        statuses=_read_files_by_trial(root / "status", ids, ".json", read_json),
         geometry=geometry,
     )
     if measured:
         return found
     return replace(
         found,
-        coefficients=optional_json(root / "coefficients.json") or {},
-        mismatch=optional_json(root / "mismatch.json"),
-        mismatch_detail=optional_json(root / "mismatch_detail.json"),
-        simulations=_simulations(root, ids),
+        coefficients=read_json_if_present(root / "coefficients.json") or {},
+        mismatch=read_json_if_present(root / "mismatch.json"),
+        mismatch_detail=read_json_if_present(root / "mismatch_detail.json"),
+        simulations=_read_model_paths(root, ids),
     )
 
 
-def _per_trial(
+def _read_files_by_trial(
     folder: Path, ids: Iterable[str], suffix: str, read: Callable[[Path], T]
 ) -> dict[str, T]:
     paths = {name: folder / f"{name}{suffix}" for name in ids}
     return {name: read(path) for name, path in paths.items() if path.is_file()}
 
 
-def _simulations(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
+def _read_model_paths(root: Path, ids: Sequence[str]) -> dict[str, dict[str, Float]]:
     """Trial -> columns of its model paths, those of the search beside those of the tuning."""
-    tuned, extended = (_per_trial(root / folder, ids, ".csv", _simulation)
+    tuned, extended = (_read_files_by_trial(root / folder, ids, ".csv", _read_simulation)
                        for folder in ("simulations", "extended"))  # fmt: skip
     return {name: tuned.get(name, {}) | extended.get(name, {}) for name in {**tuned, **extended}}
 
 
-def _simulation(path: Path) -> dict[str, Float]:
+def _read_simulation(path: Path) -> dict[str, Float]:
     return read_columns(path, ("time_s",))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 EXIT_INTERRUPTED = 130
 """Exit code of a command that was interrupted from the keyboard."""
-MIN_ROWS_TOGETHER = 4
+MIN_ROWS_TO_MERGE = 4
 """The same finding in as many rows of a table or more is shown as one line."""
 ROW_PATTERN = re.compile(r"row (\d+) \(([^()]*)\), (.+)")
 """Place of a finding in a row: its number, the trial, the column."""
@@ -48,14 +48,14 @@ class InputError(Exception):
         self.findings: tuple[Finding, ...] = (
             (findings,) if isinstance(findings, Finding) else tuple(findings)
         )
-        super().__init__("\n".join(str(finding) for finding in _together(self.findings)))
+        super().__init__("\n".join(str(finding) for finding in _merge_row_findings(self.findings)))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Finding, ...]]]:
         """Carry the findings, not their text, to another process."""
         return type(self), (self.findings,)
 
 
-def _together(findings: Iterable[Finding]) -> list[Finding]:
+def _merge_row_findings(findings: Iterable[Finding]) -> list[Finding]:
     """Findings that differ in the row of a table alone made one, at the place of the first."""
     groups: dict[object, list[Finding]] = {}
     for finding in findings:
@@ -64,11 +64,11 @@ def _together(findings: Iterable[Finding]) -> list[Finding]:
     return [
         one
         for same in groups.values()
-        for one in (same if len(same) < MIN_ROWS_TOGETHER else [_of_rows(same)])
+        for one in (same if len(same) < MIN_ROWS_TO_MERGE else [_finding_for_rows(same)])
     ]
 
 
-def _of_rows(same: list[Finding]) -> Finding:
+def _finding_for_rows(same: list[Finding]) -> Finding:
     """One finding for all the rows that `same` stand for."""
     rows = [row for one in same if (row := ROW_PATTERN.fullmatch(one.where))]
     if not rows:
@@ -86,14 +86,14 @@ def input_error(
     return InputError(Finding(str(file), where, str(found), expected, remedy))
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def did_you_mean(name: str, known: Iterable[str]) -> str:
     """A sentence naming the known name closest to `name`, or listing all when none is close."""
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     return f"Did you mean '{close[0]}'?" if close else f"Known: {', '.join(names)}."
 
 
-def printable(text: str) -> str:
+def escape_control_characters(text: str) -> str:
     """`text` with the control characters of hostile input made harmless for a terminal."""
     lines = text.splitlines()
     return "\n".join("".join(c if c.isprintable() else "?" for c in line) for line in lines)

@@ -30,15 +30,15 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
             dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
         )
     except OSError as error:
-        raise _cannot_write(target, error) from error
+        raise _write_error(target, error) from error
     os.close(handle)
     temporary = Path(name)
     try:
         yield temporary
-        os.chmod(temporary, 0o666 & ~_umask())
+        os.chmod(temporary, 0o666 & ~_current_umask())
         os.replace(temporary, target)
     except OSError as error:
-        raise _cannot_write(target, error) from error
+        raise _write_error(target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -92,7 +92,7 @@ def read_json(path: str | Path) -> dict[str, Any]:
     return content
 
 
-def optional_json(path: str | Path) -> dict[str, Any] | None:
+def read_json_if_present(path: str | Path) -> dict[str, Any] | None:
     """As `read_json`; None where there is no such file."""
     return read_json(path) if Path(path).is_file() else None
 
@@ -110,16 +110,16 @@ def to_json_types(value: Any) -> Any:
     return str(value) if isinstance(value, Path) else value
 
 
-def flattened(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def flatten_mapping(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Entries of a nested mapping as (`a.b.c`, value)."""
     if isinstance(value, Mapping) and value:
         for key, entry in value.items():
-            yield from flattened(entry, f"{prefix}.{key}".lstrip("."))
+            yield from flatten_mapping(entry, f"{prefix}.{key}".lstrip("."))
     else:
         yield prefix, value
 
 
-def _cannot_write(path: Path, error: OSError) -> Exception:
+def _write_error(path: Path, error: OSError) -> Exception:
     return input_error(
         path,
         "",
@@ -129,7 +129,7 @@ def _cannot_write(path: Path, error: OSError) -> Exception:
     )
 
 
-def _umask() -> int:
+def _current_umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask

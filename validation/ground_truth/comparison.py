@@ -19,7 +19,7 @@ from bluekoi.report.numbers import (
     units,
     value_with_interval,
 )
-from bluekoi.report.settings import flattened
+from bluekoi.report.settings import flatten_mapping
 
 from .content import KNOWN_KEYS, injected_causes, true_coefficients, true_steady, true_trials
 from .seal import Seal
@@ -202,7 +202,7 @@ def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
 def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Remaining entries of the truth, key and value, long values truncated."""
     rest = {key: value for key, value in truth.items() if key not in KNOWN_KEYS}
-    rows = list(flattened(rest)) if rest else []
+    rows = list(flatten_mapping(rest)) if rest else []
     for key, value in rows[:MAX_ROWS]:
         text = f"{value:g}" if _is_number(value) else _text(value)
         yield key, text if len(text) <= MAX_CELL_CHARACTERS else text[:MAX_CELL_CHARACTERS] + " ..."

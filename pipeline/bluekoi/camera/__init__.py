@@ -1,5 +1,11 @@
 """Lens, pose and refraction: from pixels to places in the pool, with covariance."""
 
-from .corners import camera_from_corners, pool_camera
 from .lens import Lens
-from .pool import PoolCamera, jacobian, map_keypoints, project, to_pool
+from .pool_projection import (
+    PoolCamera,
+    map_keypoints,
+    map_to_pool,
+    place_by_pixel_jacobian,
+    pool_to_pixels,
+)
+from .study_camera import camera_from_corners, pool_camera

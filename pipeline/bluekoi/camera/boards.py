@@ -13,21 +13,21 @@ from ..data import Float
 from ..errors import input_error
 
 Grey = npt.NDArray[np.uint8]
-BOARDS = ("chessboard", "charuco")
+BOARD_KINDS = ("chessboard", "charuco")
 """Kinds of calibration board."""
 ARUCO_DICTIONARIES = (
     "DICT_4X4_250", "DICT_5X5_250", "DICT_6X6_250", "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_36h11",
 )  # fmt: skip
 """Marker sets of OpenCV that are tried in turn on a ChArUco board."""
-MARKER_SIDE_SHARE = 0.75
+MARKER_SIDE_SHARE_OF_SQUARE = 0.75
 """Side of a ChArUco marker over the side of its square."""
-REFINEMENT_WINDOWS = (0.12, 0.18, 0.25, 0.32)
+REFINEMENT_WINDOWS_IN_SQUARES = (0.12, 0.18, 0.25, 0.32)
 """Half widths of the windows in which a corner is refined, over the side of a square; the median
 of the results counts.
 """
 MIN_BOARD_CORNERS = 12
 """Corners that a picture must show to be used."""
-CERTAIN_CORNERS_SHARE = 0.3
+MIN_SHARE_OF_CORNERS_TO_STOP_SEARCH = 0.3
 """Share of the board's corners above which a marker set is the right one, and no other is tried."""
 
 
@@ -49,7 +49,7 @@ class Board:
 
 
 @dataclass(frozen=True)
-class View:
+class BoardView:
     """One picture of the board: its name, corners on the board (n, 3) m and in it (n, 2) px."""
 
     name: str
@@ -69,14 +69,18 @@ def read_board(pattern: str, square_mm: float, kind: str) -> Board:
         )
     if not 0.1 <= square_mm <= 10_000:
         raise input_error("--square-mm", "", square_mm, "the side of a square in mm, 0.1 to 10000")
-    if kind not in BOARDS:
-        raise input_error("--board", "", f"'{kind}'", f"one of {', '.join(BOARDS)}")
+    if kind not in BOARD_KINDS:
+        raise input_error("--board", "", f"'{kind}'", f"one of {', '.join(BOARD_KINDS)}")
     return Board(int(sides[0]), int(sides[1]), square_mm / 1000, kind)
 
 
-def find_board(grey: Grey, board: Board, name: str) -> View | None:
+def find_board(grey: Grey, board: Board, name: str) -> BoardView | None:
     """View of the board in a picture, or None where it is not found."""
-    return _charuco(grey, board, name) if board.kind == "charuco" else _chess(grey, board, name)
+    return (
+        _find_charuco_board(grey, board, name)
+        if board.kind == "charuco"
+        else _find_chessboard(grey, board, name)
+    )
 
 
 def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
@@ -88,13 +92,13 @@ def refine_corners(grey: Grey, corners_px: Float, square_px: float) -> Float:
     start = corners_px.reshape(-1, 1, 2).astype(np.float32)
     stop = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 100, 1e-4)
     found = []
-    for share in REFINEMENT_WINDOWS:
+    for share in REFINEMENT_WINDOWS_IN_SQUARES:
         half = int(np.clip(round(square_px * share), 2, 25))
         found.append(cv2.cornerSubPix(grey, start.copy(), (half, half), (-1, -1), stop))
     return np.median(np.array(found, dtype=float), axis=0).reshape(-1, 2)
 
 
-def _chess(grey: Grey, board: Board, name: str) -> View | None:
+def _find_chessboard(grey: Grey, board: Board, name: str) -> BoardView | None:
     size = (board.columns, board.rows)
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCorners(grey, size, flags=flags)
@@ -106,10 +110,10 @@ def _chess(grey: Grey, board: Board, name: str) -> View | None:
     grid = np.asarray(corners, dtype=float).reshape(board.rows, board.columns, 2)
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in range(2)]
     refined = refine_corners(grey, grid.reshape(-1, 2), float(min(steps)))
-    return View(name, board.corners_m, refined)
+    return BoardView(name, board.corners_m, refined)
 
 
-def _charuco(grey: Grey, board: Board, name: str) -> View | None:
+def _find_charuco_board(grey: Grey, board: Board, name: str) -> BoardView | None:
     best = None
     for dictionary in ARUCO_DICTIONARIES:
         detector = _charuco_detector(board, dictionary)
@@ -118,8 +122,8 @@ def _charuco(grey: Grey, board: Board, name: str) -> View | None:
             continue
         if best is None or len(numbers) > len(best.board_m):
             placed = board.corners_m[np.ravel(numbers)]
-            best = View(name, placed, np.asarray(corners, dtype=float).reshape(-1, 2))
-        if len(best.board_m) > CERTAIN_CORNERS_SHARE * len(board.corners_m):
+            best = BoardView(name, placed, np.asarray(corners, dtype=float).reshape(-1, 2))
+        if len(best.board_m) > MIN_SHARE_OF_CORNERS_TO_STOP_SEARCH * len(board.corners_m):
             break
     return best
 
@@ -130,5 +134,5 @@ def _charuco_detector(board: Board, dictionary: str) -> cv2.aruco.CharucoDetecto
     markers = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
     side = board.square_m
     return cv2.aruco.CharucoDetector(
-        cv2.aruco.CharucoBoard(squares, side, side * MARKER_SIDE_SHARE, markers)
+        cv2.aruco.CharucoBoard(squares, side, side * MARKER_SIDE_SHARE_OF_SQUARE, markers)
     )

@@ -10,15 +10,15 @@ import numpy.typing as npt
 from scipy.spatial.transform import Rotation
 
 from ..data import Float
-from .boards import View
-from .lens import Lens, lens_of, pixel_slopes, pixels
+from .boards import BoardView
+from .lens import Lens, lens_from_parameters, project_to_pixels, projection_derivatives
 
-UNPROJECTED_PX = -3000.0
+PIXEL_OF_UNPROJECTED_CORNER = -3000.0
 """Image coordinate that stands for a corner which the lens model cannot project."""
 
 
 @dataclass(frozen=True)
-class Corners:
+class BoardCorners:
     """All corners of all views: board_m (n, 3), image_px (n, 2), view (n,), each view's slice."""
 
     board_m: Float
@@ -40,10 +40,10 @@ class NormalEquations:
     pose_rhs: Float
 
 
-def gather(lens: Lens, views: list[View]) -> Corners:
+def gather_corners(lens: Lens, views: list[BoardView]) -> BoardCorners:
     """All corners of all views as arrays, for one kind of lens."""
     counts = [len(view.board_m) for view in views]
-    return Corners(
+    return BoardCorners(
         board_m=np.concatenate([view.board_m for view in views]),
         image_px=np.concatenate([view.image_px for view in views]),
         view=np.repeat(np.arange(len(views)), counts),
@@ -53,32 +53,40 @@ def gather(lens: Lens, views: list[View]) -> Corners:
     )
 
 
-def _in_camera(poses: Float, corners: Corners) -> Float:
+def _corners_in_camera_frame(poses: Float, corners: BoardCorners) -> Float:
     """Corners (n, 3) in the camera frame."""
     rotations = Rotation.from_rotvec(poses[:, :3]).as_matrix()[corners.view]
     return np.einsum("nij,nj->ni", rotations, corners.board_m) + poses[corners.view, 3:]
 
 
-def residuals_px(state: Float, poses: Float, corners: Corners) -> Float:
+def residuals_px(state: Float, poses: Float, corners: BoardCorners) -> Float:
     """Found minus modelled corner (n, 2), px."""
-    image = pixels(lens_of(state, corners.model, corners.size_px), _in_camera(poses, corners))
-    return corners.image_px - np.nan_to_num(image, nan=UNPROJECTED_PX)
+    image = project_to_pixels(
+        lens_from_parameters(state, corners.model, corners.size_px),
+        _corners_in_camera_frame(poses, corners),
+    )
+    return corners.image_px - np.nan_to_num(image, nan=PIXEL_OF_UNPROJECTED_CORNER)
 
 
-def _jacobian(state: Float, poses: Float, corners: Corners) -> Float:
+def _projection_jacobian(state: Float, poses: Float, corners: BoardCorners) -> Float:
     """Derivative (n, 2, p + 6) of modelled corners by the lens and by their view's pose.
 
     d(R b)/dw = -R [b]x J_r(w), J_r(w) = I - (1 - cos t)/t^2 [w]x + (t - sin t)/t^3 [w]x^2, t = |w|:
     right Jacobian of SO(3).
     """
-    lens, points = lens_of(state, corners.model, corners.size_px), _in_camera(poses, corners)
-    by_lens, by_point = pixel_slopes(lens, points)
+    lens, points = (
+        lens_from_parameters(state, corners.model, corners.size_px),
+        _corners_in_camera_frame(poses, corners),
+    )
+    by_lens, by_point = projection_derivatives(lens, points)
     rotations = Rotation.from_rotvec(poses[:, :3]).as_matrix()[corners.view]
-    turning = -rotations @ _cross_matrix(corners.board_m) @ _right_jacobian(poses)[corners.view]
+    turning = (
+        -rotations @ _cross_matrix(corners.board_m) @ _rotation_right_jacobians(poses)[corners.view]
+    )
     return np.concatenate([by_lens, by_point @ turning, by_point], axis=2)
 
 
-def _right_jacobian(poses: Float) -> Float:
+def _rotation_right_jacobians(poses: Float) -> Float:
     """J_r (v, 3, 3) of the rotation vectors in poses (v, 6)."""
     angle = np.maximum(np.linalg.norm(poses[:, :3], axis=1), 1e-6)[:, None, None]
     hat = _cross_matrix(poses[:, :3])
@@ -92,10 +100,10 @@ def _cross_matrix(vectors: Float) -> Float:
 
 
 def normal_equations(
-    state: Float, poses: Float, corners: Corners, residuals: Float
+    state: Float, poses: Float, corners: BoardCorners, residuals: Float
 ) -> NormalEquations:
     """Normal equations of each view at a lens (p,) and poses (views, 6)."""
-    size, slope = len(state), _jacobian(state, poses, corners)
+    size, slope = len(state), _projection_jacobian(state, poses, corners)
     rows = [slope[part].reshape(-1, size + 6) for part in corners.slices]
     block = np.array([j.T @ j for j in rows])
     rhs = np.array(
@@ -110,25 +118,25 @@ def normal_equations(
     )
 
 
-def damped_step(normal: NormalEquations, damping: float) -> tuple[Float, Float]:
+def levenberg_marquardt_step(normal: NormalEquations, damping: float) -> tuple[Float, Float]:
     """Step of the lens (p,) and of the poses (v, 6), by the Schur complement of the pose blocks."""
-    inverse = np.linalg.inv(_damped(normal.pose, damping))
+    inverse = np.linalg.inv(_add_marquardt_damping(normal.pose, damping))
     gain = normal.cross @ inverse
     eliminated = np.sum(gain @ np.swapaxes(normal.cross, 1, 2), axis=0)
-    reduced = _damped(normal.lens.sum(axis=0)[None], damping)[0] - eliminated
+    reduced = _add_marquardt_damping(normal.lens.sum(axis=0)[None], damping)[0] - eliminated
     rhs = np.sum(normal.lens_rhs - (gain @ normal.pose_rhs[:, :, None])[:, :, 0], axis=0)
     step = _scaled_solve(reduced, rhs)
     pose_rhs = normal.pose_rhs - np.einsum("vpi,p->vi", normal.cross, step)
     return step, np.einsum("vij,vj->vi", inverse, pose_rhs)
 
 
-def jackknife(normal: NormalEquations) -> Float:
+def jackknife_lens_covariance(normal: NormalEquations) -> Float:
     """Covariance of the lens by leaving out one view at a time, to first order (CR3).
 
     d_v = (B - B_v)^-1 g_v, cov = (v - 1)/v sum d_v d_v', B the normal matrix with poses eliminated.
     A plain sandwich is too small by a third for a dozen views.
     """
-    gain = normal.cross @ np.linalg.inv(_damped(normal.pose, 1e-12))
+    gain = normal.cross @ np.linalg.inv(_add_marquardt_damping(normal.pose, 1e-12))
     blocks = normal.lens - gain @ np.swapaxes(normal.cross, 1, 2)
     scores = normal.lens_rhs - (gain @ normal.pose_rhs[:, :, None])[:, :, 0]
     scale = 1 / np.sqrt(np.maximum(np.einsum("vii->i", blocks), 1e-30))
@@ -138,7 +146,7 @@ def jackknife(normal: NormalEquations) -> Float:
     return np.asarray(shifts.T @ shifts * (len(scores) - 1) / len(scores))
 
 
-def _damped(matrices: Float, damping: float) -> Float:
+def _add_marquardt_damping(matrices: Float, damping: float) -> Float:
     diagonal = np.einsum("vii->vi", matrices)
     return matrices + (damping * diagonal + 1e-30)[:, :, None] * np.eye(matrices.shape[1])
 

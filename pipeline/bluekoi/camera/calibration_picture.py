@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from ..files import atomic_write
-from .bundle import rms_px
 from .image_circle import ImageCircle
-from .lens_selection import LensCandidate, tilts_deg
+from .lens_bundle_adjustment import rms_px
+from .lens_selection import LensCandidate, board_tilts_deg
 
-LONGEST_ARROW_SHARE = 0.04
+LONGEST_ARROW_SHARE_OF_WIDTH = 0.04
 """Length of the longest residual arrow over the width of the picture."""
 
 
@@ -26,9 +26,9 @@ def draw_calibration(
     figure = Figure(figsize=(13, 8), layout="constrained")
     axes = figure.subplots(2, 2, width_ratios=[1.6, 1])
     _draw_corners(axes[0, 0], best, circle)
-    _draw_radius(axes[0, 1], best)
-    _draw_views(axes[1, 0], best)
-    _draw_models(axes[1, 1], candidates)
+    _draw_error_over_radius(axes[0, 1], best)
+    _draw_error_by_view(axes[1, 0], best)
+    _draw_model_comparison(axes[1, 1], candidates)
     figure.suptitle(
         f"{best.label}: {best.fit.rms_px:.3f} px rms, {best.held_out_px:.3f} px on held-out views"
     )
@@ -41,7 +41,7 @@ def _draw_corners(axes: Axes, best: LensCandidate, circle: ImageCircle | None) -
     residuals = np.concatenate(best.fit.residuals)
     size = np.linalg.norm(residuals, axis=1)
     width, height = best.fit.lens.size_px
-    gain = LONGEST_ARROW_SHARE * width / max(1e-9, float(np.quantile(size, 0.99)))
+    gain = LONGEST_ARROW_SHARE_OF_WIDTH * width / max(1e-9, float(np.quantile(size, 0.99)))
     drawn = axes.quiver(
         *points.T, *(residuals.T * gain), size, angles="xy", scale_units="xy", scale=1, width=0.0015
     )
@@ -53,7 +53,7 @@ def _draw_corners(axes: Axes, best: LensCandidate, circle: ImageCircle | None) -
     axes.set_title(f"corners found; arrows are errors times {gain:.0f}; cross: optical centre")
 
 
-def _draw_radius(axes: Axes, best: LensCandidate) -> None:
+def _draw_error_over_radius(axes: Axes, best: LensCandidate) -> None:
     points = np.concatenate([view.image_px for view in best.views])
     residuals = np.concatenate(best.fit.residuals)
     outward = points - best.fit.lens.matrix[:2, 2]
@@ -70,17 +70,17 @@ def _draw_radius(axes: Axes, best: LensCandidate) -> None:
     axes.set_title("residual of the lens model")
 
 
-def _draw_views(axes: Axes, best: LensCandidate) -> None:
+def _draw_error_by_view(axes: Axes, best: LensCandidate) -> None:
     errors = [rms_px([r]) for r in best.fit.residuals]
     places = np.arange(len(errors))
     axes.bar(places, errors)
-    for place, tilt in zip(places, tilts_deg(best.fit.poses), strict=True):
+    for place, tilt in zip(places, board_tilts_deg(best.fit.poses), strict=True):
         axes.text(float(place), 0, f"{tilt:.0f}°", ha="center", va="bottom", color="w", fontsize=6)
     axes.set_xticks(places, [view.name[-16:] for view in best.views], rotation=90, fontsize=6)
     axes.set(ylabel="error, px rms", title="views, with the board's tilt")
 
 
-def _draw_models(axes: Axes, candidates: list[LensCandidate]) -> None:
+def _draw_model_comparison(axes: Axes, candidates: list[LensCandidate]) -> None:
     labels = [c.label + (" (refused)" if c.implausibilities else "") for c in candidates]
     places = np.arange(len(labels))
     finite = [c.held_out_px if np.isfinite(c.held_out_px) else 0.0 for c in candidates]

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..data import Float
-from .pool import PoolCamera
+from .pool_projection import PoolCamera
 from .rigid_distances import Distances
 
-MAP_CELLS = (8, 5)
+DISTANCE_MAP_CELLS = (8, 5)
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class DistanceMap:
 def distance_map(camera: PoolCamera, distances: Distances, predicted: Float) -> DistanceMap:
     """Relative excess of the distances over the pool beside what a named error predicts (n,)."""
     length, width = camera.pool_size_m
-    x_edges = np.linspace(0, length, MAP_CELLS[0] + 1)
-    y_edges = np.linspace(0, width, MAP_CELLS[1] + 1)
+    x_edges = np.linspace(0, length, DISTANCE_MAP_CELLS[0] + 1)
+    y_edges = np.linspace(0, width, DISTANCE_MAP_CELLS[1] + 1)
     middle = (distances.front_m + distances.back_m) / 2
     weight = (distances.known_m / distances.std_m) ** 2
 

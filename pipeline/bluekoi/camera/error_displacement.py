@@ -15,9 +15,9 @@ from scipy.optimize import least_squares
 from ..data import Float
 from ..errors import InputError
 from ..study import Camera, Pool, Setup
-from .corners import camera_of_setup
-from .pool import PoolCamera, to_pool
-from .rigid_distances import ERROR_PARAMETERS, Geometry, pixels_of
+from .pool_projection import PoolCamera, map_to_pool
+from .rigid_distances import ERROR_PARAMETERS, CameraGeometry, pixels_of_places
+from .study_camera import pool_camera_from_parts
 
 WATER_INDEX = 1.333
 """Refractive index of water."""
@@ -25,14 +25,14 @@ REFRACTIVE_INDEX_TOLERANCE = 0.02
 """A stated index nearer to that of water is right, and the depth may be wrong."""
 POOL_GRID_POINTS, RADIUS_TABLE_POINTS = (12, 8), 50
 """Points of the pool (along, across) at which a displacement is taken, and radii of its table."""
-WALL_MARGIN_M = 0.08
+GRID_MARGIN_TO_WALL_M = 0.08
 """Distance of the outermost points from the walls."""
-MIN_DISPLACEMENT = 1e-9
+MIN_DISPLACEMENT_M = 1e-9
 """Displacements below this, m, count as zero."""
 
 
 @dataclass(frozen=True)
-class ErrorForms:
+class CameraErrorConstants:
     """Numbers that the forms of a camera's errors over a pool depend on.
 
     below_m: (x, y) under the camera. bend_1_m2: what is drawn in by refraction goes as
@@ -48,33 +48,35 @@ class ErrorForms:
     lens_pull_m3: tuple[float, float]
 
 
-def error_forms(setup: Setup) -> ErrorForms:
+def camera_error_constants(setup: Setup) -> CameraErrorConstants:
     """The numbers of a study's camera; those of one over the middle where no lens is stated or the
     corners fit no pose (an error of the stages that need one).
     """
     index, depth_m = setup.water.refractive_index, setup.robot.keypoint_depth_m
-    return _error_forms(setup.camera, setup.pool, index, depth_m)
+    return _constants_of_pool_camera(setup.camera, setup.pool, index, depth_m)
 
 
 @lru_cache(maxsize=8)
-def _error_forms(given: Camera, pool: Pool, index: float, depth_m: float) -> ErrorForms:
+def _constants_of_pool_camera(
+    given: Camera, pool: Pool, index: float, depth_m: float
+) -> CameraErrorConstants:
     middle = (0.5 * pool.length_m, 0.5 * pool.width_m)
-    above = ErrorForms(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
+    above = CameraErrorConstants(middle, 0.0, middle, float(np.dot(middle, middle)), (0.0, 0.0))
     try:
-        camera = camera_of_setup(given, pool, index, depth_m)
+        camera = pool_camera_from_parts(given, pool, index, depth_m)
     except InputError:
         return above
     if camera.lens is None:
         return above
     x, y, height = map(float, camera.center_m)
-    return ErrorForms(
+    return CameraErrorConstants(
         (x, y),
-        _bend(index, height, float(np.hypot(*middle))),
-        *_lens_parameters(camera, depth_m, middle),
+        _refraction_curvature_1_m2(index, height, float(np.hypot(*middle))),
+        *_lens_error_constants(camera, depth_m, middle),
     )
 
 
-def _bend(index: float, height_m: float, reach_m: float) -> float:
+def _refraction_curvature_1_m2(index: float, height_m: float, reach_m: float) -> float:
     """The b of rho (1 + b rho^2), 1/m2, that comes nearest to refraction out to rho = `reach_m`.
 
     Snell's law, t = rho / H the tangent of the angle in air: in water it is
@@ -95,24 +97,24 @@ def _bend(index: float, height_m: float, reach_m: float) -> float:
     return float(third / first)
 
 
-def _lens_parameters(
+def _lens_error_constants(
     camera: PoolCamera, depth_m: float, middle: tuple[float, float]
 ) -> tuple[tuple[float, float], float, tuple[float, float]]:
-    """c, Q and a of `ErrorForms` from the displacements that a small error of the lens makes; those
-    of a lens over the middle where they come out outside the pool.
+    """c, Q and a of `CameraErrorConstants` from the displacements that a small error of the lens
+    makes; those of a lens over the middle where they come out outside the pool.
     """
     places = _pool_grid(camera)
-    moved = _displacements(camera, places, depth_m)
+    moved = _lens_error_displacements(camera, places, depth_m)
     seen = np.isfinite(moved).all(axis=1)
     rest = float(np.dot(middle, middle))
     size = float(np.abs(moved[seen]).max(initial=0.0))
-    if size < MIN_DISPLACEMENT:
+    if size < MIN_DISPLACEMENT_M:
         return middle, rest, (0.0, 0.0)
     target = np.ravel(moved[seen] / size)
 
     def shape(numbers: Float) -> Float:
         cx, cy, made_up, ax, ay = numbers
-        return np.ravel(_lens_shape(places[seen], (cx, cy), made_up, (ax, ay)))
+        return np.ravel(_lens_displacement_field(places[seen], (cx, cy), made_up, (ax, ay)))
 
     start = np.array([*middle, rest, 0.0, 0.0])
     first = shape(start)
@@ -124,10 +126,10 @@ def _lens_parameters(
     return (cx, cy), made_up, (ax, ay)
 
 
-def _lens_shape(
+def _lens_displacement_field(
     places: Float, center: tuple[float, float], rest: float, pull: tuple[float, float]
 ) -> Float:
-    """(r^2 - Q)(p - c) + a of `ErrorForms` at places p (n, 2)."""
+    """(r^2 - Q)(p - c) + a of `CameraErrorConstants` at places p (n, 2)."""
     off = places - np.array(center)
     shape: Float = (np.sum(off**2, axis=1) - rest)[:, None] * off + np.array(pull)
     return shape
@@ -136,13 +138,15 @@ def _lens_shape(
 def _pool_grid(camera: PoolCamera) -> Float:
     """Places (n, 2) all over a pool."""
     counts = zip(camera.pool_size_m, POOL_GRID_POINTS, strict=True)
-    x, y = np.meshgrid(*(np.linspace(WALL_MARGIN_M, side - WALL_MARGIN_M, n) for side, n in counts))
+    x, y = np.meshgrid(
+        *(np.linspace(GRID_MARGIN_TO_WALL_M, side - GRID_MARGIN_TO_WALL_M, n) for side, n in counts)
+    )
     return np.column_stack([x.ravel(), y.ravel()])
 
 
-def _displacements(camera: PoolCamera, places: Float, depth_m: float) -> Float:
+def _lens_error_displacements(camera: PoolCamera, places: Float, depth_m: float) -> Float:
     """Displacement (n, 2) of places (n, 2) by a unit error of the lens's first coefficient."""
-    geometry, (change, step) = Geometry(camera, depth_m), ERROR_PARAMETERS["k1"]
-    pixels = pixels_of(geometry, places)
-    high, low = (to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
+    geometry, (change, step) = CameraGeometry(camera, depth_m), ERROR_PARAMETERS["k1"]
+    pixels = pixels_of_places(geometry, places)
+    high, low = (map_to_pool(change(geometry, s).camera, pixels, depth_m) for s in (step, -step))
     return (high - low) / (2 * step)

@@ -12,11 +12,11 @@ from .rigid_distances import Distances
 
 
 @dataclass(frozen=True)
-class Hypothesis:
+class GeometryHypothesis:
     """One possible error: name, parameters with their prior std and unit, and its statement.
 
-    largest: magnitudes beyond which the error is implausible; `MAX_PRIOR_STDS` deviations unless
-    given.
+    largest: magnitudes beyond which the error is implausible; `MAX_VALUE_IN_PRIOR_STDS` deviations
+    unless given.
     """
 
     name: str
@@ -27,28 +27,50 @@ class Hypothesis:
     largest: tuple[float, ...] = ()
 
 
-MAX_PRIOR_STDS = 4.0
-SYSTEMATIC_SHARE = 0.0005
+MAX_VALUE_IN_PRIOR_STDS = 4.0
+SYSTEMATIC_LENGTH_ERROR_SHARE = 0.0005
 """Detection errs by 0.05 to 0.1 px in the same place in every trial (docs/measuring.md), over parts
 that are 70 to 150 px long: length errors of 0.05 % show nothing, however many frames agree.
 """
 HYPOTHESES = (
-    Hypothesis("scale_error", ("scale",), (0.02,), ("-",), "the pool is larger than stated by",
-               largest=(1.0,)),  # a side read from the wrong end of a tape has any size
-    Hypothesis("lens_error", ("focal", "k1"), (0.02, 0.05), ("-", "-"),
-               "the lens differs from its matrix"),
-    Hypothesis("camera_shift", ("tilt_x_rad", "tilt_y_rad"), (0.02, 0.02), ("rad", "rad"),
-               "the camera has turned since the corners were taken by"),
-    Hypothesis("keypoint_depth", ("depth_m",), (0.02,), ("m",), "the keypoints lie deeper by"),
-    Hypothesis("sinking", ("sinks_m_s",), (0.01,), ("m/s",),
-               "the robot sinks during each trial by"),
-    Hypothesis("uncorrected_refraction", ("refractive_index",), (0.33,), ("-",),
-               "light is bent more at the surface than assumed, by an index of"),
+    GeometryHypothesis(
+        "scale_error",
+        ("scale",),
+        (0.02,),
+        ("-",),
+        "the pool is larger than stated by",
+        largest=(1.0,),
+    ),  # a side read from the wrong end of a tape has any size
+    GeometryHypothesis(
+        "lens_error", ("focal", "k1"), (0.02, 0.05), ("-", "-"), "the lens differs from its matrix"
+    ),
+    GeometryHypothesis(
+        "camera_shift",
+        ("tilt_x_rad", "tilt_y_rad"),
+        (0.02, 0.02),
+        ("rad", "rad"),
+        "the camera has turned since the corners were taken by",
+    ),
+    GeometryHypothesis(
+        "keypoint_depth", ("depth_m",), (0.02,), ("m",), "the keypoints lie deeper by"
+    ),
+    GeometryHypothesis(
+        "sinking", ("sinks_m_s",), (0.01,), ("m/s",), "the robot sinks during each trial by"
+    ),
+    GeometryHypothesis(
+        "uncorrected_refraction",
+        ("refractive_index",),
+        (0.33,),
+        ("-",),
+        "light is bent more at the surface than assumed, by an index of",
+    ),
     *(
-        Hypothesis("keypoint_bias", (f"{part}_m",), (0.005,), ("m",), f"{part} is marked off by")
+        GeometryHypothesis(
+            "keypoint_bias", (f"{part}_m",), (0.005,), ("m",), f"{part} is marked off by"
+        )
         for part in ("head_tip", "hinge", "core_center", "tail_base")
     ),
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -61,19 +83,19 @@ class HypothesisFit:
     systematic errors may reach.
     """
 
-    hypothesis: Hypothesis
+    hypothesis: GeometryHypothesis
     values: tuple[float, ...]
     stds: tuple[float, ...]
     gain: float
     p_value: float
     share: float
-    min_share: float = SYSTEMATIC_SHARE
+    min_share: float = SYSTEMATIC_LENGTH_ERROR_SHARE
 
     @property
     def plausible(self) -> bool:
         """Whether no value is larger than its hypothesis allows."""
         stds = self.hypothesis.prior_std
-        largest = self.hypothesis.largest or tuple(MAX_PRIOR_STDS * std for std in stds)
+        largest = self.hypothesis.largest or tuple(MAX_VALUE_IN_PRIOR_STDS * std for std in stds)
         return bool(np.all(np.abs(self.values) <= np.array(largest)))
 
     @property
@@ -102,8 +124,8 @@ class HypothesisFit:
 
 
 def fit_hypothesis(
-    hypothesis: Hypothesis, patterns: dict[str, Float], distances: Distances,
-    min_share: float = SYSTEMATIC_SHARE,
+    hypothesis: GeometryHypothesis, patterns: dict[str, Float], distances: Distances,
+    min_share: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
 ) -> HypothesisFit:  # fmt: skip
     """One hypothesis fitted alone by weighted least squares with its prior.
 

@@ -11,13 +11,13 @@ from scipy.optimize import least_squares
 
 from ..data import Float
 
-RIM_RAYS = 360
+RIM_SEARCH_DIRECTIONS = 360
 """Directions, evenly over the circle, in which the rim is looked for."""
-MAX_OUTSIDE_BRIGHTNESS = 0.25
+MAX_OUTSIDE_BRIGHTNESS_SHARE = 0.25
 """Outside the circle at most this share of the brightness inside it, in the brightest picture."""
-MIN_RIM_SHARE = 0.3
+MIN_SHARE_OF_RIM_SEEN = 0.3
 """Share of the directions in which the rim is inside the picture and was found."""
-MAX_RIM_SCATTER = 0.01
+MAX_RIM_SCATTER_SHARE_OF_RADIUS = 0.01
 """Median distance of the rim from the fitted circle, over its radius."""
 
 
@@ -44,16 +44,16 @@ class ImageCircle:
 def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
     """Image circle of pictures whose pixelwise maximum (height, width) is given; None without one.
 
-    The rim is where the brightness, along `RIM_RAYS` directions inwards from the border, first
-    exceeds `MAX_OUTSIDE_BRIGHTNESS` of the median inside. The circle is fitted to it robustly
-    (soft L1).
+    The rim is where the brightness, along `RIM_SEARCH_DIRECTIONS` directions inwards from the
+    border, first exceeds `MAX_OUTSIDE_BRIGHTNESS_SHARE` of the median inside. The circle is fitted
+    to it robustly (soft L1).
     """
     height, width = brightest.shape
     smooth = cv2.GaussianBlur(brightest, (0, 0), max(1.0, width / 500))
     middle = smooth[height // 3 : 2 * height // 3, width // 3 : 2 * width // 3]
-    lit = smooth > MAX_OUTSIDE_BRIGHTNESS * float(np.median(middle))
-    rim = _rim(lit)
-    if len(rim) < MIN_RIM_SHARE * RIM_RAYS:
+    lit = smooth > MAX_OUTSIDE_BRIGHTNESS_SHARE * float(np.median(middle))
+    rim = _lit_rim_px(lit)
+    if len(rim) < MIN_SHARE_OF_RIM_SEEN * RIM_SEARCH_DIRECTIONS:
         return None
 
     def off_circle(p: Float) -> Float:
@@ -62,15 +62,15 @@ def image_circle(brightest: npt.NDArray[np.uint8]) -> ImageCircle | None:
     start = np.array([width / 2, height / 2, height / 2])
     found = least_squares(off_circle, start, loss="soft_l1", f_scale=0.002 * width)
     u, v, radius = map(float, found.x)
-    if np.median(np.abs(off_circle(found.x))) > MAX_RIM_SCATTER * radius:
+    if np.median(np.abs(off_circle(found.x))) > MAX_RIM_SCATTER_SHARE_OF_RADIUS * radius:
         return None
     return ImageCircle((u, v), radius)
 
 
-def _rim(lit: np.ndarray) -> Float:
+def _lit_rim_px(lit: np.ndarray) -> Float:
     """Outermost lit pixel (n, 2) in each direction from the middle that ends in the dark."""
     height, width = lit.shape
-    angle = np.linspace(0, 2 * np.pi, RIM_RAYS, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, RIM_SEARCH_DIRECTIONS, endpoint=False)
     distance = np.arange(0, np.hypot(width, height) / 2)
     u = (width - 1) / 2 + distance[:, None] * np.cos(angle)
     v = (height - 1) / 2 + distance[:, None] * np.sin(angle)

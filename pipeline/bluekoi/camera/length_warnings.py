@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..data import Float
-from .rigid_distances import LENGTH_STD_SHARE
+from .rigid_distances import STATED_LENGTH_STD_SHARE
 
 WARN_ABOVE_SIGMAS = 5.0
 """Standard errors by which a length must be off for a warning."""
-MIN_LENGTH_ERROR_SHARE = 2 * LENGTH_STD_SHARE
+MIN_LENGTH_ERROR_SHARE = 2 * STATED_LENGTH_STD_SHARE
 """Differences below twice the accuracy to which lengths are measured are no reason to warn."""
 CAMERA_OUTCOMES = ("camera_shift", "lens_error", "uncorrected_refraction")
 """Hypotheses of the geometry check that are an error of the camera."""
@@ -20,7 +20,7 @@ SCALE_CAUSES = ("scale_error", "uncorrected_refraction", "lens_error", "sinking"
 """Causes that account for rigid lengths of another size."""
 MIN_CAUSE_PROBABILITY = 0.5
 """A cause below this probability accounts for nothing."""
-NORMAL_IQR_STDS = 1.349
+NORMAL_IQR_IN_STDS = 1.349
 """Width of the central half of a normal distribution, in standard deviations."""
 
 
@@ -35,13 +35,13 @@ def length_warnings(
     causes = (mismatch or {}).get("causes") or []
     named = {c["name"] for c in causes if c.get("weight", 1.0) >= MIN_CAUSE_PROBABILITY}
     return [
-        *_of_another_size(geometry or {}, named),
-        *_by_pattern(geometry or {}, named),
-        *_of_trials((geometry or {}).get("by_trial") or {}),
+        *_scale_warnings(geometry or {}, named),
+        *_camera_error_warnings(geometry or {}, named),
+        *_deviating_trial_warnings((geometry or {}).get("by_trial") or {}),
     ]
 
 
-def _of_another_size(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+def _scale_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
     scale, std = (geometry.get(key) for key in ("scale", "scale_std"))
     if scale is None or std is None:
         return
@@ -58,7 +58,7 @@ def _of_another_size(geometry: Mapping[str, Any], named: set[str]) -> Iterator[s
     )
 
 
-def _by_pattern(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
+def _camera_error_warnings(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
     likely = geometry.get("likely")
     if likely in CAMERA_OUTCOMES and not named & {*CAMERA_OUTCOMES, *geometry.get("rivals", ())}:
         yield (
@@ -68,7 +68,7 @@ def _by_pattern(geometry: Mapping[str, Any], named: set[str]) -> Iterator[str]:
         )
 
 
-def _of_trials(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
+def _deviating_trial_warnings(by_trial: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     names = list(by_trial)
     shares, stds = (np.array([by_trial[n][key] for n in names]) for key in ("excess", "std"))
     for name, off in zip(names, deviations_from_majority(shares, stds), strict=True):
@@ -95,7 +95,7 @@ def deviations_from_majority(shares: Float, stds: Float) -> Float:
     widths = ordered[half - 1 :] - ordered[: n - half + 1]
     at = int(np.argmin(widths))
     centre = float(np.median(ordered[at : at + half]))
-    scatter = float(widths[at]) / NORMAL_IQR_STDS * (1 + 5 / (n - 1))
+    scatter = float(widths[at]) / NORMAL_IQR_IN_STDS * (1 + 5 / (n - 1))
     off = shares - centre
     return np.where(
         np.abs(off)

@@ -11,9 +11,9 @@ import numpy as np
 from ..data import Float
 from .rigid_distances import Distances
 
-WINDOW_S = 0.5
+LENGTH_WINDOW_S = 0.5
 """Duration in which a robot moves by a fifth of a metre and turns by less than a radian."""
-MAX_WINDOWS = 6000
+MAX_LENGTH_WINDOWS = 6000
 STORED_DECIMALS = 7  # a tenth of a micrometre
 
 
@@ -21,8 +21,8 @@ def window_means(distances: Distances) -> Distances:
     """Means of distances over windows of one pair in one trial; std_m (n,): of each mean, frames
     taken as independent.
     """
-    step = WINDOW_S
-    while len(np.unique(keys := _window_of(distances, step), axis=0)) > MAX_WINDOWS:
+    step = LENGTH_WINDOW_S
+    while len(np.unique(keys := _window_index(distances, step), axis=0)) > MAX_LENGTH_WINDOWS:
         step *= 2.0
     _, place = np.unique(keys, axis=0, return_inverse=True)
     count = np.bincount(place).astype(float)
@@ -37,19 +37,19 @@ def window_means(distances: Distances) -> Distances:
     return Distances(**{**means, "std_m": np.sqrt(variance / count)})
 
 
-def _window_of(distances: Distances, step_s: float) -> Float:
+def _window_index(distances: Distances, step_s: float) -> Float:
     """Trial, pair and window (n, 3) of each distance."""
     return np.column_stack(
         [distances.trial, distances.pair, np.floor(distances.time_s / step_s)]
     ).round()
 
 
-def to_columns(windows: Distances) -> dict[str, Any]:
+def windows_to_columns(windows: Distances) -> dict[str, Any]:
     """Windows as columns of a json object."""
     return {f.name: np.round(getattr(windows, f.name), STORED_DECIMALS) for f in fields(Distances)}
 
 
-def from_columns(columns: Mapping[str, Any]) -> Distances:
+def windows_from_columns(columns: Mapping[str, Any]) -> Distances:
     """Windows from the columns of a json object."""
     return Distances(**{f.name: np.array(columns[f.name], dtype=np.float64)
                         for f in fields(Distances)})  # fmt: skip

@@ -8,18 +8,18 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from .boards import View
-from .bundle import START_FOCAL_SHARES
+from .boards import BoardView
 from .lens import Lens
+from .lens_bundle_adjustment import START_FOCAL_LENGTHS_IN_WIDTHS
 
 Float32 = npt.NDArray[np.float32]
 PINHOLE_FLAGS = {4: cv2.CALIB_FIX_K3, 5: 0, 8: cv2.CALIB_RATIONAL_MODEL}
-FISHEYE = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
+FISHEYE_MODULE = cv2.fisheye if hasattr(cv2.fisheye, "CALIB_FIX_SKEW") else cv2
 """OpenCV 5 moved the flags of the fisheye model and changed their values."""
 
 
 def opencv_lens(
-    views: Sequence[View], model: str, terms: int, size_px: tuple[int, int]
+    views: Sequence[BoardView], model: str, terms: int, size_px: tuple[int, int]
 ) -> Lens | None:
     """Lens by OpenCV's calibration of the same model; None where it fails for every start.
 
@@ -36,17 +36,21 @@ def opencv_lens(
         except cv2.error:
             return None
         return Lens(model, matrix, distortion.ravel()[:terms], size_px)
-    fits = [fit for share in START_FOCAL_SHARES if (fit := _fisheye(board, image, size_px, share))]
+    fits = [
+        fit
+        for share in START_FOCAL_LENGTHS_IN_WIDTHS
+        if (fit := _calibrate_fisheye(board, image, size_px, share))
+    ]
     return min(fits, key=lambda fit: fit[0])[1] if fits else None
 
 
-def _fisheye(
+def _calibrate_fisheye(
     board: list[Float32], image: list[Float32], size_px: tuple[int, int], share: float
 ) -> tuple[float, Lens] | None:
     flags = (
-        FISHEYE.CALIB_RECOMPUTE_EXTRINSIC
-        | FISHEYE.CALIB_FIX_SKEW
-        | FISHEYE.CALIB_USE_INTRINSIC_GUESS
+        FISHEYE_MODULE.CALIB_RECOMPUTE_EXTRINSIC
+        | FISHEYE_MODULE.CALIB_FIX_SKEW
+        | FISHEYE_MODULE.CALIB_USE_INTRINSIC_GUESS
     )
     focal, (u, v) = share * size_px[0], (np.array(size_px) - 1) / 2
     matrix = np.array([[focal, 0, u], [0, focal, v], [0, 0, 1.0]])

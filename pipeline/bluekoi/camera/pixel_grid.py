@@ -7,11 +7,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from .png import Picture, write_png
+from .png_file import Picture, write_png
 
 MAX_GRID_LINES = 20
 """Lines over the longer side of the picture, at most."""
-LIGHT_BGR, DARK_BGR = (255, 255, 255), (40, 40, 40)
+LIGHT_LABEL_BGR, DARK_OUTLINE_BGR = (255, 255, 255), (40, 40, 40)
 """Colours of the lines and of the outlines of their labels."""
 
 
@@ -23,15 +23,15 @@ def frame_with_pixel_grid(frame: Picture, out: str | Path) -> tuple[str, ...]:
     """
     canvas = np.ascontiguousarray(frame).copy()
     height, width = canvas.shape[:2]
-    step = _round_number(max(height, width) / MAX_GRID_LINES)
+    step = _next_round_number(max(height, width) / MAX_GRID_LINES)
     for at in range(step, width, step):
-        cv2.line(canvas, (at, 0), (at, height), LIGHT_BGR, 1)
-        _label(canvas, str(at), (at + 3, 16))
-        _label(canvas, str(at), (at + 3, height - 6))
+        cv2.line(canvas, (at, 0), (at, height), LIGHT_LABEL_BGR, 1)
+        _draw_label(canvas, str(at), (at + 3, 16))
+        _draw_label(canvas, str(at), (at + 3, height - 6))
     for at in range(step, height, step):
-        cv2.line(canvas, (0, at), (width, at), LIGHT_BGR, 1)
-        _label(canvas, str(at), (3, at - 4))
-        _label(canvas, str(at), (width - 60, at - 4))
+        cv2.line(canvas, (0, at), (width, at), LIGHT_LABEL_BGR, 1)
+        _draw_label(canvas, str(at), (3, at - 4))
+        _draw_label(canvas, str(at), (width - 60, at - 4))
     write_png(out, canvas)
     return (
         f"{out} has a line every {step} px: u from the left edge, v from the top edge",
@@ -42,13 +42,13 @@ def frame_with_pixel_grid(frame: Picture, out: str | Path) -> tuple[str, ...]:
     )
 
 
-def _round_number(least: float) -> int:
+def _next_round_number(least: float) -> int:
     """The next of 1, 2, 5 times a power of ten, at least 10."""
     power = 10 ** int(np.floor(np.log10(max(least, 10.0))))
     return int(next(power * k for k in (1, 2, 5, 10) if power * k >= least))
 
 
-def _label(canvas: Picture, text: str, place: tuple[int, int]) -> None:
-    for colour, thick in ((DARK_BGR, 3), (LIGHT_BGR, 1)):
+def _draw_label(canvas: Picture, text: str, place: tuple[int, int]) -> None:
+    for colour, thick in ((DARK_OUTLINE_BGR, 3), (LIGHT_LABEL_BGR, 1)):
         cv2.putText(canvas, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, thick,
                     cv2.LINE_AA)  # fmt: skip

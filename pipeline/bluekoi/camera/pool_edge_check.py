@@ -8,13 +8,13 @@ import numpy as np
 
 from ..data import Float
 from ..study import Setup
-from ..study.filmed import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_film_pixels
 from .boards import Grey
-from .corner_fit import CornerFit, fit_corners
-from .corners import lens_of_study, pool_corners_m
+from .pool_corner_fit import CornerFit, fit_corners
 from .resection import diagonal_px
+from .study_camera import lens_of_camera_section, pool_corners_m
 
-CAMERA_MOVED_SHARE = 0.004
+CAMERA_MOVED_SHARE_OF_DIAGONAL = 0.004
 """Edges farther from the corners given than this share of the pool's diagonal in the picture: twice
 what `bluekoi pool` puts down to a corner given by eye.
 """
@@ -54,22 +54,22 @@ def compare_pool_edges(grey: Grey, setup: Setup) -> PoolEdgeCheck:
         setup_in_film_pixels(setup, (grey.shape[1], grey.shape[0])).camera,
         pool_corners_m(setup),
     )
-    given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_study(camera)
+    given, lens = np.array(camera.pool_corners_px, dtype=float), lens_of_camera_section(camera)
     diagonal = diagonal_px(given)
     fit = fit_corners(grey, given, lens, corners_m)
-    off = _distance_px(fit, given)
-    moved = off is not None and off > CAMERA_MOVED_SHARE * diagonal
+    off = _largest_corner_distance_px(fit, given)
+    moved = off is not None and off > CAMERA_MOVED_SHARE_OF_DIAGONAL * diagonal
     turned = False
     if moved or off is None:
         about = np.array(grey.shape[::-1]) - 1.0 - given
-        off_turned = _distance_px(fit_corners(grey, about, lens, corners_m), about)
-        turned = off_turned is not None and off_turned <= CAMERA_MOVED_SHARE * diagonal
+        off_turned = _largest_corner_distance_px(fit_corners(grey, about, lens, corners_m), about)
+        turned = off_turned is not None and off_turned <= CAMERA_MOVED_SHARE_OF_DIAGONAL * diagonal
     px_per_m = diagonal / float(np.linalg.norm(corners_m[2] - corners_m[0]))
     found = sum(line is not None for line in fit.lines)
     return PoolEdgeCheck(found, off, None if off is None else off / px_per_m, moved, turned)
 
 
-def _distance_px(fit: CornerFit, given_px: Float) -> float | None:
+def _largest_corner_distance_px(fit: CornerFit, given_px: Float) -> float | None:
     if np.isfinite(fit.corners_px).all():
         return float(np.max(np.linalg.norm(fit.corners_px - given_px, axis=1)))
     ends = [np.max(np.abs(line.ends_px)) for line in fit.lines if line is not None]

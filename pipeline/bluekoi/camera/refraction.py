@@ -20,7 +20,9 @@ def refract_rays(direction: Float, index: float) -> Float:
     return bent
 
 
-def rays_to_depth(origin: Float, direction: Float, depth_m: Float, index: float) -> Float:
+def intersect_rays_with_depth(
+    origin: Float, direction: Float, depth_m: Float, index: float
+) -> Float:
     """Points (n, 2) where rays from `origin` (3,) reach `depth_m` (n,) below the surface, m.
 
     Rays are unit vectors (n, 3), z up, in air; a negative depth lies above the water. NaN for
@@ -33,7 +35,9 @@ def rays_to_depth(origin: Float, direction: Float, depth_m: Float, index: float)
     return above + bent[:, :2] * (np.maximum(depth_m, 0.0) / -bent[:, 2])[:, None]
 
 
-def air_path_share(across_m: Float, height_m: float, depth_m: Float, index: float) -> Float:
+def horizontal_air_path_share(
+    across_m: Float, height_m: float, depth_m: Float, index: float
+) -> Float:
     """Share (n,) of the horizontal way from camera to point that light goes in air.
 
     Root of s/sqrt(s^2 + H^2) - n (r - s)/sqrt((r - s)^2 + D^2), which grows with s in [0, r]:
@@ -60,7 +64,7 @@ def air_path_share(across_m: Float, height_m: float, depth_m: Float, index: floa
         return np.where(across_m > 0, s / across_m, 0.0)
 
 
-def apparent_points(origin: Float, points: Float, index: float) -> Float:
+def surface_points_of_light_paths(origin: Float, points: Float, index: float) -> Float:
     """Points (n, 3) as a camera at `origin` (3,) sees them: where their light leaves the water.
 
     Points above the surface come back unchanged; points below come back as the place on the
@@ -70,6 +74,8 @@ def apparent_points(origin: Float, points: Float, index: float) -> Float:
         return points
     way = points[:, :2] - origin[:2]
     depth = np.maximum(-points[:, 2], 0.0)
-    share = air_path_share(np.hypot(way[:, 0], way[:, 1]), float(origin[2]), depth, index)
+    share = horizontal_air_path_share(
+        np.hypot(way[:, 0], way[:, 1]), float(origin[2]), depth, index
+    )
     on_surface = np.column_stack([origin[:2] + way * share[:, None], np.zeros(len(points))])
     return np.where((points[:, 2] < 0)[:, None], on_surface, points)

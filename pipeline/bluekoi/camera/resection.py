@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from ..data import Float
 from ..errors import input_error
-from .lens import Lens, directions, pixels
-from .refraction import apparent_points
+from .lens import Lens, project_to_pixels, ray_directions
+from .refraction import surface_points_of_light_paths
 
 CORNER_NAMES = ("(0, 0)", "(length, 0)", "(length, width)", "(0, width)")
 CORNER_ORDERS = {
@@ -21,16 +21,16 @@ CORNER_ORDERS = {
     (0, 3, 2, 1): "swap the second and the fourth",
 }
 """Order in which corners may have been listed by mistake, and what to do about it."""
-MAX_MISFIT_SHARE = 0.015
+MAX_REPROJECTION_SHARE_OF_DIAGONAL = 0.015
 """Misfit of the corners, over the pool's diagonal in the picture, above which they are refused."""
-DERIVATIVE_STEP = 1e-7
+POSE_DERIVATIVE_STEP = 1e-7
 """Step of the difference quotients with respect to the pose (rad, m)."""
 SOLVER_TOLERANCES = {"ftol": 1e-12, "xtol": 1e-12, "gtol": 1e-12}
-MAX_COST_RATIO = 30.0
+MAX_COST_OVER_BEST = 30.0
 """Starting poses whose cost is larger than this multiple of the least are dropped."""
 
 
-def pose(
+def pose_from_marks(
     lens: Lens, corners_px: Float, corners_m: Float, index: float
 ) -> tuple[Float, Float, Float]:
     """Rotation (3, 3), translation (3,) and residuals (4, 2) px of the nearest pose.
@@ -38,15 +38,15 @@ def pose(
     Both planar solutions (cv2.SOLVEPNP_IPPE) are refined by Levenberg-Marquardt on the pixels,
     refracted where the marks lie under water; the nearer one with the camera above wins.
     """
-    rays = directions(lens, corners_px)
+    rays = ray_directions(lens, corners_px)
     lost = np.flatnonzero(~np.isfinite(rays).all(axis=1) | (rays[:, 2] <= 0))
     if len(lost):
-        raise _outside_lens(corners_px, int(lost[0]))
+        raise _corner_outside_lens_error(corners_px, int(lost[0]))
 
-    residuals = _residuals(lens, corners_px, corners_m, index)
-    starts = _starts(rays[:, :2] / rays[:, 2:], corners_m)
+    residuals = _reprojection_residuals_px(lens, corners_px, corners_m, index)
+    starts = _starting_poses(rays[:, :2] / rays[:, 2:], corners_m)
     costs = [float(np.sum(residuals(start) ** 2)) for start in starts]
-    likely = [s for s, c in zip(starts, costs, strict=True) if c <= MAX_COST_RATIO * min(costs)]
+    likely = [s for s, c in zip(starts, costs, strict=True) if c <= MAX_COST_OVER_BEST * min(costs)]
     fits = [
         least_squares(residuals, start, method="lm", x_scale="jac", **SOLVER_TOLERANCES)
         for start in likely
@@ -56,7 +56,7 @@ def pose(
     return turn, shift, np.asarray(best.fun, dtype=np.float64).reshape(4, 2)
 
 
-def pose_near(
+def first_order_pose(
     lens: Lens, corners_px: Float, corners_m: Float, index: float, *, rotation: Float, translation:
     Float,
 ) -> tuple[Float, Float, Float]:  # fmt: skip
@@ -64,19 +64,19 @@ def pose_near(
 
     One Gauss-Newton step from the pose found for a lens and corners that hardly differ.
     """
-    residuals_at = _residuals(lens, corners_px, corners_m, index)
+    residuals_at = _reprojection_residuals_px(lens, corners_px, corners_m, index)
     state = np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), translation])
     residuals = residuals_at(state)
-    steps = np.eye(6) * DERIVATIVE_STEP
+    steps = np.eye(6) * POSE_DERIVATIVE_STEP
     slope = np.column_stack(
-        [(residuals_at(state + step) - residuals) / DERIVATIVE_STEP for step in steps]
+        [(residuals_at(state + step) - residuals) / POSE_DERIVATIVE_STEP for step in steps]
     )
     state = state - np.linalg.lstsq(slope, residuals, rcond=None)[0]
     turn = Rotation.from_rotvec(state[:3]).as_matrix()
     return turn, state[3:], residuals_at(state).reshape(4, 2)
 
 
-def _residuals(
+def _reprojection_residuals_px(
     lens: Lens, corners_px: Float, corners_m: Float, index: float
 ) -> Callable[[Float], Float]:
     """Residuals (8,) px of the marks as a function of rotation vector and translation (6,)."""
@@ -84,8 +84,8 @@ def _residuals(
     def residuals(parameters: Float) -> Float:
         turn = Rotation.from_rotvec(parameters[:3]).as_matrix()
         shift = parameters[3:]
-        seen = apparent_points(-turn.T @ shift, corners_m, index)
-        image = pixels(lens, seen @ turn.T + shift)
+        seen = surface_points_of_light_paths(-turn.T @ shift, corners_m, index)
+        image = project_to_pixels(lens, seen @ turn.T + shift)
         return np.nan_to_num(corners_px - image, nan=1e4).ravel()
 
     return residuals
@@ -97,13 +97,13 @@ def pool_rectangle(length_m: float, width_m: float, height_m: float) -> Float:
     return np.array([(x, y, height_m) for x, y in flat], dtype=float)
 
 
-def fitting_order(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
+def corner_order_that_fits(lens: Lens, corners_px: Float, corners_m: Float, index: float) -> str:
     """Words for the order of corners that fits, or nothing where no order does."""
-    limit = MAX_MISFIT_SHARE * diagonal_px(corners_px)
+    limit = MAX_REPROJECTION_SHARE_OF_DIAGONAL * diagonal_px(corners_px)
     for order, words in CORNER_ORDERS.items():
-        turn, shift, residuals = pose(lens, corners_px[list(order)], corners_m, index)
+        turn, shift, residuals = pose_from_marks(lens, corners_px[list(order)], corners_m, index)
         above = (-turn.T @ shift)[2] > 0
-        if above and rms(residuals) < limit / 2:
+        if above and rms_length_px(residuals) < limit / 2:
             return words
     return ""
 
@@ -113,12 +113,12 @@ def diagonal_px(corners_px: Float) -> float:
     return float(np.mean(np.linalg.norm(corners_px[:2] - corners_px[2:], axis=1)))
 
 
-def rms(residuals_px: Float) -> float:
+def rms_length_px(residuals_px: Float) -> float:
     """Root mean square length of residuals (n, 2), px."""
     return float(np.sqrt(np.mean(np.sum(residuals_px**2, axis=-1))))
 
 
-def _starts(plane: Float, corners_m: Float) -> list[Float]:
+def _starting_poses(plane: Float, corners_m: Float) -> list[Float]:
     """Starting poses (6,) = rotation vector, translation, with the camera above the water."""
     middle = corners_m.mean(axis=0)
     found = cv2.solvePnPGeneric(
@@ -130,10 +130,10 @@ def _starts(plane: Float, corners_m: Float) -> list[Float]:
         moved = shift.ravel() - rotation @ middle
         if (-rotation.T @ moved)[2] > middle[2]:
             starts.append(np.concatenate([turn.ravel(), moved]))
-    return starts or [_from_above(plane, corners_m)]
+    return starts or [_overhead_starting_pose(plane, corners_m)]
 
 
-def _from_above(plane: Float, corners_m: Float) -> Float:
+def _overhead_starting_pose(plane: Float, corners_m: Float) -> Float:
     """A camera that looks straight down from where the pool has its size: a last resort."""
     size = float(np.linalg.norm(corners_m[2] - corners_m[0]))
     height = size / max(1e-6, float(np.linalg.norm(plane[2] - plane[0])))
@@ -142,7 +142,7 @@ def _from_above(plane: Float, corners_m: Float) -> Float:
     return np.concatenate([Rotation.from_matrix(rotation).as_rotvec(), -rotation @ center])
 
 
-def _outside_lens(corners_px: Float, which: int) -> Exception:
+def _corner_outside_lens_error(corners_px: Float, which: int) -> Exception:
     u, v = corners_px[which]
     return input_error(
         "study.yaml",

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..data import Float, Positions, confident
+from ..data import Float, Positions, is_confident
 from ..errors import input_error
 from ..study import Robot
-from .corners import camera_from_corners
 from .lens import Lens
-from .pool import PoolCamera, project, to_pool
+from .pool_projection import PoolCamera, map_to_pool, pool_to_pixels
+from .study_camera import camera_from_corners
 
 RIGID_PAIRS = (("head_tip", "hinge"), ("hinge", "core_center"), ("core_center", "tail_base"))
 MAX_DISTANCES = 30_000
-LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
+STATED_LENGTH_STD_SHARE = 0.003  # ASSUME the robot's lengths in study.yaml are measured to 0.3 %
 MAD_TO_STD = 1.4826
-MAX_DEVIATION_STDS = 6.0
+MAX_DEVIATION_ROBUST_STDS = 6.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Distances:
 
 
 @dataclass(frozen=True)
-class Geometry:
+class CameraGeometry:
     """What maps pixels to places: a camera and the depth of the keypoints, m."""
 
     camera: PoolCamera
@@ -66,7 +66,8 @@ def rigid_distances(
         found
         for t, (positions, head) in enumerate(zip(trials, head_lengths_m, strict=True))
         for k, pair in enumerate(RIGID_PAIRS)
-        if (found := _of_pair(positions, pair, head if k == 0 else known[k], (t, k))) is not None
+        if (found := _distances_of_pair(positions, pair, head if k == 0 else known[k], (t, k)))
+        is not None
     ]
     if not parts:
         raise input_error(
@@ -80,19 +81,19 @@ def rigid_distances(
     return Distances(**{name: values[::stride] for name, values in columns.items()})
 
 
-def _of_pair(
+def _distances_of_pair(
     positions: Positions, pair: tuple[str, str], known_m: float, labels: tuple[int, int]
 ) -> dict[str, Float] | None:
     if not set(pair) <= set(positions.names):
         return None
     ends = [positions.names.index(name) for name in pair]
     front, back = positions.xy_m[:, ends[0]], positions.xy_m[:, ends[1]]
-    trusted = confident(positions.likelihood[:, ends]).all(axis=1)
+    trusted = is_confident(positions.likelihood[:, ends]).all(axis=1)
     length = np.linalg.norm(front - back, axis=1)
     good = trusted & np.isfinite(length)
     if good.sum() < 10:
         return None
-    std, near = robust_std(length, good)
+    std, near = robust_std_and_inliers(length, good)
     good &= near
     n = int(good.sum())
     excess = length[good] - known_m - std**2 / (2 * known_m)
@@ -104,21 +105,21 @@ def _of_pair(
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(labels[0])),
         "pair": np.full(n, float(labels[1])),
-        "bend_rad": _bend(positions)[good],
+        "bend_rad": _raw_head_angle(positions)[good],
         "time_s": positions.time_s[good] - positions.time_s[0],
     }
 
 
-def robust_std(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
+def robust_std_and_inliers(values: Float, good: np.ndarray) -> tuple[float, np.ndarray]:
     """Robust std of the good values (n,) about their median, and which of all lie within
-    `MAX_DEVIATION_STDS` of it.
+    `MAX_DEVIATION_ROBUST_STDS` of it.
     """
     off = np.abs(values - np.median(values[good]))
     std = max(1e-6, MAD_TO_STD * float(np.median(off[good])))
-    return std, off < MAX_DEVIATION_STDS * std
+    return std, off < MAX_DEVIATION_ROBUST_STDS * std
 
 
-def _bend(positions: Positions) -> Float:
+def _raw_head_angle(positions: Positions) -> Float:
     """Head angle (frames,) from raw points, within a half turn; 0 where it cannot be had."""
     if not {"head_tip", "hinge", "tail_base"} <= set(positions.names):
         return np.zeros(len(positions.time_s))
@@ -128,14 +129,14 @@ def _bend(positions: Positions) -> Float:
     return np.nan_to_num(np.arctan2(across, np.sum(head * core, axis=1)))
 
 
-def pixels_of(geometry: Geometry, places_m: Float) -> Float:
+def pixels_of_places(geometry: CameraGeometry, places_m: Float) -> Float:
     """Pixels (n, 2) of places (n, 2) at the keypoints' depth."""
     depth = np.full(len(places_m), -geometry.depth_m)
-    return project(geometry.camera, np.column_stack([places_m, depth]))
+    return pool_to_pixels(geometry.camera, np.column_stack([places_m, depth]))
 
 
-def camera_patterns(
-    geometry: Geometry, distances: Distances, names: Collection[str] = ()
+def excess_by_camera_error(
+    geometry: CameraGeometry, distances: Distances, names: Collection[str] = ()
 ) -> dict[str, Float]:
     """Excess (n,) that a unit error of each parameter of the camera makes, to first order.
 
@@ -144,10 +145,10 @@ def camera_patterns(
     A parameter's error is true value minus value used; where it changes the lens or the pool, the
     pose is fitted again to the same corner pixels, as it was when the error was made.
     """
-    ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
+    ends = [pixels_of_places(geometry, end) for end in (distances.front_m, distances.back_m)]
 
-    def length(changed: Geometry) -> Float:
-        front, back = (to_pool(changed.camera, uv, changed.depth_m) for uv in ends)
+    def length(changed: CameraGeometry) -> Float:
+        front, back = (map_to_pool(changed.camera, uv, changed.depth_m) for uv in ends)
         return np.asarray(np.linalg.norm(front - back, axis=1), dtype=np.float64)
 
     patterns = {}
@@ -162,23 +163,23 @@ def camera_patterns(
     return patterns
 
 
-def with_errors(geometry: Geometry, errors: Mapping[str, float]) -> Geometry:
+def geometry_with_errors(geometry: CameraGeometry, errors: Mapping[str, float]) -> CameraGeometry:
     """A geometry changed by errors: `ERROR_PARAMETERS` name -> true value minus value used."""
     for name, value in errors.items():
         geometry = ERROR_PARAMETERS[name][0](geometry, value)
     return geometry
 
 
-def without_error(
-    geometry: Geometry, distances: Distances, errors: Mapping[str, float]
-) -> tuple[Geometry, Distances]:
+def remove_camera_errors(
+    geometry: CameraGeometry, distances: Distances, errors: Mapping[str, float]
+) -> tuple[CameraGeometry, Distances]:
     """Geometry and distances as they would be without errors of the camera, however large.
 
     errors: parameter -> true value minus value used.
     """
-    changed = with_errors(geometry, errors)
+    changed = geometry_with_errors(geometry, errors)
     front, back = (
-        to_pool(changed.camera, pixels_of(geometry, end), changed.depth_m)
+        map_to_pool(changed.camera, pixels_of_places(geometry, end), changed.depth_m)
         for end in (distances.front_m, distances.back_m)
     )
     before = np.linalg.norm(distances.front_m - distances.back_m, axis=1)
@@ -187,7 +188,7 @@ def without_error(
                             excess_m=distances.excess_m + grown)  # fmt: skip
 
 
-def keypoint_patterns(distances: Distances) -> dict[str, Float]:
+def excess_by_keypoint_shift(distances: Distances) -> dict[str, Float]:
     """Excess (n,) that a unit shift of one keypoint along the body makes, m per m.
 
     head_tip along the head; hinge and core_center along the core, forwards; tail_base backwards.
@@ -201,30 +202,30 @@ def keypoint_patterns(distances: Distances) -> dict[str, Float]:
     }
 
 
-def _with_lens(camera: PoolCamera, lens: Lens) -> PoolCamera:
+def _camera_with_lens(camera: PoolCamera, lens: Lens) -> PoolCamera:
     return camera_from_corners(lens, camera.corners_px, camera.corners_m, camera.refractive_index)
 
 
-def _focal(geometry: Geometry, step: float) -> Geometry:
+def _change_focal_length(geometry: CameraGeometry, step: float) -> CameraGeometry:
     lens = geometry.camera.lens
     assert lens is not None
     matrix = lens.matrix.copy()
     matrix[0, 0] *= 1 + step
     matrix[1, 1] *= 1 + step
     changed = Lens(lens.model, matrix, lens.distortion, lens.size_px)
-    return replace(geometry, camera=_with_lens(geometry.camera, changed))
+    return replace(geometry, camera=_camera_with_lens(geometry.camera, changed))
 
 
-def _k1(geometry: Geometry, step: float) -> Geometry:
+def _change_distortion_k1(geometry: CameraGeometry, step: float) -> CameraGeometry:
     lens = geometry.camera.lens
     assert lens is not None
     distortion = lens.distortion.copy()
     distortion[0] += step
     changed = Lens(lens.model, lens.matrix, distortion, lens.size_px)
-    return replace(geometry, camera=_with_lens(geometry.camera, changed))
+    return replace(geometry, camera=_camera_with_lens(geometry.camera, changed))
 
 
-def _scale(geometry: Geometry, step: float) -> Geometry:
+def _change_scale(geometry: CameraGeometry, step: float) -> CameraGeometry:
     camera = geometry.camera
     wide = camera.corners_m * np.array([1 + step, 1 + step, 1.0])
     if camera.lens is None:
@@ -235,20 +236,20 @@ def _scale(geometry: Geometry, step: float) -> Geometry:
     return replace(geometry, camera=changed)
 
 
-def _depth(geometry: Geometry, step: float) -> Geometry:
+def _change_keypoint_depth(geometry: CameraGeometry, step: float) -> CameraGeometry:
     return replace(geometry, depth_m=geometry.depth_m + step)
 
 
-def _index(geometry: Geometry, step: float) -> Geometry:
+def _change_refractive_index(geometry: CameraGeometry, step: float) -> CameraGeometry:
     camera = geometry.camera
     index = camera.refractive_index + step
     return replace(geometry, camera=replace(camera, refractive_index=index))
 
 
-def _tilt(axis: int) -> Callable[[Geometry, float], Geometry]:
+def _tilt_about_axis(axis: int) -> Callable[[CameraGeometry, float], CameraGeometry]:
     """The camera turned about its own x or y axis after the corners were taken."""
 
-    def turned(geometry: Geometry, step: float) -> Geometry:
+    def turned(geometry: CameraGeometry, step: float) -> CameraGeometry:
         camera = geometry.camera
         assert camera.rotation is not None
         assert camera.translation is not None
@@ -261,13 +262,13 @@ def _tilt(axis: int) -> Callable[[Geometry, float], Geometry]:
     return turned
 
 
-ERROR_PARAMETERS: dict[str, tuple[Callable[[Geometry, float], Geometry], float]] = {
-    "scale": (_scale, 1e-3),
-    "focal": (_focal, 1e-3),
-    "k1": (_k1, 1e-3),
-    "tilt_x_rad": (_tilt(0), 1e-3),
-    "tilt_y_rad": (_tilt(1), 1e-3),
-    "depth_m": (_depth, 1e-3),
-    "refractive_index": (_index, 1e-3),
+ERROR_PARAMETERS: dict[str, tuple[Callable[[CameraGeometry, float], CameraGeometry], float]] = {
+    "scale": (_change_scale, 1e-3),
+    "focal": (_change_focal_length, 1e-3),
+    "k1": (_change_distortion_k1, 1e-3),
+    "tilt_x_rad": (_tilt_about_axis(0), 1e-3),
+    "tilt_y_rad": (_tilt_about_axis(1), 1e-3),
+    "depth_m": (_change_keypoint_depth, 1e-3),
+    "refractive_index": (_change_refractive_index, 1e-3),
 }
 CAMERA_PARAMETERS = frozenset(ERROR_PARAMETERS) - {"scale"}

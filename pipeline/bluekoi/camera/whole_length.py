@@ -6,12 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..data import Float, Positions, confident
+from ..data import Float, Positions, is_confident
 from ..errors import input_error
 from ..study import Robot
-from .rigid_distances import LENGTH_STD_SHARE, Distances, Geometry, pixels_of, robust_std
+from .rigid_distances import (
+    STATED_LENGTH_STD_SHARE,
+    CameraGeometry,
+    Distances,
+    pixels_of_places,
+    robust_std_and_inliers,
+)
 
-WHOLE_LENGTH = "whole length"
+WHOLE_LENGTH_LABEL = "whole length"
 """`measured` in geometry.json, where it replaces the rigid distances."""
 END_PARTS = ("head_tip", "tail_tip")
 """Parts between which the whole length is measured."""
@@ -19,13 +25,13 @@ REQUIRED_CONFIDENT_PARTS = ("head_tip", "hinge", "core_center")
 """Parts whose likelihood decides whether a frame is used. Not the tail: its likelihood is lower
 where the tail is shorter than stated.
 """
-WHOLE_LENGTH_PAIR = 3.0
+WHOLE_LENGTH_PAIR_NUMBER = 3.0
 """Number of this pair, after those of `RIGID_PAIRS`; no keypoint bias changes its length."""
-END_ERROR_PX, BLUR_ERROR_SHARE = 0.5, 0.8
+BODY_END_ERROR_PX, MOTION_BLUR_ERROR_SHARE = 0.5, 0.8
 """Systematic error of an end, px, and as a share of the frames' spread by motion blur
 (docs/measuring.md).
 """
-TRIAL_LENGTH_STD_SHARE = 0.003
+TRIAL_TO_TRIAL_LENGTH_STD_SHARE = 0.003
 """Relative error common to all frames of a trial."""
 MIN_SHARP_TRIALS = 3
 MAX_LENGTH_STD_SHARE = 0.006
@@ -54,7 +60,11 @@ def whole_lengths(
     parts = [
         found
         for t, (one, pairs, head_m) in enumerate(zip(trials, seen, head_lengths_m, strict=True))
-        if (found := _of_trial(one, np.asarray(pairs).reshape(-1, 2), head_m + rest_m, t))
+        if (
+            found := _whole_lengths_of_trial(
+                one, np.asarray(pairs).reshape(-1, 2), head_m + rest_m, t
+            )
+        )
     ]
     if len(parts) < MIN_SHARP_TRIALS:
         raise input_error("keypoints",
@@ -63,27 +73,29 @@ def whole_lengths(
     return Distances(**{name: np.concatenate([p[name] for p in parts]) for name in parts[0]})
 
 
-def systematic_share(geometry: Geometry, distances: Distances) -> float:
+def systematic_length_error_share(geometry: CameraGeometry, distances: Distances) -> float:
     """Relative error common to all trials where nothing is wrong: ruler, ends, motion blur."""
-    ends = [pixels_of(geometry, end) for end in (distances.front_m, distances.back_m)]
+    ends = [pixels_of_places(geometry, end) for end in (distances.front_m, distances.back_m)]
     long_px = float(np.median(np.linalg.norm(ends[0] - ends[1], axis=1)))
     share = distances.excess_m / distances.known_m
-    spread = [robust_std(share, distances.trial == t)[0] for t in np.unique(distances.trial)]
-    blur = BLUR_ERROR_SHARE * float(np.median(spread))
-    return float(np.sqrt(LENGTH_STD_SHARE**2 + (END_ERROR_PX / long_px) ** 2 + blur**2))
+    spread = [
+        robust_std_and_inliers(share, distances.trial == t)[0] for t in np.unique(distances.trial)
+    ]
+    blur = MOTION_BLUR_ERROR_SHARE * float(np.median(spread))
+    return float(np.sqrt(STATED_LENGTH_STD_SHARE**2 + (BODY_END_ERROR_PX / long_px) ** 2 + blur**2))
 
 
-def _of_trial(
+def _whole_lengths_of_trial(
     positions: Positions, pairs: Float, known_m: float, label: int
 ) -> dict[str, Float] | None:
     frames, ratio = pairs[:, 0].astype(int), pairs[:, 1]
     front, back = (positions.part(name)[frames] for name in END_PARTS)
     body = [positions.names.index(name) for name in REQUIRED_CONFIDENT_PARTS]
-    good = confident(positions.likelihood[frames][:, body]).all(axis=1)
+    good = is_confident(positions.likelihood[frames][:, body]).all(axis=1)
     good &= np.isfinite(ratio) & np.isfinite(front).all(axis=1) & np.isfinite(back).all(axis=1)
     if good.sum() < MIN_SHARP_FRAMES:
         return None
-    std, near = robust_std(ratio, good)
+    std, near = robust_std_and_inliers(ratio, good)
     if std > MAX_LENGTH_STD_SHARE:
         return None
     good &= near
@@ -95,7 +107,7 @@ def _of_trial(
         "std_m": np.full(n, _frame_std(std, n) * known_m),
         "known_m": np.full(n, known_m),
         "trial": np.full(n, float(label)),
-        "pair": np.full(n, WHOLE_LENGTH_PAIR),
+        "pair": np.full(n, WHOLE_LENGTH_PAIR_NUMBER),
         "bend_rad": np.zeros(n),
         "time_s": positions.time_s[frames][good] - positions.time_s[0],
     }
@@ -104,5 +116,8 @@ def _of_trial(
 def _frame_std(std: float, frames: int) -> float:
     """Standard deviation of one frame for which all frames together have that of their trial."""
     return float(
-        np.sqrt(std**2 + frames * (TRIAL_LENGTH_STD_SHARE**2 + (BLUR_ERROR_SHARE * std) ** 2))
+        np.sqrt(
+            std**2
+            + frames * (TRIAL_TO_TRIAL_LENGTH_STD_SHARE**2 + (MOTION_BLUR_ERROR_SHARE * std) ** 2)
+        )
     )

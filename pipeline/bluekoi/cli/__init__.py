@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..errors import EXIT_INTERRUPTED, InputError, printable
+from ..errors import EXIT_INTERRUPTED, InputError, escape_control_characters
 from ..workflow.client import one_blas_thread
 from .camera import calibrate, pool
 from .check import check
@@ -36,7 +36,7 @@ class InputErrorGroup(click.Group):
         try:
             return super().invoke(ctx)
         except InputError as error:
-            click.echo(printable(str(error)), err=True)
+            click.echo(escape_control_characters(str(error)), err=True)
             ctx.exit(1)
         except KeyboardInterrupt:
             click.echo("Interrupted.", err=True)

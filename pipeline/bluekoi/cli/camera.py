@@ -35,7 +35,7 @@ def calibrate(
 
     Writes the camera section for study.yaml, and a picture of coverage and residuals beside it.
     """
-    from ..camera.calibrate import calibrate_files  # noqa: PLC0415
+    from ..camera.lens_calibration import calibrate_files  # noqa: PLC0415
     from ..errors import input_error  # noqa: PLC0415
 
     _spare(out, (".yaml", ".yml"), images)
@@ -76,17 +76,17 @@ def pool(
     nothing else has to be filled in for that. The exit code is 0 only if the edges are found with
     certainty and confirm the given corners.
     """
-    from ..camera.corners_picture import pool_corners_picture  # noqa: PLC0415
     from ..camera.pixel_grid import frame_with_pixel_grid  # noqa: PLC0415
-    from ..study import VIDEO_SUFFIXES, lacks_corners, load_study  # noqa: PLC0415
+    from ..camera.pool_corner_check import pool_corners_picture  # noqa: PLC0415
+    from ..study import VIDEO_SUFFIXES, lacks_pool_corners, load_study  # noqa: PLC0415
 
     if frame and not frame.exists() and (study / frame).exists():
         frame = study / frame
     _spare(out, (".png",), (frame,) if frame else ())
     confirmed = True
-    if not lacks_corners(study / "study.yaml"):
+    if not lacks_pool_corners(study / "study.yaml"):
         refuse_study_files(study, (out,))
-    if lacks_corners(study / "study.yaml"):
+    if lacks_pool_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)
         sentences = frame_with_pixel_grid(_picture(source or study / "trials.csv"), out)

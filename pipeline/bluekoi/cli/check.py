@@ -13,7 +13,7 @@ from .progress_notice import progress_notice
 def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> None:
     """Show what a key of study.yaml or trials.csv means, and end."""
     if key is not None and not ctx.resilient_parsing:
-        from ..study.keys import explain_key  # noqa: PLC0415
+        from ..study.key_reference import explain_key  # noqa: PLC0415
 
         click.echo(explain_key(key))
         ctx.exit()

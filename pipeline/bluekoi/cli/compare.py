@@ -34,12 +34,12 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
     """
     from ..comparison import compare as compared  # noqa: PLC0415
     from ..comparison import read_run  # noqa: PLC0415
-    from ..errors import printable  # noqa: PLC0415
+    from ..errors import escape_control_characters  # noqa: PLC0415
 
     runs = [read_run(_folder(path)) for path in (first, second)]
     found = compared(*runs)
     for line in table_lines(found, everything=everything):
-        click.echo(printable(line))
+        click.echo(escape_control_characters(line))
     if missing := [str(run.folder) for run in runs if not run.manifest]:
         click.echo(f"No manifest.json in {' and '.join(missing)}: settings, inputs and versions "
                    "were not compared. `bluekoi run` writes it.", err=True)  # fmt: skip

@@ -66,7 +66,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
 
 
 def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:
-    from ..errors import input_error, nearest  # noqa: PLC0415
+    from ..errors import did_you_mean, input_error  # noqa: PLC0415
 
     known = [t.trial_id for t in campaign.study.trials if t.trial_id in campaign.tracks]
     if not known:
@@ -74,7 +74,7 @@ def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[s
     for name in trials:
         if name not in known:
             raise input_error(
-                folder / "tracks", "", f"no '{name}'", "a track", nearest(name, known)
+                folder / "tracks", "", f"no '{name}'", "a track", did_you_mean(name, known)
             )
     return [name for name in known if not trials or name in trials]
 

@@ -37,13 +37,13 @@ def results_folder(study: Path, results: Path | None) -> Path:
 @click.pass_context
 def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -> None:
     """Show the verdict on STUDY, its warnings and causes, and where its report is."""
-    from ..errors import printable  # noqa: PLC0415
+    from ..errors import escape_control_characters  # noqa: PLC0415
     from ..files import read_json  # noqa: PLC0415
 
     folder = results_folder(study, results)
     found = folder / "mismatch.json"
     for line in summary(read_json(found)) if found.is_file() else ["No search for causes yet."]:
-        click.echo(printable(line))
+        click.echo(escape_control_characters(line))
     page = folder / "report.html"
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..data import Steady
 from ..errors import input_error
-from ..files import flattened, read_json
+from ..files import flatten_mapping, read_json
 from ..steady import read_steady
 
 MIN_PROBABILITY = 0.02
@@ -160,7 +160,7 @@ def _settings(first: Run, second: Run) -> Iterator[Difference]:
     for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
                          ("setting", "settings"), ("version", "versions")):  # fmt: skip
         a, b = ({name: MISSING_TEXT if value in (None, {}, []) else str(value)
-                 for name, value in flattened(run.manifest.get(key) or {})}
+                 for name, value in flatten_mapping(run.manifest.get(key) or {})}
                 for run in (first, second))  # fmt: skip
         for name in dict.fromkeys([*a, *b]):
             if a.get(name, MISSING_TEXT) != b.get(name, MISSING_TEXT):

@@ -6,7 +6,7 @@ quality: which points and frames count, how many samples count as one
 motion: poses/ID.csv and tracks/ID.csv
 """
 
-from .columns import read_columns, write_columns
-from .motion import TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
-from .quality import MIN_LIKELIHOOD, confident, poorly_seen
+from .csv_columns import read_columns, write_columns
+from .keypoint_quality import MIN_LIKELIHOOD, has_excess_variance, is_confident
+from .motion_files import TRACK_COLUMNS, read_pose, read_track, write_pose, write_track
 from .types import PARTS, Flapping, Float, Frame, Keypoints, Pose, Positions, Steady, Track

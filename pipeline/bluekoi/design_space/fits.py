@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..data import Float
-from ..errors import input_error, nearest
+from ..errors import did_you_mean, input_error
 from ..files import read_json
 from ..integrate import LANES
 from ..model import COEFFICIENTS, plates
@@ -120,7 +120,7 @@ def _extended(cells: Mapping[str, Any], path: Path, rng: np.random.Generator) ->
         slot = plates().slot.get(name)
         if slot is None:
             raise input_error(path, name, "an unknown parameter", "a known one",
-                        nearest(name, plates().slot))  # fmt: skip
+                        did_you_mean(name, plates().slot))  # fmt: skip
         best[slot], std[slot] = float(cell["value"]), float(cell.get("std") or 0.0)
     lower = np.array([p.lower for p in plates().parameters])
     upper = np.array([p.upper for p in plates().parameters])

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..data import Float, read_columns
-from ..errors import input_error, nearest
+from ..errors import did_you_mean, input_error
 
 ALLOWED_RANGES = {"time_s": (0, 600), "head_angle_deg": (-120, 120), "power_pct": (0, 300),
           "flap_hz": (0, 100)}  # fmt: skip
@@ -49,7 +49,7 @@ def read_schedule(path: Path, hz_of_power: Callable[[float], float]) -> Schedule
                 name,
                 "an unknown column",
                 ", ".join(SCHEDULE_COLUMNS),
-                nearest(name, SCHEDULE_COLUMNS),
+                did_you_mean(name, SCHEDULE_COLUMNS),
             )
     if ("power_pct" in columns) == ("flap_hz" in columns):
         raise input_error(path, "", "both or neither of power_pct and flap_hz", "one of them")

@@ -11,9 +11,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from ..data import Float
-from ..errors import InputError, input_error, nearest
+from ..errors import InputError, did_you_mean, input_error
 from ..study import Setup, Study
-from ..study.messages import explain
+from ..study.validation_messages import findings_from_validation_error
 from .fits import COEFFICIENT_DRAWS, Fitted
 from .front import Design
 from .steady_states import Condition, steady_states
@@ -45,13 +45,13 @@ def tested_range(study: Study) -> Range:
     trials = study.trials
     angles = [abs(t.head_angle_deg) for t in trials if abs(t.head_angle_deg) >= 3]
     return Range(
-        _span([t.power_pct for t in trials]),
-        _span(angles or [0.0]),
-        _span([t.head_length_m for t in trials]),
+        _lowest_and_highest([t.power_pct for t in trials]),
+        _lowest_and_highest(angles or [0.0]),
+        _lowest_and_highest([t.head_length_m for t in trials]),
     )
 
 
-def _span(values: Sequence[float]) -> tuple[float, float]:
+def _lowest_and_highest(values: Sequence[float]) -> tuple[float, float]:
     return min(values), max(values)
 
 
@@ -73,9 +73,11 @@ def designs(
     for key in keys:
         if key not in known:
             raise input_error("robot", key, "an unknown key", "a key of robot in study.yaml",
-                        nearest(key, known))  # fmt: skip
+                        did_you_mean(key, known))  # fmt: skip
     grid = list(itertools.product(powers, angles_deg, lengths_m, *(other or {}).values()))
-    robots = [_with(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid]
+    robots = [
+        _setup_with_changes(setup, dict(zip(keys, rest, strict=True))) for _, _, _, *rest in grid
+    ]
     conditions = [
         Condition(fit.at_power(p), float(np.radians(a)), h, robot)
         for (p, a, h, *_), robot in zip(grid, robots, strict=True)
@@ -88,8 +90,8 @@ def designs(
             head_angle_deg=a,
             head_length_m=h,
             other=dict(zip(keys, rest, strict=True)),
-            speed_m_s=_band(states.speed_m_s[i]),
-            radius_m=_band(states.radius_m[i]),
+            speed_m_s=_median_and_95_bounds(states.speed_m_s[i]),
+            radius_m=_median_and_95_bounds(states.radius_m[i]),
             extrapolated=tuple(tested.outside(p, a, h)) + tuple(
                 k for k, v in zip(keys, rest, strict=True) if v != getattr(setup.robot, k)
             ),
@@ -106,7 +108,7 @@ def _refuse_too_many(axes: Sequence[Sequence[float]]) -> None:
                     "Take larger steps or shorter ranges.")  # fmt: skip
 
 
-def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
+def _setup_with_changes(setup: Setup, changes: Mapping[str, float]) -> Setup:
     if not changes:
         return setup
     contents = setup.model_dump()
@@ -114,10 +116,10 @@ def _with(setup: Setup, changes: Mapping[str, float]) -> Setup:
     try:
         return type(setup).model_validate(contents)
     except ValidationError as error:
-        raise InputError(explain("--robot", error, type(setup))) from error
+        raise InputError(findings_from_validation_error("--robot", error, type(setup))) from error
 
 
-def _band(draws: Float) -> tuple[float, float, float]:
+def _median_and_95_bounds(draws: Float) -> tuple[float, float, float]:
     """Best value, and 95 % bounds from the spread of the draws (in logarithms)."""
     best, rest = draws[0], draws[1:]
     rest = rest[np.isfinite(rest) & (rest > 0)]

@@ -6,7 +6,7 @@
 w = 0 is a first-order motor. w = 1 is a motor with a controller that reaches full frequency after
 2 tau, by a linear ramp (q = 0) or a smooth one (q = 1). In all these forms the lost time is
 k (tau + t_d): the phase stays behind that of a motor with immediate full speed by f times this
-time. A motor log shows it (`motor/start.py`).
+time. A motor log shows it (`motor/spin_up.py`).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """

@@ -6,7 +6,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 
-from ..errors import Finding, InputError, nearest
+from ..errors import Finding, InputError, did_you_mean
 from ..integrate import Parameter, Stage
 from .model import (
     CAUSE_KINDS,
@@ -108,12 +108,12 @@ def _check_names(model: Model) -> list[Finding]:
         for given in (s.observed, s.rate_of):
             if given and given not in observed:
                 out.append(_finding(model, f"state {s.name}", f"'{given}'", "an observation",
-                                    nearest(given, observed)))  # fmt: skip
+                                    did_you_mean(given, observed)))  # fmt: skip
         if not s.start_std > 0:
             out.append(_finding(model, f"state {s.name}: start_std", s.start_std, "above 0"))
     out += [_finding(model, f"observation {o.name}: std", o.std, "above 0")
             for o in model.observations if not o.std > 0]  # fmt: skip
-    out += [_finding(model, "path", f"'{n}'", "two observations", nearest(n, observed))
+    out += [_finding(model, "path", f"'{n}'", "two observations", did_you_mean(n, observed))
             for n in model.path if n not in observed]  # fmt: skip
     total = len(model.states) + len(model.channels) + len(model.observations)
     if total > MAX_STATES:
@@ -145,7 +145,8 @@ def _check_stages(model: Model) -> list[Finding]:
         if stage.name not in (RATES_STAGE, OBSERVE_STAGE):
             known |= set(stage.outputs)
     outputs = [o for s in model.stages if s.open for o in s.outputs]
-    out += [_finding(model, "pushed", f"'{n}'", "an output of an open stage", nearest(n, outputs))
+    out += [_finding(model, "pushed", f"'{n}'", "an output of an open stage",
+                     did_you_mean(n, outputs))
             for n in model.pushed or () if n not in outputs]  # fmt: skip
     if model.pushed is None and model.force is None:
         out.append(
@@ -165,7 +166,8 @@ def _check_arguments(
     """Arguments of a function that are not among the known names."""
     return [_finding(model, f"{where}: {function.__name__}", f"argument '{a}'",
                      "a state, input, constant, coefficient, t or an output of a stage before",
-                     nearest(a, known)) for a in arguments(function) if a not in known]  # fmt: skip
+                     did_you_mean(a, known))
+            for a in arguments(function) if a not in known]  # fmt: skip
 
 
 def _check_causes(model: Model) -> list[Finding]:
@@ -186,7 +188,7 @@ def _check_causes(model: Model) -> list[Finding]:
         for stage in c.hooks:
             if stage not in opened:
                 out.append(_finding(model, f"{where}: hooks", f"stage '{stage}'", "an open stage",
-                                    nearest(stage, opened)))  # fmt: skip
+                                    did_you_mean(stage, opened)))  # fmt: skip
         if not 1 <= c.strengths <= len(c.parameters):
             out.append(
                 _finding(
@@ -231,7 +233,7 @@ def _check_coefficients(model: Model) -> list[Finding]:
     out += [_finding(model, f"coefficient {n}", "no equation that asks for it",
                      "an argument of that name in a stage or a cause") for n in known
             if n not in used]  # fmt: skip
-    return out + [_finding(model, "per_group", f"'{n}'", "a coefficient", nearest(n, known))
+    return out + [_finding(model, "per_group", f"'{n}'", "a coefficient", did_you_mean(n, known))
                   for n in model.per_group if n not in known]  # fmt: skip
 
 

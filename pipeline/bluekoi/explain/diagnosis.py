@@ -9,7 +9,7 @@ import numpy as np
 
 from ..data import Float
 from ..errors import InputError, input_error
-from ..vectors import njit
+from ..vector_width import njit
 from .model import Function, Model, arguments
 from .trials import Trial
 

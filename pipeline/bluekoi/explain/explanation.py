@@ -25,7 +25,7 @@ from ..engine import (
 from ..engine.naming import NAMED, UNEXPLAINED, gain
 from ..engine.problem import silent
 from ..engine.scored import score
-from ..errors import Finding, InputError, nearest
+from ..errors import Finding, InputError, did_you_mean
 from ..fitting import Series
 from .checks import checked_model
 from .comparison import PREDICTION_ERRORS, Fitted, HeldOut, errors_of_sets, held_out, with_criterion
@@ -177,7 +177,8 @@ def requested_causes(
     if unknown:
         raise InputError([
             Finding(model.name, "causes", f"'{n}'", "a cause of the model",
-                    nearest(n, known) if known else "The model has no causes.") for n in unknown
+                    did_you_mean(n, known) if known else "The model has no causes.")
+            for n in unknown
         ])  # fmt: skip
     chosen = known if candidates is None else candidates
     return tuple(n for n in known if n in chosen and n not in without)

@@ -20,7 +20,7 @@ import pandas as pd
 import yaml
 
 from ..data import Float
-from ..errors import Finding, InputError, input_error, nearest
+from ..errors import Finding, InputError, did_you_mean, input_error
 from ..files import read_text
 from .model import Model
 from .trials import FIT_ROLE, Trial
@@ -86,7 +86,7 @@ def _known(
     unknown = [str(k) for k in given if k not in keys]
     if unknown:
         raise InputError([Finding(str(path), where or k, f"'{k}'", expected,
-                                  nearest(k, keys) if keys else "The model has none.")
+                                  did_you_mean(k, keys) if keys else "The model has none.")
                           for k in unknown])  # fmt: skip
 
 
@@ -98,7 +98,8 @@ def _columns(model: Model, settings: Mapping[str, Any], path: Path) -> dict[str,
     if not isinstance(given, dict):
         raise input_error(path, "columns", given, f"an entry for each of {', '.join(wanted)}")
     findings = [Finding(str(path), "columns", f"'{k}'", "time, an input or an observation",
-                        nearest(str(k), wanted)) for k in given if k not in wanted]  # fmt: skip
+                        did_you_mean(str(k), wanted))
+                for k in given if k not in wanted]  # fmt: skip
     findings += [Finding(str(path), "columns", f"no '{k}'", f"{k}: {{column: NAME, unit: {u}}}")
                  for k, u in wanted.items() if k not in given]  # fmt: skip
     if findings:
@@ -223,7 +224,7 @@ def _present(path: Path, names: Sequence[str], wanted: Sequence[str]) -> None:
                 for c in again]  # fmt: skip
     findings = findings or [
         Finding(str(path), "header", f"no column '{c}'", "the column that data.yaml names",
-                nearest(c, names)) for c in lacking
+                did_you_mean(c, names)) for c in lacking
     ]  # fmt: skip
     if findings:
         raise InputError(findings)

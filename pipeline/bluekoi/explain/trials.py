@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..errors import Finding, InputError, input_error, nearest
+from ..errors import Finding, InputError, did_you_mean, input_error
 from ..fitting import Series
 from .assembly import Assembly, scale_names
 from .model import Model
@@ -106,7 +106,7 @@ def _faults(model: Model, trial: Trial) -> list[Finding]:
         out.append(Finding(file, "role", f"'{trial.role}'", f"'{FIT_ROLE}' or '{HELD_OUT_ROLE}'"))
     known = {n for c in model.causes for n in c.evidence}
     out += [Finding(file, "evidence", f"'{n}'", "a side measurement of a cause",
-                    nearest(n, known) if known else "The model has none.")
+                    did_you_mean(n, known) if known else "The model has none.")
             for n in trial.evidence if n not in known]  # fmt: skip
     return out
 
@@ -127,8 +127,9 @@ def _name_faults(
     required: Sequence[str] | None = None,
 ) -> list[Finding]:  # fmt: skip
     a = "an" if what[0] in "aeiou" else "a"
-    out = [Finding(file, what, f"'{n}'", f"{a} {what} of the model", nearest(n, known) if known else
-                   f"The model has no {what}.") for n in given if n not in known]  # fmt: skip
+    out = [Finding(file, what, f"'{n}'", f"{a} {what} of the model",
+                   did_you_mean(n, known) if known else f"The model has no {what}.")
+            for n in given if n not in known]  # fmt: skip
     lacking = [n for n in (known if required is None else required) if n not in given]
     return out + [Finding(file, what, f"no '{n}'", f"a value for each {what} of the model",
                           "Name its column in data.yaml.") for n in lacking]  # fmt: skip

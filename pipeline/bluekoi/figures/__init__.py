@@ -22,7 +22,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.figure import Figure
 
 from ..campaign import Campaign, load_campaign
-from ..errors import input_error, nearest
+from ..errors import did_you_mean, input_error
 from ..files import atomic_write, write_rows
 from .drawing.figure_data import Point, extract_points
 from .drawing.style import RC_PARAMS, placeholder_figure
@@ -136,6 +136,6 @@ def _reason(name: str, campaign: Campaign) -> str:
 def _module(name: str) -> ModuleType:
     if name not in figure_names():
         raise input_error(
-            "figures", "", f"'{name}'", "the name of a figure", nearest(name, figure_names())
+            "figures", "", f"'{name}'", "the name of a figure", did_you_mean(name, figure_names())
         )
     return import_module(f"{__name__}.{name}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vectors import njit
+from ..vector_width import njit
 
 CHUNK = 64
 """Observations gathered before their products are summed: sums along rows become vectors."""

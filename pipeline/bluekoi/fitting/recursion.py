@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..vectors import njit
+from ..vector_width import njit
 
 HALF_LOG_2PI = 0.9189385332046727
 FAST = {"reassoc", "contract", "nsz", "arcp"}

@@ -5,8 +5,8 @@ frames(recording)      -> Frame, ...    luma (and bgr) at the times the camera s
 encode(path, ...)                       an H.264 video that any browser plays
 """
 
-from .reading import frames
+from .frame_reading import frames
 from .recording import open_recording
-from .writing import encode
+from .video_writing import encode_h264
 
-__all__ = ["encode", "frames", "open_recording"]
+__all__ = ["encode_h264", "frames", "open_recording"]

@@ -8,13 +8,13 @@ from itertools import accumulate
 from pathlib import Path
 
 from ..errors import InputError, input_error
-from .boxes import Boxes, read_boxes
-from .chapters import chapter_of, in_order, unnamed_chapters
-from .pictures import Luma
-from .probe import Probe, probe
-from .telemetry import camera_seconds
+from .gopro_chapters import gopro_chapter, sort_chapters, unlisted_chapters
+from .gopro_telemetry import camera_seconds_per_footage_second
+from .luma_planes import Luma
+from .mp4_boxes import ContainerBoxes, read_container_boxes
+from .video_probe import Probe, probe
 
-CLOCK_TOLERANCE = 0.02
+CLOCK_TOLERANCE_SHARE = 0.02
 """Relative difference of two clocks of a recording above which it is reported."""
 IMAGES_CODEC = "images"
 """Codec of a recording whose frames are picture files."""
@@ -65,13 +65,13 @@ def open_recording(
     stretched lens mode or a time-lapse, of another size than its fellows, or where a chapter is
     missing.
     """
-    from .images import are_images, open_images  # noqa: PLC0415  which needs `Recording`
+    from .image_recording import all_are_images, open_images  # noqa: PLC0415  which needs `Recording`
 
-    if are_images(paths):
+    if all_are_images(paths):
         return open_images(paths, fps=fps, start_s=start_s, end_s=end_s)
-    ordered = in_order([Path(path) for path in paths])
-    probes = [_checked(path, fps) for path in ordered]
-    _same_kind(ordered, probes)
+    ordered = sort_chapters([Path(path) for path in paths])
+    probes = [_probe_checked(path, fps) for path in ordered]
+    _check_same_format(ordered, probes)
     first = probes[0]
     width, height = first.size_px
     turned = first.rotation_deg % 180 != 0
@@ -82,39 +82,39 @@ def open_recording(
         frames_declared=sum(p.frames_declared for p in probes),
         frames_present=sum(p.frames_present for p in probes),
         nominal_fps=first.fps,
-        offset_s=_offsets(probes),
+        offset_s=_chapter_starts_s(probes),
         rotation_deg=first.rotation_deg,
         fps=fps,
         start_s=start_s,
         end_s=end_s,
-        remarks=_remarks(ordered, probes, fps),
+        remarks=_recording_remarks(ordered, probes, fps),
         key_stamps=tuple(p.key_stamps for p in probes),
         time_base_s=first.time_base_s,
         first_luma=first.first_luma,
     )
-    _check_part(recording, probes)
+    _check_part_within_recording(recording, probes)
     return recording
 
 
-def _checked(path: Path, fps: float | None) -> Probe:
+def _probe_checked(path: Path, fps: float | None) -> Probe:
     """Probe of one file that is worth decoding."""
     if not path.is_file():
         raise input_error(path, "", "no such file", "a video file")
     if path.stat().st_size == 0:
         remedy = "Copy it again from the card."
         raise input_error(path, "", "an empty file (0 bytes)", "a video", remedy)
-    boxes = read_boxes(path)
+    boxes = read_container_boxes(path)
     if boxes is not None and not boxes.has_index:
-        raise _no_index(path)
+        raise _missing_index_error(path)
     result = probe(path, boxes)
-    _check_lens(path, boxes)
-    _check_clock(path, result, fps)
+    _check_lens_mode(path, boxes)
+    _check_frame_rate(path, result, fps)
     if boxes is not None and boxes.gopro and fps is None:
-        _check_camera_clock(path)
+        _check_telemetry_clock(path)
     return result
 
 
-def _no_index(path: Path) -> InputError:
+def _missing_index_error(path: Path) -> InputError:
     return input_error(
         path,
         "",
@@ -126,7 +126,7 @@ def _no_index(path: Path) -> InputError:
     )
 
 
-def _check_lens(path: Path, boxes: Boxes | None) -> None:
+def _check_lens_mode(path: Path, boxes: ContainerBoxes | None) -> None:
     mode = boxes.gopro.get("VFOV", "") if boxes else ""
     if mode in STRETCHED_LENS_MODES:
         raise input_error(
@@ -138,7 +138,7 @@ def _check_lens(path: Path, boxes: Boxes | None) -> None:
         )
 
 
-def _check_clock(path: Path, found: Probe, fps: float | None) -> None:
+def _check_frame_rate(path: Path, found: Probe, fps: float | None) -> None:
     captured = found.capture_fps
     if captured and fps is None and abs(captured / found.fps - 1) > 0.02:
         raise input_error(
@@ -150,10 +150,10 @@ def _check_clock(path: Path, found: Probe, fps: float | None) -> None:
         )
 
 
-def _check_camera_clock(path: Path) -> None:
+def _check_telemetry_clock(path: Path) -> None:
     """InputError if the clock in a GoPro's telemetry ran faster than the footage."""
-    ran = camera_seconds(path)
-    if ran is not None and abs(ran - 1) > CLOCK_TOLERANCE:
+    ran = camera_seconds_per_footage_second(path)
+    if ran is not None and abs(ran - 1) > CLOCK_TOLERANCE_SHARE:
         raise input_error(
             path,
             "frame rate",
@@ -163,7 +163,7 @@ def _check_camera_clock(path: Path) -> None:
         )
 
 
-def _same_kind(paths: tuple[Path, ...], probes: list[Probe]) -> None:
+def _check_same_format(paths: tuple[Path, ...], probes: list[Probe]) -> None:
     kinds = [(p.size_px, p.rotation_deg) for p in probes]
     for path, kind in zip(paths, kinds, strict=True):
         if kind != kinds[0]:
@@ -175,12 +175,12 @@ def _same_kind(paths: tuple[Path, ...], probes: list[Probe]) -> None:
             )
 
 
-def _offsets(probes: list[Probe]) -> tuple[float, ...]:
+def _chapter_starts_s(probes: list[Probe]) -> tuple[float, ...]:
     """Start of each chapter: the sum of the durations of those before it."""
     return tuple(accumulate((p.duration_s for p in probes[:-1]), initial=0.0))
 
 
-def _check_part(recording: Recording, probes: list[Probe]) -> None:
+def _check_part_within_recording(recording: Recording, probes: list[Probe]) -> None:
     ends = sum(p.duration_s for p in probes)
     if recording.fps is not None:
         ends = recording.frames_present / recording.fps
@@ -193,17 +193,19 @@ def _check_part(recording: Recording, probes: list[Probe]) -> None:
         )
 
 
-def _remarks(paths: tuple[Path, ...], probes: list[Probe], fps: float | None) -> tuple[str, ...]:
+def _recording_remarks(
+    paths: tuple[Path, ...], probes: list[Probe], fps: float | None
+) -> tuple[str, ...]:
     found = [
         f"{path.name}: {remark}"
         for path, p in zip(paths, probes, strict=True)
         for remark in p.remarks
     ]
-    if others := unnamed_chapters(paths):
+    if others := unlisted_chapters(paths):
         found.append(
             f"{paths[0].name}: further chapters beside it are not used: {', '.join(others)}"
         )
-    mark = chapter_of(paths[0])
+    mark = gopro_chapter(paths[0])
     if mark is not None and mark[1] > 1:
         found.append(f"{paths[0].name} is chapter {mark[1]}: earlier chapters are not used")
     if fps is not None and abs(fps / probes[0].fps - 1) > 0.001:

@@ -101,14 +101,14 @@ def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
     def take() -> None:
         _within.one = True
         try:
-            while (one := _next(todo)) is not None:
+            while (one := _take_next_index(todo)) is not None:
                 found[one[0]] = function(one[1])
         finally:
             _within.one = False
             todo.clear()  # empty, unless a call has failed: then no other is begun
 
     others = min(thread_count(), len(items)) - 1
-    helpers = [_pool(os.getpid(), thread_count() - 1).submit(take) for _ in range(others)]
+    helpers = [_thread_pool(os.getpid(), thread_count() - 1).submit(take) for _ in range(others)]
     try:
         take()
     finally:
@@ -118,7 +118,7 @@ def threaded_map(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
     return found
 
 
-def _next(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
+def _take_next_index(todo: deque[tuple[int, Any]]) -> tuple[int, Any] | None:
     try:
         return todo.popleft()
     except IndexError:
@@ -129,7 +129,7 @@ _within = threading.local()
 
 
 @lru_cache(maxsize=4)
-def _pool(process: int, workers: int) -> ThreadPoolExecutor:
+def _thread_pool(process: int, workers: int) -> ThreadPoolExecutor:
     """Threads that live as long as the process: a forked one cannot use those of its parent."""
     return ThreadPoolExecutor(workers, thread_name_prefix=f"bluekoi-{process}")
 

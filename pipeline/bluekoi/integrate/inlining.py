@@ -61,25 +61,25 @@ def inlined(
     it returns, by its annotation where not given.
     """
     arguments = [ast.parse(text, mode="eval").body for text in given]
-    return [ast.unparse(value) for value in _results(function, arguments, lines, count)]
+    return [ast.unparse(value) for value in _inline_or_call(function, arguments, lines, count)]
 
 
-def _results(
+def _inline_or_call(
     function: Function, given: Sequence[ast.expr], lines: InlinedCode, count: int | None = None
 ) -> list[ast.expr]:
     """Written out where that is possible, else called."""
     draft = InlinedCode(names=lines.names)
     try:
-        values = _straight(function, given, draft)
+        values = _inline_statements(function, given, draft)
     except NotInlinable:
-        return _call(function, given, lines, count or output_count(function))
+        return _write_call(function, given, lines, count or output_count(function))
     lines.written += draft.written
     lines.called |= draft.called
     lines.names = draft.names
     return values
 
 
-def _call(
+def _write_call(
     function: Function, given: Sequence[ast.expr], lines: InlinedCode, count: int | None
 ) -> list[ast.expr]:
     """A call of a function under a name of its own, its outputs held."""
@@ -101,19 +101,21 @@ def output_count(function: Function) -> int | None:
     return len(parts) if parts else None
 
 
-def _straight(function: Function, given: Sequence[ast.expr], lines: InlinedCode) -> list[ast.expr]:
+def _inline_statements(
+    function: Function, given: Sequence[ast.expr], lines: InlinedCode
+) -> list[ast.expr]:
     function = getattr(function, "py_func", function)
-    names, statements = _body(function)
+    names, statements = _arguments_and_statements(function)
     known: dict[str, ast.expr] = dict(zip(names, given, strict=True))
     for statement in statements[:-1]:
-        known |= _assigned(statement, _Writer(known, function, lines))
+        known |= _assigned_values(statement, _Writer(known, function, lines))
     last = statements[-1]
     if not isinstance(last, ast.Return) or last.value is None:
         raise NotInlinable
     return _Writer(known, function, lines).values(last.value)
 
 
-def _body(function: Function) -> tuple[list[str], list[ast.stmt]]:
+def _arguments_and_statements(function: Function) -> tuple[list[str], list[ast.stmt]]:
     """Argument names and statements without the docstring."""
     try:
         tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
@@ -127,7 +129,7 @@ def _body(function: Function) -> tuple[list[str], list[ast.stmt]]:
     return [a.arg for a in tree.args.args], statements
 
 
-def _assigned(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr]:
+def _assigned_values(statement: ast.stmt, writer: _Writer) -> dict[str, ast.expr]:
     """Names of one assignment, with what they stand for."""
     if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
         raise NotInlinable
@@ -166,7 +168,9 @@ class _Writer(ast.NodeTransformer):
             for name in names:
                 if function is getattr(module, name):
                     return [ast.Call(_known_name(module, name), arguments, [])]
-        return _results(function, [self.lines.hold(a, "given") for a in arguments], self.lines)
+        return _inline_or_call(
+            function, [self.lines.hold(a, "given") for a in arguments], self.lines
+        )
 
     def _meant(self, node: ast.expr) -> Any:
         """What a name, or an attribute of a module, stands for in the function's own module."""
@@ -194,18 +198,22 @@ class _Writer(ast.NodeTransformer):
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
         """Minus nothing is nothing."""
         inner = self.visit(node.operand)
-        return inner if _nothing(inner) else ast.UnaryOp(node.op, inner)
+        return inner if _is_zero(inner) else ast.UnaryOp(node.op, inner)
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         """A sum without what is 0, a product that is 0 where a factor is."""
         left, right = self.visit(node.left), self.visit(node.right)
-        if isinstance(node.op, ast.Mult) and (_nothing(left) or _nothing(right)):
+        if isinstance(node.op, ast.Mult) and (_is_zero(left) or _is_zero(right)):
             return ast.Constant(0.0)
-        if isinstance(node.op, ast.Add | ast.Sub) and _nothing(right):
+        if isinstance(node.op, ast.Add | ast.Sub) and _is_zero(right):
             return left
-        if isinstance(node.op, ast.Add) and _nothing(left):
+        if isinstance(node.op, ast.Add) and _is_zero(left):
             return right
-        if isinstance(node.op, ast.Sub) and isinstance(left, ast.Name) and _same(left, right):
+        if (
+            isinstance(node.op, ast.Sub)
+            and isinstance(left, ast.Name)
+            and _are_same_expression(left, right)
+        ):
             return ast.Constant(0.0)
         return ast.BinOp(left, node.op, right)
 
@@ -230,9 +238,9 @@ def _number(value: Any) -> ast.expr:
     return ast.Constant(value)
 
 
-def _same(left: ast.Name, right: ast.expr) -> bool:
+def _are_same_expression(left: ast.Name, right: ast.expr) -> bool:
     return isinstance(right, ast.Name) and right.id == left.id
 
 
-def _nothing(node: ast.expr) -> bool:
+def _is_zero(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and node.value == 0

@@ -73,7 +73,7 @@ class Kernel:
     def _of(self, on: np.ndarray) -> _Compiled:
         """The kernel for the effects that are on."""
         more = [e.kind != RANDOM_EFFECT_KIND for e in self.system.effects]
-        return _loaded(self.system, bool(np.any(on[more])))
+        return _load_compiled(self.system, bool(np.any(on[more])))
 
 
 @lru_cache(maxsize=32)
@@ -83,12 +83,12 @@ def compiled(system: System) -> Kernel:
 
 
 @lru_cache(maxsize=64)
-def _loaded(system: System, general: bool) -> _Compiled:
+def _load_compiled(system: System, general: bool) -> _Compiled:
     with _LOADING:
-        return _made(system, general)
+        return _write_and_load(system, general)
 
 
-def _made(system: System, general: bool) -> _Compiled:
+def _write_and_load(system: System, general: bool) -> _Compiled:
     """A kernel written, where it was not yet, and loaded."""
     text = source(system, general=general)
     digest = hashlib.sha256(text.encode())

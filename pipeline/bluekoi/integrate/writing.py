@@ -59,7 +59,7 @@ def source(system: System, *, general: bool) -> str:
     parts = {
         "hold": _hold(plan),
         "observe": _observe(plan),
-        "moves": _general(plan) if general else _fast(plan),
+        "moves": _general_kernel_source(plan) if general else _fast_kernel_source(plan),
         "zero_order_hold": _zero_order_hold(plan),
         "hold_again": ["    hold(m)"] if system.zero_order_hold else [],
     }
@@ -108,14 +108,16 @@ def _imports(called: dict[str, Function]) -> list[str]:
 
 
 def _hold(plan: _Plan) -> list[str]:
-    return [line for s in constant_stages(plan.system) for line in _base(plan, s)] or ["    pass"]
+    return [line for s in constant_stages(plan.system) for line in _base_model_loop(plan, s)] or [
+        "    pass"
+    ]
 
 
-def _fast(plan: _Plan) -> list[str]:
+def _fast_kernel_source(plan: _Plan) -> list[str]:
     """Steps without effects and with random parts, and which is taken."""
     timed = [any("t" in arguments(s, effects) for s in state_dependent_stages(plan.system))
              for effects in ((), plan.effects)]  # fmt: skip
-    body, pushed = _fused(plan, ()), _fused(plan, plan.effects)
+    body, pushed = _fused_runge_kutta_stage(plan, ()), _fused_runge_kutta_stage(plan, plan.effects)
     all_states, own = len(plan.system.all_states), len(plan.system.states)
     return [
         STEP_TEMPLATE.format(way="bare", count=own, timed=timed[0], body="\n".join(body)),
@@ -130,7 +132,7 @@ def _fast(plan: _Plan) -> list[str]:
     ]
 
 
-def _fused(plan: _Plan, effects: Sequence[Effect]) -> list[str]:
+def _fused_runge_kutta_stage(plan: _Plan, effects: Sequence[Effect]) -> list[str]:
     """One Runge-Kutta stage in a single loop: rates, and what they add to state and sum."""
     loop, rows = Loop(plan.rows, trivial_outputs(plan.system)), plan.rows
     for stage in state_dependent_stages(plan.system):
@@ -158,7 +160,7 @@ def _advance(loop: Loop, rows: Rows, state: str, rate: str) -> None:
     loop.store(rows.of(f"total_{state}"), f"{loop.value('weight')} * {rate}", "+=")
 
 
-def _general(plan: _Plan) -> list[str]:
+def _general_kernel_source(plan: _Plan) -> list[str]:
     """Rates by stages, and a step by them."""
     body = ["            rates(m, on)", *_shift(plan, plan.system.states)]
     for effect in plan.effects:
@@ -194,16 +196,18 @@ def _rates(plan: _Plan) -> list[str]:
     lines: list[str] = []
     for stage in (s for s in plan.system.stages if s.name != "observe"):
         if stage not in constant:
-            lines += _stage(plan, stage)
+            lines += _stage_source(plan, stage)
             continue
         asked = {e for name in arguments(stage, ()) for e in changed.get(name, ())}
         own = [e for e in plan.effects if stage.name in e.hooks or e in asked]
         changed |= dict.fromkeys(stage.outputs, own)
-        lines += _where(plan, own, _stage(plan, stage))
+        lines += _lines_where_active(plan, own, _stage_source(plan, stage))
     for effect in plan.effects:
         if effect.rates:
             targets = [plan.rows.of(f"d_{s}") for s in effect.states]
-            lines += _where(plan, [effect], _setting(plan, effect.rates, targets, effect.name))
+            lines += _lines_where_active(
+                plan, [effect], _assignment_loop(plan, effect.rates, targets, effect.name)
+            )
     return lines
 
 
@@ -214,37 +218,39 @@ def _observe(plan: _Plan) -> list[str]:
     lines: list[str] = []
     for stage in required_stages(plan.system, observe, plan.effects):
         asking = [e for e in plan.effects if stage in required_stages(plan.system, observe, (e,))]
-        found = _stage(plan, stage)
-        lines += found if stage in always else _where(plan, asking, found)
-    return lines + _stage(plan, observe)
+        found = _stage_source(plan, stage)
+        lines += found if stage in always else _lines_where_active(plan, asking, found)
+    return lines + _stage_source(plan, observe)
 
 
-def _where(plan: _Plan, effects: Sequence[Effect], lines: Sequence[str]) -> list[str]:
+def _lines_where_active(plan: _Plan, effects: Sequence[Effect], lines: Sequence[str]) -> list[str]:
     """Lines for where one of the effects is on."""
     return [f"    if {plan.on(effects)}:", *(f"    {line}" for line in lines)] if effects else []
 
 
-def _stage(plan: _Plan, stage: Stage) -> list[str]:
+def _stage_source(plan: _Plan, stage: Stage) -> list[str]:
     """Lane loops of one stage: the model's own function, then each effect that is on."""
-    lines, targets = _base(plan, stage), plan.rows.outputs(stage)
+    lines, targets = _base_model_loop(plan, stage), plan.rows.outputs(stage)
     for effect in plan.effects:
         if stage.name in effect.hooks:
-            added = _setting(plan, effect.hooks[stage.name], targets, effect.name, assign="+=")
-            lines += _where(plan, [effect], added)
+            added = _assignment_loop(
+                plan, effect.hooks[stage.name], targets, effect.name, assign="+="
+            )
+            lines += _lines_where_active(plan, [effect], added)
     return lines
 
 
-def _base(plan: _Plan, stage: Stage) -> list[str]:
+def _base_model_loop(plan: _Plan, stage: Stage) -> list[str]:
     targets = plan.rows.outputs(stage)
     if stage.function:
-        return _setting(plan, stage.function, targets, "")
+        return _assignment_loop(plan, stage.function, targets, "")
     loop = Loop(plan.rows)
     for target in targets:
         loop.store(target, "0.0")
     return plan.text(loop)
 
 
-def _setting(
+def _assignment_loop(
     plan: _Plan, function: Function, targets: Sequence[int], effect: str, *, assign: str = "="
 ) -> list[str]:
     """Loop that sets rows to a function's outputs, or adds these to them."""

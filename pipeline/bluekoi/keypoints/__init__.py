@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
-from ..errors import input_error, nearest
+from ..errors import did_you_mean, input_error
 
 
 def source_names() -> tuple[str, ...]:
@@ -30,6 +30,6 @@ def source_module(name: str) -> ModuleType:
             "detection.source",
             f"'{name}'",
             "a keypoint source",
-            nearest(name, source_names()),
+            did_you_mean(name, source_names()),
         )
     return import_module(f"{__name__}.{name}")

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ..data import PARTS, Float, Frame, Keypoints, confident
+from ..data import PARTS, Float, Frame, Keypoints, is_confident
 from ..errors import input_error
 from ..study import Setup, Trial
 from .dots.centroid import coverage_centroid
@@ -196,6 +196,6 @@ def _keypoints(times: Float, names: tuple[str, ...], rows: Float) -> Keypoints:
     )
     cov = variance[..., None, None] * np.eye(2)
     cov = np.where(np.isfinite(xy[..., :1, None]), cov, np.nan)
-    lost = int(np.sum(~confident(likelihood).any(axis=1)))
+    lost = int(np.sum(~is_confident(likelihood).any(axis=1)))
     remarks = (f"{lost} of {len(times)} frames without two markers that fit",) if lost else ()
     return Keypoints(times, names, xy, likelihood, cov, remarks)

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import PARTS, Frame, Keypoints, confident
+from ..data import PARTS, Frame, Keypoints, is_confident
 from ..errors import input_error
 from ..study import Setup, Trial
 from .midline import detection as midline
@@ -97,7 +97,7 @@ def _why(samples: Sequence[Frame], plane: Plane, setup: Setup, trial: Trial) -> 
 
 def _likely_share(found: Keypoints) -> float:
     """Share of the frames in which all points are likely."""
-    return float(np.mean(confident(found.likelihood).all(axis=1)))
+    return float(np.mean(is_confident(found.likelihood).all(axis=1)))
 
 
 def _bending(

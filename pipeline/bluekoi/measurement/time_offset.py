@@ -3,7 +3,7 @@
 The motion starts with full thrust at the time d after the start of the video, or after the start
 that the motor log shows. A video that starts during the motion has no effect, because the initial
 state of each trial is free. If the motor log is the time e ahead of the video, this is visible only
-in the phase of the tail beat (`motor/delay.py`).
+in the phase of the tail beat (`motor/log_video_delay.py`).
 Source: own statement.
 """
 

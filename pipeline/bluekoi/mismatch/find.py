@@ -36,7 +36,7 @@ from ..integrate import Kernel, compiled
 from ..integrate.batch import threaded_map
 from ..model import is_residual, plates
 from ..study import Study
-from ..study.data_split import has_roles, held_out_trials
+from ..study.data_split import has_trial_roles, held_out_trials
 from ..tuning import Tuned, downsampled, steady_errors, tune
 from .camera_displacement import CameraDisplacement, detect_displacements, with_displacements
 from .drift import Drift, drifting_trial
@@ -102,7 +102,7 @@ def find_mismatch(
     displaced, drifting = _displaced_and_drifting(kernel, averaged, baseline)
     series = with_displacements(kernel, series, displaced)
     averaged, coarse = (with_displacements(kernel, s, displaced) for s in (averaged, coarse))
-    if not has_roles(study):
+    if not has_trial_roles(study):
         # only the trial itself determines the size of its displacement
         held_out = [name for name in held_out if name not in {d.trial for d in displaced}]
     train = [s for s in averaged if s.name not in held_out]

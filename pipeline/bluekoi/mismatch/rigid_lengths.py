@@ -24,8 +24,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import minimize
 
-from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
-from ..camera.rigid_distances import LENGTH_STD_SHARE, Distances, keypoint_patterns
+from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
+from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE, Distances, excess_by_keypoint_shift
 from ..data import Float
 from ..fitting import SharedMeasurement
 from ..integrate import Effect, System
@@ -33,8 +33,8 @@ from .robot_problem import LABEL_STD_M, UNKNOWN_DEPTH_STD_SHARE
 
 CALIBRATION_STD = {"lens_error": 0.0005, "uncorrected_refraction": 0.001}
 """Strengths of errors that a careful calibration leaves: those that change lengths by
-`SYSTEMATIC_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by 2 mm seen
-from 1.5 m."""
+`SYSTEMATIC_LENGTH_ERROR_SHARE`, 0.05 %, about a metre from the middle (1/m2), and a depth wrong by
+2 mm seen from 1.5 m."""
 PRIOR_MAGNITUDE_RATIO = 3.0
 """While variances are estimated, strengths have normal priors of this many plausible magnitudes:
 80 % of the Cauchy prior of a strength lies within tan(0.4 pi) = 3.1 of them."""
@@ -55,7 +55,7 @@ def effects_on_lengths(system: System) -> tuple[Effect, ...]:
 
 def length_measurement(
     system: System, constants: Mapping[str, float], windows: Distances, *, trials: int,
-    depth_given: bool, systematic: float = SYSTEMATIC_SHARE,
+    depth_given: bool, systematic: float = SYSTEMATIC_LENGTH_ERROR_SHARE,
 ) -> SharedMeasurement | None:  # fmt: skip
     """`SharedMeasurement` of the lengths in `windows`; None where too few were seen.
 
@@ -192,9 +192,10 @@ def _other_errors(
     groups: list[tuple[str, Float, float]] = []
     for length in sorted(set(zip(pair, known.round(4), strict=True))):
         stated = (pair == length[0]) & (known.round(4) == length[1])
-        groups.append(("stated", np.where(stated, known, 0.0), LENGTH_STD_SHARE))
+        groups.append(("stated", np.where(stated, known, 0.0), STATED_LENGTH_STD_SHARE))
     across = np.where(pair == 0, np.sin(windows.bend_rad), 0.0)  # a hinge marked beside the core
-    groups += [("label", column, 1.0) for column in (*keypoint_patterns(windows).values(), across)
+    groups += [("label", column, 1.0)
+               for column in (*excess_by_keypoint_shift(windows).values(), across)
                if column.any()]  # fmt: skip
     groups += [("trial", np.where(windows.trial == t, known, 0.0), 1.0)
                for t in np.unique(windows.trial)]  # fmt: skip
@@ -237,7 +238,7 @@ def _whitener(basis: Float, others: _OtherErrors, windows: Distances) -> Float:
                         + 2.0 * len(root) * np.log(nu))  # fmt: skip
         return 0.5 * float(squares + determinants)
 
-    start = np.log([LABEL_STD_M, LENGTH_STD_SHARE, 1.0])
+    start = np.log([LABEL_STD_M, STATED_LENGTH_STD_SHARE, 1.0])
     simplex = start + np.vstack([np.zeros(3), np.eye(3)])
     precision = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.05}
     found = minimize(misfit, start, method="Nelder-Mead", options=precision)

@@ -1,6 +1,11 @@
 """Flapping frequency of a trial: from the motor's shaft angle, and from the tail in the video."""
 
-from .compare import common_ratio, compare, flapping_given, has_other_clock
-from .delay import clock_delay
-from .log import flapping_from_log, read_log
-from .tailbeat import beat_lag, clock_ratio, tail_beat
+from .clock_comparison import (
+    common_clock_ratio,
+    flapping_compared_with_video,
+    flapping_from_stated_frequency,
+    has_other_clock,
+)
+from .log_video_delay import log_lead_from_beat_phases
+from .motor_log import flapping_from_log, read_log
+from .tail_beat import clock_ratio, tail_beat_from_video, tail_beat_lag

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from ..camera.error_displacement import error_forms
+from ..camera.error_displacement import camera_error_constants
 from ..study import Setup
 
 NO_SHIFT_S = 1e9
@@ -43,5 +43,5 @@ def constant_names() -> tuple[str, ...]:
 
 def view_of(setup: Setup) -> View:
     """The view of a study's camera."""
-    seen = error_forms(setup)
+    seen = camera_error_constants(setup)
     return View(*seen.below_m, seen.bend_1_m2, *seen.lens_m, seen.lens_rest_m2, *seen.lens_pull_m3)

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, poorly_seen
+from ..data import MIN_LIKELIHOOD, Float, Pose, Positions, has_excess_variance
 from ..errors import input_error
 from ..study import Robot
 from .body import RIGID_PARTS, Body, body_lengths, trusted_points
@@ -50,13 +50,13 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     xy, cov = trusted_points(positions)
     usable = usable_frames(np.isfinite(xy[:, :, 0]))
     if not np.any(usable):
-        raise _nothing_usable(positions, xy)
+        raise _no_usable_keypoints_error(positions, xy)
     body = body_lengths(xy, np.zeros_like(cov), robot, head_length_m)
     offset = systematic_offsets(xy, body)
     cov = with_noise(xy, cov, replace(body, offset_m=offset))
     body = replace(body_lengths(xy, cov, robot, head_length_m), offset_m=offset)
     fit, dropped = without_outliers(xy, cov, body)
-    values, spread = _as_pose(fit, positions.time_s)
+    values, spread = _pose_from_fit(fit, positions.time_s)
     remarks = (
         *positions.remarks,
         *_length_remarks(body, robot, head_length_m),
@@ -66,7 +66,7 @@ def rigid_pose(positions: Positions, robot: Robot, head_length_m: float) -> Pose
     return Pose(positions.time_s, values, spread, remarks)
 
 
-def _as_pose(fit: PoseFit, time_s: Float) -> tuple[Float, Float]:
+def _pose_from_fit(fit: PoseFit, time_s: Float) -> tuple[Float, Float]:
     change = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, -1]])
     values = fit.state @ change.T
     cov = change @ fit.cov @ change.T
@@ -86,7 +86,7 @@ def unwrapped(angle: Float, variance: Float, time_s: Float | None = None) -> Flo
     known = np.flatnonzero(np.isfinite(angle))
     if len(known) == 0:
         return angle
-    poor = poorly_seen(variance[known], np.nanmedian(variance[known]))
+    poor = has_excess_variance(variance[known], np.nanmedian(variance[known]))
     unknown = variance[known] > max(MAX_DIRECTION_STD_RAD**2, float(np.nanmedian(variance[known])))
     well = known[~(_in_short_runs(poor) | _in_short_runs(unknown, len(unknown)))]
     step = np.median(np.abs(np.diff(np.unwrap(angle[well])))) if len(well) > 1 else 0.0
@@ -170,7 +170,7 @@ def _frame_remarks(time_s: Float, known: np.ndarray, dropped: int) -> tuple[str,
     return tuple(remarks)
 
 
-def _nothing_usable(positions: Positions, xy: Float) -> Exception:
+def _no_usable_keypoints_error(positions: Positions, xy: Float) -> Exception:
     counts = np.isfinite(xy[:, :, 0]).sum(axis=0)
     seen = ", ".join(f"{name} in {n}" for name, n in zip(RIGID_PARTS, counts, strict=True))
     return input_error(

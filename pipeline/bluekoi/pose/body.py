@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..data import Float, Positions, confident
+from ..data import Float, Positions, is_confident
 from ..study import Robot
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
@@ -33,16 +33,18 @@ def body_lengths(xy_m: Float, cov_m2: Float, robot: Robot, head_length_m: float)
     xy_m: (frames, 4, 2) of RIGID_PARTS; cov_m2: (frames, 4, 2, 2). Where the centre of mass is
     never seen with a neighbour, hinge to tail base is divided as the robot's own lengths are.
     """
-    hinge = _distance(xy_m, cov_m2, 1, 2)
-    tail = _distance(xy_m, cov_m2, 2, 3)
-    whole = _distance(xy_m, cov_m2, 1, 3)
-    head = _distance(xy_m, cov_m2, 0, 1)
+    hinge = _median_distance(xy_m, cov_m2, 1, 2)
+    tail = _median_distance(xy_m, cov_m2, 2, 3)
+    whole = _median_distance(xy_m, cov_m2, 1, 3)
+    head = _median_distance(xy_m, cov_m2, 0, 1)
     known = (robot.hinge_to_com_m, robot.com_to_tail_base_m)
-    scale = _first(whole / sum(known), hinge / known[0], tail / known[1], head / head_length_m, 1)
+    scale = _first_finite(
+        whole / sum(known), hinge / known[0], tail / known[1], head / head_length_m, 1
+    )
     return Body(
-        hinge_m=_first(hinge, whole - tail, scale * known[0]),
-        tail_m=_first(tail, whole - hinge, scale * known[1]),
-        head_m=_first(head, scale * head_length_m),
+        hinge_m=_first_finite(hinge, whole - tail, scale * known[0]),
+        tail_m=_first_finite(tail, whole - hinge, scale * known[1]),
+        head_m=_first_finite(head, scale * head_length_m),
     )
 
 
@@ -53,14 +55,14 @@ def trusted_points(positions: Positions) -> tuple[Float, Float]:
     for i, name in enumerate(RIGID_PARTS):
         if name in positions.names:
             k = positions.names.index(name)
-            trusted = confident(positions.likelihood[:, k])
+            trusted = is_confident(positions.likelihood[:, k])
             xy[trusted, i] = positions.xy_m[trusted, k]
             cov[trusted, i] = positions.cov_m2[trusted, k]
     xy[~np.isfinite(xy).all(axis=2)] = np.nan
     return xy, cov
 
 
-def _distance(xy: Float, cov: Float, i: int, j: int) -> float:
+def _median_distance(xy: Float, cov: Float, i: int, j: int) -> float:
     way = xy[:, i] - xy[:, j]
     length = np.linalg.norm(way, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -70,5 +72,5 @@ def _distance(xy: Float, cov: Float, i: int, j: int) -> float:
     return float(np.nanmedian(length)) if np.any(np.isfinite(length)) else float("nan")
 
 
-def _first(*candidates: float) -> float:
+def _first_finite(*candidates: float) -> float:
     return next(value for value in candidates if np.isfinite(value))

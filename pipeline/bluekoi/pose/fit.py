@@ -48,16 +48,16 @@ def with_noise(xy: Float, cov: Float, body: Body) -> Float:
     if not np.any(unknown):
         return cov
     variance = np.full(4, 1e-6)
-    filled, state = cov, _start(xy, body)
+    filled, state = cov, _starting_state(xy, body)
     for _ in range(NOISE_ITERATIONS):
         filled = np.where(unknown[:, :, None, None], variance[:, None, None] * np.eye(2), cov)
         fit = fitted(xy, filled, body, state, iterations=2)
         state = np.nan_to_num(fit.state)
-        variance = _variances(fit, filled, variance, unknown)
+        variance = _estimate_part_variances(fit, filled, variance, unknown)
     return filled
 
 
-def _variances(fit: PoseFit, cov: Float, before: Float, unknown: np.ndarray) -> Float:
+def _estimate_part_variances(fit: PoseFit, cov: Float, before: Float, unknown: np.ndarray) -> Float:
     leverage = np.einsum("nkia,nab,nkjb->nkij", fit.slope, fit.cov, fit.slope)
     used = np.isfinite(fit.residual).all(axis=2) & unknown
     typical = np.nanmedian(fit.misfit[fit.misfit > 0]) if np.any(fit.misfit > 0) else 0.0
@@ -84,16 +84,16 @@ def fitted(
     usable = usable_frames(seen)
     weight = np.zeros_like(cov)
     weight[seen] = np.linalg.inv(cov[seen])
-    state = _start(xy, body) if start is None else start
+    state = _starting_state(xy, body) if start is None else start
     points = np.where(seen[:, :, None], xy, 0.0)
     for _ in range(iterations):
-        model, slope = _model(state, body)
+        model, slope = _modelled_points(state, body)
         residual = np.where(seen[:, :, None], points - model, 0.0)
         rhs = np.einsum("nkia,nkij,nkj->na", slope, weight, residual)
         normal = np.einsum("nkia,nkij,nkjb->nab", slope, weight, slope)
         normal[~usable] = np.eye(4)
         state = state + np.linalg.solve(normal, rhs[:, :, None])[:, :, 0]
-    model, slope = _model(state, body)
+    model, slope = _modelled_points(state, body)
     residual = np.where(seen[:, :, None], points - model, 0.0)
     misfit = np.einsum("nki,nkij,nkj->n", residual, weight, residual)
     cov_state = np.linalg.inv(normal)
@@ -102,7 +102,7 @@ def fitted(
     return PoseFit(state, cov_state, misfit, residual, slope)
 
 
-def _start(xy: Float, body: Body) -> Float:
+def _starting_state(xy: Float, body: Body) -> Float:
     """Core axis through its outermost points, head from the hinge that follows from it."""
     along = np.array([body.hinge_m, 0.0, -body.tail_m])
     front = np.argmax(np.isfinite(xy[:, 1:, 0]), axis=1)
@@ -117,7 +117,7 @@ def _start(xy: Float, body: Body) -> Float:
     return np.nan_to_num(np.column_stack([center, psi, theta]))
 
 
-def _model(state: Float, body: Body) -> tuple[Float, Float]:
+def _modelled_points(state: Float, body: Body) -> tuple[Float, Float]:
     """Points (frames, 4, 2) of a pose and their derivative (frames, 4, 2, 4)."""
     core = np.column_stack([np.cos(state[:, 2]), np.sin(state[:, 2])])
     head = np.column_stack([np.cos(state[:, 3]), np.sin(state[:, 3])])
@@ -127,7 +127,10 @@ def _model(state: Float, body: Body) -> tuple[Float, Float]:
     from_hinge = np.column_stack([ahead, np.zeros(4)])
     from_hinge[0] += body.offset_m[0]
     from_center[1:] += body.offset_m[1:]
-    on_core, on_head = _in_pool(from_center, core), _in_pool(from_hinge, head)
+    on_core, on_head = (
+        _points_in_pool_frame(from_center, core),
+        _points_in_pool_frame(from_hinge, head),
+    )
     slope = np.zeros((len(state), 4, 2, 4))
     slope[:, :, 0, 0] = slope[:, :, 1, 1] = 1
     turned = np.array([[0.0, 1.0], [-1.0, 0.0]])  # d/da of (cos a, sin a), rows times this
@@ -136,7 +139,7 @@ def _model(state: Float, body: Body) -> tuple[Float, Float]:
     return state[:, None, :2] + on_core + on_head, slope
 
 
-def _in_pool(own: Float, axis: Float) -> Float:
+def _points_in_pool_frame(own: Float, axis: Float) -> Float:
     """Points (frames, 4, 2) in the pool from those (4, 2) along and left of axes (frames, 2)."""
     left = np.column_stack([-axis[:, 1], axis[:, 0]])
     return own[:, :1] * axis[:, None] + own[:, 1:] * left[:, None]
@@ -167,7 +170,7 @@ def systematic_offsets(xy: Float, body: Body) -> Float:
 def without_outliers(xy: Float, cov: Float, body: Body) -> tuple[PoseFit, int]:
     """The fit without a frame's worst point where the others agree; else with a larger cov."""
     fit = fitted(xy, cov, body)
-    bad = _too_far(fit.misfit, xy)
+    bad = _exceeds_misfit_limit(fit.misfit, xy)
     if not np.any(bad):
         return fit, 0
     trials = []
@@ -183,7 +186,9 @@ def without_outliers(xy: Float, cov: Float, body: Body) -> tuple[PoseFit, int]:
     cleaned[repaired, worst[repaired]] = np.nan
     fit = fitted(cleaned, cov, body)
     scale = np.where(
-        _too_far(fit.misfit, cleaned), fit.misfit / np.maximum(_degrees_of_freedom(cleaned), 1), 1
+        _exceeds_misfit_limit(fit.misfit, cleaned),
+        fit.misfit / np.maximum(_degrees_of_freedom(cleaned), 1),
+        1,
     )
     return replace(fit, cov=fit.cov * scale[:, None, None]), int(repaired.sum())
 
@@ -192,7 +197,7 @@ def _degrees_of_freedom(xy: Float) -> Float:
     return 2.0 * np.isfinite(xy[:, :, 0]).sum(axis=1) - 4
 
 
-def _too_far(misfit: Float, xy: Float) -> np.ndarray:
+def _exceeds_misfit_limit(misfit: Float, xy: Float) -> np.ndarray:
     free = _degrees_of_freedom(xy)
     limit = chdtri(np.maximum(free, 1), FALSE_ALARM_PROBABILITY)
     return (free > 0) & (np.nan_to_num(misfit) > limit)

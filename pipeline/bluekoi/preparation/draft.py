@@ -20,7 +20,7 @@ from ruamel.yaml.error import YAMLError
 
 from ..errors import input_error
 from ..files import atomic_write, read_text
-from ..study.keys import keys
+from ..study.key_reference import keys
 from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
 
 STUDY_FILES = ("study.yaml", "trials.csv")

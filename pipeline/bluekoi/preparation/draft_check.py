@@ -9,9 +9,9 @@ from pathlib import Path
 
 from ..errors import Finding, InputError
 from ..study import Setup, Study, missing_files
-from ..study.csv_file import read_trials
-from ..study.keys import keys
-from ..study.yaml_file import read_setup
+from ..study.key_reference import keys
+from ..study.study_yaml import read_setup
+from ..study.trials_csv import read_trials
 from .draft import STUDY_FILES, Draft, rendered, texts_of
 from .input_check import file_findings, setup_findings
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..camera import pool_camera
-from ..data import MIN_LIKELIHOOD, Keypoints, confident
+from ..data import MIN_LIKELIHOOD, Keypoints, is_confident
 from ..errors import Finding, InputError, input_error
 from ..footage import open_recording
 from ..keypoints import source_module
@@ -18,8 +18,8 @@ from ..motor import flapping_from_log
 from ..pose.body import RIGID_PARTS
 from ..pose.fit import usable_frames
 from ..study import Setup, Study, Trial
-from ..study.filmed import setup_in_film_pixels
-from ..study.rules import robot_doubts
+from ..study.consistency_rules import robot_warnings
+from ..study.recording_pixels import setup_in_film_pixels
 
 MIN_FRAMES = 2
 """Usable frames that a keypoint file must have."""
@@ -33,7 +33,7 @@ def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str
     """What is wrong with detector and camera of a study.yaml, and remarks on camera and robot."""
     try:
         source_module(setup.detection.source)
-        return [], (*pool_camera(setup).remarks, *robot_doubts(setup))
+        return [], (*pool_camera(setup).remarks, *robot_warnings(setup))
     except InputError as found:
         return [_in(folder, finding) for finding in found.findings], ()
 
@@ -121,7 +121,7 @@ def _seen(path: Path, found: Keypoints) -> None:
     """Raises: InputError where fewer than `MIN_FRAMES` frames show a head direction and a
     core.
     """
-    sure = dict(zip(found.names, confident(found.likelihood.T), strict=True))
+    sure = dict(zip(found.names, is_confident(found.likelihood.T), strict=True))
     never = np.zeros(len(found.time_s), dtype=bool)
     frames = int(
         usable_frames(np.column_stack([sure.get(name, never) for name in RIGID_PARTS])).sum()

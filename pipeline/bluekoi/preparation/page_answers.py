@@ -12,16 +12,16 @@ import numpy as np
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from ..camera.calibrate import calibrate_files, camera_section, from_profile
-from ..camera.corners_picture import compare_corners, edge_points_px, grid_px
+from ..camera.lens_calibration import calibrate_files, calibration_from_profile, camera_section
+from ..camera.pool_corner_check import compare_corners, edge_points_px, grid_px
 from ..errors import Finding, InputError, input_error
 from ..files import read_text, to_json_types
 from ..footage import open_recording
 from ..motor import flapping_from_log
 from ..study import Camera, Pool, Robot, Setup, Trial, Water
-from ..study.image_files import expanded
-from ..study.keys import keys
-from ..study.messages import explain
+from ..study.image_files import expand_source
+from ..study.key_reference import keys
+from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
 from .pictures import Luma, frame_of, rounded_points
@@ -79,7 +79,7 @@ def picture_of(
     Raises: InputError where it cannot be read.
     """
     names = [part.strip() for part in source.split(";") if part.strip()]
-    paths = tuple(path for name in names for path in expanded(folder, name))
+    paths = tuple(path for name in names for path in expand_source(folder, name))
     if not paths or any(".." in Path(part).parts for part in source.split(";")):
         raise input_error(folder / "trials.csv", "source", repr(source), "a video")
     return frame_of(paths, share, _number(fps), first_s)
@@ -140,7 +140,7 @@ def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dic
     if len(paths) == 1 and paths[0].suffix.lower() in (".yaml", ".yml"):
         return {"values": _camera_keys(_camera_content(paths[0])), "remarks": [f"from {files}"]}
     if len(paths) == 1 and paths[0].suffix.lower() == ".json":
-        found, out = from_profile(paths[0]), None
+        found, out = calibration_from_profile(paths[0]), None
     else:
         names = ("camera.yaml", *(f"camera-{k}.yaml" for k in range(2, 1000)))
         out = next(folder / name for name in names if not (folder / name).exists())
@@ -176,7 +176,9 @@ def _section(name: str, values: Mapping[str, str]) -> Any:
     try:
         return model.model_validate(given)
     except ValidationError as error:
-        raise InputError(explain("study.yaml", error, model, prefix=name)) from error
+        raise InputError(
+            findings_from_validation_error("study.yaml", error, model, prefix=name)
+        ) from error
 
 
 def _value(text: str) -> Any:
@@ -199,7 +201,7 @@ def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any
     try:
         trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
         if trial.source and not trial.reads_keypoints:
-            paths = [path for name in trial.sources for path in expanded(folder, name)]
+            paths = [path for name in trial.sources for path in expand_source(folder, name)]
             film = open_recording(paths, fps=_number(row.get("fps", "")))
             fps = film.fps or film.nominal_fps
             found |= {"duration_s": round(film.frames_present / fps, 2), "fps": round(fps, 3),
@@ -230,7 +232,7 @@ def _camera_files(folder: Path) -> list[str]:
             continue
         if path.suffix.lower() == ".json":
             try:
-                from_profile(path)
+                calibration_from_profile(path)
             except InputError:
                 continue
         elif "camera:" not in path.read_text("utf-8", "replace"):

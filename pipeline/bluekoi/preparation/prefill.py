@@ -11,10 +11,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..footage.chapters import chapter_of
+from ..footage.gopro_chapters import gopro_chapter
 from ..study import VIDEO_SUFFIXES, Trial
-from ..study.image_files import IMAGE_SUFFIXES, natural
-from ..study.keys import keys
+from ..study.image_files import IMAGE_SUFFIXES, natural_sort_key
+from ..study.key_reference import keys
 
 MAX_HEADER_BYTES = 4096
 MAX_FILES = 100_000
@@ -66,7 +66,7 @@ def study_files(folder: Path) -> StudyFiles:
         elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
             logs.append(name)
     films = [name for name, count in pictures.items() if count >= MIN_PICTURES]
-    found = (tuple(sorted(some, key=natural)) for some in (videos, points, logs, films))
+    found = (tuple(sorted(some, key=natural_sort_key)) for some in (videos, points, logs, films))
     return StudyFiles(*found)
 
 
@@ -160,9 +160,9 @@ def _recordings(videos: Sequence[str]) -> list[str]:
     """Sources, chapters of one recording joined by `;`."""
     groups: dict[object, list[str]] = {}
     for name in videos:
-        mark = chapter_of(Path(name))
+        mark = gopro_chapter(Path(name))
         groups.setdefault((Path(name).parent, mark[0]) if mark else name, []).append(name)
-    return [";".join(sorted(some, key=lambda n: (chapter_of(Path(n)) or ("", 0))[1]))
+    return [";".join(sorted(some, key=lambda n: (gopro_chapter(Path(n)) or ("", 0))[1]))
             for some in groups.values()]  # fmt: skip
 
 

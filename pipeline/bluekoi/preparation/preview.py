@@ -14,7 +14,7 @@ from ..errors import input_error
 from ..footage import frames, open_recording
 from ..keypoints import source_module
 from ..study import Study, Trial
-from ..study.filmed import setup_in_film_pixels
+from ..study.recording_pixels import setup_in_film_pixels
 
 PREVIEWED_FRAMES = 20
 FEW_FRAMES_SHARE = 0.5

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..camera.corners import camera_of_setup
-from ..camera.pool import project, to_pool
+from ..camera.pool_projection import map_to_pool, pool_to_pixels
+from ..camera.study_camera import pool_camera_from_parts
 from ..data import Float
 from ..study import Camera, Pool, Robot
 
@@ -40,12 +40,12 @@ def robot_outline(
     Raises: InputError where the corners fit no camera.
     """
     depth = robot.keypoint_depth_m
-    over = camera_of_setup(camera, pool, refractive_index, depth)
-    com, toward = to_pool(over, np.array([com_px, toward_px]), depth)
+    over = pool_camera_from_parts(camera, pool, refractive_index, depth)
+    com, toward = map_to_pool(over, np.array([com_px, toward_px]), depth)
     heading_rad = math.atan2(*(toward - com)[::-1])
     length = head_length_m or robot.head_length_m
     nose, hinge, _, base = robot.body_points(length, com, heading_rad, head_angle_rad)
     core = np.array([math.cos(heading_rad), math.sin(heading_rad)])
     points = np.array([nose, hinge, base, base - robot.tail_length_m * core, com])
-    px = project(over, np.column_stack([points, np.full(len(points), -depth)]))
+    px = pool_to_pixels(over, np.column_stack([points, np.full(len(points), -depth)]))
     return RobotOutline(px[[0, 1]], px[[1, 2]], px[[2, 3]], px[4])

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..camera.length_warnings import length_warnings
-from ..camera.plane import NO_MATRIX_REMARK
+from ..camera.plane_camera import NO_MATRIX_REMARK
 from ..campaign import Campaign
 from ..figures.drawing.held_out import no_trial_held_out
 from ..figures.drawing.missing_force import FORCE_NAMES, VARIABLE_LABELS
-from ..motor.powers import power_warnings
-from ..motor.swimming import study_warnings
-from ..study.rules import robot_doubts
+from ..motor.power_consistency import power_warnings
+from ..motor.swimming_plausibility import study_warnings
+from ..study.consistency_rules import robot_warnings
 from .numbers import (
     number,
     probability,
@@ -102,7 +102,7 @@ def warnings(campaign: Campaign) -> list[str]:
     of the search, and one if no coefficient is determined.
     """
     powers = {trial.trial_id: trial.power_pct for trial in campaign.study.trials}
-    found = robot_doubts(campaign.study.setup) + study_warnings(campaign.statuses)
+    found = robot_warnings(campaign.study.setup) + study_warnings(campaign.statuses)
     found += power_warnings(campaign.statuses, powers) + _without_calibration(campaign)
     found += length_warnings(campaign.geometry, campaign.mismatch)
     found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]

@@ -13,7 +13,7 @@ from PIL import Image
 from plotly.offline import get_plotlyjs
 
 from ..campaign import Campaign
-from ..files import optional_json
+from ..files import read_json_if_present
 from .packing import gzip_base64
 
 MAX_CLIP_BYTES = 3_000_000
@@ -83,7 +83,7 @@ def clips(folder: Path, beside: Path, campaign: Campaign) -> dict[str, Clip]:
 def _start_s(video: Path) -> float:
     """Time of the first frame, from the status of the overlay; 0 without one."""
     status = video.parents[1] / "status" / "overlays" / f"{video.stem}.json"
-    return float((optional_json(status) or {}).get("first_frame_s") or 0.0)
+    return float((read_json_if_present(status) or {}).get("first_frame_s") or 0.0)
 
 
 def _picture(path: Path, text: tuple[str, str], beside: Path) -> Picture:

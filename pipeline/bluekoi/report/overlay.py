@@ -9,11 +9,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ..camera.corners import pool_camera
-from ..camera.pool import PoolCamera, project
+from ..camera.pool_projection import PoolCamera, pool_to_pixels
+from ..camera.study_camera import pool_camera
 from ..campaign import Campaign
 from ..data import Float, Frame, Track
-from ..footage import encode, frames, open_recording
+from ..footage import encode_h264, frames, open_recording
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial
 from .overlay_frame import (
@@ -76,7 +76,9 @@ def write_overlay(
     """
     width, height = film_size(scene.size_px)
     pictures = _pictures(scene, source, (width, height), fps)
-    return encode(path, pictures, fps=fps, size=(width, height + STRIP_HEIGHT_PX), crf=VIDEO_CRF)
+    return encode_h264(
+        path, pictures, fps=fps, size=(width, height + STRIP_HEIGHT_PX), crf=VIDEO_CRF
+    )
 
 
 def film_size(size_px: tuple[int, int]) -> tuple[int, int]:
@@ -121,7 +123,7 @@ def paths(
     """
 
     def projected(x: Float, y: Float) -> Float:
-        return project(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
+        return pool_to_pixels(camera, np.column_stack([x, y, np.full(len(x), -depth_m)]))
 
     measured = projected(track.x_m, track.y_m)
     lines = [Line("measured path", track.time_s, measured, MEASURED_BGR, width_px=6)]

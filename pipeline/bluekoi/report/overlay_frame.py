@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ..camera.pool import PoolCamera, project
-from ..data import Float, Keypoints, confident
+from ..camera.pool_projection import PoolCamera, pool_to_pixels
+from ..data import Float, Keypoints, is_confident
 
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -69,11 +69,14 @@ def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
     length, width = camera.pool_size_m
     rim = _edges(length, width)
     cv2.fillPoly(
-        canvas, [_fixed_point(scale * project(camera, rim))], (190, 172, 140), shift=FRACTIONAL_BITS
+        canvas,
+        [_fixed_point(scale * pool_to_pixels(camera, rim))],
+        (190, 172, 140),
+        shift=FRACTIONAL_BITS,
     )
     for line in _grid(length, width):
-        _polyline(canvas, scale * project(camera, line), (205, 190, 165), 1)
-    _polyline(canvas, scale * project(camera, rim), (235, 235, 235), 2)
+        _polyline(canvas, scale * pool_to_pixels(camera, line), (205, 190, 165), 1)
+    _polyline(canvas, scale * pool_to_pixels(camera, rim), (235, 235, 235), 2)
     return canvas
 
 
@@ -96,7 +99,7 @@ def _draw_points(canvas: Picture, found: Keypoints, time_s: float, scale: float)
     i = int(np.argmin(np.abs(found.time_s - time_s)))
     if abs(found.time_s[i] - time_s) > MAX_OFFSET_S:
         return
-    sure = confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
+    sure = is_confident(found.likelihood[i]) & np.isfinite(found.xy_px[i]).all(axis=1)
     for point in scale * found.xy_px[i][sure]:
         cv2.circle(
             canvas,

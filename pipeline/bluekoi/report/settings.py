@@ -6,7 +6,7 @@ import platform
 from importlib.metadata import PackageNotFoundError, version
 
 from ..campaign import Campaign
-from ..files import flattened
+from ..files import flatten_mapping
 
 LISTED_PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", "numba", "filterpy",
             "matplotlib")  # fmt: skip
@@ -15,7 +15,7 @@ LISTED_PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", 
 
 def settings(campaign: Campaign) -> list[tuple[str, str]]:
     """All keys of study.yaml with values, including defaults."""
-    rows = flattened(campaign.study.setup.model_dump())
+    rows = flatten_mapping(campaign.study.setup.model_dump())
     return [(key, "–" if value in (None, {}) else str(value)) for key, value in rows]
 
 

@@ -44,36 +44,36 @@ def smooth_with_noise_ratio(pose: Pose, flap_hz: float) -> tuple[Track, tuple[fl
     """As `smooth`, and the variance of the measurement noise found over that stated, of positions
     and heading.
     """
-    _check(pose)
+    _check_enough_frames(pose)
     beats = float(flap_hz) * float(np.ptp(pose.time_s))
     hz = float(flap_hz) if np.isfinite(beats) and beats > 1 else 0.0
     grid = filter_grid(pose.time_s, hz)
     values, cov = grid.on_nodes(pose.values), grid.on_nodes(pose.cov)
     heading, plane = _fitted_models(values, cov, grid, hz)
-    turn, move = _smoothed(heading, 1), _smoothed(plane, 2)
+    turn, move = _smooth_with_calibrated_gaps(heading, 1), _smooth_with_calibrated_gaps(plane, 2)
     theta = turn.x[:, 0]
     at = grid.frame
     track = Track(
         time_s=pose.time_s,
-        **_position(move.x[at], move.P[at]),
-        **_velocity(move.x[at], move.P[at], theta[at]),
+        **_position_columns(move.x[at], move.P[at]),
+        **_velocity_columns(move.x[at], move.P[at], theta[at]),
         heading_rad=theta[at],
         heading_rad_std=np.sqrt(turn.P[at, 0, 0]),
         yaw_rate_rad_s=turn.x[at, 1],
         yaw_rate_rad_s_std=np.sqrt(turn.P[at, 1, 1]),
-        **_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
-        recoil=_recoil(move.x[at], turn.x[at], plane.model.H[at]) * (hz > 0),
-        remarks=_remarks(pose, grid, plane, heading),
+        **_smooth_head_angle(values[:, 3], cov[:, 3, 3], grid, hz),
+        recoil=_recoil_in_pool_frame(move.x[at], turn.x[at], plane.model.H[at]) * (hz > 0),
+        remarks=_smoothing_remarks(pose, grid, plane, heading),
     )
     return track, (plane.noise_ratio, heading.noise_ratio)
 
 
-def _smoothed(fitted: FittedModel, coords: int) -> SmoothedStates:
+def _smooth_with_calibrated_gaps(fitted: FittedModel, coords: int) -> SmoothedStates:
     state = filter_and_smooth(fitted.model, fitted.used)
     return with_calibrated_gaps(fitted.model, fitted.used, state, coords)
 
 
-def _check(pose: Pose) -> None:
+def _check_enough_frames(pose: Pose) -> None:
     seen = int(np.isfinite(pose.values[:, :3]).all(axis=1).sum())
     if seen < MIN_FRAMES:
         remedy = "Check the detection of this trial; a longer recording may help."
@@ -108,7 +108,7 @@ def _fitted_models(values: Float, cov: Float, grid: Grid, hz: float) -> Pair:
     return moving if gain > MIN_LOG_LIK_GAIN_MOVING else rest
 
 
-def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
+def _smooth_head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[str, Float]:
     """Head angle by a model of its own; NaN where it is seen in fewer than 8 frames."""
     n = int(grid.frame.sum())
     value, std = np.full(n, np.nan), np.full(n, np.nan)
@@ -121,12 +121,12 @@ def _head_angle(angle: Float, variance: Float, grid: Grid, hz: float) -> dict[st
     return {"head_angle_rad": value, "head_angle_rad_std": std}
 
 
-def _position(x: Float, P: Float) -> dict[str, Float]:
+def _position_columns(x: Float, P: Float) -> dict[str, Float]:
     names = {"x_m": x[:, 0], "y_m": x[:, 1]}
     return names | {"x_m_std": np.sqrt(P[:, 0, 0]), "y_m_std": np.sqrt(P[:, 1, 1])}
 
 
-def _velocity(x: Float, P: Float, theta: Float) -> dict[str, Float]:
+def _velocity_columns(x: Float, P: Float, theta: Float) -> dict[str, Float]:
     """Surge and sway turned into the pool frame, with speed and standard deviations."""
     c, s = np.cos(theta), np.sin(theta)
     turn = np.stack([np.stack([c, -s], -1), np.stack([s, c], -1)], -2)
@@ -137,13 +137,15 @@ def _velocity(x: Float, P: Float, theta: Float) -> dict[str, Float]:
     return velocity | {"vx_m_s_std": np.sqrt(C[:, 0, 0]), "vy_m_s_std": np.sqrt(C[:, 1, 1])}
 
 
-def _recoil(move: Float, turn: Float, H: Float) -> Float:
+def _recoil_in_pool_frame(move: Float, turn: Float, H: Float) -> Float:
     """Recoil (frames, 3): x, y in the pool frame [m] and heading [rad]."""
     xy = np.einsum("npd,nd->np", H[:, :, 6:10], move[:, 6:10])
     return np.column_stack([xy, turn[:, 3] if turn.shape[1] > 3 else np.zeros(len(turn))])
 
 
-def _remarks(pose: Pose, grid: Grid, plane: FittedModel, heading: FittedModel) -> tuple[str, ...]:
+def _smoothing_remarks(
+    pose: Pose, grid: Grid, plane: FittedModel, heading: FittedModel
+) -> tuple[str, ...]:
     seen = np.asarray(np.isfinite(pose.values[:, :3]).all(axis=1))
     used = (plane.used & heading.used)[grid.frame]
     notes = list(pose.remarks)

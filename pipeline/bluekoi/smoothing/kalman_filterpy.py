@@ -19,11 +19,11 @@ def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     which a motion without process noise makes singular.
     """
     n, p, d = model.H.shape
-    kf = _filter(model)
+    kf = _new_kalman_filter(model)
     means, covs = np.empty((n, d)), np.empty((n, d, d))
     inverses, innovations = np.zeros((n, p, p)), np.zeros((n, p))
     for k in range(n):
-        _step(kf, model, k, bool(used[k]))
+        _predict_and_update(kf, model, k, bool(used[k]))
         means[k], covs[k] = kf.x_prior, 0.5 * (kf.P_prior + kf.P_prior.T)
         if used[k]:
             inverses[k], innovations[k] = kf.SI, kf.y
@@ -32,14 +32,14 @@ def filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     )
 
 
-def _filter(model: LinearGaussianModel) -> KalmanFilter:
+def _new_kalman_filter(model: LinearGaussianModel) -> KalmanFilter:
     _, p, d = model.H.shape
     kf = KalmanFilter(dim_x=d, dim_z=p)
     kf.x, kf.P = model.x0.copy(), model.P0.copy()
     return kf
 
 
-def _step(kf: KalmanFilter, model: LinearGaussianModel, k: int, used: bool) -> None:
+def _predict_and_update(kf: KalmanFilter, model: LinearGaussianModel, k: int, used: bool) -> None:
     """Predict to time k (the first is the prior itself), then update where it was measured."""
     d = len(model.x0)
     F: Float = model.F[k] if k else np.eye(d)

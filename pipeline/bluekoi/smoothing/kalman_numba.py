@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vectors import njit
+from ..vector_width import njit
 from .linear_gaussian import LinearGaussianModel, Mask, SmoothedStates
 
 LOG_2_PI = float(np.log(2 * np.pi))
@@ -23,7 +23,7 @@ def minus_two_log_likelihood(model: LinearGaussianModel, used: Mask, gate: float
     sum_k log det(2 pi S_k) + min(y_k' S_k^-1 y_k, gate)
     """
     c = model
-    return float(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[0])
+    return float(_filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[0])
 
 
 def normalised_innovations_squared(model: LinearGaussianModel, used: Mask, gate: float) -> Float:
@@ -32,14 +32,14 @@ def normalised_innovations_squared(model: LinearGaussianModel, used: Mask, gate:
     Measurements beyond the gate do not enter the filter.
     """
     c = model
-    return np.asarray(_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[1])
+    return np.asarray(_filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, gate, False)[1])
 
 
 def compiled_filter_and_smooth(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     """States given all measurements used: equal to `kalman_filterpy.filter_and_smooth`."""
     c = model
-    _, _, xp, Pp, Si, y = _forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
-    return SmoothedStates(*_backward(c.F, c.H, xp, Pp, Si, y, used))
+    _, _, xp, Pp, Si, y = _filter_forward(c.F, c.Q, c.H, c.R, c.z, c.x0, c.P0, used, np.inf, True)
+    return SmoothedStates(*_adjoints_backward(c.F, c.H, xp, Pp, Si, y, used))
 
 
 def smooth_backward(
@@ -51,11 +51,13 @@ def smooth_backward(
     means (n, d), covs (n, d, d): before each measurement. inverses (n, p, p), innovations (n, p):
     S^-1 and y where used.
     """
-    return SmoothedStates(*_backward(model.F, model.H, means, covs, inverses, innovations, used))
+    return SmoothedStates(
+        *_adjoints_backward(model.F, model.H, means, covs, inverses, innovations, used)
+    )
 
 
 @njit(cache=True)
-def _pattern(F):  # type: ignore[no-untyped-def]
+def _nonzero_pattern(F):  # type: ignore[no-untyped-def]
     """Rows and columns of the entries of F (n, d, d) that are not zero at all times."""
     n, d, _ = F.shape
     entries, used = F.reshape(n, d * d), np.zeros(d * d, np.bool_)
@@ -71,7 +73,7 @@ def _pattern(F):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
+def _predict_in_place(F, Q, x, P, work):  # type: ignore[no-untyped-def]
     """State x <- F x, P <- F P F' + Q in place; work: (rows, columns, two (d, d), one (d,))."""
     rows, columns, half, full, new = work
     d = len(x)
@@ -97,7 +99,7 @@ def _predict(F, Q, x, P, work):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _inverse(S):  # type: ignore[no-untyped-def]
+def _inverse_and_determinant(S):  # type: ignore[no-untyped-def]
     """Inverse and determinant of a 1 x 1 or 2 x 2 matrix."""
     out = np.empty_like(S)
     if len(S) == 1:
@@ -130,7 +132,7 @@ def _innovation(H, x, P, z, S, y, HP):  # type: ignore[no-untyped-def]  # noqa: 
 
 
 @njit(cache=True, error_model="numpy")
-def _correct(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
+def _correct_in_place(x, P, HP, Si, y):  # type: ignore[no-untyped-def]
     """State x <- x + K y, P <- P - K H P with K = (H P)' S^-1."""
     p, d = HP.shape
     for i in range(d):
@@ -156,19 +158,19 @@ def _copy_rows(values, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _filter_forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     n, p, d = H.shape
     size = n if keep else 1
     xp, Pp = np.zeros((size, d)), np.zeros((size, d, d))
     Sis, ys = np.zeros((size, p, p)), np.zeros((size, p))
-    rows, columns = _pattern(F)
+    rows, columns = _nonzero_pattern(F)
     work = (rows, columns, np.empty((d, d)), np.empty((d, d)), np.empty(d))
     squares = np.empty(n)
     x, P, total = x0.copy(), P0.copy(), 0.0
     HP, S, y = np.empty((p, d)), np.empty((p, p)), np.empty(p)
     for k in range(n):
         if k:
-            _predict(F[k], Q[k], x, P, work)
+            _predict_in_place(F[k], Q[k], x, P, work)
         if keep:
             _copy(x, xp[k])
             _copy_rows(P, Pp[k])
@@ -177,7 +179,7 @@ def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untype
             continue
         _copy_rows(R[k], S)
         _innovation(H[k], x, P, z[k], S, y, HP)
-        Si, det = _inverse(S)
+        Si, det = _inverse_and_determinant(S)
         square = 0.0
         for q in range(p):
             for r in range(p):
@@ -188,12 +190,12 @@ def _forward(F, Q, H, R, z, x0, P0, used, gate, keep):  # type: ignore[no-untype
             _copy(y, ys[k])
             _copy_rows(Si, Sis[k])
         if square <= gate:
-            _correct(x, P, HP, Si, y)
+            _correct_in_place(x, P, HP, Si, y)
     return total, squares, xp, Pp, Sis, ys
 
 
 @njit(cache=True)
-def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _adjoints_backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Adjoints g, G backwards in time; x = xp - Pp g, P = Pp - Pp G Pp."""
     n, _, d = H.shape
     xs, Ps = np.empty_like(xp), np.empty_like(Pp)
@@ -206,8 +208,8 @@ def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # n
                 for m in range(d):
                     C[i, m] = (1.0 if i == m else 0.0) - C[i, m]
             g, G = C.T @ g, C.T @ (G @ C)
-            _add(HS @ ys[k], HS @ H[k], g, G)
-        _smooth(Pp[k] @ g, Pp[k] @ (G @ Pp[k]), xp[k], Pp[k], xs[k], Ps[k])
+            _add_measurement_to_adjoints(HS @ ys[k], HS @ H[k], g, G)
+        _smoothed_from_adjoints(Pp[k] @ g, Pp[k] @ (G @ Pp[k]), xp[k], Pp[k], xs[k], Ps[k])
         if k:
             g = F[k].T @ g
             G = F[k].T @ (G @ F[k])
@@ -215,7 +217,7 @@ def _backward(F, H, xp, Pp, Sis, ys, used):  # type: ignore[no-untyped-def]  # n
 
 
 @njit(cache=True, error_model="numpy")
-def _add(Hy, HH, g, G):  # type: ignore[no-untyped-def]
+def _add_measurement_to_adjoints(Hy, HH, g, G):  # type: ignore[no-untyped-def]
     """What one measurement adds to the adjoints: -H' S^-1 y to g, H' S^-1 H to G."""
     for i in range(len(g)):
         g[i] -= Hy[i]
@@ -224,7 +226,7 @@ def _add(Hy, HH, g, G):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _smooth(Pg, PGP, xp, Pp, x, P):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _smoothed_from_adjoints(Pg, PGP, xp, Pp, x, P):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     """Fill x = xp - Pp g and the symmetric part of P = Pp - Pp G Pp."""
     for i in range(len(x)):
         x[i] = xp[i] - Pg[i]

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..data import Float
-from ..vectors import njit
+from ..vector_width import njit
 
 RECOIL_MEMORY_BEATS = 15.0
 """The recoil keeps its amplitude and phase over about so many tail beats."""
@@ -38,9 +38,9 @@ def heading_matrices(noise, dt, hz, nominal):  # type: ignore[no-untyped-def]
     for i in range(d):
         F[0, i, i] = 1.0
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
+        _fill_mean_motion_blocks(F[k], Q[k], dt[k], noise, nominal[k])
         if hz > 0:
-            _recoil(F[k], Q[k], dt[k], hz, noise[4], 3)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[4], 3)
     return F, Q
 
 
@@ -57,20 +57,20 @@ def planar_matrices(noise, dt, hz, nominal, theta):  # type: ignore[no-untyped-d
     for i in range(d):
         F[0, i, i] = 1.0
     for k in range(1, n):
-        _mean_motion(F[k], Q[k], dt[k], noise, nominal[k])
+        _fill_mean_motion_blocks(F[k], Q[k], dt[k], noise, nominal[k])
         half = 0.5 * (theta[k] - theta[k - 1])
         # chord over arc of a steady turn: the step is exact where surge and sway are constant
         chord = 1.0 if abs(half) < 1e-9 else np.sin(half) / half
         c, s = np.cos(theta[k] - half), np.sin(theta[k] - half)
-        _turn(F[k], Q[k], c, s, chord)
+        _rotate_to_pool_frame(F[k], Q[k], c, s, chord)
         if hz > 0:
-            _recoil(F[k], Q[k], dt[k], hz, noise[5], 6)
-            _recoil(F[k], Q[k], dt[k], hz, noise[6], 8)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[5], 6)
+            _fill_recoil_blocks(F[k], Q[k], dt[k], hz, noise[6], 8)
     return F, Q
 
 
 @njit(cache=True)
-def _mean_motion(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
+def _fill_mean_motion_blocks(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
     """Fill the blocks of the m = 1 or 2 coordinates, order p (m), v (m), a (m)."""
     m = 1 if len(F) in (3, 5) else 2
     tau = noise[0] / nominal[1]
@@ -94,7 +94,7 @@ def _mean_motion(F, Q, dt, noise, nominal):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
+def _rotate_to_pool_frame(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
     """Turn what drives x and y from the body into the pool frame."""
     for column in (2, 4):
         f = F[0, column] * chord
@@ -111,7 +111,7 @@ def _turn(F, Q, c, s, chord):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _recoil(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
+def _fill_recoil_blocks(F, Q, dt, hz, variance, at):  # type: ignore[no-untyped-def]  # noqa: PLR0917
     keep = np.exp(-dt * hz / RECOIL_MEMORY_BEATS)
     c, s = keep * np.cos(2 * np.pi * hz * dt), keep * np.sin(2 * np.pi * hz * dt)
     F[at, at] = F[at + 1, at + 1] = c

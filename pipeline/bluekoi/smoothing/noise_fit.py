@@ -61,18 +61,23 @@ def fit_noise(
     gate = outlier_gate(build(starts[0]).z.shape[1])
     for turn in range(rounds):
         limit = gate if turn == 0 else np.inf
-        ends = [_search(build, used, limit, place, spread) for place in places]
+        ends = [_minimise_noise_cost(build, used, limit, place, spread) for place in places]
         if min(ends, key=lambda end: end[1])[0][-1] > 2 * spread[-1]:
-            ends += [_search(build, used, limit, place, spread) for place in more_starts]
+            ends += [
+                _minimise_noise_cost(build, used, limit, place, spread) for place in more_starts
+            ]
         logs = min(ends, key=lambda end: end[1])[0]
         places = [logs]
         model = build(logs)
-        kept = seen & (_deletion_squares(model, _within(model, used, limit)) <= gate)
+        kept = seen & (
+            _squared_deletion_residuals(model, _measurements_within_gate(model, used, limit))
+            <= gate
+        )
         if np.array_equal(kept, used):
             break
         used = kept if kept.sum() > 0.5 * seen.sum() else used
     model = build(logs)
-    cost = _cost(model, seen, used, gate) + _prior(logs, spread)
+    cost = _neg_two_log_posterior(model, seen, used, gate) + _neg_log_noise_prior(logs, spread)
     return FittedModel(model, first, used, logs, cost, float(np.exp(logs[-1])))
 
 
@@ -81,11 +86,13 @@ def outlier_gate(size: int) -> float:
     return float(chdtri(size, GATE_TAIL_PROBABILITY))
 
 
-def _prior(logs: Float, spread: Float) -> float:
+def _neg_log_noise_prior(logs: Float, spread: Float) -> float:
     return float(np.sum((logs / spread) ** 2))
 
 
-def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> float:
+def _neg_two_log_posterior(
+    model: LinearGaussianModel, seen: Mask, used: Mask, gate: float
+) -> float:
     """Minus twice the log likelihood, rejected measurements as if they lay on the gate."""
     rejected = model.R[seen & ~used]
     return kalman_numba.minus_two_log_likelihood(model, used, np.inf) + float(
@@ -93,14 +100,14 @@ def _cost(model: LinearGaussianModel, seen: Mask, used: Mask, gate: float) -> fl
     )
 
 
-def _within(model: LinearGaussianModel, used: Mask, gate: float) -> Mask:
+def _measurements_within_gate(model: LinearGaussianModel, used: Mask, gate: float) -> Mask:
     if not np.isfinite(gate):
         return used
     squares = kalman_numba.normalised_innovations_squared(model, used, gate)
     return used & ~(squares > gate)
 
 
-def _search(
+def _minimise_noise_cost(
     build: Callable[[Float], LinearGaussianModel],
     used: Mask,
     gate: float,
@@ -111,12 +118,12 @@ def _search(
 
     def cost(at: Float) -> float:
         value = kalman_numba.minus_two_log_likelihood(build(at), used, gate)
-        return value + _prior(at, spread) if np.isfinite(value) else 1e12
+        return value + _neg_log_noise_prior(at, spread) if np.isfinite(value) else 1e12
 
     return minimise(cost, start)
 
 
-def _deletion_squares(model: LinearGaussianModel, used: Mask) -> Float:
+def _squared_deletion_residuals(model: LinearGaussianModel, used: Mask) -> Float:
     """Squared normalised distance of each measurement from what all the others say, (n,).
 
     With e = z - H x, and V = R - H P H' where the measurement was used, R + H P H' where not, the

@@ -26,7 +26,7 @@ def minimise(
     Optimization, 2006, algorithm 6.1, backtracking line search 3.1.
     """
     at, value = start, cost(start)
-    slope = _slope(cost, at, value)
+    slope = _forward_difference_gradient(cost, at, value)
     inverse = np.eye(len(at)) / max(float(np.abs(slope).max()), 1.0)
     for _ in range(steps):
         way = -(inverse @ slope)
@@ -34,22 +34,22 @@ def minimise(
         promise = -float(slope @ way)
         if promise < enough:
             break
-        share, there, lower = _backtrack(cost, at, way, (value, promise))
+        share, there, lower = _backtracking_line_search(cost, at, way, (value, promise))
         if share == 0.0:
             break
-        new_slope = _slope(cost, there, lower)
-        inverse = _updated(inverse, there - at, new_slope - slope)
+        new_slope = _forward_difference_gradient(cost, there, lower)
+        inverse = _bfgs_update(inverse, there - at, new_slope - slope)
         at, value, slope = there, lower, new_slope
     return at, value
 
 
-def _slope(cost: Callable[[Float], float], at: Float, value: float) -> Float:
+def _forward_difference_gradient(cost: Callable[[Float], float], at: Float, value: float) -> Float:
     return np.array(
         [(cost(at + step) - value) / DIFFERENCE_STEP for step in DIFFERENCE_STEP * np.eye(len(at))]
     )
 
 
-def _backtrack(
+def _backtracking_line_search(
     cost: Callable[[Float], float], at: Float, way: Float, known: tuple[float, float]
 ) -> tuple[float, Float, float]:
     """Share of the way that lowers the cost enough (0 where none does), place and cost there."""
@@ -64,7 +64,7 @@ def _backtrack(
     return 0.0, at, value
 
 
-def _updated(inverse: Float, moved: Float, change: Float) -> Float:
+def _bfgs_update(inverse: Float, moved: Float, change: Float) -> Float:
     """Inverse Hessian after a step, BFGS; left as it is where the cost does not curve upwards."""
     curve = float(moved @ change)
     if curve <= 1e-9:

@@ -37,7 +37,7 @@ def screen_measurements(z: Float, R: Float, grid: Grid) -> ScreenedMeasurements:
     R = np.where(seen[:, None, None], R, np.eye(m))
     z = np.where(seen[:, None], z, 0.0)
     plausible = seen.copy()
-    plausible[seen] = _near_neighbours(z[seen])
+    plausible[seen] = _agrees_with_neighbours(z[seen])
     t, at = grid.time_s[plausible], z[plausible]
     variance = float(np.median(np.trace(R[plausible].T))) / m
     # over whole beats, in which the recoil is back where it was
@@ -47,10 +47,12 @@ def screen_measurements(z: Float, R: Float, grid: Grid) -> ScreenedMeasurements:
     floor = np.sqrt(variance) / max(float(np.ptp(t)), 1e-9)
     speed = float(max(np.quantile(rates, 0.8), floor))
     span = float(np.ptp(grid.time_s))
-    return ScreenedMeasurements(z, R, seen, plausible, _onset(grid, t, at), speed, variance, span)
+    return ScreenedMeasurements(
+        z, R, seen, plausible, _onset_window(grid, t, at), speed, variance, span
+    )
 
 
-def _near_neighbours(z: Float) -> Mask:
+def _agrees_with_neighbours(z: Float) -> Mask:
     """Points (n,) within 8 robust deviations of what their neighbours say.
 
     Neighbours say the median of (z[k-j] + z[k+j]) / 2, j = 1, 2, 3, and at the ends that of the
@@ -68,7 +70,7 @@ def _near_neighbours(z: Float) -> Mask:
     return np.asarray((away <= 8 * np.maximum(scale, 1e-12)).all(axis=1))
 
 
-def _onset(grid: Grid, time_s: Float, z: Float) -> Float:
+def _onset_window(grid: Grid, time_s: Float, z: Float) -> Float:
     """Window exp(-|t - t_start| / T) around the onset of the motion, (nodes,).
 
     Onset: where the path leaves its first place by a fiftieth of its extent.

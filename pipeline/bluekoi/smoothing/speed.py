@@ -6,7 +6,7 @@ import numpy as np
 
 from ..data import Float
 
-_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+_GAUSS_HERMITE_NODES, _GAUSS_HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
 
 
 def speed_and_std(velocity: Float, cov: Float) -> tuple[Float, Float]:
@@ -16,15 +16,18 @@ def speed_and_std(velocity: Float, cov: Float) -> tuple[Float, Float]:
     the delta method, v' C v / |v|^2; at rest it is the root mean square speed, trace C.
     """
     speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    root = _root(cov)
-    points = np.stack(np.meshgrid(_NODES, _NODES), -1).reshape(-1, 2)
-    weights = np.outer(_WEIGHTS, _WEIGHTS).ravel() / _WEIGHTS.sum() ** 2
+    root = _robust_cholesky(cov)
+    points = np.stack(np.meshgrid(_GAUSS_HERMITE_NODES, _GAUSS_HERMITE_NODES), -1).reshape(-1, 2)
+    weights = (
+        np.outer(_GAUSS_HERMITE_WEIGHTS, _GAUSS_HERMITE_WEIGHTS).ravel()
+        / _GAUSS_HERMITE_WEIGHTS.sum() ** 2
+    )
     tried = velocity[:, None] + np.einsum("nij,kj->nki", root, points)
     change = np.hypot(tried[..., 0], tried[..., 1]) - speed[:, None]
     return speed, np.sqrt(change**2 @ weights)
 
 
-def _root(cov: Float) -> Float:
+def _robust_cholesky(cov: Float) -> Float:
     """Cholesky's factors (n, 2, 2) of covariances (n, 2, 2), also where rounding leaves one that is
     not quite positive.
     """

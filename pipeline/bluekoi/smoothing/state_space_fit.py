@@ -80,7 +80,7 @@ def fit_angle(
     H[:, 0, 0] = 1.0
     H[:, 0, 3:4] = 1.0
 
-    return _fit(
+    return _fit_motion_model(
         data, grid, H, lambda noise: heading_matrices(noise, grid.dt_s, flap_hz, nominal),
         resting=resting, coloured=coloured, near=near,
     )  # fmt: skip
@@ -97,7 +97,7 @@ def fit_position(
     data = screen_measurements(xy, cov, grid)
     nominal = nominal_motion(data, known.speed, known.heading_noise, resting=resting)
 
-    return _fit(
+    return _fit_motion_model(
         data, grid, planar_measurement(known.theta, flap_hz),
         lambda noise: planar_matrices(noise, grid.dt_s, flap_hz, nominal, known.theta),
         resting=resting, coloured=coloured, near=near,
@@ -118,7 +118,7 @@ def cost_with_moving_start(fitted: FittedModel) -> float:
     return fitted.cost + gain
 
 
-def _fit(
+def _fit_motion_model(
     data: ScreenedMeasurements,
     grid: Grid,
     H: Float,
@@ -131,8 +131,8 @@ def _fit(
     """Most likely model of these measurements; matrices gives (F, Q) for the noise."""
     m = data.z.shape[1]
     recoils = (H.shape[2] - 3 * m) // 2
-    units = _units(data, grid, recoils)
-    x0, widths = _prior(data, grid.scale_s, recoils, resting)
+    units = _noise_units(data, grid, recoils)
+    x0, widths = _initial_state_prior(data, grid.scale_s, recoils, resting)
 
     def build(logs: Float) -> LinearGaussianModel:
         noise = units * np.exp(logs[:-1])
@@ -153,21 +153,21 @@ def _fit(
     )
     T = grid.scale_s
     largest = np.log(np.array(MAX_RELATIVE_DENSITIES) * data.speed**2 / [T, T**3] / units[1:3])
-    starts = _starts(m, recoils, np.full(2, LOG_START_NOISE))
+    starts = _starting_log_noise(m, recoils, np.full(2, LOG_START_NOISE))
     found = fit_noise(
         build,
         data.seen,
         first=data.plausible,
         spread=spread,
         starts=starts if near is None else [near.white_logs],
-        more_starts=_starts(m, recoils, np.maximum(largest, LOG_START_NOISE)),
+        more_starts=_starting_log_noise(m, recoils, np.maximum(largest, LOG_START_NOISE)),
     )
     if found.logs[-1] > MAX_LOG_NOISE_RATIO_COLOURED and not coloured:
         return found
-    return _with_coloured(found, build, data, grid, spread=spread)
+    return _with_coloured_noise_if_better(found, build, data, grid, spread=spread)
 
 
-def _with_coloured(
+def _with_coloured_noise_if_better(
     found: FittedModel,
     build: Callable[[Float], LinearGaussianModel],
     data: ScreenedMeasurements,
@@ -199,14 +199,14 @@ def _with_coloured(
     return replace(other, noise_ratio=ratio, coloured=True)
 
 
-def _starts(m: int, recoils: int, logs: Float) -> list[Float]:
+def _starting_log_noise(m: int, recoils: int, logs: Float) -> list[Float]:
     """Logs to search from: a motion disturbed in its rate, and one in its acceleration."""
     others = [*[0.0] * (m - 1), *[LOG_START_RECOIL_NOISE] * recoils, 0.0]
     pairs = ((logs[0], 0.0, 0.0), (0.0, logs[1], 1.0))
     return [np.array([0.0, *pair, *others]) for pair in pairs]
 
 
-def _units(data: ScreenedMeasurements, grid: Grid, recoils: int) -> Float:
+def _noise_units(data: ScreenedMeasurements, grid: Grid, recoils: int) -> Float:
     """Units of tau (s), density of rate and acceleration noise, start-up, share of sway, recoils.
 
     Variance of a steady rate: 12 R / (frames span^2), slope of a line through white noise.
@@ -217,7 +217,7 @@ def _units(data: ScreenedMeasurements, grid: Grid, recoils: int) -> Float:
     return np.array([2 * grid.scale_s, *densities, 3.0, *shares, *[data.variance] * recoils])
 
 
-def _prior(
+def _initial_state_prior(
     data: ScreenedMeasurements, T: float, recoils: int, resting: bool
 ) -> tuple[Float, Float]:
     """Mean of the first state, and prior variances of position, rate and acceleration.

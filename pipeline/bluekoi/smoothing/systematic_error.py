@@ -31,15 +31,15 @@ def with_systematic_error(track: Track, pose: Pose, noise_ratio: tuple[float, fl
     turn = 2 / float(np.ptp(track.time_s)) ** 2
     return replace(
         track,
-        x_m_std=_wider(track.x_m_std, x),
-        y_m_std=_wider(track.y_m_std, y),
-        heading_rad_std=_wider(track.heading_rad_std, heading),
-        vx_m_s_std=_wider(track.vx_m_s_std, turn * x),
-        vy_m_s_std=_wider(track.vy_m_s_std, turn * y),
-        speed_m_s_std=_wider(track.speed_m_s_std, turn * 0.5 * (x + y)),
-        yaw_rate_rad_s_std=_wider(track.yaw_rate_rad_s_std, turn * heading),
+        x_m_std=_widen_std(track.x_m_std, x),
+        y_m_std=_widen_std(track.y_m_std, y),
+        heading_rad_std=_widen_std(track.heading_rad_std, heading),
+        vx_m_s_std=_widen_std(track.vx_m_s_std, turn * x),
+        vy_m_s_std=_widen_std(track.vy_m_s_std, turn * y),
+        speed_m_s_std=_widen_std(track.speed_m_s_std, turn * 0.5 * (x + y)),
+        yaw_rate_rad_s_std=_widen_std(track.yaw_rate_rad_s_std, turn * heading),
     )
 
 
-def _wider(std: Float, variance: float) -> Float:
+def _widen_std(std: Float, variance: float) -> Float:
     return np.asarray(np.sqrt(std**2 + variance))

@@ -21,8 +21,8 @@ import numpy as np
 from ..campaign import Campaign
 from ..data import Flapping, Pose, Steady, Track
 from ..measurement import clock_error
-from ..motor import common_ratio, compare
-from ..motor.compare import SAME_CLOCK_TOLERANCE
+from ..motor import common_clock_ratio, flapping_compared_with_video
+from ..motor.clock_comparison import SAME_CLOCK_TOLERANCE
 from ..study import Study
 
 CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
@@ -60,7 +60,7 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
 
 def _factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
     known = [f for n in names if (f := flapping[n]).source != "video"]
-    common = common_ratio([f for f in known if f.source == "motor_log"] or known)
+    common = common_clock_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
         ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD_SHARE * common[0])))
         if common
@@ -110,7 +110,7 @@ def _flapping(flapping: Flapping, r: float) -> Flapping:
     """Frequencies with the ratio of clocks divided by r; the beat's lag is unknown after that."""
     bare = replace(flapping, ratio=np.nan, ratio_std=np.nan, video_hz=np.nan, video_hz_std=np.nan,
                    beat_lag_rad=np.nan, beat_lag_std_rad=np.nan, agrees=True)  # fmt: skip
-    return compare(bare, flapping.ratio / r, flapping.ratio_std / r)
+    return flapping_compared_with_video(bare, flapping.ratio / r, flapping.ratio_std / r)
 
 
 def with_clock_cause(

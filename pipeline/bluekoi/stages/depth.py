@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from ..files import optional_json
+from ..files import read_json_if_present
 from ..study import Setup
-from ..study.depth import with_depth
+from ..study.keypoint_depth import setup_with_keypoint_depth
 from .layout import Layout
 
 
 def keypoint_depth(setup: Setup, layout: Layout) -> float:
-    """Depth to use, m, by `study.depth`; before geometry.json is there, without an estimate."""
-    return with_depth(setup, optional_json(layout.geometry)).robot.keypoint_depth_m
+    """Depth to use, m, by `study.keypoint_depth`; no estimate until geometry.json is there."""
+    return setup_with_keypoint_depth(
+        setup, read_json_if_present(layout.geometry)
+    ).robot.keypoint_depth_m

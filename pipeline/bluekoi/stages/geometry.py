@@ -10,18 +10,23 @@ from typing import Any
 import numpy as np
 
 from ..camera import map_keypoints, pool_camera
-from ..camera.geometry import GeometryCheck, check_distances, check_geometry, estimate_depth
 from ..camera.geometry_hypotheses import HypothesisFit
-from ..camera.length_windows import to_columns
-from ..camera.pool import PoolCamera
-from ..camera.rigid_distances import Geometry
-from ..camera.whole_length import WHOLE_LENGTH, systematic_share, whole_lengths
+from ..camera.length_windows import windows_to_columns
+from ..camera.pool_projection import PoolCamera
+from ..camera.rigid_distances import CameraGeometry
+from ..camera.rigid_length_check import (
+    GeometryCheck,
+    check_camera_geometry,
+    check_rigid_distances,
+    estimate_depth,
+)
+from ..camera.whole_length import WHOLE_LENGTH_LABEL, systematic_length_error_share, whole_lengths
 from ..data import Positions
 from ..errors import InputError
 from ..files import read_json, write_json
 from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial, load_study
-from ..study.depth import usable_depth_m
+from ..study.keypoint_depth import select_keypoint_depth_m
 from .layout import Layout
 from .status import good_trials, lengths_measured
 
@@ -40,7 +45,8 @@ def geometry(study: Path, results: Path) -> None:
 
     scale: measured over true lengths, given the robot's lengths in study.yaml, with scale_std
     (trials as clusters), by `measured`: its rigid parts, or its whole length where a silhouette's
-    keypoints lie at stated lengths. depth_m: of the keypoints, by the rule of study/depth.py.
+    keypoints lie at stated lengths. depth_m: of the keypoints, by the rule of
+    study/keypoint_depth.py.
     likely: `nothing`, an error's name, or `unknown`. by_trial: relative error of each trial's
     lengths that the likely error leaves. map: relative error of the distances over the
     pool, and what the likely error predicts there. windows: means of the distances over half a
@@ -70,9 +76,11 @@ def _by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[s
     estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
-    if (used := usable_depth_m(setup, estimate, std)) != depth:
+    if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
         depth, placed = used, _placed(camera, trials, layout, used)
-    check = check_geometry(camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot)
+    check = check_camera_geometry(
+        camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
+    )
     return {
         **_evidence(check, trials),
         "measured": "rigid parts",
@@ -96,17 +104,17 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
         [trial.head_length_m for trial in trials],
         setup.robot,
     )
-    geometry = Geometry(camera, depth)
-    min_share = systematic_share(geometry, distances)
+    geometry = CameraGeometry(camera, depth)
+    min_share = systematic_length_error_share(geometry, distances)
     given = ("keypoint_depth",) if setup.robot.depth_given else ()
-    check = check_distances(
+    check = check_rigid_distances(
         geometry, distances, subject=WHOLE_LENGTH_SUBJECT, min_share=min_share, given=given
     )
     also = "" if check.best is None else STATED_LENGTH_ADVICE
     return {
         **_evidence(check, trials),
         "sentence": f"{check.sentence}{also}",
-        "measured": WHOLE_LENGTH,
+        "measured": WHOLE_LENGTH_LABEL,
         "min_share": min_share,
         "depth_estimate_m": None,
         "depth_estimate_std_m": None,
@@ -143,7 +151,7 @@ def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
             trials[number].trial_id: {"excess": mean, "std": std}
             for number, (mean, std) in check.by_trial.items()
         },
-        "windows": to_columns(check.windows),
+        "windows": windows_to_columns(check.windows),
     }
 
 

@@ -13,7 +13,7 @@ from .. import keypoints as sources
 from ..data import Float, Frame, Keypoints
 from ..errors import InputError, input_error
 from ..keypoints.deeplabcut import write
-from ..study import Study, Trial, load_study, missing_of
+from ..study import Study, Trial, load_study, missing_files_of_trial
 from .layout import Layout
 from .status import run_with_status
 
@@ -41,7 +41,7 @@ def keypoints(
 
 
 def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, Any]:
-    if missing := missing_of(study, trial):
+    if missing := missing_files_of_trial(study, trial):
         raise InputError(missing)
     found, notes = (
         _from_file(study, trial) if trial.reads_keypoints else _seen(study, trial, threads)
@@ -75,7 +75,7 @@ def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415
-    from ..study.filmed import setup_in_film_pixels  # noqa: PLC0415
+    from ..study.recording_pixels import setup_in_film_pixels  # noqa: PLC0415
 
     cv2.setNumThreads(threads)
     detector = sources.source_module(study.setup.detection.source)

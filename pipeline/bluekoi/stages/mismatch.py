@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..camera.geometry_hypotheses import SYSTEMATIC_SHARE
-from ..camera.length_windows import from_columns
-from ..camera.rigid_distances import LENGTH_STD_SHARE
+from ..camera.geometry_hypotheses import SYSTEMATIC_LENGTH_ERROR_SHARE
+from ..camera.length_windows import windows_from_columns
+from ..camera.rigid_distances import STATED_LENGTH_STD_SHARE
 from ..campaign import load_campaign
 from ..data import Flapping, write_columns
 from ..files import write_json
@@ -24,7 +24,7 @@ from ..mismatch.laws import cause_laws, partial_residuals
 from ..mismatch.results_json import details_json, mismatch_json
 from ..mismatch.rigid_lengths import length_measurement
 from ..model import plates
-from ..motor import clock_delay
+from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
@@ -126,7 +126,9 @@ def with_delay(
         b for b in beats if b.agrees and np.isfinite([b.beat_lag_rad, b.beat_lag_std_rad]).all()
     ]
     columns = ("flap_hz", "beat_lag_rad", "beat_lag_std_rad")
-    found = clock_delay(*(np.array([getattr(b, name) for b in usable]) for name in columns))
+    found = log_lead_from_beat_phases(
+        *(np.array([getattr(b, name) for b in usable]) for name in columns)
+    )
     if found is None:
         return list(series)
     shared = {"delay": (found[0], found[1] * max(fitted, 1) ** 0.5)}
@@ -170,7 +172,7 @@ def with_rigid_lengths(
     by_homography = camera is not None and camera.matrix is None
     shared = length_measurement(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
-        from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
+        windows_from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
         depth_given=setup.robot.depth_given and not by_homography,
         systematic=_detector_share(geometry),
     )  # fmt: skip
@@ -182,8 +184,8 @@ def _detector_share(geometry: Mapping[str, Any]) -> float:
     contains that of the stated lengths.
     """
     if "min_share" not in geometry:
-        return SYSTEMATIC_SHARE
-    return float(np.sqrt(max(geometry["min_share"] ** 2 - LENGTH_STD_SHARE**2, 0.0)))
+        return SYSTEMATIC_LENGTH_ERROR_SHARE
+    return float(np.sqrt(max(geometry["min_share"] ** 2 - STATED_LENGTH_STD_SHARE**2, 0.0)))
 
 
 def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:

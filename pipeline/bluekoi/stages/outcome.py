@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..camera.length_warnings import length_warnings
-from ..files import optional_json, read_json, write_json
-from ..motor.powers import power_warnings
-from ..motor.swimming import study_warnings, tail_warnings
+from ..files import read_json, read_json_if_present, write_json
+from ..motor.power_consistency import power_warnings
+from ..motor.swimming_plausibility import study_warnings, tail_warnings
 from ..study import load_study
-from ..study.rules import robot_doubts
+from ..study.consistency_rules import robot_warnings
 from .failure import failure_reason
 from .layout import Layout, remove
 from .manifest import write_manifest
@@ -28,9 +28,11 @@ def outcome(study: Path, results: Path) -> list[str]:
     powers = {trial.trial_id: trial.power_pct for trial in loaded.trials}
     statuses = {name: read_json(layout.status(name)) for name in powers}
     bad = [f"{name}: {text}" for name, s in statuses.items() if (text := failure_reason(s))]
-    geometry, mismatch = (optional_json(results / f"{n}.json") for n in ("geometry", "mismatch"))
+    geometry, mismatch = (
+        read_json_if_present(results / f"{n}.json") for n in ("geometry", "mismatch")
+    )
     warnings = [
-        *robot_doubts(loaded.setup),
+        *robot_warnings(loaded.setup),
         *study_warnings(statuses),
         *tail_warnings(statuses, loaded.setup.robot.tail_length_m),
         *power_warnings(statuses, powers),

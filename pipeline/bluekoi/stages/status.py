@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import InputError, input_error
 from ..files import read_json, write_json
 from ..keypoints import source_module, source_names
-from ..motor.swimming import study_warnings
+from ..motor.swimming_plausibility import study_warnings
 from .layout import remove
 
 log = logging.getLogger(__name__)

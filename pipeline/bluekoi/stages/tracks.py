@@ -8,15 +8,27 @@ from typing import Any
 
 import numpy as np
 
-from ..camera.corners import pool_camera
-from ..camera.pool import PoolCamera, map_keypoints
-from ..camera.uncertainty import calibration_at
+from ..camera.calibration_uncertainty import calibration_covariance_at_places
+from ..camera.pool_projection import PoolCamera, map_keypoints
+from ..camera.study_camera import pool_camera
 from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
-from ..motor import beat_lag, clock_ratio, compare, flapping_from_log, flapping_given, tail_beat
-from ..motor.swimming import REMEDY, implausible_numbers, swimming_numbers, tail_length_seen
+from ..motor import (
+    clock_ratio,
+    flapping_compared_with_video,
+    flapping_from_log,
+    flapping_from_stated_frequency,
+    tail_beat_from_video,
+    tail_beat_lag,
+)
+from ..motor.swimming_plausibility import (
+    CHECK_LENGTHS_REMEDY,
+    implausible_numbers,
+    swimming_numbers,
+    tail_length_seen,
+)
 from ..pose import rigid_pose
 from ..smoothing import smooth_with_noise_ratio
 from ..smoothing.systematic_error import with_systematic_error
@@ -82,7 +94,7 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         )
     swimming = swimming_numbers(steady, flapping, positions, study.setup.robot)
     if odd := implausible_numbers([swimming]):
-        remarks.append(f"{odd}. {REMEDY}")
+        remarks.append(f"{odd}. {CHECK_LENGTHS_REMEDY}")
     return {
         **detection,
         "remarks": list(dict.fromkeys(remarks)),
@@ -128,7 +140,7 @@ def _doubted(steady: Steady, flapping: Flapping) -> Steady:
 
 def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:
     """The track whose positions' deviations hold the calibration's, common to all frames."""
-    cov = calibration_at(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
+    cov = calibration_covariance_at_places(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
     x, y = (
         np.hypot(np.sqrt(cov[:, 0, 0]), track.x_m_std),
         np.hypot(np.sqrt(cov[:, 1, 1]), track.y_m_std),
@@ -145,20 +157,20 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
     if log is not None:
         flapping = flapping_from_log(log)
     elif trial.flap_hz is not None:
-        flapping = flapping_given(trial.flap_hz)
+        flapping = flapping_from_stated_frequency(trial.flap_hz)
     else:
         return _from_video(study, trial, positions)
     if flapping.flap_hz <= 0:
         return flapping
-    found = compare(flapping, *clock_ratio(positions, flapping))
+    found = flapping_compared_with_video(flapping, *clock_ratio(positions, flapping))
     if not np.isfinite(found.video_hz):
         return found
-    lag, std = beat_lag(positions, flapping)
+    lag, std = tail_beat_lag(positions, flapping)
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
 
 
 def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
-    hz, std = tail_beat(positions)
+    hz, std = tail_beat_from_video(positions)
     if not hz > 0:
         raise input_error(
             study.root / "trials.csv",

@@ -1,6 +1,6 @@
 """Steady speed and turn of a trial, with uncertainty and a named outcome."""
 
-from .circle import fit_circle
-from .plateau import fit_plateau
-from .state import steady_state
-from .table import read_steady, write_steady
+from .circle_fit import fit_circle
+from .speed_plateau import fit_plateau
+from .steady_csv import read_steady, write_steady
+from .steady_segment import steady_state

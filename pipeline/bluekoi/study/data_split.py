@@ -10,7 +10,7 @@ HELD_OUT_SHARE = 0.25
 """Share of the trials that is held out at most."""
 
 
-def has_roles(study: Study) -> bool:
+def has_trial_roles(study: Study) -> bool:
     """Whether trials.csv says which trials to hold out."""
     return any(t.role in {"held_out", "fit"} for t in study.trials)
 
@@ -23,7 +23,7 @@ def held_out_trials(study: Study, names: Sequence[str]) -> list[str]:
     of the trials.
     """
     trials = [study.trial(name) for name in names]
-    if has_roles(study):
+    if has_trial_roles(study):
         return [t.trial_id for t in trials if t.role == "held_out"]
     groups: dict[tuple[float, float, float], list[str]] = {}
     for t in trials:

@@ -18,13 +18,13 @@ def names_images(name: str) -> bool:
     return suffix in IMAGE_SUFFIXES or name.endswith("/") or not suffix
 
 
-def natural(name: str) -> list[tuple[int, int, str]]:
+def natural_sort_key(name: str) -> list[tuple[int, int, str]]:
     """Sort key by which 2 comes before 10."""
     parts = re.split(r"(\d+)", name.casefold())
     return [(1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts]
 
 
-def expanded(root: Path, name: str) -> tuple[Path, ...]:
+def expand_source(root: Path, name: str) -> tuple[Path, ...]:
     """Files that a source stands for, pictures in natural order; the path itself where it is a
     file, or nothing is found.
 
@@ -32,27 +32,27 @@ def expanded(root: Path, name: str) -> tuple[Path, ...]:
     """
     path = root / name
     if IMAGE_PATTERN.search(name) and not path.exists():
-        found = _matching(path)
+        found = _files_matching_pattern(path)
     elif path.is_dir():
         found = [one for one in path.iterdir() if one.suffix.lower() in IMAGE_SUFFIXES]
     else:
         return (path,)
-    return tuple(sorted(found, key=lambda one: natural(str(one)))) or (path,)
+    return tuple(sorted(found, key=lambda one: natural_sort_key(str(one)))) or (path,)
 
 
-def _matching(path: Path) -> list[Path]:
+def _files_matching_pattern(path: Path) -> list[Path]:
     """Pictures that a pattern stands for; a number is digits alone."""
     parts = path.relative_to(path.anchor).parts
     fixed = next(i for i, part in enumerate(parts) if IMAGE_PATTERN.search(part))
     base = Path(path.anchor, *parts[:fixed])
     shell = "/".join(re.sub(r"%0?\d*d", "*", part) for part in parts[fixed:])
-    form = re.compile(_digits(parts[-1]), re.IGNORECASE)
+    form = re.compile(_pattern_to_regex(parts[-1]), re.IGNORECASE)
     found = base.glob(shell) if base.is_dir() else []
     return [one for one in found
             if one.suffix.lower() in IMAGE_SUFFIXES and form.fullmatch(one.name)]  # fmt: skip
 
 
-def _digits(part: str) -> str:
+def _pattern_to_regex(part: str) -> str:
     """Regular expression of a file name in which `%05d` is digits; any name without one."""
     if not re.search(r"%0?\d*d", part):
         return ".*"

@@ -10,10 +10,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic.config import JsonDict
 
 from ..data import Float
-from .rules import camera_problems, raise_problems, robot_problems, setup_problems
+from .consistency_rules import camera_problems, raise_problems, robot_problems, setup_problems
 
 
-def _plain_number(value: object) -> object:
+def _refuse_non_plain_number(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("a number, not true or false")
     if isinstance(value, float) and not math.isfinite(value):
@@ -21,15 +21,15 @@ def _plain_number(value: object) -> object:
     return value
 
 
-Plain = BeforeValidator(_plain_number)
-Positive = Annotated[float, Plain, Field(gt=0, allow_inf_nan=False)]
-Number = Annotated[float, Plain, Field(allow_inf_nan=False)]
+PlainNumberCheck = BeforeValidator(_refuse_non_plain_number)
+Positive = Annotated[float, PlainNumberCheck, Field(gt=0, allow_inf_nan=False)]
+Number = Annotated[float, PlainNumberCheck, Field(allow_inf_nan=False)]
 Pixel = tuple[Number, Number]
 Row3 = tuple[Number, Number, Number]
 ImageSize = tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]]
 
 
-def key(meaning: str, unit: str = "", default: Any = ..., **limits: Any) -> Any:
+def described_field(meaning: str, unit: str = "", default: Any = ..., **limits: Any) -> Any:
     """A field with its meaning and unit, from which `check --explain` and the docs are made."""
     extra: JsonDict = {"unit": unit}
     if callable(default):
@@ -46,15 +46,19 @@ class Section(BaseModel):
 class Pool(Section):
     """The pool: inner size and water depth."""
 
-    length_m: Positive = key("Inner length, along the x axis of the pool frame.", "m", 2.6)
-    width_m: Positive = key("Inner width, along the y axis of the pool frame.", "m", 1.6)
-    depth_m: Positive = key("Depth of the water.", "m", 0.3)
+    length_m: Positive = described_field(
+        "Inner length, along the x axis of the pool frame.", "m", 2.6
+    )
+    width_m: Positive = described_field(
+        "Inner width, along the y axis of the pool frame.", "m", 1.6
+    )
+    depth_m: Positive = described_field("Depth of the water.", "m", 0.3)
 
 
 class Water(Section):
     """The water."""
 
-    density_kg_m3: Annotated[float, Plain] = key(
+    density_kg_m3: Annotated[float, PlainNumberCheck] = described_field(
         "Density of the water: 998 fresh, 1025 sea. Coefficients of forces are inversely "
         "proportional to it, and no recording can check it.",
         "kg/m3",
@@ -62,7 +66,7 @@ class Water(Section):
         ge=500.0,
         le=2000.0,
     )
-    refractive_index: Annotated[float, Plain] = key(
+    refractive_index: Annotated[float, PlainNumberCheck] = described_field(
         "Refractive index of the water against air; 1 switches the correction off.",
         "1",
         1.333,
@@ -76,29 +80,31 @@ class Robot(Section):
     from.
     """
 
-    mass_kg: Positive = key(
+    mass_kg: Positive = described_field(
         "Mass of the robot, without added mass. All coefficients are proportional to it, and no "
         "recording can check it.",
         "kg",
     )
-    yaw_inertia_kg_m2: Positive = key(
+    yaw_inertia_kg_m2: Positive = described_field(
         "Moment of inertia about the vertical axis through the centre of mass, without added mass. "
         "Yaw coefficients are proportional to it.",
         "kg m2",
     )
-    body_length_m: Positive = key("Nose to caudal base (root of the tail), with the 1x head.", "m")
-    head_length_m: Positive = key("Length of the 1x head: nose to hinge.", "m")
-    head_span_m: Positive = key(
+    body_length_m: Positive = described_field(
+        "Nose to caudal base (root of the tail), with the 1x head.", "m"
+    )
+    head_length_m: Positive = described_field("Length of the 1x head: nose to hinge.", "m")
+    head_span_m: Positive = described_field(
         "Vertical extent of the head plate; head area = head length x span.", "m"
     )
-    hinge_to_com_m: Annotated[float, Plain] = key(
+    hinge_to_com_m: Annotated[float, PlainNumberCheck] = described_field(
         "Distance of the centre of mass behind the hinge, on the core axis.",
         "m",
         ge=0,
         allow_inf_nan=False,
     )
-    tail_length_m: Positive = key("Caudal base (root of the tail) to tail tip.", "m")
-    keypoint_depth_m: Annotated[float, Plain] = key(
+    tail_length_m: Positive = described_field("Caudal base (root of the tail) to tail tip.", "m")
+    keypoint_depth_m: Annotated[float, PlainNumberCheck] = described_field(
         "Depth of the keypoints below the still water surface. Left out: estimated from the rigid "
         "lengths where they determine it to 10 mm, else the default.",
         "m",
@@ -108,7 +114,7 @@ class Robot(Section):
     )
 
     @model_validator(mode="after")
-    def _fits(self) -> Robot:
+    def _check_consistency(self) -> Robot:
         raise_problems(robot_problems(self))
         return self
 
@@ -151,30 +157,32 @@ class Camera(Section):
     Without `matrix` the pool corners give a homography: no correction of lens or refraction.
     """
 
-    model: Literal["pinhole", "fisheye"] = key("Lens model, as OpenCV defines it.", "", "pinhole")
-    image_size_px: ImageSize | None = key(
+    model: Literal["pinhole", "fisheye"] = described_field(
+        "Lens model, as OpenCV defines it.", "", "pinhole"
+    )
+    image_size_px: ImageSize | None = described_field(
         "Width and height of the calibration images; required with `matrix`.", "px", None
     )
-    matrix: tuple[Row3, Row3, Row3] | None = key(
+    matrix: tuple[Row3, Row3, Row3] | None = described_field(
         "Camera matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], from `bluekoi calibrate`.", "px", None
     )
-    distortion: tuple[Number, ...] | None = key(
+    distortion: tuple[Number, ...] | None = described_field(
         "Distortion coefficients in OpenCV's order: pinhole k1, k2, p1, p2, k3 (4, 5, 8, 12 or 14 "
         "numbers); fisheye k1 to k4.",
         "1",
         None,
     )
-    pool_corners_px: tuple[Pixel, Pixel, Pixel, Pixel] = key(
+    pool_corners_px: tuple[Pixel, Pixel, Pixel, Pixel] = described_field(
         "Pixels [u, v] of the pool's inner corners (0, 0), (length, 0), (length, width), "
         "(0, width) in the raw frame, as `bluekoi pool` finds them.",
         "px",
     )
-    pool_corners_height_m: Number = key(
+    pool_corners_height_m: Number = described_field(
         "Height of the corner marks above the water surface.", "m", 0.0
     )
 
     @model_validator(mode="after")
-    def _fits(self) -> Camera:
+    def _check_consistency(self) -> Camera:
         raise_problems(camera_problems(self))
         return self
 
@@ -182,18 +190,18 @@ class Camera(Section):
 class Detection(Section):
     """How keypoints are found in footage."""
 
-    source: str = key(
+    source: str = described_field(
         "Detector: `silhouette` (outline of the body) or `markers` (coloured dots).",
         "",
         "silhouette",
     )
-    body: Literal["auto", "rigid", "bending"] = key(
+    body: Literal["auto", "rigid", "bending"] = described_field(
         "How the body moves: a rigid head and core (`rigid`), a bending midline as of a fish or a "
         "soft robot (`bending`), or what the footage shows (`auto`).",
         "",
         "auto",
     )
-    marker_hues_deg: dict[str, Annotated[float, Field(ge=0, lt=360)]] = key(
+    marker_hues_deg: dict[str, Annotated[float, Field(ge=0, lt=360)]] = described_field(
         "Hue of the dot on each body part, for `markers`.", "deg", dict
     )
 
@@ -201,19 +209,19 @@ class Detection(Section):
 class Setup(Section):
     """The whole of study.yaml."""
 
-    pool: Pool = key("Size of the pool.", "", Pool())
-    water: Water = key("Properties of the water.", "", Water())
-    robot: Robot = key("Dimensions and inertia of the robot.")
-    camera: Camera = key("Lens and position of the camera.")
-    bodyparts: dict[str, str] = key(
+    pool: Pool = described_field("Size of the pool.", "", Pool())
+    water: Water = described_field("Properties of the water.", "", Water())
+    robot: Robot = described_field("Dimensions and inertia of the robot.")
+    camera: Camera = described_field("Lens and position of the camera.")
+    bodyparts: dict[str, str] = described_field(
         "Names of the body parts in keypoint files, each after our name for it: "
         "`head_tip: nose`. Parts not listed keep our names.",
         "",
         dict,
     )
-    detection: Detection = key("How keypoints are found in footage.", "", Detection())
+    detection: Detection = described_field("How keypoints are found in footage.", "", Detection())
 
     @model_validator(mode="after")
-    def _fits(self) -> Setup:
+    def _check_consistency(self) -> Setup:
         raise_problems(setup_problems(self))
         return self

@@ -9,10 +9,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ..errors import input_error, nearest
-from .image_files import expanded, names_images
-from .rules import raise_problems, trial_problems
-from .setup import Section, Setup, key
+from ..errors import did_you_mean, input_error
+from .consistency_rules import raise_problems, trial_problems
+from .image_files import expand_source, names_images
+from .setup import Section, Setup, described_field
 
 VIDEO_SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".m4v", ".360", ".mts")
 KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
@@ -21,70 +21,72 @@ KEYPOINT_SUFFIXES = (".csv", ".h5", ".hdf5", ".slp")
 class Trial(Section):
     """One row of trials.csv; `head_angle_rad` is core minus head, counter-clockwise positive."""
 
-    trial_id: str = key("Name of the trial: unique; letters, digits, `_` and `-`.")
-    source: str = key(
+    trial_id: str = described_field("Name of the trial: unique; letters, digits, `_` and `-`.")
+    source: str = described_field(
         "Video (chapters of one recording joined by `;`), pictures (a folder, or a pattern such as "
         "`T01/*.png` or `T01/%05d.png`), or keypoint file (.csv, .h5, .slp) in raw camera pixels. "
         "Paths are relative to the study folder, without `..`, or absolute; links are followed."
     )
-    power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = key("Motor power.", "%")
-    head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = key(
+    power_pct: Annotated[float, Field(ge=0, le=300, allow_inf_nan=False)] = described_field(
+        "Motor power.", "%"
+    )
+    head_angle_deg: Annotated[float, Field(ge=-120, le=120, allow_inf_nan=False)] = described_field(
         "Commanded head angle phi: direction of the core minus direction of the head, "
         "counter-clockwise positive seen from above: positive where the head points to the "
         "robot's right.",
         "deg",
     )
-    head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = key(
+    head_length_m: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)] = described_field(
         "Nose to hinge in this trial.", "m"
     )
-    fps: Annotated[float, Field(gt=0, le=10000, allow_inf_nan=False)] | None = key(
+    fps: Annotated[float, Field(gt=0, le=10000, allow_inf_nan=False)] | None = described_field(
         "Frame rate at which the scene was filmed: required for keypoint files and pictures; "
         "overrides the time stamps of a video. 30000/1001 is written 29.97003.",
         "frames/s",
         None,
     )
-    motor_log: str | None = key(
+    motor_log: str | None = described_field(
         "Csv file `time_s,angle_deg` with the shaft angle every few ms; time 0 is the first frame "
         "of the recording. One turn is one tail beat. Without it and `flap_hz`, the frequency is "
         "that of the tail in the video.",
         "",
         None,
     )
-    flap_hz: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] | None = key(
+    flap_hz: Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)] | None = described_field(
         "Flapping frequency, where there is no motor log.", "Hz", None
     )
-    start_s: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+    start_s: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Start of the part of the recording to use.", "s", None
     )
-    end_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = key(
+    end_s: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = described_field(
         "End of the part of the recording to use.", "s", None
     )
-    role: Literal["fit", "held_out"] | None = key(
+    role: Literal["fit", "held_out"] | None = described_field(
         "Whether the trial is used in the fit or held out to test it; left out: chosen by "
         "condition.",
         "",
         None,
     )
 
-    start_x_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+    start_x_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Column of the intended body in the first frame used, where several bodies are in the "
         "picture; together with start_y_px.",
         "px",
         None,
     )
-    start_y_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = key(
+    start_y_px: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = described_field(
         "Row of the intended body in the first frame used.", "px", None
     )
 
     @field_validator("trial_id")
     @classmethod
-    def _plain(cls, name: str) -> str:
+    def _check_id_characters(cls, name: str) -> str:
         if not re.fullmatch(r"[A-Za-z0-9_-]{1,100}", name):
             raise ValueError("letters, digits, _ and - only, 100 at most")
         return name
 
     @model_validator(mode="after")
-    def _fits(self) -> Trial:
+    def _check_consistency(self) -> Trial:
         raise_problems(trial_problems(self))
         return self
 
@@ -139,12 +141,12 @@ class Study(Section):
             "",
             f"no trial '{trial_id}'",
             "a known trial",
-            nearest(trial_id, ids),
+            did_you_mean(trial_id, ids),
         )
 
     def paths(self, trial: Trial) -> tuple[Path, ...]:
         """Absolute paths of a trial's source files; of pictures, each of them in order."""
-        return tuple(path for name in trial.sources for path in expanded(self.root, name))
+        return tuple(path for name in trial.sources for path in expand_source(self.root, name))
 
     def motor_path(self, trial: Trial) -> Path | None:
         """Absolute path of a trial's motor log, where it has one."""

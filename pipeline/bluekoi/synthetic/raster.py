@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..vectors import njit
+from ..vector_width import njit
 
 
 @njit(cache=True)

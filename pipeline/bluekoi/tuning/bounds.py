@@ -23,10 +23,13 @@ def parameter_of(free: Free) -> Parameter:
 
 def bound_sides(found: Fit) -> list[str]:
     """For each fitted number `lower`, `upper`, or nothing where it is off its bounds."""
-    return [_side(parameter_of(f), v) for f, v in zip(found.free, found.values, strict=True)]
+    return [
+        _bound_side_of_value(parameter_of(f), v)
+        for f, v in zip(found.free, found.values, strict=True)
+    ]
 
 
-def _side(parameter: Parameter, value: float) -> str:
+def _bound_side_of_value(parameter: Parameter, value: float) -> str:
     if value <= parameter.lower:
         return LOWER
     return UPPER if value >= parameter.upper else ""
@@ -44,12 +47,14 @@ def one_sided(found: Fit) -> dict[int, Float]:
     change, spread = newton_step_off_bounds(found.normal)
     middle, half = found.values + change, spread.half_widths()
     return {
-        i: _within(parameter_of(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i])
+        i: _clip_interval_to_bounds(
+            parameter_of(found.free[i]), side, np.array([-half[i], half[i]]) + middle[i]
+        )
         for i, side in held.items()
     }
 
 
-def _within(parameter: Parameter, side: str, wanted: Float) -> Float:
+def _clip_interval_to_bounds(parameter: Parameter, side: str, wanted: Float) -> Float:
     """What of an interval lies inside the bounds, the number's own bound always in it."""
     if side == LOWER:
         ends = np.array([parameter.lower, min(wanted[1], parameter.upper)])

@@ -76,11 +76,13 @@ def spectrum(tuned: Tuned) -> list[Combination]:
     agree better than their Fisher matrix allows, that counts. Numbers at a bound stand alone.
     """
     held = bound_sides(tuned.fit)
-    out = [_at_bound(tuned, i) for i, side in enumerate(held) if side] + _inside(tuned, held)
+    out = [
+        _combination_at_bound(tuned, i) for i, side in enumerate(held) if side
+    ] + _combinations_off_bounds(tuned, held)
     return sorted(out, key=lambda one: (one.std, one.naive), reverse=True)
 
 
-def _at_bound(tuned: Tuned, index: int) -> Combination:
+def _combination_at_bound(tuned: Tuned, index: int) -> Combination:
     """A number at its bound; its interval is one-sided."""
     alone, size = np.eye(len(tuned.std))[index], parameter_scales(tuned)[index]
     width = float(np.diff(tuned.interval_95[index])[0])
@@ -88,7 +90,7 @@ def _at_bound(tuned: Tuned, index: int) -> Combination:
     return Combination(alone, std, side=bound_sides(tuned.fit)[index])
 
 
-def _inside(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
+def _combinations_off_bounds(tuned: Tuned, held: Sequence[str]) -> list[Combination]:
     """Combinations of the numbers that are off their bounds."""
     own = np.flatnonzero([not side for side in held])
     if not len(own):
@@ -145,10 +147,10 @@ def _profile(
                    tolerance=3e-2, predictor=predictor).log_likelihood  # fmt: skip
 
     lost = found.log_likelihood - np.array([likelihood(value) for value in values])
-    return Profile(values, lost, *_bounds(found.values[index], values, lost))
+    return Profile(values, lost, *_profile_interval(found.values[index], values, lost))
 
 
-def _bounds(best: float, values: Float, lost: Float) -> tuple[float | None, float | None]:
+def _profile_interval(best: float, values: Float, lost: Float) -> tuple[float | None, float | None]:
     """Where 1.92 is lost on either side, by the square root of what is lost, along a line."""
     out: list[float | None] = []
     for side in (values < best, values > best):

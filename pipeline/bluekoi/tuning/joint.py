@@ -174,9 +174,9 @@ def coefficient_cell(tuned: Tuned, index: int) -> dict[str, Any]:
     naive = float(np.sqrt(tuned.fit.naive_cov[index, index]))
     judged = not side and bool(np.isfinite(half))
     if side:
-        why = _at_bound(parameter, side, interval)
+        why = _reason_at_bound(parameter, side, interval)
     else:
-        why = _too_wide(half, naive, value=value, usual=abs(parameter.start))
+        why = _reason_too_wide(half, naive, value=value, usual=abs(parameter.start))
     return {
         "value": value,
         "std": float(tuned.std[index]) if judged else None,
@@ -188,7 +188,7 @@ def coefficient_cell(tuned: Tuned, index: int) -> dict[str, Any]:
     } | ({"at_bound": side} if side else {})
 
 
-def _at_bound(parameter: Parameter, side: str, interval: Float) -> str:
+def _reason_at_bound(parameter: Parameter, side: str, interval: Float) -> str:
     """Why a number at its bound is not determined."""
     bound, other = parameter.lower, interval[1]
     if side == UPPER:
@@ -202,7 +202,7 @@ def _at_bound(parameter: Parameter, side: str, interval: Float) -> str:
     return f"at its bound of {bound:g}; values {to} {other:.3g} agree with these trials"
 
 
-def _too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
+def _reason_too_wide(half: float, naive: float, *, value: float, usual: float) -> str:
     """Why a number is not determined; empty where it is: where the deviation of a normal law with
     its interval, and the naive one, are below 30 % of it or of its usual size.
     """

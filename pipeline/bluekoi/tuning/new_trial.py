@@ -48,16 +48,17 @@ def c_optimal_trial(
     kernel = compiled(plates())
     size = parameter_scales(tuned)
     tuned = replace(tuned, fit=replace(tuned.fit, values=plausible_values(series, tuned)))
-    conditions = _conditions(series, setup)
-    imagined = [_imagined(kernel, series, tuned, setup, c) for c in conditions]
+    conditions = _candidate_conditions(series, setup)
+    imagined = [_simulate_candidate_trial(kernel, series, tuned, setup, c) for c in conditions]
     added = normal_equations(kernel, imagined, tuned.base, tuned.fit.free, tuned.fit.values,
                              noise=tuned.noise).hessian  # fmt: skip
     scale = np.outer(size, size)
     now = tuned.fit.normal.hessian.sum(axis=0) * scale
     v = combination.direction
-    before = _variance(now, v)
+    before = _direction_variance(now, v)
     left = np.array([
-        np.sqrt(_variance(now + H * scale, v) / before) if np.isfinite(H).all() else np.inf
+        np.sqrt(_direction_variance(now + H * scale, v) / before)
+        if np.isfinite(H).all() else np.inf
         for H in added
     ])  # fmt: skip
     best = int(np.nanargmin(np.append(left, np.inf)))
@@ -81,18 +82,18 @@ def plausible_values(series: Sequence[Series], tuned: Tuned) -> Float:
                     tuned.fit.values)  # fmt: skip
 
 
-def _variance(fisher: Float, direction: Float) -> float:
+def _direction_variance(fisher: Float, direction: Float) -> float:
     floor = 1e-12 * np.trace(fisher) * np.eye(len(fisher))
     return float(direction @ np.linalg.solve(fisher + floor, direction))
 
 
-def _conditions(series: Sequence[Series], setup: Setup) -> list[tuple[str, float, float]]:
+def _candidate_conditions(series: Sequence[Series], setup: Setup) -> list[tuple[str, float, float]]:
     powers = sorted({s.group for s in series}, key=float)
     head = setup.robot.head_length_m
     return [(p, a, h) for p in powers for a in CANDIDATE_ANGLES_DEG for h in (head, 1.5 * head)]
 
 
-def _imagined(
+def _simulate_candidate_trial(
     kernel: Kernel,
     series: Sequence[Series],
     tuned: Tuned,
@@ -115,10 +116,10 @@ def _imagined(
         evidence={},
         seen=np.zeros((len(times), stated.shape[0])),
     )
-    return replace(one, seen=_simulated(kernel, one, tuned))
+    return replace(one, seen=_simulate_states(kernel, one, tuned))
 
 
-def _simulated(kernel: Kernel, series: Series, tuned: Tuned) -> Float:
+def _simulate_states(kernel: Kernel, series: Series, tuned: Tuned) -> Float:
     values = tuned.trial_values(kernel, [series])[0]
     lanes = [in_lanes(row[None]) for row in (series.mean, values, series.constants)]
     observed, _ = propagate(kernel, *lanes, times=series.times[None], inputs=series.inputs[None])

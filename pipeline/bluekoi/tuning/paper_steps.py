@@ -45,7 +45,7 @@ def three_steps(
     A step whose trials are missing is None and its coefficients are said to be undetermined.
     """
     trials = {t.trial_id: t for t in study.trials}
-    one_x = [s for s in series if _is_one_x(study, trials[s.name])]
+    one_x = [s for s in series if _has_one_x_head(study, trials[s.name])]
     straight = [s for s in one_x if is_straight(trials[s.name])]
     turns = [s for s in one_x if not is_straight(trials[s.name])]
     first = (
@@ -53,7 +53,7 @@ def three_steps(
         if straight
         else None
     )
-    own = _second(turns, first) if turns else None
+    own = _fit_second_step(turns, first) if turns else None
     sensitivity = step_sensitivity(turns, own, first) if own and first else None
     second = (
         own
@@ -63,7 +63,8 @@ def three_steps(
     powers = sorted({s.group for s in series}, key=float)
     sampled = draws((first, own), sensitivity, np.random.default_rng(DRAW_SEED))
     result = {
-        p: _power(study, p, series, steady, (first, second)) | {"ensemble": _ensemble(sampled, p)}
+        p: _results_of_power(study, p, series, steady, (first, second))
+        | {"ensemble": _coefficient_draws_of_power(sampled, p)}
         for p in powers
     }
     return result, first, second
@@ -94,7 +95,7 @@ def draws(
     return out
 
 
-def _ensemble(sampled: Mapping[str, list[float]], power: str) -> dict[str, Any]:
+def _coefficient_draws_of_power(sampled: Mapping[str, list[float]], power: str) -> dict[str, Any]:
     """Draws for one power: the common numbers and those of this power, (draws, numbers)."""
     own = {name.split("@")[0]: v for name, v in sampled.items() if name.endswith(f"@{power}")}
     common = {name: v for name, v in sampled.items() if "@" not in name}
@@ -107,11 +108,11 @@ def is_straight(trial: Trial) -> bool:
     return abs(trial.head_angle_deg) < MAX_STRAIGHT_ANGLE_DEG
 
 
-def _is_one_x(study: Study, trial: Trial) -> bool:
+def _has_one_x_head(study: Study, trial: Trial) -> bool:
     return abs(trial.head_length_m - study.setup.robot.head_length_m) < 1e-6
 
 
-def _second(turns: Sequence[Series], first: Tuned | None) -> Tuned:
+def _fit_second_step(turns: Sequence[Series], first: Tuned | None) -> Tuned:
     groups = sorted({s.group for s in turns}, key=float)
     free = [
         Free("C_La"),
@@ -124,7 +125,7 @@ def _second(turns: Sequence[Series], first: Tuned | None) -> Tuned:
     return tune(turns, free, base=base, min_share=MIN_VARIANCE_SHARE)
 
 
-def _power(
+def _results_of_power(
     study: Study,
     power: str,
     series: Sequence[Series],
@@ -134,7 +135,7 @@ def _power(
     here = [s for s in series if s.group == power]
     flap_hz = float(np.mean([s.inputs[0, 1] for s in here]))
     coefficients = {
-        name: _coefficient(name, power, fits)
+        name: _coefficient_entry(name, power, fits)
         for name in (*COMMON_COEFFICIENTS, *COEFFICIENTS_PER_POWER)
     }
     values = {name: c["value"] for name, c in coefficients.items()}
@@ -145,7 +146,9 @@ def _power(
     }
 
 
-def _coefficient(name: str, power: str, fits: tuple[Tuned | None, Tuned | None]) -> dict[str, Any]:
+def _coefficient_entry(
+    name: str, power: str, fits: tuple[Tuned | None, Tuned | None]
+) -> dict[str, Any]:
     parameter = {p.name: p for p in plates().parameters}[name]
     for step, fitted in enumerate(fits, start=1):
         labels = [f.label for f in fitted.fit.free] if fitted else []
@@ -178,8 +181,9 @@ def _comparisons(
             "head_length_m": length,
             "trials": ids,
             "step": _step_of(study, angle, length),
-            **_compare(study, (angle, length), [steady[i] for i in ids if i in steady],
-                       coefficients, flap_hz),
+            **_compare_with_measurement(study, (angle, length),
+                                        [steady[i] for i in ids if i in steady],
+                                        coefficients, flap_hz),
         }
         for (angle, length), ids in sorted(groups.items())
     }  # fmt: skip
@@ -191,7 +195,7 @@ def _step_of(study: Study, angle: float, length: float) -> int:
     return 1 if angle < MAX_STRAIGHT_ANGLE_DEG else 2
 
 
-def _compare(
+def _compare_with_measurement(
     study: Study,
     condition: tuple[float, float],
     measured: Sequence[Steady],

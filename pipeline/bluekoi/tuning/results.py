@@ -16,7 +16,7 @@ from .draws import sample_parameters
 from .identify import profiles, spectrum
 from .joint import Tuned, coefficient_table, downsampled, tune
 from .paper_steps import three_steps
-from .stability import growth_per_s, undetermined_stability, verdict
+from .stability import growth_per_s, stability_verdict, undetermined_stability
 from .turning_trials import (
     all_straight,
     count_turning_trials,
@@ -83,7 +83,7 @@ def straight_swimming(
     if count_turning_trials(series) < MIN_TURNING_TRIALS or depends_on_one_trial(joint):
         return undetermined_stability(by_power[worst]) | {"by_power": by_power}
     over = [growth(dict(zip(names, row, strict=True)), worst) for row in draws.tolist()]
-    return verdict(by_power[worst], over) | {"by_power": by_power}
+    return stability_verdict(by_power[worst], over) | {"by_power": by_power}
 
 
 def identifiability(series: Sequence[Series], joint: Tuned) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def table_1(steps: Mapping[str, Any]) -> dict[str, list[Any]]:
         out[f"{name}{unit}"] = [c["value"] for c in cells]
         out[f"{name}_std{unit}"] = [np.nan if c["std"] is None else c["std"] for c in cells]
         for k, end in enumerate(("lower", "upper")):
-            out[f"{name}_{end}_95{unit}"] = [_number(c["interval_95"][k]) for c in cells]
+            out[f"{name}_{end}_95{unit}"] = [_none_to_nan(c["interval_95"][k]) for c in cells]
         out[f"{name}_determined"] = [c["determined"] for c in cells]
         out[f"paper_{name}{unit}"] = [
             TABLE_1.get(int(float(p)), {}).get(name, np.nan) for p in powers
@@ -143,13 +143,13 @@ def table_2(study: Study, steps: Mapping[str, Any]) -> dict[str, list[Any]]:
         "head_length_m": [c["head_length_m"] for _, c in rows],
         "used_in_tuning": [c["step"] == 2 for _, c in rows],
         "radius_m": [c["radius_m"] for _, c in rows],
-        "model_radius_m": [_number(c["model_radius_m"]) for _, c in rows],
-        "difference_pct": [_number(c["radius_difference_pct"]) for _, c in rows],
+        "model_radius_m": [_none_to_nan(c["model_radius_m"]) for _, c in rows],
+        "difference_pct": [_none_to_nan(c["radius_difference_pct"]) for _, c in rows],
         "paper_difference_pct": [published(p, c) for p, c in rows],
     }
 
 
-def _number(value: float | None) -> float:
+def _none_to_nan(value: float | None) -> float:
     return np.nan if value is None else value
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..data import Flapping, Float, Pose, Track, poorly_seen
+from ..data import Flapping, Float, Pose, Track, has_excess_variance
 from ..fitting import Series
 from ..model import constants, plates
 from ..observation import view_of
@@ -14,7 +14,7 @@ from ..study import Setup, Study, Trial
 
 OUTLIER_SIGMA = 6.0
 SERVO_STD_RAD = 0.01  # ASSUME a servo error of 0.6 degrees, constant within a trial
-START_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
+INITIAL_STATE_STD = np.array([0.1, 0.1, 0.05, 0.05, 0.05, 0.3])  # m, m, rad, m/s, m/s, rad/s
 """Of the place as much as the centre of mass may be off the keypoint."""
 
 
@@ -52,11 +52,13 @@ def trial_series(
     noise = pose.cov[inside].copy()
     noise[:, 3, :3] = noise[:, :3, 3] = 0.0
     noise[:, 3, 3] += SERVO_STD_RAD**2 * len(times)
-    unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _outlying(seen, noise, times, track)
-    unusable |= _hardly_seen(noise, unusable)
+    unusable = ~np.all(np.isfinite(noise), axis=(1, 2)) | _is_far_from_track(
+        seen, noise, times, track
+    )
+    unusable |= _is_poorly_seen(noise, unusable)
     seen[unusable] = np.nan
     noise[unusable] = np.eye(4)
-    start = _start(times, track)
+    start = _initial_state_from_track(times, track)
     return Series(
         name=trial.trial_id,
         group=format(trial.power_pct, "g"),
@@ -69,7 +71,9 @@ def trial_series(
         seen=seen,
         noise=noise,
         mean=np.concatenate([start, np.zeros(len(plates().all_states) - 6)]),
-        cov=np.diag(np.concatenate([START_STD, np.full(len(plates().all_states) - 6, 1e-6)]) ** 2),
+        cov=np.diag(
+            np.concatenate([INITIAL_STATE_STD, np.full(len(plates().all_states) - 6, 1e-6)]) ** 2
+        ),
     )
 
 
@@ -87,7 +91,7 @@ def _without_recoil(values: Float, times: Float, track: Track) -> Float:
     return out
 
 
-def _outlying(seen: Float, noise: Float, times: Float, track: Track) -> np.ndarray:
+def _is_far_from_track(seen: Float, noise: Float, times: Float, track: Track) -> np.ndarray:
     """Frames where x, y or heading lies far from the smoothed track, by robust deviation."""
     smooth = [np.interp(times, track.time_s, k) for k in (track.x_m, track.y_m, track.heading_rad)]
     off = (seen[:, :3] - np.column_stack(smooth)) / np.sqrt(np.einsum("nii->ni", noise[:, :3, :3]))
@@ -95,16 +99,16 @@ def _outlying(seen: Float, noise: Float, times: Float, track: Track) -> np.ndarr
     return np.any(np.abs(off) > OUTLIER_SIGMA * np.maximum(spread, 1e-9), axis=1)
 
 
-def _hardly_seen(noise: Float, unusable: np.ndarray) -> np.ndarray:
+def _is_poorly_seen(noise: Float, unusable: np.ndarray) -> np.ndarray:
     """Frames whose x, y or heading is poorly seen (two labels that changed places: 35 mm in place
     of 0.2); in the fit a frame is averaged evenly with its neighbours.
     """
     variance = np.einsum("nii->ni", noise[:, :3, :3])
     usual = np.median(variance[~unusable], axis=0) if not unusable.all() else np.inf
-    return np.any(poorly_seen(variance, usual), axis=1)
+    return np.any(has_excess_variance(variance, usual), axis=1)
 
 
-def _start(times: Float, track: Track) -> Float:
+def _initial_state_from_track(times: Float, track: Track) -> Float:
     """x, y, heading, surge, sway, yaw rate at the first frame, from the track."""
     at = [
         float(np.interp(times[0], track.time_s, value))

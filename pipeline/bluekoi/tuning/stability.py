@@ -70,7 +70,7 @@ MAX_LOST_DRAWS_SHARE = 0.05
 """Where more of the draws than this have no steady straight run, nothing is asserted."""
 
 
-def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
+def stability_verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     """Eigenvalue with its 95 % range over draws of the fit, and a sentence for the report.
 
     `stable` is None, and nothing is asserted, where the range holds both answers.
@@ -88,12 +88,13 @@ def verdict(growth: float, draws: Sequence[float] = ()) -> dict[str, Any]:
     if growth > MIN_GROWTH_PER_S:
         sentence = (
             f"The fitted model does not swim straight: a small turn grows as e^({growth:.1f} t)"
-            f"{_range(growth_json)}. A robot that does is steadied by something the model lacks."
+            f"{_interval_text(growth_json)}. A robot that does is steadied by something the model "
+            "lacks."
         )
     else:
         sentence = (
             f"The fitted model swims straight: a small turn fades as e^({growth:.1f} t)"
-            f"{_range(growth_json)}."
+            f"{_interval_text(growth_json)}."
         )
     return growth_json | {"stable": growth <= MIN_GROWTH_PER_S, "sentence": sentence}
 
@@ -107,7 +108,7 @@ def undetermined_stability(growth: float) -> dict[str, Any]:
     return {"eigenvalue_per_s": growth, "interval_95": None, "stable": None, "sentence": sentence}
 
 
-def _range(growth_json: Mapping[str, Any]) -> str:
+def _interval_text(growth_json: Mapping[str, Any]) -> str:
     if growth_json["interval_95"] is None:
         return ""
     return " (95 %: {:+.1f} to {:+.1f} per second)".format(*growth_json["interval_95"])

@@ -30,9 +30,9 @@ def undetermined_combinations(
     return [
         {
             **as_json(names, one),
-            "sentence": _sentence(names, one, straight=still),
+            "sentence": _combination_sentence(names, one, straight=still),
             "trial": _repeat_that_trial(series, tuned, one)
-            or _trial(c_optimal_trial(series, tuned, setup, one)),
+            or _next_trial_advice(c_optimal_trial(series, tuned, setup, one)),
         }
         for one in spectrum(tuned)
         if is_undetermined(names, one, straight=still)
@@ -43,7 +43,9 @@ def is_undetermined(names: Sequence[str], one: Combination, *, straight: bool) -
     """Whether a combination is not determined: wide, at a bound, or of straight runs alone with a
     part in it that acts at an angle of attack.
     """
-    return not one.determined or (straight and bool(_blind(by_name(names, one.direction))))
+    return not one.determined or (
+        straight and bool(_names_needing_turns(by_name(names, one.direction)))
+    )
 
 
 def as_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
@@ -55,26 +57,30 @@ def as_json(names: Sequence[str], one: Combination) -> dict[str, Any]:
     }
 
 
-def _blind(parts: Mapping[str, float]) -> list[str]:
+def _names_needing_turns(parts: Mapping[str, float]) -> list[str]:
     return [n for n in parts if n.split("@")[0] in TURN_COEFFICIENTS]
 
 
-def _sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
+def _combination_sentence(names: Sequence[str], one: Combination, *, straight: bool) -> str:
     parts = by_name(names, one.direction)
-    out = _alone(next(iter(parts)), one) if len(parts) == 1 else _together(parts)
+    out = (
+        _single_number_sentence(next(iter(parts)), one)
+        if len(parts) == 1
+        else _combined_numbers_sentence(parts)
+    )
     if np.isinf(one.std) and np.isfinite(one.naive):
         out += " Only one trial determines it, so that its error cannot be estimated from the"
         out += " variation between trials."
-    blind = _blind(parts)
+    blind = _names_needing_turns(parts)
     if straight and blind:
         out += (
             " Straight runs hold alpha at 0: they fix C_T/C_D0, and the start from rest each of the"
-            f" two, but they say nothing of {_listed(blind)}."
+            f" two, but they say nothing of {_join_names(blind)}."
         )
     return out
 
 
-def _alone(name: str, one: Combination) -> str:
+def _single_number_sentence(name: str, one: Combination) -> str:
     if one.side:
         return f"{name} stands at its {one.side} bound."
     if np.isfinite(one.std):
@@ -82,13 +88,16 @@ def _alone(name: str, one: Combination) -> str:
     return f"{name} is open." if np.isfinite(one.naive) else f"These trials say nothing of {name}."
 
 
-def _together(parts: Mapping[str, float]) -> str:
+def _combined_numbers_sentence(parts: Mapping[str, float]) -> str:
     up = [n for n, w in parts.items() if w > 0]
     down = [n for n, w in parts.items() if w < 0]
     if up and down:
-        return f"More {_listed(up)} with less {_listed(down)} leaves these trials almost unchanged."
+        return (
+            f"More {_join_names(up)} with less {_join_names(down)} leaves these trials almost "
+            "unchanged."
+        )
     both = up or down
-    sentence = f"{_listed(both)} may grow together"
+    sentence = f"{_join_names(both)} may grow together"
     return sentence + (
         ": only their ratio is fixed." if len(both) == 2 else " with little effect on these trials."
     )
@@ -104,7 +113,7 @@ def _repeat_that_trial(series: Sequence[Series], tuned: Tuned, one: Combination)
     return f"a repeat of {name}, the only trial that determines it: two show how far they disagree"
 
 
-def _trial(trial: NewTrial | None) -> str:
+def _next_trial_advice(trial: NewTrial | None) -> str:
     if trial is None:
         return "none: with these coefficients every simulation diverges"
     if trial.left > MAX_REMAINING_STD:
@@ -119,5 +128,5 @@ def _trial(trial: NewTrial | None) -> str:
     )
 
 
-def _listed(names: Sequence[str]) -> str:
+def _join_names(names: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))

@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, printable
+from ..errors import InputError, escape_control_characters
 from ..stages.manifest import RUN_VARIABLE
 from .client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
@@ -34,7 +34,7 @@ def begin_run(workflow: Any, config: Mapping[str, Any], schema: Path) -> Plan:
         if not dry:
             plan = replace(plan, dry_run=False, lock=acquire_lock(plan.results))
     except InputError as error:
-        sys.stderr.write(printable(str(error)) + "\n")
+        sys.stderr.write(escape_control_characters(str(error)) + "\n")
         sys.exit(1)
     if dry:
         for stage, names in plan.due.items():

@@ -14,7 +14,7 @@ from typing import Any, TextIO
 
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from ..errors import INTERRUPTED_MESSAGE, printable
+from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
 from .preload import Preloaded
 from .remaining import Timing, duration, usual
@@ -200,7 +200,7 @@ class Progress(logging.Handler):
                     continue  # of an earlier run
                 words = [line for line in path.read_text("utf-8", "replace").split("\n") if line]
                 if words:
-                    return f": {printable(words[-1])[:MAX_WORD_CHARACTERS]}"
+                    return f": {escape_control_characters(words[-1])[:MAX_WORD_CHARACTERS]}"
         return ""
 
     def _trouble(self, found: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 from jsonschema import Draft202012Validator, ValidationError
 
-from ..errors import Finding, InputError, nearest
+from ..errors import Finding, InputError, did_you_mean
 
 
 def check_settings(config: Mapping[str, Any], schema_path: Path) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def _findings(error: ValidationError) -> Iterator[Finding]:
         known = list(error.schema["properties"])
         for key in sorted(set(error.instance) - set(known)):
             where = f"{place}.{key}" if place else key
-            remedy = nearest(str(key), known)
+            remedy = did_you_mean(str(key), known)
             yield Finding("configuration", where, "an unknown key", "a known key", remedy)
         return
     entry = error.schema

@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..errors import InputError, printable
+from ..errors import InputError, escape_control_characters
 from ..files import write_json, write_text
 from ..stages.freshness import inputs_of, is_fresh, status_file
 from ..stages.layout import Layout
@@ -66,7 +66,7 @@ def run_stage(words: Sequence[str]) -> int:
         if code in (0, EXIT_SOME_TRIALS_FAILED):
             _write_usage(options, time.monotonic() - start_s)
     except InputError as error:
-        sys.stderr.write(printable(str(error)) + "\n")
+        sys.stderr.write(escape_control_characters(str(error)) + "\n")
         return 1
     return code
 
@@ -123,7 +123,7 @@ def in_fork(work: Callable[[], int]) -> NoReturn:
         end_with_parent()
         code = work()
     except InputError as error:
-        sys.stderr.write(printable(str(error)) + "\n")
+        sys.stderr.write(escape_control_characters(str(error)) + "\n")
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else 1
     except BaseException:  # whatever it is, this process must end here

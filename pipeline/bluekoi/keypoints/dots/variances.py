@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from ...data import Float
-from ...data.quality import confident
+from ...data.keypoint_quality import is_confident
 from ..files.noise import white_noise_px
 
 RIGID_PARTS = ("head_tip", "hinge", "core_center", "tail_base")
@@ -30,7 +30,7 @@ def dot_variances(names: Sequence[str], xy_px: Float, likelihood: Float) -> Floa
     frame to frame that sees noise that lasts for a few frames, as compression makes it. A dot on
     the tail is as noisy as the others. Where too few distances are known: each dot's white noise.
     """
-    xy = np.where(confident(likelihood)[..., None], xy_px, np.nan)
+    xy = np.where(is_confident(likelihood)[..., None], xy_px, np.nan)
     rigid = [k for k, name in enumerate(names) if name in RIGID_PARTS]
     pairs = list(combinations(range(len(rigid)), 2))
     scatter = np.array([_scatter(xy[:, rigid[a]] - xy[:, rigid[b]]) for a, b in pairs])

@@ -7,7 +7,7 @@ from math import comb
 import numpy as np
 
 from ...data import Float
-from ...data.quality import confident
+from ...data.keypoint_quality import is_confident
 
 DIFFERENCE_ORDERS = (6, 2, 4, 8, 10)
 MIN_STD_PX = 0.05
@@ -24,7 +24,7 @@ def white_noise_px(xy_px: Float, likelihood: Float) -> float:
     median absolute deviation; the sixth order unless another is clearly smaller.
     xy_px: (frames, 2). Slow errors of a network are not seen in this way.
     """
-    good = without_outliers(np.where(confident(likelihood)[:, None], xy_px, np.nan))
+    good = without_outliers(np.where(is_confident(likelihood)[:, None], xy_px, np.nan))
     found = [_scale(np.diff(good, n=k, axis=0), k) for k in DIFFERENCE_ORDERS]
     known = [value for value in found if np.isfinite(value)]
     if not known:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ...data import PARTS, Float, Keypoints
-from ...errors import input_error, nearest
+from ...errors import did_you_mean, input_error
 from .noise import white_noise_px
 
 Column = tuple[str, str]
@@ -221,5 +221,6 @@ def _check_parts(
         "bodyparts",
         f"no {', '.join(missing)} among {', '.join(names)}"[:400],
         "head_tip and two of hinge, core_center, tail_base",
-        f"{nearest(missing[0], names)} Map our names to the file's under bodyparts: in study.yaml.",
+        f"{did_you_mean(missing[0], names)} Map our names to the file's under bodyparts: in "
+        f"study.yaml.",
     )

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vectors import njit
+from ...vector_width import njit
 from ..outline.background import Image, grey_level_quantiles, noise_level
 from ..outline.blob_detection import pool_mask
 from ..outline.plane import Plane

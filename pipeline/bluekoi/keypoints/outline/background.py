@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Frame
-from ...vectors import njit
+from ...vector_width import njit
 
 Image = npt.NDArray[np.uint8]
 ROWS_PER_STRIP = 32

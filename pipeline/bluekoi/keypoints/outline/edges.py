@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vectors import njit
+from ...vector_width import njit
 
 Image = npt.NDArray[np.uint8]
 Pictures = tuple[Image, Image]

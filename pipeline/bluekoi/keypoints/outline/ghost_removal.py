@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from ...vectors import njit
+from ...vector_width import njit
 from .background import ROWS_PER_STRIP, Image, without_static_robot
 from .learning import LearnedTemplate
 from .template import Template

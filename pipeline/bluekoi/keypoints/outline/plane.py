@@ -14,7 +14,7 @@ import numpy as np
 
 from ...data import Float
 from ...study import Camera, Robot, Setup
-from ...vectors import njit
+from ...vector_width import njit
 
 POLYNOMIAL_DEGREES = (5, 7, 9, 11)
 """Tried in turn: a lens that draws straight lines straight needs 5, a wide one 9 or 11."""

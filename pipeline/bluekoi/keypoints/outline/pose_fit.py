@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...data import Float
-from ...vectors import njit
+from ...vector_width import njit
 from .edges import Pictures, edge_offset
 from .plane import horner
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...data import Float
-from ...vectors import njit
+from ...vector_width import njit
 from .edges import MIN_CONTRAST_GREY_LEVELS, Pictures, interpolate_bilinear
 
 RAY_HALF_RANGE_RAD = 1.1

@@ -1,0 +1,100 @@
+"""Pictures in files as a recording: numbered from 0, at a stated frame rate."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from ..data import Frame
+from ..errors import input_error
+from ..study.image_files import IMAGE_SUFFIXES
+from .recording import IMAGES_CODEC, Recording
+
+Picture = npt.NDArray[np.uint8]
+
+
+def all_are_images(paths: Sequence[Path]) -> bool:
+    """Whether all files of a recording are pictures."""
+    return bool(paths) and all(path.suffix.lower() in IMAGE_SUFFIXES for path in paths)
+
+
+def open_images(
+    paths: Sequence[Path], *, fps: float | None, start_s: float | None, end_s: float | None
+) -> Recording:
+    """Recording of pictures in the order given, the first one read.
+
+    Raises: InputError where a file is missing, the first cannot be read, or no rate is stated.
+    """
+    if missing := [path for path in paths if not path.is_file()]:
+        raise input_error(missing[0], "", "no such file", "a picture")
+    if fps is None:
+        raise input_error(paths[0], "fps", "nothing", "the frame rate of the pictures",
+                          "State fps in trials.csv.")  # fmt: skip
+    first = _read_image(paths[0], colour=False)
+    if first is None:
+        raise input_error(paths[0], "", "no readable picture", "png, jpg, tif or bmp",
+                          "Check that the copy is complete.")  # fmt: skip
+    if start_s is not None and start_s >= len(paths) / fps:
+        raise input_error(paths[0], "start_s", f"{start_s:g} s in {len(paths) / fps:.2f} s",
+                          "a start inside the recording")  # fmt: skip
+    return Recording(
+        paths=tuple(paths),
+        size_px=(first.shape[1], first.shape[0]),
+        codec=IMAGES_CODEC,
+        frames_declared=len(paths),
+        frames_present=len(paths),
+        nominal_fps=fps,
+        offset_s=(0.0,) * len(paths),
+        fps=fps,
+        start_s=start_s,
+        end_s=end_s,
+    )
+
+
+def image_frames(
+    recording: Recording, *, colour: bool, count: int | None = None,
+    bgr_size: tuple[int, int] | None = None,
+) -> Iterator[Frame]:  # fmt: skip
+    """Frames of the recording's part; `count` of them spread evenly, or all; see `frames`.
+
+    Pictures that cannot be read, or of another size than the first, are left out.
+    """
+    wanted = [i for i in range(len(recording.paths)) if _lies_in_wanted_part(recording, i)]
+    if count is not None and len(wanted) > count:
+        wanted = [wanted[i] for i in np.linspace(0, len(wanted) - 1, count).round().astype(int)]
+    for frame in _read_image_frames(recording, wanted, colour=colour):
+        if frame.bgr is not None and bgr_size:
+            small = cv2.resize(frame.bgr, bgr_size, interpolation=cv2.INTER_AREA)
+            frame = replace(frame, bgr=np.asarray(small, np.uint8))  # noqa: PLW2901
+        yield frame
+
+
+def _lies_in_wanted_part(recording: Recording, index: int) -> bool:
+    time_s = index / recording.nominal_fps
+    end_s = np.inf if recording.end_s is None else recording.end_s
+    return bool((recording.start_s or 0.0) - 1e-6 <= time_s <= end_s + 1e-6)
+
+
+def _read_image_frames(
+    recording: Recording, indexes: Iterable[int], *, colour: bool
+) -> Iterator[Frame]:
+    width, height = recording.size_px
+    for i in indexes:
+        picture = _read_image(recording.paths[i], colour=colour)
+        if picture is None or picture.shape[:2] != (height, width):
+            continue
+        luma = (
+            np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), np.uint8) if colour else picture
+        )
+        yield Frame(i, i / recording.nominal_fps, luma, picture if colour else None)
+
+
+def _read_image(path: Path, *, colour: bool) -> Picture | None:
+    """A picture, (height, width) or (height, width, 3) bgr, 8 bit; None where it cannot be read."""
+    found = cv2.imread(str(path), cv2.IMREAD_COLOR if colour else cv2.IMREAD_GRAYSCALE)
+    return None if found is None else np.asarray(found, dtype=np.uint8)

@@ -1,0 +1,77 @@
+"""The motor's clock compared with the camera's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from ..data import Flapping
+
+CLOCK_AGREEMENT_SIGMAS = 3.0
+"""Standard errors within which the tail's frequency agrees with the motor's."""
+SAME_CLOCK_TOLERANCE = 0.25
+"""Ratios that differ by less than this share are errors of one clock, not another frame rate."""
+CLOCK_RATIO_TOLERANCE = 0.02
+"""Trials agree on a ratio where theirs differ by less than this share."""
+
+
+def flapping_from_stated_frequency(flap_hz: float) -> Flapping:
+    """Flapping of a trial whose frequency is stated in trials.csv, taken as exact to 1 %."""
+    return Flapping(flap_hz=float(flap_hz), flap_hz_std=0.01 * float(flap_hz), source="flap_hz")
+
+
+def flapping_compared_with_video(flapping: Flapping, ratio: float, std: float) -> Flapping:
+    """`flapping` with the ratio of tail-beat frequency in the video to the motor's.
+
+    The clocks agree where the ratio is within three standard deviations of 1, or unknown (NaN).
+    `video_hz` is set where the ratio is near 1: a beat elsewhere is another frame rate.
+    """
+    if not (math.isfinite(ratio) and math.isfinite(std)):
+        return flapping
+    near = abs(ratio - 1) < SAME_CLOCK_TOLERANCE
+    agrees = abs(ratio - 1) <= CLOCK_AGREEMENT_SIGMAS * std
+    own = math.sqrt(max(std**2 - (ratio * flapping.flap_hz_std / flapping.flap_hz) ** 2, 0.0))
+    return replace(
+        flapping,
+        ratio=ratio,
+        ratio_std=std,
+        video_hz=ratio * flapping.flap_hz if near else math.nan,
+        video_hz_std=own * flapping.flap_hz if near else math.nan,
+        agrees=agrees,
+        remarks=flapping.remarks
+        if agrees
+        else (*flapping.remarks, _clock_disagreement_remark(ratio, std)),
+    )
+
+
+def _clock_disagreement_remark(ratio: float, std: float) -> str:
+    return (
+        f"clocks disagree: tail beat in the video / motor = {ratio:.4f} +- {std:.4f}; check fps in "
+        "trials.csv, the motor log's time column, and that the log is this trial's"
+    )
+
+
+def common_clock_ratio(flapping: Iterable[Flapping]) -> tuple[float, float] | None:
+    """Ratio of video to motor frequency that most trials agree on, and its standard deviation.
+
+    The median where more than half of the ratios known, two or more, lie within 2 % of it; else
+    None. Standard deviation: that of the mean of those that agree.
+    """
+    ratios = np.array([f.ratio for f in flapping if math.isfinite(f.ratio)])
+    middle = float(np.median(ratios)) if len(ratios) else math.nan
+    alike = ratios[np.abs(ratios / middle - 1) < CLOCK_RATIO_TOLERANCE]
+    if len(alike) < 2 or 2 * len(alike) <= len(ratios):
+        return None
+    return float(alike.mean()), float(alike.std(ddof=1) / math.sqrt(len(alike)))
+
+
+def has_other_clock(flapping: Flapping, common: tuple[float, float] | None) -> bool:
+    """Whether a trial's clock is neither right nor that of most others: its log or frame rate is
+    another trial's.
+    """
+    if not math.isfinite(flapping.ratio):
+        return not flapping.agrees
+    return abs(flapping.ratio / (common[0] if common else 1.0) - 1) > SAME_CLOCK_TOLERANCE

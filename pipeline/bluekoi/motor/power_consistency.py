@@ -1,0 +1,79 @@
+"""Whether trials of one motor power flap alike, logged or not, and faster at a higher power."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+MAX_FREQUENCY_SPREAD_SHARE = 0.2
+"""Frequencies at one power differ by less: an emptying battery loses some 15 % of its voltage."""
+MAX_UNLOGGED_FREQUENCY_ERROR_SHARE = 0.1
+"""A trial without a log beats as the logs of its power say to this share."""
+CHECK_POWER_REMEDY = "Check power_pct, and whether the motor logs are those of these trials."
+
+
+def power_warnings(
+    statuses: Mapping[str, Mapping[str, Any]], powers: Mapping[str, float]
+) -> list[str]:
+    """A sentence for each power whose trials flap at different frequencies or, where they agree,
+    more slowly than at a lower power. statuses: content of status/ID.json by trial id; powers:
+    trial id -> power_pct.
+    """
+    groups: dict[float, dict[str, float]] = {}
+    for name, status in statuses.items():
+        hz = (status.get("flapping") or {}).get("flap_hz")
+        if status.get("ok") and hz:
+            groups.setdefault(powers[name], {})[name] = hz
+    logged = {name for name, status in statuses.items()
+              if (status.get("flapping") or {}).get("source") == "motor_log"}  # fmt: skip
+    unlogged = _unlogged_beat_warnings(groups, logged)
+    same = {power: {n: v for n, v in hz.items() if n not in unlogged}
+            for power, hz in groups.items()}  # fmt: skip
+    return [
+        *_different_frequency_warnings(same),
+        *unlogged.values(),
+        *_falling_frequency_warnings(groups),
+    ]
+
+
+def _unlogged_beat_warnings(
+    groups: Mapping[float, Mapping[str, float]], logged: set[str]
+) -> dict[str, str]:
+    """Trial without a log whose tail beats at another frequency than the logs of its power have ->
+    a sentence: nothing else checks its frame rate.
+    """
+    out = {}
+    for power, hz in sorted(groups.items()):
+        logs = [value for name, value in hz.items() if name in logged]
+        for name in sorted(hz.keys() - logged if logs else ()):
+            ratio = hz[name] / float(np.median(logs))
+            if abs(ratio - 1) > MAX_UNLOGGED_FREQUENCY_ERROR_SHARE:
+                out[name] = (
+                    f"Trial {name}, without a motor log, flaps {ratio:.2f} times as fast as the "
+                    f"logs of other trials at {power:g} % power. Check fps and power_pct of this "
+                    "trial: its speed may be wrong by that factor."
+                )
+    return out
+
+
+def _different_frequency_warnings(groups: Mapping[float, Mapping[str, float]]) -> Iterator[str]:
+    for power, hz in sorted((p, hz) for p, hz in groups.items() if hz):
+        slow, fast = min(hz, key=hz.__getitem__), max(hz, key=hz.__getitem__)
+        if hz[fast] > (1 + MAX_FREQUENCY_SPREAD_SHARE) * hz[slow]:
+            yield (
+                f"Trials at {power:g} % power flap at {hz[slow]:.2f} Hz ({slow}) to {hz[fast]:.2f} "
+                f"Hz ({fast}). {CHECK_POWER_REMEDY}"
+            )
+
+
+def _falling_frequency_warnings(groups: Mapping[float, Mapping[str, float]]) -> Iterator[str]:
+    medians = {p: float(np.median(list(hz.values()))) for p, hz in sorted(groups.items())}
+    for (low, slow), (high, fast) in pairwise(medians.items()):
+        if fast * (1 + MAX_FREQUENCY_SPREAD_SHARE) < slow:
+            yield (
+                f"Trials at {high:g} % power flap at {fast:.2f} Hz, more slowly than those at "
+                f"{low:g} % ({slow:.2f} Hz). {CHECK_POWER_REMEDY}"
+            )

@@ -1,0 +1,138 @@
+"""Whether speeds and tail beats are those of a swimmer: numbers that need no motor log.
+
+    body lengths per second   U / L
+    Froude number             U / sqrt(g L)    gravity is a clock that no frame rate changes
+    stride                    U / (f L)        body lengths per tail beat
+    Strouhal number           f A / U          A: peak-to-peak excursion of the tail tip
+
+f is the motor's frequency where it is known, else that in the video; stride and Strouhal number of
+the latter do not depend on the clock and check lengths instead. Outside these limits a trial is
+used, with a warning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..data import Flapping, Positions, Steady
+from ..study import Robot
+from .clock_comparison import CLOCK_RATIO_TOLERANCE
+from .tail_beat import tail_excursion
+
+GRAVITY_M_S2 = 9.81
+PLAUSIBLE_RANGES: Mapping[str, tuple[float, float, str]] = {
+    "body_lengths_s": (0.0, 10.0, "a speed of {} body lengths per second (plausible: up to 10)"),
+    "froude": (0.0, 0.5, "a Froude number of {} (plausible near the surface: up to 0.5)"),
+    "stride_lengths": (0.0, 1.2, "{} body lengths per tail beat (plausible: up to 1.2)"),
+    "strouhal": (0.1, 2.0, "a Strouhal number of {} (plausible: 0.1 to 2)"),
+}
+"""Plausible range of each number and its name. Sources: Videler, Fish Swimming, 1993, ch. 1 and 5
+(speed, stride); Hoerner, Fluid-Dynamic Drag, 1965, ch. 11 (wave drag); Triantafyllou et al., J.
+Fluids Struct. 7 (1993) 205 (Strouhal number, thrust above 0.1)."""
+CLOCK_TOLERANCE = 0.01
+"""Clocks that differ by less than this share are left to the search, without a warning."""
+TAIL_LENGTH_RATIO_RANGE = (0.6, 1.3)
+"""Distance from tail base to tail tip over tail_length_m: a bent tail is shorter than stated."""
+CHECK_LENGTHS_REMEDY = (
+    "Check fps in trials.csv against the camera's setting, and the lengths in study.yaml; a motor "
+    "log or flap_hz would decide which is wrong."
+)
+
+
+def swimming_numbers(
+    steady: Steady, flapping: Flapping, positions: Positions, robot: Robot
+) -> dict[str, float]:
+    """Dimensionless numbers of one trial, as in `PLAUSIBLE_RANGES`; NaN where not known."""
+    length, speed, hz = robot.body_length_m, steady.speed_m_s, flapping.flap_hz
+    if not (np.isfinite(speed) and speed > 0):
+        return dict.fromkeys(PLAUSIBLE_RANGES, float("nan"))
+    beating = hz > 0
+    return {
+        "body_lengths_s": speed / length,
+        "froude": speed / np.sqrt(GRAVITY_M_S2 * length),
+        "stride_lengths": speed / (hz * length) if beating else float("nan"),
+        "strouhal": hz * tail_excursion(positions) / speed if beating else float("nan"),
+    }
+
+
+def study_warnings(statuses: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A sentence for each doubt about clocks or lengths, with the trials that give rise to it.
+
+    statuses: content of status/ID.json by trial id.
+    """
+    good = {i: status for i, status in statuses.items() if status.get("ok")}
+    ratios = {i: f["ratio"] for i, s in good.items()
+              if (f := s.get("flapping")) and f.get("ratio") is not None
+              and not f["agrees"] and abs(f["ratio"] - 1) > CLOCK_TOLERANCE}  # fmt: skip
+    others = {i: s["swimming"] for i, s in good.items() if i not in ratios and s.get("swimming")}
+    return [*_clock_warnings(ratios, len(good)), *_implausible_swimming_warnings(others, len(good))]
+
+
+def tail_length_seen(positions: Positions) -> float:
+    """Median distance from tail base to tail tip, m; NaN where one of them was not tracked."""
+    if not {"tail_tip", "tail_base"} <= set(positions.names):
+        return float("nan")
+    distance = np.linalg.norm(positions.part("tail_tip") - positions.part("tail_base"), axis=1)
+    known = distance[np.isfinite(distance)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
+def tail_warnings(statuses: Mapping[str, Mapping[str, Any]], tail_length_m: float) -> list[str]:
+    """A sentence where the tail of most trials has another length than study.yaml states. The fits
+    do not show it: only some of the candidate causes depend on it, inversely.
+    """
+    seen = [v for s in statuses.values() if s.get("ok") and (v := s.get("tail_m")) is not None]
+    ratio = float(np.median(seen)) / tail_length_m if seen else 1.0
+    if TAIL_LENGTH_RATIO_RANGE[0] <= ratio <= TAIL_LENGTH_RATIO_RANGE[1]:
+        return []
+    return [
+        f"tail_length_m is {1000 * tail_length_m:.0f} mm, but tail base and tail tip lie "
+        f"{1000 * ratio * tail_length_m:.0f} mm apart in the videos. Is it measured from the root "
+        "of the tail, not from the hinge, and does each keypoint bear its own name?"
+    ]
+
+
+def implausible_numbers(trials: Sequence[Mapping[str, float | None]]) -> str:
+    """What lies outside `PLAUSIBLE_RANGES` in these trials, with its range, or no text."""
+    parts = []
+    for name, (low, high, phrase) in PLAUSIBLE_RANGES.items():
+        values = [v for trial in trials if (v := trial.get(name)) is not None]
+        outside = [v for v in values if v < low or v > high]
+        if outside:
+            span = {f"{min(outside):.2g}": None, f"{max(outside):.2g}": None}
+            parts.append(phrase.format(" to ".join(span)))
+    return ", ".join(parts)
+
+
+def _clock_warnings(ratios: dict[str, float], of: int) -> Iterator[str]:
+    """One sentence for each group of trials that share a wrong clock, the largest first."""
+    while ratios:
+        groups = ([j for j, b in ratios.items() if abs(b / a - 1) < CLOCK_RATIO_TOLERANCE]
+                  for a in ratios.values())  # fmt: skip
+        group = max(groups, key=len)
+        value = float(np.mean([ratios.pop(i) for i in group]))
+        yield (
+            f"{_trial_list_text(group, of)}: the tail beats {value:.4g} times as fast in the "
+            f"video as the "
+            f"motor does. Either fps is {value:.4g} times the true frame rate (clock_error), and "
+            "speeds and rates are wrong by that factor, or the motor log or flap_hz is wrong."
+        )
+
+
+def _implausible_swimming_warnings(
+    numbers: Mapping[str, Mapping[str, float | None]], of: int
+) -> Iterator[str]:
+    odd = [i for i, trial in numbers.items() if implausible_numbers([trial])]
+    if odd:
+        implausible = implausible_numbers([numbers[i] for i in odd])
+        yield f"{_trial_list_text(odd, of)}: {implausible}. {CHECK_LENGTHS_REMEDY}"
+
+
+def _trial_list_text(ids: Sequence[str], of: int) -> str:
+    if len(ids) == of > 1:
+        return f"all {of} trials"
+    names = ", ".join(ids[:4]) + (f" and {len(ids) - 4} more" if len(ids) > 4 else "")
+    return f"{'trial' if len(ids) == 1 else 'trials'} {names}"

@@ -1,0 +1,225 @@
+"""What must fit together in a study beyond the type of each value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NoReturn
+
+from pydantic_core import PydanticCustomError
+
+from ..data import PARTS
+from ..errors import did_you_mean
+from .pool_corner_order import corner_problems
+
+if TYPE_CHECKING:
+    from .setup import Camera, Robot, Setup
+    from .types import Trial
+
+COMBINED_FIELDS_ERROR = "together"
+MIN_GYRATION_RADIUS_LENGTHS = 0.1
+"""Radius of gyration over length: below, all mass would lie in the middle third of the body."""
+WIDTH_TO_HEIGHT_RANGE = (0.2, 1.5)
+"""Mean width over height of a swimming body: a disc-shaped fish 0.2, a box 1, a ray more."""
+CORNER_MARGIN_SHARE_OF_IMAGE = 0.25
+"""Pool corners may lie outside the image by this share of it, as marks laid out beyond its edge."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A key (dotted, within its section) whose value does not fit the others."""
+
+    key: str
+    found: str
+    expected: str
+    remedy: str = ""
+
+
+def raise_problems(problems: Iterable[Problem]) -> None:
+    """Nothing, or one validation error that carries all problems."""
+    if found := tuple(problems):
+        _raise_combined_error(found)
+
+
+def _raise_combined_error(found: tuple[Problem, ...]) -> NoReturn:
+    raise PydanticCustomError(
+        COMBINED_FIELDS_ERROR, "values do not fit together", {"problems": found}
+    )
+
+
+def robot_problems(robot: Robot) -> list[Problem]:
+    """Lengths that do not add up to a robot."""
+    ahead = robot.head_length_m + robot.hinge_to_com_m
+    if ahead < robot.body_length_m:
+        return []
+    expected = f"head_length_m + hinge_to_com_m ({ahead:g}) smaller than body_length_m"
+    return [Problem("body_length_m", f"{robot.body_length_m:g}", expected)]
+
+
+def setup_problems(setup: Setup) -> list[Problem]:
+    """A robot that does not fit its pool, or is heavier than any: mostly other units than SI."""
+    pool, robot = setup.pool, setup.robot
+    length = robot.body_length_m
+    half = 0.5 * (length + robot.tail_length_m)
+    cube = setup.water.density_kg_m3 * length * length * length  # infinite where `**` would raise
+    rod = robot.mass_kg * half * half
+    limits = (
+        ("body_length_m", pool.length_m, f"a robot shorter than the pool ({pool.length_m:g} m)"),
+        ("head_span_m", length, f"a head less high than the robot is long ({length:g} m)"),
+        ("keypoint_depth_m", pool.depth_m, f"a depth within the water ({pool.depth_m:g} m)"),
+        ("mass_kg", cube, f"less than a cube of water of the robot's length ({cube:.3g} kg)"),
+        (
+            "yaw_inertia_kg_m2",
+            rod,
+            f"less than all mass at nose and tail tip would have ({rod:.3g} kg m2)",
+        ),
+    )
+    too_large = [
+        Problem(f"robot.{key}", f"{getattr(robot, key):g}", expected, "Units are m, kg and kg m2.")
+        for key, limit, expected in limits
+        if getattr(robot, key) >= limit
+    ]
+    return [
+        *too_large,
+        *_corner_height_problems(setup),
+        *_unknown_bodypart_problems(setup.bodyparts),
+    ]
+
+
+def robot_warnings(setup: Setup) -> list[str]:
+    """A sentence where mass, yaw inertia and size are not those of one body. No motion shows them:
+    coefficients are proportional to the mass, those of forces inversely to head span and density.
+    """
+    return [*_gyration_radius_warnings(setup.robot), *_body_volume_warnings(setup)]
+
+
+def _gyration_radius_warnings(robot: Robot) -> list[str]:
+    length = robot.body_length_m + robot.tail_length_m
+    radius = (robot.yaw_inertia_kg_m2 / robot.mass_kg) ** 0.5
+    if radius >= MIN_GYRATION_RADIUS_LENGTHS * length:
+        return []
+    return [
+        f"yaw_inertia_kg_m2 {robot.yaw_inertia_kg_m2:g} and mass_kg {robot.mass_kg:g} give a "
+        f"radius of gyration of {radius:.3f} m, {radius / length:.2f} of the length from nose to "
+        "tail tip (a uniform rod has 0.29). Check both and their units: all coefficients are "
+        "proportional to mass_kg."
+    ]
+
+
+def _body_volume_warnings(setup: Setup) -> list[str]:
+    """A body displaces its own mass of water: mean width = mass / (density x length x span)."""
+    robot = setup.robot
+    side = setup.water.density_kg_m3 * robot.body_length_m * robot.head_span_m
+    width = robot.mass_kg / side
+    share = width / robot.head_span_m
+    if WIDTH_TO_HEIGHT_RANGE[0] <= share <= WIDTH_TO_HEIGHT_RANGE[1]:
+        return []
+    return [
+        f"mass_kg {robot.mass_kg:g} displaces the water of a body {1000 * width:.0f} mm wide where "
+        f"it is as high as head_span_m {robot.head_span_m:g}: width over height {share:.2g} "
+        f"(plausible: {WIDTH_TO_HEIGHT_RANGE[0]:g} to {WIDTH_TO_HEIGHT_RANGE[1]:g}). Check both "
+        f"and their units: coefficients of "
+        "forces are proportional to mass_kg and inversely proportional to head_span_m."
+    ]
+
+
+def _corner_height_problems(setup: Setup) -> list[Problem]:
+    """Marks of the corners further from the water than the pool is wide."""
+    height, width = setup.camera.pool_corners_height_m, setup.pool.width_m
+    if abs(height) < width:
+        return []
+    expected = f"a height above the water, less than the pool's width ({width:g} m)"
+    return [Problem("camera.pool_corners_height_m", f"{height:g}", expected, "Units are m.")]
+
+
+def _unknown_bodypart_problems(bodyparts: Iterable[str]) -> list[Problem]:
+    expected = "one of our parts, followed by the file's name for it"
+    return [
+        Problem(f"bodyparts.{part}", "an unknown part", expected, did_you_mean(part, PARTS))
+        for part in bodyparts
+        if part not in PARTS
+    ]
+
+
+def camera_problems(camera: Camera) -> list[Problem]:
+    """A lens or pool corners that cannot be."""
+    order = corner_problems(camera.pool_corners_px)
+    corners = f"{[list(corner) for corner in camera.pool_corners_px]}"
+    return [
+        *_lens_problems(camera),
+        *(Problem("pool_corners_px", corners, text) for text in order),
+        *(_outside_image_problems(camera, corners) if not order else []),
+    ]
+
+
+def _lens_problems(camera: Camera) -> list[Problem]:
+    if camera.matrix is None:
+        without = Problem("distortion", "a distortion without a matrix", "both or neither")
+        return [without] if camera.distortion else []
+    size = Problem("image_size_px", "nothing", "width and height; image_size_px is needed "
+                   "with a matrix")  # fmt: skip
+    problems = _matrix_problems(camera.matrix) + ([size] if camera.image_size_px is None else [])
+    allowed = (4,) if camera.model == "fisheye" else (4, 5, 8, 12, 14)
+    if camera.distortion is not None and len(camera.distortion) not in allowed:
+        found = f"{len(camera.distortion)} numbers"
+        counts = " or ".join(map(str, allowed[:2]))
+        problems.append(
+            Problem("distortion", found, f"{counts} coefficients of a {camera.model} lens")
+        )
+    return problems
+
+
+def _matrix_problems(matrix: Sequence[Sequence[float]]) -> list[Problem]:
+    (fx, _, _), (below, fy, _), last = matrix
+    shape = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
+    problems = []
+    if fx <= 0 or fy <= 0:
+        problems.append(Problem("matrix", f"fx {fx:g}, fy {fy:g}", "positive focal lengths"))
+    if below != 0 or tuple(last) != (0, 0, 1):
+        problems.append(Problem("matrix", f"rows {list(matrix[1])} and {list(last)}", shape))
+    return problems
+
+
+def _outside_image_problems(camera: Camera, corners: str) -> list[Problem]:
+    """Corners or principal point far out of the picture: as where width and height are swapped."""
+    if camera.image_size_px is None:
+        return []
+    width, height = camera.image_size_px
+    image = f"the image ({width} x {height} px)"
+    remedy = "image_size_px is width, then height."
+    problems = []
+    if any(
+        _is_beyond_image_margin(u, width) or _is_beyond_image_margin(v, height)
+        for u, v in camera.pool_corners_px
+    ):
+        problems.append(Problem("pool_corners_px", corners, f"corners in {image}", remedy))
+    if camera.matrix is not None:
+        cx, cy = camera.matrix[0][2], camera.matrix[1][2]
+        if not (0 <= cx <= width and 0 <= cy <= height):
+            found = f"cx {cx:g}, cy {cy:g}"
+            problems.append(Problem("matrix", found, f"a principal point in {image}", remedy))
+    return problems
+
+
+def _is_beyond_image_margin(value: float, size: int) -> bool:
+    return (
+        not -CORNER_MARGIN_SHARE_OF_IMAGE * size
+        <= value
+        <= (1 + CORNER_MARGIN_SHARE_OF_IMAGE) * size
+    )
+
+
+def trial_problems(trial: Trial) -> list[Problem]:
+    """Cells of a row that do not go together."""
+    problems = []
+    if (trial.reads_keypoints or trial.reads_images) and trial.fps is None:
+        kind = "a keypoint file" if trial.reads_keypoints else "pictures"
+        expected = f"frames per second; fps is required where the source is {kind}"
+        problems.append(Problem("fps", "nothing", expected))
+    if (trial.start_x_px is None) != (trial.start_y_px is None):
+        lacking = "start_x_px" if trial.start_x_px is None else "start_y_px"
+        problems.append(Problem(lacking, "nothing", "start_x_px and start_y_px together"))
+    if trial.start_s is not None and trial.end_s is not None and trial.end_s <= trial.start_s:
+        expected = f"end_s must come after start_s ({trial.start_s:g})"
+        problems.append(Problem("end_s", f"{trial.end_s:g}", expected))
+    return problems

@@ -1,0 +1,63 @@
+"""A study folder, read and checked at the door: the only reader of study.yaml and trials.csv."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import Finding, InputError
+from .study_yaml import read_setup
+from .trials_csv import read_trials
+from .types import Study, Trial
+
+
+def load_study(folder: str | Path, *, only: str | None = None) -> Study:
+    """Study of a folder with study.yaml and trials.csv.
+
+    only: with this trial alone, for a stage of one trial of a study that was checked before.
+
+    Raises: InputError with all that is wrong in both files at once. Files that the trials point to
+    are not opened here: a broken recording stops only its own trial.
+
+        >>> study = load_study("lab")
+        >>> [trial.trial_id for trial in study.trials]
+        ['T09', 'T10', 'T11']
+        >>> study.setup.pool.length_m
+        2.6
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        found = "a file" if root.exists() else "no such folder"
+        expected = "a study folder with study.yaml and trials.csv"
+        raise InputError(Finding(str(root), "", found, expected))
+    findings: list[Finding] = []
+    setup = read_setup(root / "study.yaml", findings)
+    trials = read_trials(root / "trials.csv", findings, only=only)
+    if findings or setup is None:
+        raise InputError(findings)
+    return Study(root=root.resolve(), setup=setup, trials=tuple(trials))
+
+
+def missing_files(study: Study) -> list[Finding]:
+    """A finding for each file that trials.csv points to and that is not there."""
+    return [finding for trial in study.trials for finding in missing_files_of_trial(study, trial)]
+
+
+def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
+    """A finding for each file of one trial that is not there."""
+    motor = study.motor_path(trial)
+    paths = [*study.paths(trial), *([motor] if motor else [])]
+    return [
+        Finding(
+            str(study.root / "trials.csv"),
+            f"trial {trial.trial_id}",
+            f"no file '{_path_from_csv_cell(path, study.root)}'",
+            "a file at that path, relative to the study folder or absolute",
+        )
+        for path in paths
+        if not path.is_file()
+    ]
+
+
+def _path_from_csv_cell(path: Path, root: Path) -> Path:
+    """A path as trials.csv names it."""
+    return path.relative_to(root) if path.is_relative_to(root) else path

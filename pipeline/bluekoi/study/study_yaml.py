@@ -1,0 +1,81 @@
+"""study.yaml as a checked `Setup`."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from ..errors import Finding
+from ..files import read_text
+from .setup import Setup
+from .validation_messages import findings_from_validation_error, shortened_repr
+
+MAX_YAML_BYTES = 250_000
+READ_ERRORS = (OSError, UnicodeDecodeError, yaml.YAMLError, ValueError, RecursionError)
+
+
+class _UniqueKeyLoader(yaml.SafeLoader):
+    """Plain yaml, in which a key stands once."""
+
+
+def _construct_mapping_without_duplicates(
+    loader: _UniqueKeyLoader, node: yaml.MappingNode
+) -> dict[Hashable, Any]:
+    names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+    if len(set(names)) < len(names):
+        keys = [key for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = next(key for i, key in enumerate(keys) if key.value in names[:i])
+        raise yaml.constructor.ConstructorError(
+            None, None, f"the key '{twice.value}' stands twice", twice.start_mark
+        )
+    return loader.construct_mapping(node, deep=True)
+
+
+_UniqueKeyLoader.add_constructor(
+    yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _construct_mapping_without_duplicates
+)
+
+
+def read_setup(path: Path, findings: list[Finding]) -> Setup | None:
+    """The setup in a study.yaml; None if something is wrong, with the errors in `findings`."""
+    content = _yaml_content(path, findings)
+    if content is None:
+        return None
+    try:
+        return Setup.model_validate(content)
+    except ValidationError as error:
+        findings.extend(findings_from_validation_error(str(path), error, Setup))
+    except RecursionError:
+        findings.append(Finding(str(path), "", "values nested without end", "plain yaml"))
+    return None
+
+
+def lacks_pool_corners(path: Path) -> bool:
+    """Whether a study.yaml that can be read says nothing yet of where the pool's corners are."""
+    content = _yaml_content(path, [])
+    camera = content.get("camera") if content is not None else None
+    given = camera if isinstance(camera, dict) else {}
+    known = ("pool_corners_px", "homography")
+    return content is not None and all(given.get(name) is None for name in known)
+
+
+def _yaml_content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
+    try:
+        # A subclass of SafeLoader: plain values only, no Python objects.
+        content = yaml.load(read_text(path, MAX_YAML_BYTES), _UniqueKeyLoader)  # noqa: S506
+    except FileNotFoundError:
+        findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
+        return None
+    except READ_ERRORS as error:
+        reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
+        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "yaml in UTF-8"))
+        return None
+    if not isinstance(content, dict):
+        found = "an empty file" if content is None else shortened_repr(content)
+        findings.append(Finding(str(path), "", found, "keys pool, robot, camera and others"))
+        return None
+    return content

@@ -1,0 +1,161 @@
+"""trials.csv as checked `Trial`s."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ..errors import Finding, did_you_mean
+from ..files import read_text
+from .image_files import names_images
+from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
+from .validation_messages import findings_from_validation_error
+
+MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
+"""Ten times the largest study that was tried; a larger file is hardly a list of trials."""
+Rows = list[tuple[int, list[str]]]
+PATH_RULE = "a path without '..': relative to the study folder, or absolute"
+READ_ERRORS = (OSError, UnicodeDecodeError, csv.Error)
+
+
+def read_trials(path: Path, findings: list[Finding], *, only: str | None = None) -> list[Trial]:
+    """The good rows of a trials.csv; errors of the others go to `findings`.
+
+    only: this trial's rows alone, if there are any: to check a thousand takes longer than to read
+    one trial's keypoints.
+    """
+    rows = _read_numbered_rows(path, findings)
+    if not rows:
+        return []
+    names = [cell.strip() for cell in rows[0][1]]
+    header = _header_findings(str(path), rows[0][0], names)
+    findings.extend(header)
+    if header:
+        return []
+    of_trial = [row for row in rows[1:] if _trial_id_in_row(names, row[1]) == only]
+    wanted = rows[1:] if only is None or not of_trial else of_trial
+    trials = [
+        _parse_trial(str(path), number, names, row, findings=findings) for number, row in wanted
+    ]
+    known = [trial for trial in trials if trial is not None]
+    ids = [(number, trial.trial_id)
+           for (number, _), trial in zip(wanted, trials, strict=True) if trial]  # fmt: skip
+    findings.extend(_duplicate_id_findings(str(path), ids))
+    if only is None and known and all(trial.role == "held_out" for trial in known):
+        findings.append(Finding(str(path), "role", "every trial held out", "one or more to fit"))
+    return known
+
+
+def _trial_id_in_row(names: list[str], row: list[str]) -> str | None:
+    """The trial_id of a row, where it has one."""
+    at = names.index("trial_id")
+    return row[at].strip() if at < len(row) else None
+
+
+def _read_numbered_rows(path: Path, findings: list[Finding]) -> Rows:
+    """Rows that are not blank, each with its line number in the file."""
+    try:
+        reader = csv.reader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
+        rows = [(reader.line_num, row) for row in reader if any(c.strip() for c in row)]
+    except FileNotFoundError:
+        findings.append(Finding(str(path), "", "no such file", "a trials.csv, one row a trial"))
+        return []
+    except READ_ERRORS as error:
+        remedy = "Save it as CSV UTF-8." if isinstance(error, UnicodeDecodeError) else ""
+        found = f"no readable csv ({error})"
+        findings.append(Finding(str(path), "", found, "a csv file in UTF-8", remedy))
+        return []
+    if len(rows) > MAX_TRIALS + 1:
+        found, remedy = f"{len(rows) - 1} rows", "Split it into several studies."
+        findings.append(Finding(str(path), "", found, f"{MAX_TRIALS} trials at most", remedy))
+        return []
+    if len(rows) < 2:
+        found = "a header without rows" if rows else "an empty file"
+        findings.append(Finding(str(path), "", found, "a header and a row a trial"))
+        return []
+    return rows
+
+
+def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
+    where = f"row {number}"
+    known = list(Trial.model_fields)
+    required = [name for name, info in Trial.model_fields.items() if info.is_required()]
+    if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
+        return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas")]
+    unknown = [
+        Finding(
+            path, where, f"unknown column '{name}'", "a known column", did_you_mean(name, known)
+        )
+        for name in names
+        if name not in known
+    ]
+    missing = [
+        Finding(path, where, f"no column '{name}'", f"the columns {', '.join(required)}")
+        for name in required
+        if name not in names
+    ]
+    repeated = [
+        Finding(path, where, f"column '{name}' twice", "each column once")
+        for name in sorted({name for name in names if names.count(name) > 1})
+    ]
+    return unknown + missing + repeated
+
+
+def _parse_trial(
+    path: str, number: int, names: list[str], row: list[str], *, findings: list[Finding]
+) -> Trial | None:
+    if len(row) != len(names):
+        found = f"{len(row)} cells"
+        findings.append(Finding(path, f"row {number}", found, f"{len(names)} cells, as the header"))
+        return None
+    cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
+    try:
+        trial = Trial.model_validate(cells)
+    except ValidationError as error:
+        place = f"row {number} ({cells.get('trial_id', '?')[:40]})"
+        findings.extend(findings_from_validation_error(path, error, Trial, prefix=place))
+        return None
+    findings.extend(_path_findings(path, f"row {number} ({trial.trial_id})", trial))
+    return trial
+
+
+def _path_findings(path: str, row: str, trial: Trial) -> list[Finding]:
+    named = [*(("source", s) for s in trial.sources), ("motor_log", trial.motor_log or "")]
+    found = [
+        Finding(path, f"{row}, {column}", repr(name), PATH_RULE)
+        for column, name in named
+        if ".." in Path(name).parts or "\0" in name
+    ]
+    known = {*VIDEO_SUFFIXES, *KEYPOINT_SUFFIXES}
+    films = [name for name in trial.sources if not names_images(name)]
+    if not trial.sources or not {Path(name).suffix.lower() for name in films} <= known:
+        expected = f"a video or keypoint file ({', '.join(sorted(known))}), or pictures: a folder "
+        expected += "or a pattern such as T01/*.png"
+        found.append(Finding(path, f"{row}, source", repr(trial.source), expected))
+    elif films and len(films) < len(trial.sources):
+        found.append(Finding(path, f"{row}, source", repr(trial.source), "videos or pictures"))
+    elif trial.reads_keypoints and len(trial.sources) > 1:
+        found.append(Finding(path, f"{row}, source", repr(trial.source), "one keypoint file"))
+    return found
+
+
+def _duplicate_id_findings(path: str, ids: list[tuple[int, str]]) -> list[Finding]:
+    """Each trial_id that stands in several rows. ids: row number and trial_id."""
+    rows_of: dict[str, list[int]] = {}
+    for number, name in ids:
+        rows_of.setdefault(name.casefold(), []).append(number)
+    again = {name for _, name in ids if len(rows_of[name.casefold()]) > 1}
+    expected = "each trial_id once (upper and lower case count as the same)"
+    return [
+        Finding(
+            path,
+            "trial_id",
+            f"'{name}' {len(rows)} times (rows {', '.join(map(str, rows))})",
+            expected,
+        )
+        for name in sorted(again)
+        for rows in [rows_of[name.casefold()]]
+    ]

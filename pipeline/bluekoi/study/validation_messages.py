@@ -1,0 +1,93 @@
+"""Validation errors as findings: file, row or key, what was found, what was expected, the
+remedy.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ..errors import Finding, did_you_mean
+from .consistency_rules import COMBINED_FIELDS_ERROR
+
+REMEDIES = {
+    "camera.pool_corners_px": "`bluekoi pool STUDY` draws a frame with ruled lines, from which to "
+    "read four [u, v]."
+}
+"""Key of study.yaml that is empty -> where its value comes from."""
+_SHORT_REPR = reprlib.Repr()
+_SHORT_REPR.maxstring = _SHORT_REPR.maxother = 110
+_SHORT_REPR.maxlevel = 3
+
+
+def findings_from_validation_error(
+    path: str, error: ValidationError, model: type[BaseModel], *, prefix: str = ""
+) -> list[Finding]:
+    """One finding for each thing that pydantic refused, in the order of the file."""
+    items = [dict(item) for item in error.errors(include_url=False)]
+    return [finding for item in items for finding in _findings_from_item(path, model, item, prefix)]
+
+
+def _findings_from_item(
+    path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
+) -> list[Finding]:
+    if item["type"] != COMBINED_FIELDS_ERROR:
+        return [_finding_from_item(path, model, item, prefix)]
+    section = ".".join(map(str, item["loc"]))
+    return [
+        Finding(
+            path,
+            ", ".join(filter(None, [prefix, f"{section}.{one.key}".lstrip(".")])),
+            one.found,
+            one.expected,
+            one.remedy,
+        )
+        for one in item["ctx"]["problems"]
+    ]
+
+
+def _finding_from_item(
+    path: str, model: type[BaseModel], item: dict[str, Any], prefix: str
+) -> Finding:
+    location = item["loc"]
+    where = ", ".join(filter(None, [prefix, ".".join(map(str, location))]))
+    if item["type"] == "extra_forbidden":
+        remedy = did_you_mean(str(location[-1]), _keys_of_same_section(model, location[:-1]))
+        return Finding(path, where, "an unknown key", "a known key", remedy)
+    if item["type"] == "missing":
+        thing = "an entry here" if isinstance(location[-1], int) else "this key, which is required"
+        return Finding(path, where, "nothing", thing)
+    if item["input"] is None:
+        remedy = REMEDIES.get(where, "")
+        return Finding(path, where, "nothing", _expected_text(item), remedy)
+    return Finding(path, where, shortened_repr(item["input"]), _expected_text(item))
+
+
+def _expected_text(item: dict[str, Any]) -> str:
+    """What would have been right, in the words of a yaml file rather than Python's."""
+    limits = item.get("ctx", {})
+    if item["type"] in ("too_long", "too_short"):
+        count = limits.get("max_length", limits.get("min_length"))
+        return f"{count} entries, not {limits.get('actual_length')}"
+    if item["type"] in ("model_type", "dict_type", "model_attributes_type"):
+        return "keys with values below it"
+    if item["type"] == "tuple_type":
+        return "a list in brackets"
+    return str(item["msg"]).removeprefix("Value error, ").removeprefix("Input should be ")
+
+
+def _keys_of_same_section(model: type[BaseModel], location: tuple[Any, ...]) -> list[str]:
+    for key in location:
+        section = model.model_fields.get(str(key))
+        annotation = section.annotation if section else None
+        if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
+            break
+        model = annotation
+    return list(model.model_fields)
+
+
+def shortened_repr(value: Any) -> str:
+    """`value` as Python writes it, cut short however deep or long it is."""
+    return _SHORT_REPR.repr(value)

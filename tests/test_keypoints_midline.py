@@ -10,7 +10,9 @@ import pytest
 
 from bluekoi.data import Frame, Keypoints
 from bluekoi.keypoints import silhouette
-from bluekoi.keypoints.midline.midline_fit import midline
+from bluekoi.keypoints.midline.identity import doubt_alone
+from bluekoi.keypoints.midline.midline_fit import BendingTemplate, midline
+from bluekoi.keypoints.midline.track import Fit, Track
 from bluekoi.study import Setup, Trial
 
 SIZE = (420, 300)
@@ -139,6 +141,55 @@ def test_one_body_alone_is_not_doubted():
     film = film_of([path], 50.0)
     found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
     assert found.remarks == ()
+
+
+def along_the_edge(count: int, whole_px: float) -> np.ndarray:
+    """Poses (count, 8) px of a body that swims along the lower edge, its tail beating beyond it."""
+    beat = 2 * np.pi * np.arange(count) / 12
+    place = np.column_stack([np.linspace(330, 90, count), SIZE[1] - 7 + 2 * np.cos(beat / 5)])
+    bends = [0.6 * np.sin(beat), 0.3 * np.sin(beat - 0.9), 0.12 * np.sin(beat - 1.8)]
+    return np.column_stack([place, np.full(count, np.pi), *bends, np.zeros((count, 2))])
+
+
+def test_points_just_outside_the_picture_are_likely_if_their_part_of_the_body_is_seen():
+    """Issue 31, point 2: real fish swim along the edge, and a nose or tail leaves the picture."""
+    path = along_the_edge(90, 50.0)
+    film, truth = film_of([path], 50.0), truth_of(path, 50.0)
+    found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
+    off, below = errors(found, truth), truth[..., 1] - (SIZE[1] - 1)
+    likely = found.likelihood >= 0.6
+    assert np.mean(likely[below < 0]) > 0.9
+    assert np.any(likely & (below > 0))
+    assert np.all(off[likely] < 0.1 * 50)
+    assert not np.any(likely & (below > 0.2 * 50))
+
+
+def fit_at(x_bl: float, *, heading: float = 0.0, support: float = 0.95) -> Fit:
+    """A fit at a place, in body lengths, with the same support of all parts."""
+    seen = [*np.full(4, support), 1.0, 1.0, 1.0, 1.0]
+    pose = np.array([x_bl, 0.0, heading, *np.zeros(5)])
+    return Fit(pose, np.eye(8), np.eye(8), np.array(seen))
+
+
+def unsure_frames(fits: list[Fit | None]) -> list[int]:
+    """Frames in which a body alone, one body length long, is doubted."""
+    shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), Track()
+    for i, one in enumerate(fits):
+        track.add(i / 50, one)
+        doubt_alone(track, shape)
+    return sorted(track.unsure)
+
+
+def test_a_body_alone_that_jumps_while_poorly_seen_is_doubted_until_found_four_times():
+    there = [fit_at(0.0), fit_at(0.05), fit_at(0.9, support=0.3)]
+    assert unsure_frames([*there, fit_at(0.1), fit_at(0.15)]) == [2]
+    assert unsure_frames([*there, *[fit_at(0.9)] * 5]) == [2, 3, 4]
+    assert unsure_frames([*there, None, *[fit_at(0.9)] * 5]) == [2, 4, 5, 6]
+
+
+def test_a_body_alone_that_turns_suddenly_while_well_seen_is_not_doubted():
+    turning = [fit_at(0.1 * i, heading=1.5 * i) for i in range(5)]
+    assert unsure_frames(turning) == []
 
 
 @pytest.mark.parametrize(

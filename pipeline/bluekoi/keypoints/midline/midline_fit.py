@@ -200,7 +200,7 @@ def _equations(
     tables: tuple[Float, Float, Float, Float],
     how: tuple[Float, float, float, float],
 ) -> tuple[Float, Float, Float, Float, float]:
-    """Information, side and scores' outer product in body axes; support (5,); the gain found.
+    """Information, side and scores' outer product in body axes; support (8,); the gain found.
 
     seen: change and depth. line: `station_positions`. how: pose, half width, gain, tolerance.
     """
@@ -211,15 +211,15 @@ def _equations(
     n, count = len(heading), 3 + bend.shape[1]
     row, score, side = np.zeros(count), np.zeros(count), np.zeros(count)
     information, meat = np.zeros((count, count)), np.zeros((count, count))
-    lost, held, support = np.zeros(3), np.zeros(3), np.zeros(5)
-    known, whole, product, square = 0.0, 0.0, 0.0, 1e-9
+    lost, held, support = np.zeros(3), np.zeros(3), np.zeros(8)
+    known, whole, product, square = np.zeros(3), np.zeros(3), 0.0, 1e-9
     for k in range(n):
         part = 3 * k // n
         hc, hs = math.cos(heading[k]), math.sin(heading[k])
         away = place[k] - pose[:2]
         if NOSE_STATION <= k < n - NOSE_STATION:
-            whole += 1.0
-            known += 1.0 if depth[k, STATIONS_ACROSS // 2] > tolerance else 0.0
+            whole[part] += 1.0
+            known[part] += 1.0 if depth[k, STATIONS_ACROSS // 2] > tolerance else 0.0
         for a in range(STATIONS_ACROSS):
             if not math.isfinite(depth[k, a]):
                 continue
@@ -245,8 +245,9 @@ def _equations(
             information[j, i] = information[i, j]
     for part in range(3):
         support[part] = 1.0 - lost[part] / max(held[part], 1e-9)
+        support[5 + part] = known[part] / whole[part]
     support[3] = 1.0 - lost.sum() / max(held.sum(), 1e-9)
-    support[4] = known / whole
+    support[4] = known.sum() / whole.sum()
     return information, side, meat, support, product / square
 
 
@@ -273,12 +274,11 @@ def fit_pose(
     start: Float,
     tolerance: float,
 ) -> tuple[Float, Float, Float, Float]:
-    """Pose; information (P, P) and scores' outer product (P, P) in body axes; support (5,).
+    """Pose; information (P, P) and scores' outer product (P, P) in body axes; support (8,).
 
     Support: of head, core and tail third and of all, 1 - squared residuals (clipped) over the
-    squared model; and the share of the body seen (in the picture, not hidden, not before a
-    background as dark). tolerance: residual [grey levels] beyond which a pixel counts little, as
-    of another body.
+    squared model; and the share seen (in the picture, not hidden, not before a background as dark)
+    of the body and its thirds. tolerance: residual [grey levels] from which it counts little.
     """
     pose, gain, settled = start.copy(), 1.0, False
     for turn in range(MAX_ITERATIONS + 1):

@@ -71,11 +71,10 @@ def keypoints_from_fits(
         each = np.array([_likelihood(one, backwards=backwards) for one in fits])
         poses = [one.pose if one else None for one in track.fits]
         jumps = jump_factors(times, poses, MAX_JUMP_LENGTHS * shape.length_bl, MAX_JUMP_RAD)
-        height, width = arena.background.shape
-        each *= ((xy[where] > 0) & (xy[where] < [width - 1, height - 1])).all(axis=2)
         likelihood[where] = each * jumps[where, None]
     late = np.array(times) >= track.doubtful_s
-    likelihood[late] = np.minimum(likelihood[late], DOUBTFUL_LIKELIHOOD)
+    doubtful = late | np.isin(np.arange(n), list(track.unsure))
+    likelihood[doubtful] = np.minimum(likelihood[doubtful], DOUBTFUL_LIKELIHOOD)
     if late.any():
         remarks.append(
             f"from {track.doubtful_s:.2f} s on the body may be another one: two lay over each "
@@ -144,15 +143,15 @@ def _at(one: Fit, shape: BendingTemplate, bend: Float, arc: Float) -> tuple[Floa
 
 def _likelihood(one: Fit, *, backwards: bool) -> Float:
     """Likelihood (5,) from how much of the picture about each third the body explains."""
-    head, core, tail, whole, seen = one.support
+    head, core, tail, whole, seen, *visible = one.support
     if backwards:
-        head, tail = tail, head
-    thirds = np.array(
-        [
-            likelihood_of_support(head),
-            likelihood_of_support(core),
-            likelihood_of_support(tail, TAIL_SUPPORT_RANGE),
-        ]
-    )
+        head, tail, visible = tail, head, visible[::-1]
+    supported = [
+        likelihood_of_support(head),
+        likelihood_of_support(core),
+        likelihood_of_support(tail, TAIL_SUPPORT_RANGE),
+    ]
+    thirds = np.minimum(supported, [likelihood_of_support(share, SEEN_SHARE_RANGE)
+                                    for share in visible])  # fmt: skip
     parts = np.array([thirds[own].min() for own in THIRDS_OF_KEYPOINT])
     return likelihood_of_support(whole) * likelihood_of_support(seen, SEEN_SHARE_RANGE) * parts

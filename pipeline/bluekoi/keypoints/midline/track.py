@@ -18,8 +18,8 @@ class Fit:
     """Fit of one frame.
 
     pose: (P,). information: (P, P), and meat: (P, P) sum of g g' over the stations' scores g, both
-    in body axes (sandwich covariance: I^-1 meat I^-1). support: (5,) explained share of head, core,
-    tail and whole body, and the share of the body inside the picture.
+    in body axes (sandwich covariance: I^-1 meat I^-1). support: (8,) explained share of head, core,
+    tail and whole body; share seen of the body, and of its head, core and tail.
     """
 
     pose: Float
@@ -37,11 +37,15 @@ class Fit:
 
 @dataclass
 class Track:
-    """One body's fits so far. doubtful_s: time since which it may be another body."""
+    """One body's fits so far.
+
+    doubtful_s: time since which it may be another body. unsure: frames in which a body alone jumps.
+    """
 
     times: list[float] = field(default_factory=list)
     fits: list[Fit | None] = field(default_factory=list)
     doubtful_s: float = math.inf
+    unsure: set[int] = field(default_factory=set)
 
     @property
     def recent_fits(self) -> list[tuple[float, Fit]]:

@@ -15,20 +15,15 @@ import numpy as np
 from ...data import Float, Frame
 from ..outline.background import Image
 from .blobs import BackgroundModel, Blob, ReducedImage, candidate_poses, find_blobs, reduced_image
+from .identity import MAX_SEARCH_RADIUS_LENGTHS, body_distance, doubt_alone, doubt_among_others
 from .learning import fit_to_image
 from .midline_fit import BEND_TERMS, MIN_SEEN_SHARE, STATIONS_ACROSS, BendingTemplate, midline
 from .track import LOST_FRAMES, Fit, Track
 
 MIN_SUPPORT, MAX_SCORE_DROP = 0.5, 0.05
 TURN_COST_PER_RAD, MOVE_COST_PER_LENGTH = 0.1, 0.1
-SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS, MAX_SEARCH_RADIUS_LENGTHS = 0.8, 0.25, 2.5
-NEIGHBOUR_DISTANCE_LENGTHS, SAME_BODY_DISTANCE_LENGTHS = 1.3, 0.12
-CONFUSION_DISTANCE_LENGTHS = 1.5
-MIN_VISIBLE_SHARE, MIN_SAME_SCORE, MAX_TURN_RAD, MAX_MOVE_LENGTHS = 0.5, 0.55, 0.8, 0.4
-"""If several bodies are in the picture, the tracked one counts as identified if a share of more
-than `MIN_VISIBLE_SHARE` is seen, its score is above `MIN_SAME_SCORE`, and it turns and moves less
-than this between two frames.
-"""
+SEARCH_RADIUS_LENGTHS, SEARCH_RADIUS_GROWTH_LENGTHS = 0.8, 0.25
+NEIGHBOUR_DISTANCE_LENGTHS = 1.3
 TRACKED_RADIUS_LENGTHS = 4.0
 START_HEADINGS, START_TOLERANCE_LENGTHS = 16, 0.12
 MASKED_COVERAGE = 0.15
@@ -60,13 +55,15 @@ def track_body(
         else:
             _step(frame, [target, *others], arena, shape)
             if several:
-                _watch(target, others, shape)
+                doubt_among_others(target, others, shape)
+            else:
+                doubt_alone(target, shape)
         if several and target.last() is not None:
             others = [
                 body
                 for body in others
                 if body.frames_since_seen <= LOST_FRAMES
-                and _distance(body, target, shape) < TRACKED_RADIUS_LENGTHS
+                and body_distance(body, target, shape) < TRACKED_RADIUS_LENGTHS
             ]
             if not target.frames_since_seen:
                 others += _born(frame, [target, *others], arena, shape)
@@ -222,53 +219,6 @@ def _without(
         for (u, v), size in zip(uv, radius[kept], strict=True):
             cv2.circle(depth, (round(u), round(v)), max(1, round(size)), math.nan, -1)
     return ReducedImage(picture.change, depth, picture.place)
-
-
-def _distance(one: Track, other: Track, shape: BendingTemplate) -> float:
-    """Distance of two bodies in whole lengths."""
-    a, b = one.last(), other.last()
-    if a is None or b is None:
-        return math.inf
-    return float(np.hypot(*(a - b)[:2])) / shape.length_bl
-
-
-def _watch(target: Track, others: Sequence[Track], shape: BendingTemplate) -> None:
-    """Record the time from which the target may have been exchanged for another body.
-
-    That is the case if another body is near and the target is poorly seen, jumps, or shares its
-    midline with the other.
-    """
-    reach = MAX_SEARCH_RADIUS_LENGTHS if target.frames_since_seen else CONFUSION_DISTANCE_LENGTHS
-    others = [body for body in others if _distance(body, target, shape) < reach]
-    if not others:
-        return
-    one, known = target.fits[-1], [fit for fit in target.fits[-3:-1] if fit is not None]
-    sure = (
-        one is not None
-        and known
-        and one.support[4] > MIN_VISIBLE_SHARE
-        and one.support_score > MIN_SAME_SCORE
-    )
-    if sure and one is not None:
-        turn = abs(math.remainder(one.pose[2] - known[-1].pose[2], 2 * math.pi))
-        jumped = (
-            turn > MAX_TURN_RAD or _moved(one, known[-1].pose) > MAX_MOVE_LENGTHS * shape.length_bl
-        )
-        sure = not jumped and not any(_same(one, body, shape) for body in others)
-    if not sure:
-        target.doubtful_s = min(target.doubtful_s, target.times[-1])
-
-
-def _same(one: Fit, body: Track, shape: BendingTemplate) -> bool:
-    """Whether another body's midline lies on this one's."""
-    other = body.last()
-    if other is None:
-        return False
-    arc = np.linspace(0.1, 0.7, 5)
-    a, _ = midline(one.pose, shape.length_bl, arc)
-    b, _ = midline(other, shape.length_bl, arc)
-    apart = min(float(np.hypot(*(a - c).T).mean()) for c in (b, b[::-1]))
-    return apart < SAME_BODY_DISTANCE_LENGTHS * shape.length_bl
 
 
 def _born(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -58,8 +57,6 @@ def recordings() -> Recordings:
 
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, MismatchResult]:
-    """The demo's campaign at two of its powers from keypoints, and what the search finds in it."""
-    whole = demo_design()
-    plans = tuple(p for p in whole.plans if p.power_pct != 75)
-    m = measured(replace(whole, plans=plans), tmp_path_factory.mktemp("demo"))
+    """The demo's campaign from keypoints, and what the search finds in it."""
+    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
     return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)

@@ -29,7 +29,14 @@ def contents() -> list[str]:
     """Modules as the package's table of contents lists them, in its order."""
     flow, rest = bluekoi.__doc__.split("data, files, errors")
     top = re.findall(r"stages|workflow|cli", rest.splitlines()[2])
-    return [*re.findall(r"^    (\w+) ", flow, re.M), "data", "files", "errors", "vectors", *top]
+    return [
+        *re.findall(r"^    (\w+) ", flow, re.M),
+        "data",
+        "files",
+        "errors",
+        "vector_width",
+        *top,
+    ]
 
 
 def rules() -> dict[str, str]:

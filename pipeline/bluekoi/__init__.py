@@ -29,7 +29,7 @@ Modules in the order of the data flow:
     synthetic     footage rendered from known truth; imports nothing that it tests
 
     data, files, errors    types that flow, files written whole, messages for mistakes in the input
-    vectors                the widest vectors of the processor, for compiled functions
+    vector_width           the widest vectors of the processor, for compiled functions
     stages, workflow, cli  files in and files out, what Snakemake asks, what a person calls
 
 Public names (`__all__`) are documented in docs/api.md; each module is imported when a name of it is

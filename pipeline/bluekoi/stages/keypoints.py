@@ -44,7 +44,9 @@ def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, A
     if missing := missing_files_of_trial(study, trial):
         raise InputError(missing)
     found, notes = (
-        _from_file(study, trial) if trial.reads_keypoints else _seen(study, trial, threads)
+        _from_file(study, trial)
+        if trial.reads_keypoints
+        else detect_in_footage(study, trial, threads)
     )
     if len(found.time_s) == 0:
         raise input_error(
@@ -71,7 +73,8 @@ def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
     return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
 
 
-def _seen(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
+def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
+    """Keypoints of a filmed trial, and what was read: source, frames, picture size, missing end."""
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415

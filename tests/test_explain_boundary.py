@@ -198,6 +198,14 @@ def test_an_input_that_a_controller_makes_is_recognised(delay, held):
     assert explained_by_innovations(*zip(*free, strict=True), held=held) == 0.0
 
 
+@pytest.mark.parametrize("value", [0.2617993877991494, 1 / 3, 1e6 / 7])
+def test_an_input_that_never_changes_follows_nothing(value):
+    rng = np.random.default_rng(2)
+    inputs = [np.full(n, value) for n in (160, 173, 151)]
+    errors = [rng.normal(size=(len(u), 3)) for u in inputs]
+    assert explained_by_innovations(inputs, errors, held=True) == 0.0
+
+
 BOUNDS_CHECKED = """
 import numpy as np
 from bluekoi.explain import load_model

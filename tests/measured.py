@@ -16,8 +16,8 @@ from bluekoi.keypoints.deeplabcut import read
 from bluekoi.model import plates
 from bluekoi.pose import rigid_pose
 from bluekoi.smoothing import smooth
-from bluekoi.stages.mismatch import with_clock
-from bluekoi.stages.tracks import flapping_of
+from bluekoi.stages.mismatch import with_clock_measurement
+from bluekoi.stages.tracks import trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import StudyDesign
@@ -44,14 +44,14 @@ def measured(design: StudyDesign, folder: Path) -> Measured:
     for trial in study.trials:
         found = read(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
-        flapping = flapping_of(study, trial, positions)
+        flapping = trial_flapping(study, trial, positions)
         pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
         track = smooth(pose, flapping.flap_hz)
         out.steady[trial.trial_id] = steady_state(track, flapping, trial.head_angle_rad)
         out.flapping[trial.trial_id] = flapping
         one = trial_series(trial, study.setup, pose, track, flapping)
         out.series.append(one)
-    out.series[:] = with_clock(out.series, out.flapping)
+    out.series[:] = with_clock_measurement(out.series, out.flapping)
     return out
 
 

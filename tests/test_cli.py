@@ -19,7 +19,13 @@ from snakemake.cli import parse_config
 
 from bluekoi.cli import main
 from bluekoi.cli.outputs import refuse_study_files
-from bluekoi.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
+from bluekoi.cli.run import (
+    _exit_code,
+    _failed_trial_lines,
+    _requested_results_folder,
+    snakemake_command,
+    workflow_folder,
+)
 from bluekoi.errors import InputError, input_error
 from bluekoi.footage import encode_h264
 from studies import edit_rows, small_study
@@ -156,9 +162,11 @@ def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path, mo
     (status / "T2.json").write_text(json.dumps(good))
     (status / "T3.json").write_text(json.dumps(bad))
     module = sys.modules["bluekoi.cli.run"]
-    monkeypatch.setattr(module, "_trials", lambda study: {"T1", "T2"} if study == "lab" else set())
-    assert _went_wrong(tmp_path, "lab") == ["T1: no frames"]
-    assert _went_wrong(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
+    monkeypatch.setattr(
+        module, "_study_trial_ids", lambda study: {"T1", "T2"} if study == "lab" else set()
+    )
+    assert _failed_trial_lines(tmp_path, "lab") == ["T1: no frames"]
+    assert _failed_trial_lines(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
 
 
 def test_check_names_missing_files(tmp_path):
@@ -220,14 +228,14 @@ def test_without_a_place_for_compiled_code_it_is_said_with_the_cure(tmp_path, mo
 
 def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert (workflow_folder() / "Snakefile").is_file()
-    found = command("my = study", Path("out"), "2", ("--dry-run",))
+    found = snakemake_command("my = study", Path("out"), "2", ("--dry-run",))
     assert 'study= "my = study" ' in found
     assert 'results= "out" ' in found
     assert found[-1] == "--dry-run"
 
 
 def test_folders_keep_the_letters_they_are_named_with():
-    words = command("studé x", Path("/lab/res é out"), "2", ())
+    words = snakemake_command("studé x", Path("/lab/res é out"), "2", ())
     assert 'study= "studé x" ' in words
     assert 'results= "/lab/res é out" ' in words
 
@@ -249,8 +257,8 @@ def test_a_request_to_terminate_is_handed_on_and_waited_for():
         "print('there', flush=True); time.sleep(60)"
     )
     parent = (
-        "import sys; from bluekoi.cli.run import _returned; "
-        f"sys.exit(_returned([sys.executable, '-c', {child!r}]))"
+        "import sys; from bluekoi.cli.run import _run_process; "
+        f"sys.exit(_run_process([sys.executable, '-c', {child!r}]))"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None
@@ -262,18 +270,20 @@ def test_a_request_to_terminate_is_handed_on_and_waited_for():
 
 def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
     given = ("--dry-run", "--config", "overlays=none", "demo_folder=d", "--quiet", "-C", "x=1")
-    words = command("lab", Path("out"), "2", given)
+    words = snakemake_command("lab", Path("out"), "2", given)
     assert words.count("--config") == 1
     at = words.index("--config")
     keys = ['study= "lab" ', 'results= "out" ', "overlays=none", "demo_folder=d", "x=1"]
     assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
-    assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
+    assert snakemake_command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
 
 
 def test_bad_trials_are_looked_for_where_the_results_are():
-    assert _folder("labs/koi", None, ()) == Path("results/koi")
-    assert _folder("labs/koi", Path("out"), ("--dry-run",)) == Path("out")
-    assert _folder("labs/koi", None, ("--config", "results=there", "x=1")) == Path("there")
+    assert _requested_results_folder("labs/koi", None, ()) == Path("results/koi")
+    assert _requested_results_folder("labs/koi", Path("out"), ("--dry-run",)) == Path("out")
+    assert _requested_results_folder(
+        "labs/koi", None, ("--config", "results=there", "x=1")
+    ) == Path("there")
 
 
 @pytest.mark.parametrize(
@@ -412,7 +422,7 @@ def test_files_in_the_working_directory_are_never_imported(tmp_path):
     """A lab's own `pipeline.py`, `bluekoi.py` or `yaml.py` beside its study must not run."""
     for name in ("pipeline", "bluekoi", "yaml"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('shadowed')\n")
-    interpreter = command("study", None, "1", ())[:4]
+    interpreter = snakemake_command("study", None, "1", ())[:4]
     done = subprocess.run(
         [*interpreter, "--version"], cwd=tmp_path, check=False, capture_output=True, text=True
     )
@@ -482,7 +492,7 @@ def test_check_refuses_names_that_a_run_cannot_use(tmp_path, name):
     "name", ["20261123", "007", "[1]", "null", "a: b", "trail ", "a\\b", 'q"q']
 )
 def test_names_that_look_like_other_values_reach_snakemake_as_they_are(name):
-    (entry,) = (w for w in command(name, None, "1", ()) if w.startswith("study="))
+    (entry,) = (w for w in snakemake_command(name, None, "1", ()) if w.startswith("study="))
     assert parse_config([entry]) == {"study": name}
 
 
@@ -498,8 +508,9 @@ def test_a_run_says_nothing_before_its_answer(tmp_path, monkeypatch):
 
 def test_a_run_imports_no_numerics_in_the_process_that_waits(tmp_path):
     """It starts Snakemake and reads how the trials went."""
-    program = ("import sys; from pathlib import Path; from bluekoi.cli.run import _went_wrong;"
-               "print(_went_wrong(Path(sys.argv[1]), 'x'), *sys.modules)")  # fmt: skip
+    program = ("import sys; from pathlib import Path;"
+               "from bluekoi.cli.run import _failed_trial_lines;"
+               "print(_failed_trial_lines(Path(sys.argv[1]), 'x'), *sys.modules)")  # fmt: skip
     status = tmp_path / "status"
     status.mkdir()
     (status / "T01.json").write_text('{"ok": true, "message": ""}')

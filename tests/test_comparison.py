@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.comparison import compare, draw, read_run
+from bluekoi.comparison import compare, comparison_figure, read_run
 from bluekoi.data import Steady
 from bluekoi.errors import InputError
 from bluekoi.stages.manifest import RUN_VARIABLE, write_manifest
@@ -80,7 +80,7 @@ def test_the_command_prints_writes_and_draws(two, tmp_path):
         rows = {row["name"]: row for row in csv.DictReader(lines)}
     assert float(rows["C_T"]["standard_deviations"]) == pytest.approx(4.24, abs=0.01)
     assert (tmp_path / "out/comparison.pdf").read_bytes().startswith(b"%PDF")
-    figure = draw(read_run(two[0]), read_run(two[1]), ("a", "b"))
+    figure = comparison_figure(read_run(two[0]), read_run(two[1]), ("a", "b"))
     assert [axes.get_title() for axes in figure.axes] == [
         "Coefficients, first run = 1", "Probability of each cause",
         "Path error on held-out trials", "Steady speed of each trial"]  # fmt: skip

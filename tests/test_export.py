@@ -13,7 +13,7 @@ from exact_campaign import campaign
 from scipy.io import netcdf_file
 
 from bluekoi.cli import main
-from bluekoi.cli.export import _rows, write_netcdf
+from bluekoi.cli.export import _coefficient_rows, write_netcdf
 from bluekoi.data import write_track
 from studies import small_study
 
@@ -50,7 +50,7 @@ def test_coefficients_come_with_units_and_whether_they_are_known():
         "paper_steps": {"50": {"coefficients": {"C_T": one}}},
         "joint": {"coefficients": {"C_D0": other}},
     }
-    rows = list(csv.reader(_rows(content)))
+    rows = list(csv.reader(_coefficient_rows(content)))
     assert rows[0] == ["paper_50_pct", "C_T", "0.0045", "1e-05", "m2", "True"]
     assert rows[1] == ["joint", "C_D0", "0.5", "", "1", "False"]
 

@@ -43,11 +43,11 @@ from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD_SHARE,
     STATED_FREQUENCY_STD_SHARE,
-    with_clock,
-    with_delay,
-    with_motor_start,
-    with_nose_distance,
-    with_rigid_lengths,
+    with_clock_measurement,
+    with_delay_measurement,
+    with_motor_start_measurement,
+    with_nose_distances,
+    with_rigid_length_measurement,
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
@@ -271,7 +271,7 @@ def test_without_lengths_nothing_is_measured_of_the_camera(
 ) -> None:
     m, _ = demo
     for geometry in ({}, {"scale": 1.02, "windows": None}):
-        series = with_rigid_lengths(m.series, geometry, m.study.setup)
+        series = with_rigid_length_measurement(m.series, geometry, m.study.setup)
         assert all(s.shared is None for s in series)
 
 
@@ -289,7 +289,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
         for one in m.series:
             layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
             layout.detection(one.name).write_text(json.dumps({"source": source}))
-        series = with_nose_distance(m.series, study, layout)
+        series = with_nose_distances(m.series, study, layout)
         return np.array([s.constants[slots.index("ahead")] for s in series])
 
     assert not ahead(m.study, "deeplabcut").any()
@@ -369,7 +369,7 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
             s.name: Flapping(4.0, 0.0, source, video_hz=4.0 * (1 + k), video_hz_std=0.002)
             for s, k in zip(series, ratios, strict=True)
         }
-        return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
+        return [s.evidence["clock_ratio"] for s in with_clock_measurement(series, beats)]
 
     for ratio, std in clock_ratios([-0.025] * 9):
         assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD_SHARE), rel=0.02)
@@ -388,13 +388,13 @@ def test_what_motor_logs_show_of_their_start_is_one_measurement_shared_by_the_tr
     series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(8)]
     beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2),
                               drift_per_s=0.0) for i, s in enumerate(series)}  # fmt: skip
-    shown = with_motor_start(series, beats, fitted=8)
+    shown = with_motor_start_measurement(series, beats, fitted=8)
     value, std = np.array([s.evidence["lost_time"] for s in shown]).T
     assert value == pytest.approx(0.08)
     assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
     assert shown[0].evidence["frequency_drift"] == pytest.approx((0.0, 3e-4 * 8**0.5))
     without = {s.name: Flapping(4.0, 0.0, "flap_hz") for s in series}
-    assert with_motor_start(series, without, fitted=8) == series
+    assert with_motor_start_measurement(series, without, fitted=8) == series
 
 
 def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_start(
@@ -419,7 +419,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Meas
                       beat_lag_rad=float(np.angle(np.exp(1j * (0.7 - 2 * np.pi * f * 0.25)))))
         for name, f in hz.items()
     }  # fmt: skip
-    series = with_delay(bare.series, beats, fitted=len(bare.series))
+    series = with_delay_measurement(bare.series, beats, fitted=len(bare.series))
     values = np.array([s.evidence["delay"] for s in series])
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)

@@ -9,7 +9,7 @@ import pytest
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
 from bluekoi.preparation.input_check import file_findings
-from bluekoi.stages.freshness import states_of
+from bluekoi.stages.freshness import file_states
 from bluekoi.study import Setup, Study, missing_files
 from bluekoi.study.image_files import expand_source
 
@@ -74,10 +74,10 @@ def test_what_cannot_be_opened_is_refused(folder, name, fps, text):
 
 def test_the_state_of_many_pictures_changes_with_one_of_them(folder):
     paths = expand_source(folder, "T1/frame_*.png") * 2
-    before = states_of(paths)
+    before = file_states(paths)
     cv2.imwrite(str(paths[3]), np.full((60, 80), 99, np.uint8))
     assert len(before) == 1
-    assert states_of(paths) != before
+    assert file_states(paths) != before
 
 
 def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):

@@ -29,7 +29,7 @@ from bluekoi.errors import InputError
 from bluekoi.footage import encode_h264, frames, open_recording
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import flapping_from_log
-from bluekoi.report.numbers import readable
+from bluekoi.report.numbers import readable_name
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import Trial, load_study, missing_files
@@ -301,7 +301,7 @@ def test_mp4_header(data, folder):
 @checked
 @given(text=st.text(max_size=40))
 def test_words_for_the_page_are_never_an_error(text):
-    assert isinstance(readable(text), str)
+    assert isinstance(readable_name(text), str)
 
 
 def test_a_yaml_that_would_fill_the_memory_is_refused_in_time(study, folder):

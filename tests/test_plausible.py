@@ -21,7 +21,7 @@ from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausibility import first_jump, plausibility_findings
-from bluekoi.stages.tracks import _doubted, flapping_of, tracks
+from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
 from bluekoi.study.consistency_rules import robot_warnings
@@ -126,9 +126,9 @@ def test_an_outlier_that_comes_back_or_a_gap_is_no_jump():
 
 def test_a_frame_rate_that_is_double_is_remarked(seen):
     study, trial, positions = seen
-    assert flapping_of(study, trial, positions).agrees
+    assert trial_flapping(study, trial, positions).agrees
     fast = replace(positions, time_s=positions.time_s / 2)
-    found = flapping_of(study, trial, fast)
+    found = trial_flapping(study, trial, fast)
     assert not found.agrees
     assert found.ratio == pytest.approx(2.0, rel=1e-3)
     assert f"motor = {found.ratio:.4f}" in found.remarks[-1]
@@ -186,10 +186,10 @@ def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doub
     motor = Flapping(flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",))
     found = flapping_compared_with_video(motor, apart, 0.0006)
     assert not found.agrees
-    reason = _doubted(SLOW, found).reason
+    reason = _with_clock_remark(SLOW, found).reason
     assert ("clocks disagree" in reason) == doubted
     assert reason.endswith(SLOW.reason)
-    assert _doubted(SLOW, motor) is SLOW
+    assert _with_clock_remark(SLOW, motor) is SLOW
 
 
 def test_a_robot_outside_of_the_pool_is_named(seen):

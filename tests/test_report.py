@@ -16,7 +16,7 @@ from bluekoi.camera.plane_camera import homography_camera
 from bluekoi.campaign import Campaign
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
-from bluekoi.report.numbers import number, percent, value_with_interval
+from bluekoi.report.numbers import format_number, format_percent, value_with_interval
 from bluekoi.report.page import write_report
 
 VOID = {"meta", "link", "img", "input", "br", "rect", "polyline"}
@@ -291,10 +291,10 @@ def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, tex
 
 
 def test_numbers_for_people():
-    assert [number(v) for v in (0.60049, 2.37, 5, 1.2e-4, -1234.5, 0)] == [
+    assert [format_number(v) for v in (0.60049, 2.37, 5, 1.2e-4, -1234.5, 0)] == [
         "0.600", "2.37", "5.00", "1.20 × 10⁻⁴", "-1234", "0",
     ]  # fmt: skip
-    assert [percent(v) for v in (2.774, -9.96, None)] == ["+2.8 %", "-10.0 %", "–"]
+    assert [format_percent(v) for v in (2.774, -9.96, None)] == ["+2.8 %", "-10.0 %", "–"]
 
 
 def test_the_same_campaign_gives_the_same_page(tmp_path, found):

@@ -9,7 +9,7 @@ from bluekoi import figures
 from bluekoi.campaign import Campaign
 from bluekoi.data import Float
 from bluekoi.figures.drawing.style import BASELINE_NAME, EXTENDED_NAME, NOISE_FLOOR_NAME
-from bluekoi.report.page import page
+from bluekoi.report.page import report_html
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def small(spared: Campaign) -> Campaign:
 
 
 def test_held_out_trials_are_named(spared: Campaign) -> None:
-    text = page(spared, [], {})
+    text = report_html(spared, [], {})
     assert "<h3>Errors on held-out trials</h3>" in text
     assert "Held out: T02." in text
     assert text.count('<span class="tag">held out</span>') == 2
@@ -34,7 +34,7 @@ def test_held_out_trials_are_named(spared: Campaign) -> None:
 
 
 def test_a_small_study_reports_no_trial_as_held_out(small: Campaign) -> None:
-    text = page(small, [], {})
+    text = report_html(small, [], {})
     assert "<h3>Errors on the fitted trials</h3>" in text
     assert "No trial was held out" in text
     assert "path error on the fitted trials" in text
@@ -69,8 +69,8 @@ def test_without_an_identified_cause_there_is_one_model(spared: Campaign) -> Non
     assert "named" not in legend("mismatch_candidates", none)
     assert len(legend("paths", spared)) == 3
     assert legend("paths", none) == ["measured", "model"]
-    assert 'class="after"' in page(spared, [], {})
-    text = page(none, [], {})
+    assert 'class="after"' in report_html(spared, [], {})
+    text = report_html(none, [], {})
     assert 'class="after"' not in text
     assert "before and after" not in text
     assert "baseline model" not in text
@@ -100,4 +100,4 @@ def test_trials_that_the_tuning_could_not_use_are_not_counted(small: Campaign) -
     coefficients = {**small.coefficients}
     coefficients["joint"] = {**coefficients["joint"], "trials": fitted}
     one = Campaign(**{**small.__dict__, "mismatch": mismatch, "coefficients": coefficients})
-    assert "No trial was held out" in page(one, [], {})
+    assert "No trial was held out" in report_html(one, [], {})

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bluekoi.report import identifiability, tables
-from bluekoi.report.page import page
+from bluekoi.report.page import report_html
 
 
 @pytest.fixture
@@ -81,7 +81,7 @@ def test_joint_table_has_the_interval_over_trials_and_the_naive_one(campaign) ->
 
 
 def test_page_shows_both_and_does_without(campaign) -> None:
-    text = page(campaign, [], {})
+    text = report_html(campaign, [], {})
     assert "Profile likelihood of C_T" in text
     assert "unbounded" in text
-    assert "Profile likelihood of" not in page(exact.campaign(), [], {})
+    assert "Profile likelihood of" not in report_html(exact.campaign(), [], {})

@@ -10,7 +10,7 @@ from exact_campaign import campaign, setup
 from bluekoi.camera import pool_camera
 from bluekoi.campaign import Campaign
 from bluekoi.data import Frame, Keypoints
-from bluekoi.report.overlay import frame_rate, paths, write_overlay, write_trial_overlay
+from bluekoi.report.overlay import frame_rate, path_lines, write_overlay, write_trial_overlay
 from bluekoi.report.overlay_frame import (
     AFTER_BGR,
     BEFORE_BGR,
@@ -52,7 +52,7 @@ def test_paths_are_drawn_where_the_camera_sees_them(base):
     shift = {"time_s": track.time_s}
     for prefix, offset in (("joint", 0.1), ("extended", -0.1)):
         shift |= {f"{prefix}_x_m": track.x_m + offset, f"{prefix}_y_m": track.y_m}
-    lines = paths(camera, track, shift, 0.0)
+    lines = path_lines(camera, track, shift, 0.0)
     scene = Scene("T02", (1920, 1080), lines, background=empty_pool(camera, 640))
     picture = annotated_frame(scene.background.copy(), scene, float(track.time_s[60]), SCALE)
     x, y = track.x_m[40], track.y_m[40]

@@ -27,7 +27,7 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.outcome import outcome
 from bluekoi.stages.plausibility import plausibility_findings
 from bluekoi.stages.status import with_numerical_failures_explained
-from bluekoi.stages.tracks import flapping_of, tracks
+from bluekoi.stages.tracks import tracks, trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import load_study
 from studies import PLANS, edit_rows, small_study
@@ -47,7 +47,7 @@ def base(tmp_path_factory):
 
 def analysed(study, trial, positions):
     """Steady state and swimming numbers, as the stage makes them; InputError where refused."""
-    flapping = flapping_of(study, trial, positions)
+    flapping = trial_flapping(study, trial, positions)
     pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)

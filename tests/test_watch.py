@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from bluekoi.cli.watch import state_of_study
+from bluekoi.cli.watch import study_file_states
 from studies import edit_rows, small_study
 
 
@@ -82,10 +82,10 @@ def test_an_error_in_the_study_is_reported_and_the_next_change_waited_for(tmp_pa
 
 def test_the_state_of_a_study_leaves_its_results_and_hidden_files_out(tmp_path):
     study = small_study(tmp_path / "study")
-    before = state_of_study(study, study / "results")
+    before = study_file_states(study, study / "results")
     (study / "results").mkdir()
     (study / "results/report.html").touch()
     (study / ".trials.csv.swp").touch()
-    assert state_of_study(study, study / "results") == before
+    assert study_file_states(study, study / "results") == before
     os.utime(study / "trials.csv", (1e9, 1e9))
-    assert state_of_study(study, study / "results") != before
+    assert study_file_states(study, study / "results") != before

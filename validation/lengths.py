@@ -12,7 +12,7 @@ from bluekoi.campaign import load_campaign
 from bluekoi.files import read_json
 from bluekoi.mismatch.rigid_lengths import effects_on_lengths
 from bluekoi.model import plates
-from bluekoi.stages.mismatch import with_rigid_lengths
+from bluekoi.stages.mismatch import with_rigid_length_measurement
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
 
@@ -26,7 +26,7 @@ def length_misfit(directory: Path, name: str) -> Row | None:
     loaded, system = load_study(study), plates()
     series = campaign_series(load_campaign(results, loaded, measured=True))
     geometry = read_json(results / "geometry.json")
-    shared = with_rigid_lengths(series, geometry, loaded.setup)[0].shared
+    shared = with_rigid_length_measurement(series, geometry, loaded.setup)[0].shared
     if shared is None:
         return None
     errors = shared.errors(system.values({})[[system.slot[n] for n in shared.parameters]])

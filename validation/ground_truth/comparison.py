@@ -13,10 +13,10 @@ from bluekoi.report.findings import Row
 from bluekoi.report.numbers import (
     Z_95,
     coefficient_with_interval,
-    number,
-    percent,
-    readable,
-    units,
+    format_number,
+    format_percent,
+    parameter_units,
+    readable_name,
     value_with_interval,
 )
 from bluekoi.report.settings import flatten_mapping
@@ -85,7 +85,7 @@ def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
         return [Row("none", ("–", "–", "correct: none" if outcome == "none" else outcome))]
     return [
         Row(
-            readable(name),
+            readable_name(name),
             (
                 _parameters(name, true.get(name)),
                 _fitted(name, named.get(name)),
@@ -108,7 +108,9 @@ def _agreement(true: bool, named: bool, rival: bool) -> str:
 def _parameters(cause: str, values: Any) -> str:
     if not isinstance(values, Mapping):
         return "–"
-    cells = [f"{k} = {_text(v)} {units().get(f'{cause}.{k}', '')}" for k, v in values.items()]
+    cells = [
+        f"{k} = {_text(v)} {parameter_units().get(f'{cause}.{k}', '')}" for k, v in values.items()
+    ]
     return ", ".join(text.strip() for text in cells) or "–"
 
 
@@ -116,7 +118,9 @@ def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
     cells = (found or {}).get("parameters") or {}
     texts = [
         f"{k} = "
-        + value_with_interval(c.get("value"), c.get("std"), units().get(f"{cause}.{k}", ""))
+        + value_with_interval(
+            c.get("value"), c.get("std"), parameter_units().get(f"{cause}.{k}", "")
+        )
         for k, c in cells.items()
     ]
     return ", ".join(texts)
@@ -142,14 +146,14 @@ def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
 
 def _order(entry: tuple[str, Any]) -> tuple[int, str]:
     """Coefficients in the order of the model, then others; powers ascending."""
-    name, order = entry[0], list(units())
+    name, order = entry[0], list(parameter_units())
     return (order.index(name) if name in order else len(order), name.rjust(4))
 
 
 def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
     undetermined = isinstance(before, Mapping) and not before.get("determined", True)
     return Row(
-        f"{name}{at} ({units()[name]})" if name in units() else name + at,
+        f"{name}{at} ({parameter_units()[name]})" if name in parameter_units() else name + at,
         (
             _text(true),
             _cell(before) + (" (not determined)" if undetermined else ""),
@@ -194,9 +198,9 @@ def _trial(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
 
 def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
     if not _is_number(true) or not true:
-        return _text(true), number(found, digits), "–"
-    off = percent(100 * (found / float(true) - 1), 2)
-    return number(true, digits), number(found, digits), off
+        return _text(true), format_number(found, digits), "–"
+    off = format_percent(100 * (found / float(true) - 1), 2)
+    return format_number(true, digits), format_number(found, digits), off
 
 
 def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -211,7 +215,7 @@ def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _text(value: Any) -> str:
-    return number(value, 4) if _is_number(value) else "–" if value is None else str(value)
+    return format_number(value, 4) if _is_number(value) else "–" if value is None else str(value)
 
 
 def _is_number(value: Any) -> bool:

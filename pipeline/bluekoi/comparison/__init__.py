@@ -5,6 +5,6 @@ picture        figure of the numbers that do
 """
 
 from .differences import Difference, Run, compare, read_run
-from .picture import draw
+from .picture import comparison_figure
 
-__all__ = ["Difference", "Run", "compare", "draw", "read_run"]
+__all__ = ["Difference", "Run", "compare", "comparison_figure", "read_run"]

@@ -20,20 +20,20 @@ BAR_OFFSET = 0.15
 MAX_CAUSES_SHOWN = 12
 
 
-def draw(first: Run, second: Run, labels: tuple[str, str]) -> Figure:
+def comparison_figure(first: Run, second: Run, labels: tuple[str, str]) -> Figure:
     """Four panels; what only one run has is drawn alone."""
     with matplotlib.rc_context(RC_PARAMS):
         figure = Figure(figsize=(8.5, 6.5), layout="constrained")
         panels = figure.subplots(2, 2)
         runs = (first, second)
-        _coefficients(panels[0, 0], runs, labels)
-        _causes(panels[0, 1], runs, labels)
-        _errors(panels[1, 0], runs, labels)
-        _speeds(panels[1, 1], runs, labels)
+        _draw_coefficients(panels[0, 0], runs, labels)
+        _draw_causes(panels[0, 1], runs, labels)
+        _draw_errors(panels[1, 0], runs, labels)
+        _draw_speeds(panels[1, 1], runs, labels)
         return figure
 
 
-def _coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     """Values over the first run's, with 95 % intervals."""
     axes.set_title("Coefficients, first run = 1")
     names = [n for n, c in runs[0].joint.items() if c.get("value") and n in runs[1].joint]
@@ -43,8 +43,8 @@ def _coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> Non
         zip(runs, labels, (FIRST_COLOUR, SECOND_COLOUR), strict=True)
     ):
         unit = np.array([runs[0].joint[n]["value"] for n in names], dtype=float)
-        value = np.array([_number(run.joint[n].get("value")) for n in names]) / unit
-        std = np.abs(np.array([_number(run.joint[n].get("std")) for n in names]) / unit)
+        value = np.array([_number_or_nan(run.joint[n].get("value")) for n in names]) / unit
+        std = np.abs(np.array([_number_or_nan(run.joint[n].get("std")) for n in names]) / unit)
         y = np.arange(len(names)) + BAR_OFFSET * (2 * k - 1)
         bars = 1.96 * np.nan_to_num(std)
         axes.errorbar(value, y, xerr=bars, fmt="o", ms=4, color=colour, label=label)
@@ -56,7 +56,7 @@ def _coefficients(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> Non
     return None
 
 
-def _causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     axes.set_title("Probability of each cause")
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in runs]
     most = {n: max(float(c.get(n) or 0) for c in chances) for n in {**chances[0], **chances[1]}}
@@ -77,7 +77,7 @@ def _causes(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     return None
 
 
-def _errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     axes.set_title("Path error on held-out trials")
     rows = ("baseline model", "with identified causes", "noise floor")
     for k, (run, label, colour) in enumerate(
@@ -85,13 +85,13 @@ def _errors(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     ):
         held = run.mismatch.get("held_out") or {}
         values = [(held.get(m) or {}).get("path_rmse_m") for m in ("baseline", "extended")]
-        size = [1e3 * _number(v) for v in (*values, held.get("noise_floor_path_rmse_m"))]
+        size = [1e3 * _number_or_nan(v) for v in (*values, held.get("noise_floor_path_rmse_m"))]
         axes.bar(np.arange(3) + BAR_OFFSET * (2 * k - 1), size, 0.28, color=colour, label=label)
     axes.set_xticks(range(3), rows)
     axes.set_ylabel("rms distance, mm")
 
 
-def _speeds(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
+def _draw_speeds(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     axes.set_title("Steady speed of each trial")
     names = [n for n in runs[0].steady if n in runs[1].steady]
     a, b = (np.array([run.steady[n].speed_m_s for n in names]) for run in runs)
@@ -108,5 +108,5 @@ def _speeds(axes: Axes, runs: Sequence[Run], labels: Sequence[str]) -> None:
     return None
 
 
-def _number(value: Any) -> float:
+def _number_or_nan(value: Any) -> float:
     return math.nan if value is None else float(value)

@@ -21,7 +21,7 @@ Luma = npt.NDArray[np.uint8]
 
 
 @lru_cache(maxsize=3)
-def _some(
+def _cached_frames(
     paths: tuple[Path, ...], _stamps: tuple[int, ...], fps: float | None, first_s: float | None
 ) -> list[Any]:
     if first_s is None:
@@ -29,7 +29,7 @@ def _some(
     return spread_frames(paths, fps=fps, part_s=(first_s, None), consecutive=True)
 
 
-def frame_of(
+def frame_at_share(
     paths: tuple[Path, ...], share: float, fps: float | None = None, first_s: float | None = None
 ) -> tuple[float, Luma]:
     """Time [s] and brightness of one of `FRAMES` frames, the nearest to a share of them.
@@ -39,21 +39,21 @@ def frame_of(
     Raises: InputError where the recording cannot be read.
     """
     stamps = tuple(path.stat().st_mtime_ns if path.exists() else 0 for path in paths)
-    some = _some(paths, stamps, fps, first_s)
+    some = _cached_frames(paths, stamps, fps, first_s)
     if not some:
         raise input_error(paths[0], "", "no frames", "a recording with frames")
     frame = some[round(min(max(share, 0.0), 1.0) * (len(some) - 1))]
     return frame.time_s, frame.luma
 
 
-def jpeg(picture: Luma) -> bytes:
+def encode_jpeg(picture: Luma) -> bytes:
     """A picture as jpeg."""
     good, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     assert good
     return data.tobytes()
 
 
-def preview(study: Study, trial_id: str) -> dict[str, Any]:
+def preview_as_json(study: Study, trial_id: str) -> dict[str, Any]:
     """`preview_trial` as json: what a job returns."""
     found = preview_trial(study, trial_id)
     return to_json_types({

@@ -52,13 +52,13 @@ def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, C
     groups: dict[float | None, list[str]] = {}
     for name in flapping:
         groups.setdefault(study.trial(name).fps, []).append(name)
-    every = _factor(flapping, list(flapping))
-    found = {fps: _factor(flapping, names) or every for fps, names in groups.items()}
+    every = _common_factor(flapping, list(flapping))
+    found = {fps: _common_factor(flapping, names) or every for fps, names in groups.items()}
     wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > SAME_CLOCK_TOLERANCE}
     return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
 
 
-def _factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
+def _common_factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
     known = [f for n in names if (f := flapping[n]).source != "video"]
     common = common_clock_ratio([f for f in known if f.source == "motor_log"] or known)
     return (
@@ -78,25 +78,25 @@ def correct_clock(
     r = {name: factor.value for name, factor in factors.items()}
     corrected = replace(
         campaign,
-        tracks={n: _track(v, r.get(n, 1.0)) for n, v in campaign.tracks.items()},
-        poses={n: _pose(v, r.get(n, 1.0)) for n, v in campaign.poses.items()},
-        steady={n: _steady(v, r.get(n, 1.0)) for n, v in campaign.steady.items()},
+        tracks={n: _track_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.tracks.items()},
+        poses={n: _pose_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.poses.items()},
+        steady={n: _steady_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.steady.items()},
     )
-    beats = {n: _flapping(f, r[n]) if n in r else f for n, f in flapping.items()}
+    beats = {n: _flapping_in_true_time(f, r[n]) if n in r else f for n, f in flapping.items()}
     return corrected, beats, factors
 
 
-def _track(track: Track, r: float) -> Track:
+def _track_in_true_time(track: Track, r: float) -> Track:
     rates = [f.name for f in fields(Track) if f.name.startswith(("speed", "vx", "vy", "yaw_rate"))]
     changed: dict[str, Any] = {name: getattr(track, name) / r for name in rates}
     return replace(track, time_s=r * track.time_s, **changed)
 
 
-def _pose(pose: Pose, r: float) -> Pose:
+def _pose_in_true_time(pose: Pose, r: float) -> Pose:
     return replace(pose, time_s=r * pose.time_s)
 
 
-def _steady(row: Steady, r: float) -> Steady:
+def _steady_in_true_time(row: Steady, r: float) -> Steady:
     return replace(
         row,
         speed_m_s=row.speed_m_s / r,
@@ -106,7 +106,7 @@ def _steady(row: Steady, r: float) -> Steady:
     )
 
 
-def _flapping(flapping: Flapping, r: float) -> Flapping:
+def _flapping_in_true_time(flapping: Flapping, r: float) -> Flapping:
     """Frequencies with the ratio of clocks divided by r; the beat's lag is unknown after that."""
     bare = replace(flapping, ratio=np.nan, ratio_std=np.nan, video_hz=np.nan, video_hz_std=np.nan,
                    beat_lag_rad=np.nan, beat_lag_std_rad=np.nan, agrees=True)  # fmt: skip

@@ -83,7 +83,7 @@ class Layout:
         return (self.pose(trial_id), self.track(trial_id), self.trial_steady(trial_id))
 
 
-def remove(paths: Iterable[Path]) -> None:
+def remove_files(paths: Iterable[Path]) -> None:
     """Take away files of an earlier run, where there are any."""
     for path in paths:
         path.unlink(missing_ok=True)

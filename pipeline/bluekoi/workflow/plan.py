@@ -15,7 +15,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from ..errors import input_error
-from ..stages.freshness import hash_of, inputs_of, is_fresh, status_file, trial_row, without_keys
+from ..stages.freshness import (
+    is_fresh,
+    short_hash,
+    status_file,
+    trial_inputs_hash,
+    trial_row,
+    without_keys,
+)
 from ..stages.layout import Layout
 from ..study import Study, load_study
 from .provenance import PACKAGE_FOLDER, fingerprint
@@ -93,7 +100,7 @@ class Plan:
         layout, code = Layout(self.results), self.code_fingerprint(stage)
 
         def fresh(name: str) -> bool:
-            inputs = inputs_of(stage, self.study, self.study.trial(name), layout, code)
+            inputs = trial_inputs_hash(stage, self.study, self.study.trial(name), layout, code)
             return is_fresh(status_file(stage, layout, name), self.results, inputs)
 
         return {name for name in ids if name in before or not fresh(name)}
@@ -190,12 +197,14 @@ class Plan:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
         heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
         setup = self.study.setup.model_dump(mode="json")
-        return hash_of(heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given)
+        return short_hash(
+            heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given
+        )
 
     def fit_fingerprint(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
         rows = [trial_row(trial) for trial in self.study.trials]
-        return hash_of(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
+        return short_hash(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
 
 
 def figure_names() -> list[str]:

@@ -20,7 +20,7 @@ from typing import Any, NoReturn
 
 from ..errors import InputError, escape_control_characters
 from ..files import write_json, write_text
-from ..stages.freshness import inputs_of, is_fresh, status_file
+from ..stages.freshness import is_fresh, status_file, trial_inputs_hash
 from ..stages.layout import Layout
 from ..study import load_study
 
@@ -90,7 +90,7 @@ def run_trials(function: Stage, options: argparse.Namespace) -> int:
     for number, name in enumerate(options.trials, 1):
         inputs = ""
         if options.code:
-            inputs = inputs_of(options.name, study, study.trial(name), layout, options.code)
+            inputs = trial_inputs_hash(options.name, study, study.trial(name), layout, options.code)
             if is_fresh(status_file(options.name, layout, name), options.results, inputs):
                 continue
         log.info("%s (%d of %d)", name, number, len(options.trials))

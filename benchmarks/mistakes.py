@@ -44,7 +44,7 @@ from bluekoi.stages.tracks import tracks
 from bluekoi.stages.tuning import tuning
 from bluekoi.study import load_study
 from studies import bare_design
-from validation.tracking import keypoint_study
+from validation.tracking_noise import keypoint_study
 
 ALL = tuple(f"T{k:02d}" for k in range(1, 13))
 """At 50, 75 and 100 %: straight, 30 and -45 degrees, and 45 degrees with a long head."""

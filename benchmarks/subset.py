@@ -19,7 +19,7 @@ sys.path.insert(0, str(ROOT))  # validation/
 
 import bluekoi.engine  # noqa: E402, F401  the modules below
 from validation.generators.concealed.studies import generate  # noqa: E402
-from validation.running import analyse, measure, measured_names, verdict_path  # noqa: E402
+from validation.study_runs import analyse, measure, measured_names, verdict_path  # noqa: E402
 
 SEARCHES = {"subset": None, "all": 10**6}
 """Label of the verdicts -> the greatest number of trials that is searched as a whole."""
@@ -30,7 +30,7 @@ def found(folder: Path, label: str, name: str) -> tuple[dict[str, float], float]
     with ExitStack() as patches:
         for module in ("search", "refit") if SEARCHES[label] else ():
             patched = sys.modules[f"bluekoi.engine.{module}"]
-            patches.enter_context(mock.patch.object(patched, "MOST_TRIALS", SEARCHES[label]))
+            patches.enter_context(mock.patch.object(patched, "MAX_SEARCH_TRIALS", SEARCHES[label]))
         analyse(folder, label, name)
     said = json.loads(verdict_path(folder, label, name).read_text())
     return {c["name"]: c["weight"] for c in said["mismatch"].get("causes", ())}, said["cpu_s"]

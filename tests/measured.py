@@ -22,7 +22,7 @@ from bluekoi.steady import steady_state
 from bluekoi.study import Study, load_study
 from bluekoi.synthetic.design import StudyDesign
 from bluekoi.tuning import Tuned, trial_series
-from validation.tracking import keypoint_study
+from validation.tracking_noise import keypoint_study
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from bluekoi.synthetic.design import StudyDesign, numbered_plans
 from bluekoi.synthetic.laws import Coefficients, Tank, published_model_tank
-from validation.tracking import keypoint_study
+from validation.tracking_noise import keypoint_study
 
 TABLE_1 = {
     50: Coefficients(C_Da=0.3, C_Md=0.145),

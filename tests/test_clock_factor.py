@@ -10,7 +10,7 @@ from exact_campaign import campaign
 
 from bluekoi.campaign import Campaign
 from bluekoi.data import Flapping, Pose
-from bluekoi.stages.clock import clock_factors, correct_clock, with_clock_cause
+from bluekoi.stages.clock_factor import clock_factors, correct_clock, with_clock_cause
 from bluekoi.stages.tuning import campaign_series
 
 CONTENT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],

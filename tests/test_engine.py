@@ -17,18 +17,18 @@ from bluekoi.engine import (
     Priors,
     Problem,
     candidates_of,
-    expanded,
-    fitted,
+    expand_about,
+    fit_own_noise,
+    fit_set,
     named_causes,
-    own_noise,
     posterior,
-    search,
+    search_sets,
 )
-from bluekoi.engine.columns import Layout
-from bluekoi.engine.evidence import laplace
+from bluekoi.engine.evidence import laplace_evidence
 from bluekoi.engine.expansion import likely_strengths
-from bluekoi.engine.problem import MOST_TRIALS
-from bluekoi.engine.scored import score
+from bluekoi.engine.problem import MAX_SEARCH_TRIALS
+from bluekoi.engine.set_columns import Layout
+from bluekoi.engine.set_score import score
 from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
@@ -63,7 +63,7 @@ def exact_log_bayes_factor(H: float, g: float, size: float, lower: float = -np.i
 @pytest.mark.parametrize("z", [0.5, 3.0, 8.0])
 def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> None:
     H, size = 400.0, 1.0  # standard error 0.05, a twentieth of what is plausible
-    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
+    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
     assert found == pytest.approx(exact_log_bayes_factor(H, z * np.sqrt(H), size), abs=0.05)
 
 
@@ -71,20 +71,20 @@ def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> No
 def test_a_strength_of_one_sign_has_half_the_prior(z: float) -> None:
     H, size = 400.0, 1.0
     lay = one_strength(size, signed=True)
-    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
+    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
     exact = exact_log_bayes_factor(H, z * np.sqrt(H), size, lower=0.0)
     assert found == pytest.approx(exact, abs=0.1)
 
 
 def test_a_cause_that_no_trial_informs_on_neither_gains_nor_loses() -> None:
-    found = laplace(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
+    found = laplace_evidence(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
     assert abs(found) < 0.3
 
 
 def test_an_effect_far_smaller_than_plausible_loses_to_no_effect() -> None:
     """Three standard errors from 0, but a thousandth of its plausible size (Lindley 1957)."""
     H = (3.0 / 1e-3) ** 2
-    found = laplace(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
+    found = laplace_evidence(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
     assert found < -1.0
 
 
@@ -192,7 +192,7 @@ def problem(series: list[Series]) -> Problem:
      (0.3, 0.1, {"quadratic_drag", "constant_force"})],
 )  # fmt: skip
 def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, true: set) -> None:
-    visited = search(problem(driven(k, F0)))
+    visited = search_sets(problem(driven(k, F0)))
     found = posterior(visited.problem, list(visited.sets.values()))
     assert {name for name, p in found.inclusion.items() if p > 0.5} == true
     assert all(found.inclusion[name] > 0.95 for name in true)
@@ -201,7 +201,7 @@ def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, tru
 
 def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
     """Else its fit has not ended, and a cause loses to another whose fit has."""
-    visited = search(problem(driven(0.3, 0.1)))
+    visited = search_sets(problem(driven(0.3, 0.1)))
     likely = {k: visited.sets[k].model.log_joint for k in visited.converged}
     pairs = [(part, whole) for part in likely for whole in likely if part < whole]
     assert pairs
@@ -209,7 +209,7 @@ def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
 
 
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:
-    visited = search(problem(driven(0.3, 0.1)))
+    visited = search_sets(problem(driven(0.3, 0.1)))
     values = visited.best.model.fit.by_label()
     assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
@@ -219,15 +219,15 @@ def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     """Also where the sign is other than that of the usual start."""
     for true in (0.3, -0.2):
         whole = problem(driven(0.0, true))
-        first = own_noise(whole, fitted(whole, (), whole.noise, {}))
-        start = likely_strengths(whole, expanded(whole, first), "constant_force")
+        first = fit_own_noise(whole, fit_set(whole, (), whole.noise, {}))
+        start = likely_strengths(whole, expand_about(whole, first), "constant_force")
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
 
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:
-    whole = problem(driven(0.3, 0.1, trials=MOST_TRIALS + 12))
-    visited = search(whole)
+    whole = problem(driven(0.3, 0.1, trials=MAX_SEARCH_TRIALS + 12))
+    visited = search_sets(whole)
     assert visited.best.model.key == {"quadratic_drag", "constant_force"}
     assert frozenset() in visited.sets  # the model without causes, with which others are compared
     assert len(visited.best.expansion.log_likelihood) == len(whole.series)
@@ -261,7 +261,7 @@ def test_order_of_the_trials_changes_no_probability() -> None:
     series = driven(0.3, 0.0)
     both = []
     for trials in (series, series[::-1]):
-        visited = search(problem(trials))
+        visited = search_sets(problem(trials))
         both.append(visited.best.log_posterior)
     assert both[0] == pytest.approx(both[1], abs=0.5)
 
@@ -269,7 +269,7 @@ def test_order_of_the_trials_changes_no_probability() -> None:
 def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() -> None:
     series = driven(0.0, 0.0)
     odd = replace(series[0], seen=series[0].seen + 0.004 * series[0].times[:, None] ** 2)
-    visited = search(problem([odd, *series[1:]]))
+    visited = search_sets(problem([odd, *series[1:]]))
     found = posterior(visited.problem, list(visited.sets.values()))
     logs = np.array([s.log_posterior for s in found.sets])
     plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
@@ -312,7 +312,7 @@ def test_a_force_that_no_candidate_describes_leaves_its_place_unnamed() -> None:
 def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
     """A fit that is not converged has a lower joint density, whatever it extrapolates."""
     whole = problem(driven(0.3, 0.0))
-    good = search(whole).sets[frozenset({"quadratic_drag"})]
+    good = search_sets(whole).sets[frozenset({"quadratic_drag"})]
     start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
-    poor = score(whole, fitted(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
+    poor = score(whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
     assert good.log_joint > poor.log_joint + 5.0

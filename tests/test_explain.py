@@ -28,9 +28,9 @@ from bluekoi.explain import (
     predict_left_out,
     read_trials,
 )
-from bluekoi.explain.assembly import assembled
 from bluekoi.explain.checks import checked_model
 from bluekoi.explain.sampling import at_rate
+from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of, validated_trials
 from bluekoi.integrate import compiled
 from bluekoi.integrate.batch import propagate
@@ -114,7 +114,7 @@ def test_a_set_that_was_asked_for_is_compared(found):
 
 def test_a_known_start_is_where_a_trial_begins(cart):
     trial = replace(runs()[0], start={"v": 2.5})
-    one = series_of(cart, assembled(cart), trial, {})
+    one = series_of(cart, assemble_system(cart), trial, {})
     assert one.mean[1] == 2.5
     with pytest.raises(InputError, match="start: found 'w'"):
         validated_trials(cart, [replace(trial, start={"w": 1.0})])
@@ -159,7 +159,7 @@ def test_only_the_asked_causes_are_tried(cart):
 
 
 def free_run(model: Model, trial: Trial) -> np.ndarray:
-    assembly = assembled(model)
+    assembly = assemble_system(model)
     kernel = compiled(assembly.system)
     one = series_of(model, assembly, trial, {})
     lanes = [np.repeat(np.asarray(a, float)[None, :, None], 16, axis=2)
@@ -180,7 +180,7 @@ def test_a_held_input_keeps_its_value_until_the_next_sample(cart):
 def test_a_lower_rate_keeps_curvature_and_impulse(cart):
     times = 0.001 * np.arange(4000)
     trial = Trial("t", times, {"position": times**2}, {"push": np.sin(3 * times)})
-    assembly = assembled(cart)
+    assembly = assemble_system(cart)
     few = at_rate(series_of(cart, assembly, trial, {}), 50.0, [False])
     assert len(few.times) == 200
     np.testing.assert_allclose(few.seen[:, 0], few.times**2, atol=1e-9)

@@ -201,7 +201,7 @@ def test_an_input_that_a_controller_makes_is_recognised(delay, held):
 BOUNDS_CHECKED = """
 import numpy as np
 from bluekoi.explain import load_model
-from bluekoi.explain.assembly import assembled
+from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of
 from bluekoi.fitting import filter_series, free_runs
 from bluekoi.explain.preparation import first_noise
@@ -211,7 +211,7 @@ from numba import config
 
 assert config.BOUNDSCHECK == 1
 model = load_model(__import__("pathlib").Path({path!r}))
-assembly = assembled(model)
+assembly = assemble_system(model)
 kernel = compiled(assembly.system)
 series = []
 for n in (4, 7, 33):

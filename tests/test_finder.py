@@ -12,7 +12,7 @@ import pytest
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping
-from bluekoi.engine import Named
+from bluekoi.engine import NamedCause
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
@@ -73,7 +73,7 @@ def test_demo_names_the_fin_and_the_damping_hidden_beside_it(
 
 
 def test_the_verdict_is_the_kind_of_the_first_cause() -> None:
-    clock, stall = Named("clock_error", 0.8, {}), Named("stall", 0.99, {})
+    clock, stall = NamedCause("clock_error", 0.8, {}), NamedCause("stall", 0.99, {})
     kernel = compiled(plates())
     assert verdict_of(kernel, [clock, stall], 0.1) == "measurement"
     assert verdict_of(kernel, [stall, clock], 0.1) == "physics"

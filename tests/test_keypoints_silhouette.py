@@ -15,7 +15,7 @@ from bluekoi.keypoints import markers, silhouette
 from bluekoi.study import Setup, Trial
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
 from bluekoi.synthetic.design import conditions_design
-from bluekoi.synthetic.film import render_frames
+from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
 

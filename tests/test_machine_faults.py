@@ -178,8 +178,8 @@ import os, threading, time
 forks = []
 fork = os.fork
 os.fork = lambda: forks.append(1) or fork()
-from bluekoi.workflow.client import one_blas_thread
-one_blas_thread()
+from bluekoi.workflow.forkserver_client import limit_blas_to_one_thread
+limit_blas_to_one_thread()
 from bluekoi.workflow.stage_call import run_stage
 for _ in range({threads}):
     threading.Thread(target=time.sleep, args=(60,), daemon=True).start()

@@ -27,7 +27,7 @@ from bluekoi.study import Setup, Trial
 from bluekoi.synthetic.campaign import study_contents
 from bluekoi.synthetic.conditions import Conditions
 from bluekoi.synthetic.design import demo_design
-from bluekoi.synthetic.film import render_frames
+from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.trial import solve_trial
 
 def compiled():

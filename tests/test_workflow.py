@@ -27,11 +27,11 @@ from bluekoi.integrate import kernel
 from bluekoi.stages.compiling import load_model, load_model_with_effects
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
-from bluekoi.workflow.begin import without_rate_limit
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
-from bluekoi.workflow.progress import Hush, Progress, killed_by
-from bluekoi.workflow.remaining import Timing, duration, usual
+from bluekoi.workflow.progress import Progress, SnakemakeMessageFilter, signal_that_killed
+from bluekoi.workflow.remaining_time import Timing, duration_text, usual_durations_s
+from bluekoi.workflow.run_start import without_rate_limit
 from forked_snakemake import snakemake
 from studies import edit_rows, small_study
 
@@ -335,7 +335,7 @@ def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path
     for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
         (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
     (tmp_path / "benchmarks/report.tsv").write_text("")
-    timing = Timing(usual(tmp_path))
+    timing = Timing(usual_durations_s(tmp_path))
     timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
     timing.start(1, "tracks", 0.0)
     timing.finish(1, 10.0)
@@ -376,7 +376,7 @@ def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     ("s", "text"), [(1, "5 s"), (61, "65 s"), (100, "2 min"), (4800, "80 min")]
 )
 def test_times_are_said_as_a_person_does(s, text):
-    assert duration(s) == text
+    assert duration_text(s) == text
 
 
 def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
@@ -538,7 +538,7 @@ def record(level, message, **more):
 
 
 def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
-    hush = Hush(Progress(tmp_path / "report.html", io.StringIO()))
+    hush = SnakemakeMessageFilter(Progress(tmp_path / "report.html", io.StringIO()))
     lint = record(logging.INFO, "your workflow is in a good condition")
     assert hush.filter(lint)
     assert not hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
@@ -548,7 +548,7 @@ def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
 
 def test_a_run_interrupted_while_it_plans_is_reported_in_one_line_without_a_traceback(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    hush = Hush(progress)
+    hush = SnakemakeMessageFilter(progress)
     hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
     loop = "Traceback (most recent call last):\nRuntimeError: Cannot close a running event loop"
     assert hush.filter(record(logging.ERROR, loop))
@@ -585,8 +585,8 @@ def test_a_killed_stage_is_reported_with_what_to_do(tmp_path, end):
 
 
 def test_a_stage_that_ends_by_itself_was_not_killed():
-    assert killed_by("Command 'python3' returned non-zero exit status 1.") == ""
-    assert killed_by("Command 'python3' returned non-zero exit status 255.") == ""
+    assert signal_that_killed("Command 'python3' returned non-zero exit status 1.") == ""
+    assert signal_that_killed("Command 'python3' returned non-zero exit status 255.") == ""
 
 
 def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):

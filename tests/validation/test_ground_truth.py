@@ -16,7 +16,7 @@ from bluekoi.synthetic.design import demo_design
 from bluekoi.synthetic.trial import mean_path, solve_trial, steady_summary
 from validation.ground_truth.comparison import ground_truth
 from validation.ground_truth.content import true_steady
-from validation.ground_truth.page import page
+from validation.ground_truth.page import comparison_page
 from validation.ground_truth.seal import Seal, open_seal, truth_without_hash
 
 TRUTH = {"hidden": {"linear_yaw_damping": {"N_r": 0.02}}, "note": "<b>glass</b>"}
@@ -49,7 +49,7 @@ def test_a_truth_that_is_not_published_yet_is_reported_with_its_hash(tmp_path):
     (folder / "truth.json").unlink()
     found = open_seal(folder)
     assert (found.truth, found.broken) == ({}, False)
-    text = page(campaign(powers=(75,)), found)
+    text = comparison_page(campaign(powers=(75,)), found)
     assert "is sealed: truth.json is not there yet" in text
     assert hashlib.sha256(b"{}").hexdigest() in text
 
@@ -70,7 +70,7 @@ def test_a_broken_seal_shows_no_truth(tmp_path, change, word):
     found = open_seal(folder)
     assert found.broken
     assert found.truth == {}
-    text = page(campaign(powers=(75,)), found)
+    text = comparison_page(campaign(powers=(75,)), found)
     assert word in text
     assert "The seal is broken" in text
     assert "Injected and identified causes" not in text
@@ -91,7 +91,7 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
     assert rows["stall"].marked
     assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
     assert ("extra.b", "<b>glass</b>") in shown.further
-    text = page(base, Seal("0" * 64, truth))
+    text = comparison_page(base, Seal("0" * 64, truth))
     assert "&lt;b&gt;glass&lt;/b&gt;" in text
 
 
@@ -124,7 +124,7 @@ def test_a_truth_of_any_form_does_not_break_the_page(tmp_path):
     path = {"time_s": "x", "vx_m_s": [1], "vy_m_s": []}
     trials = [3, {"trial_id": None}, {"trial_id": name, "mean_path": path, "speed_m_s": "fast"}]
     odd = {"hidden": [1], "coefficients": "x", "trials": trials, "n": None, "big": 10**400}
-    shown = page(base, Seal("0" * 64, odd))
+    shown = comparison_page(base, Seal("0" * 64, odd))
     assert "ground-truth-heading" in shown
     assert "<td>fast</td>" in shown
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import EXIT_INTERRUPTED
-from ..workflow.client import COMMAND_VARIABLE
+from ..workflow.forkserver_client import COMMAND_VARIABLE
 from .parameter_types import NonEmptyPath, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
@@ -163,7 +163,7 @@ def _run_process(words: list[str]) -> int:
 def _failed_trial_lines(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.failure import failure_reason  # noqa: PLC0415
+    from ..stages.trial_failure import failure_reason  # noqa: PLC0415
 
     found = {p.stem: p for folder in ("status/keypoints", "status")
              for p in sorted((results / folder).glob("*.json"))}  # fmt: skip

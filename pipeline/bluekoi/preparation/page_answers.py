@@ -24,7 +24,7 @@ from ..study.key_reference import keys
 from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
-from .pictures import Luma, frame_at_share, rounded_points
+from .frame_images import Luma, frame_at_share, rounded_points
 from .prefill import study_files, trial_rows
 from .robot_outline import robot_outline
 

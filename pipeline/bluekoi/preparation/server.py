@@ -18,8 +18,8 @@ from ..errors import InputError
 from . import page_answers as answers
 from .draft import save_draft
 from .draft_check import draft_findings, draft_study
+from .frame_images import encode_jpeg, preview_as_json
 from .jobs import Jobs, Run
-from .pictures import encode_jpeg, preview_as_json
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 HOST = "127.0.0.1"

@@ -62,8 +62,8 @@ def summary(campaign: Campaign) -> str:
     angles = sorted({abs(trial.head_angle_deg) for trial in trials})
     heads = sorted({trial.head_length_m for trial in trials})
     return (
-        f"{len(done)} of {len(trials)} trials analysed: {_joined_list(powers)} % power, head angles "
-        f"of {_joined_list(angles)} degrees, head lengths of {_joined_list(heads)} m."
+        f"{len(done)} of {len(trials)} trials analysed: {_joined_list(powers)} % power, head "
+        f"angles of {_joined_list(angles)} degrees, head lengths of {_joined_list(heads)} m."
     )
 
 

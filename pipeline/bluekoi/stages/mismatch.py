@@ -28,7 +28,7 @@ from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock import CLOCK_STD_SHARE, correct_clock, with_clock_cause
+from .clock_factor import CLOCK_STD_SHARE, correct_clock, with_clock_cause
 from .compiling import load_model_with_effects as preload
 from .layout import Layout, remove_files
 from .status import has_measured_lengths, with_numerical_failures_explained

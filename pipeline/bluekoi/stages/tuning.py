@@ -15,7 +15,7 @@ from ..fitting import Series
 from ..motor import common_clock_ratio, has_other_clock
 from ..study import load_study
 from ..tuning import coefficients, simulations, study_series, table_1, table_2
-from .clock import correct_clock
+from .clock_factor import correct_clock
 from .compiling import load_model as preload
 from .layout import Layout, remove_files
 from .status import with_numerical_failures_explained

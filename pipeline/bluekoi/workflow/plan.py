@@ -232,12 +232,12 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
     is_demo = settings["study"] == "demo" and not Path("demo/study.yaml").is_file()
     folder = Path(settings["demo_folder"] if is_demo else settings["study"])
     if is_demo:
-        _lay_out_demo(folder)
+        _write_demo_study_files(folder)
     study = load_study(folder)
     results = Path(settings["results"] or Path("results") / folder.resolve().name)
     check_results_name(results)
-    _check_apart(study, results)
-    _prepare(results)
+    _check_results_outside_study(study, results)
+    _prepare_results_folder(results)
     return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
 
 
@@ -251,7 +251,7 @@ def check_results_name(results: Path) -> None:
         )  # fmt: skip
 
 
-def _check_apart(study: Study, results: Path) -> None:
+def _check_results_outside_study(study: Study, results: Path) -> None:
     """Raises: InputError where results would be written among, or over, files of the study."""
     here = results.resolve()
     for path in study.files():
@@ -266,7 +266,7 @@ def _check_apart(study: Study, results: Path) -> None:
                 )  # fmt: skip
 
 
-def _lay_out_demo(folder: Path) -> None:
+def _write_demo_study_files(folder: Path) -> None:
     """Study files of the demo; skipped where they stand and were written by this very code."""
     stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
     truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
@@ -281,7 +281,7 @@ def _lay_out_demo(folder: Path) -> None:
     write_text(stamp, code)
 
 
-def _prepare(results: Path) -> None:
+def _prepare_results_folder(results: Path) -> None:
     if results.is_file():
         raise input_error(results, "", "a file", "a folder for the results")
     try:

@@ -93,15 +93,15 @@ class Timing:
         return sum(t for t, _ in both) / sum(u for _, u in both) if both else 1.0
 
 
-def usual(results: Path) -> dict[str, float]:
+def usual_durations_s(results: Path) -> dict[str, float]:
     """Seconds that a job of each rule took the last time in this results folder.
 
     From `benchmarks/` in the results; of rules with many jobs, of one of them.
     """
-    return dict(_durations(results / "benchmarks"))
+    return dict(_recorded_durations_s(results / "benchmarks"))
 
 
-def _durations(folder: Path) -> Iterator[tuple[str, float]]:
+def _recorded_durations_s(folder: Path) -> Iterator[tuple[str, float]]:
     for one in sorted(folder.glob("*")):
         path = one if one.suffix == ".tsv" else next(one.glob("*.tsv"), one)
         try:
@@ -111,7 +111,7 @@ def _durations(folder: Path) -> Iterator[tuple[str, float]]:
             continue  # half-written by a run that was killed
 
 
-def duration(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """A time as a person says it: `40 s`, `3 min`, `1 h 20 min`."""
     if seconds < 90:
         return f"{max(5 * math.ceil(seconds / 5), 5)} s"

@@ -14,17 +14,17 @@ from collections.abc import Callable
 from ..integrate import Effect, Parameter
 
 KIND = "residual"
-TO_ONE_SIDE = "speed, to one side"
+ONE_SIDED_SPEED_VARIABLE = "speed, to one side"
 """Variable of side forces and moments: no mirror-symmetric law leaves them as its remainder."""
 Force = tuple[float, float, float]
 TRIED_SPEEDS_M_S = (0.15, 0.2, 0.26, 0.42, 0.53)
-NARROW_WIDTH_M_S = 0.05
+TRIED_WIDTH_M_S = 0.05
 """Other speeds are tried with this width: tries of several shapes go together, one by one."""
 SHAPE_PARAMETERS = (
     Parameter("centre_speed", "m/s", 0.33, 0.05, 1.0, "speed of the largest change",
               tries=TRIED_SPEEDS_M_S, symbol="c"),
     Parameter("width", "m/s", 0.07, 0.03, 0.25, "width in speed",
-              tries=(NARROW_WIDTH_M_S,) * len(TRIED_SPEEDS_M_S), symbol="w"),
+              tries=(TRIED_WIDTH_M_S,) * len(TRIED_SPEEDS_M_S), symbol="w"),
 )  # fmt: skip
 STRENGTH_PARAMETERS = {
     "surge": Parameter("added_drag", "1", 0.1, -5.0, 5.0,
@@ -34,7 +34,7 @@ STRENGTH_PARAMETERS = {
 }  # fmt: skip
 
 
-def hump(V: float, c: float, w: float) -> float:
+def peak_about_speed(V: float, c: float, w: float) -> float:
     """R of the equation above."""
     q = (V - c) / w
     e = 1.0 + q * q
@@ -45,20 +45,20 @@ def surge_near_speed(
     rho: float, A: float, uc: float, V: float, h: float, c: float, w: float
 ) -> Force:
     """Surge force (N)."""
-    return -h * 0.5 * rho * A * V * uc * hump(V, c, w), 0.0, 0.0
+    return -h * 0.5 * rho * A * V * uc * peak_about_speed(V, c, w), 0.0, 0.0
 
 
 def sway_near_speed(V: float, h: float, c: float, w: float) -> Force:
     """Sway force (N)."""
-    return 0.0, h * hump(V, c, w), 0.0
+    return 0.0, h * peak_about_speed(V, c, w), 0.0
 
 
 def yaw_near_speed(V: float, h: float, c: float, w: float) -> Force:
     """Yaw moment (N m)."""
-    return 0.0, 0.0, h * hump(V, c, w)
+    return 0.0, 0.0, h * peak_about_speed(V, c, w)
 
 
-def _effect(force: Callable[..., Force]) -> Effect:
+def _residual_effect(force: Callable[..., Force]) -> Effect:
     channel = force.__name__.split("_", maxsplit=1)[0]
     return Effect(
         name=force.__name__,
@@ -68,9 +68,11 @@ def _effect(force: Callable[..., Force]) -> Effect:
         hooks={"force": force},
         module=__name__,
         channels=(channel,),
-        variables=("speed",) if channel == "surge" else (TO_ONE_SIDE,),
+        variables=("speed",) if channel == "surge" else (ONE_SIDED_SPEED_VARIABLE,),
     )
 
 
-EFFECTS = tuple(_effect(force) for force in (surge_near_speed, sway_near_speed, yaw_near_speed))
+EFFECTS = tuple(
+    _residual_effect(force) for force in (surge_near_speed, sway_near_speed, yaw_near_speed)
+)
 """Residual terms about one speed, one for each channel."""

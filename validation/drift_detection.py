@@ -21,7 +21,7 @@ DRIFT_SIZE_M = 0.085
 """Drift that is put in: 40 px of a usual picture."""
 
 
-def reported(study: Path, results: Path) -> tuple[bool, bool]:
+def drift_detections(study: Path, results: Path) -> tuple[bool, bool]:
     """Whether a trial is reported as the study is; whether the right one is where one drifts."""
     campaign = load_campaign(results, load_study(study), measured=True)
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
@@ -29,17 +29,17 @@ def reported(study: Path, results: Path) -> tuple[bool, bool]:
     chosen, towards = int(rng.integers(len(series))), rng.uniform(0.0, 2.0 * np.pi)
     size = DRIFT_SIZE_M * np.array([np.cos(towards), np.sin(towards)])
     moved = [add_drift(s, size) if k == chosen else s for k, s in enumerate(series)]
-    return _named(series) != "", _named(moved) == series[chosen].name
+    return _reported_trial(series) != "", _reported_trial(moved) == series[chosen].name
 
 
-def _named(series: Sequence[Series]) -> str:
+def _reported_trial(series: Sequence[Series]) -> str:
     """Name of the trial that is reported, or no text."""
     kernel, model = compiled(plates()), tune(series)
     found = drifting_trial(kernel, series, model.trial_values(kernel, series), model.noise)
     return found.trial if found else ""
 
 
-def report(rows: Sequence[tuple[bool, bool]]) -> str:
+def detection_rate_report(rows: Sequence[tuple[bool, bool]]) -> str:
     """Rates over studies."""
     without, within = (sum(column) for column in zip(*rows, strict=True))
     return (

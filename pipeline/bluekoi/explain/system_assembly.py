@@ -20,7 +20,7 @@ from ..integrate import Effect, Parameter, System, kernel_folder
 from ..integrate.kernel import load_source
 from .model import OBSERVE_STAGE, Cause, Model, arguments, channels_of, variables_of
 
-RANDOM_FORCE, LASTING_ERROR = "random_force", "lasting_error"
+RANDOM_FORCE, COLOURED_ERROR = "random_force", "lasting_error"
 """Names of the effects that are present in every filter: random forces, lasting errors of the
 observations.
 """
@@ -31,7 +31,7 @@ STRENGTH_BOUND = 50.0
 
 
 @dataclass(frozen=True)
-class Term:
+class ResidualTerm:
     """A residual term: the channel it pushes, the variable it depends on, its expression."""
 
     name: str
@@ -41,7 +41,7 @@ class Term:
 
 
 @dataclass(frozen=True)
-class Assembly:
+class AssembledSystem:
     """A system, the sources of its residual terms, and the priors of its causes."""
 
     system: System
@@ -49,18 +49,18 @@ class Assembly:
     priors: Priors
 
 
-def assembled(
+def assemble_system(
     model: Model, *, force_scale: Mapping[str, float] | None = None, step_s: float | None = None,
     hold: bool = True,
-) -> Assembly:  # fmt: skip
-    """`Assembly` of a model; force_scale: channel -> typical size, for residual terms; hold:
+) -> AssembledSystem:  # fmt: skip
+    """`AssembledSystem` of a model; force_scale: channel -> typical size, for residual terms; hold:
     whether held inputs are as recorded, and not averaged to a lower rate.
     """
     terms = residual_terms(model)
-    module = _generated(model, terms)
-    effects = [*_random(model, module), *(_effect(model, c) for c in model.causes)]
+    module = _generate_module(model, terms)
+    effects = [*_random_effects(model, module), *(_cause_effect(model, c) for c in model.causes)]
     if terms:
-        effects.append(_residual(model, module, terms, force_scale or {}))
+        effects.append(_residual_effect(model, module, terms, force_scale or {}))
     system = System(
         model.name,
         states=tuple(s.name for s in model.states),
@@ -74,7 +74,7 @@ def assembled(
         step_s=step_s,
     )
     known = {c.name: c.prior for c in model.causes if np.isfinite(c.prior)}
-    return Assembly(system, {f"{RESIDUAL}.{t.name}": frozenset({(t.channel, t.variable)})
+    return AssembledSystem(system, {f"{RESIDUAL}.{t.name}": frozenset({(t.channel, t.variable)})
                              for t in terms}, Priors(likely=known))  # fmt: skip
 
 
@@ -90,22 +90,25 @@ def scale_names(model: Model) -> tuple[str, ...]:
     return tuple(f"scale_{v}" for v in scaled_variables(model))
 
 
-def residual_terms(model: Model) -> list[Term]:
+def residual_terms(model: Model) -> list[ResidualTerm]:
     """Residual terms of every channel: constant, in proportion to and as the square of every state
     and input; sine and cosine of angles in place of these.
     """
     angles = {s.name for s in model.states for o in model.observations
               if o.angle and s.observed == o.name}  # fmt: skip
-    out: list[Term] = []
+    out: list[ResidualTerm] = []
     for c in model.channels:
-        out.append(Term(f"{c}_constant", c, CONSTANT_VARIABLE, "{k}"))
+        out.append(ResidualTerm(f"{c}_constant", c, CONSTANT_VARIABLE, "{k}"))
         for v in scaled_variables(model):
             q = f"({v} / scale_{v})"
             if v in angles:
                 forms = {"sin": f"sin_cos({v})[0]", "cos": f"sin_cos({v})[1]"}
             else:
                 forms = {"linear": q, "square": f"{q} * abs({q})"}
-            out += [Term(f"{c}_{v}_{kind}", c, v, "{k} * " + text) for kind, text in forms.items()]
+            out += [
+                ResidualTerm(f"{c}_{v}_{kind}", c, v, "{k} * " + text)
+                for kind, text in forms.items()
+            ]
     return [t for t in out if not any(_same_force(model, cause, t) for cause in model.causes)]
 
 
@@ -113,7 +116,7 @@ PROBED_STATES = 5
 """States, drawn at random, at which it is asked which outputs a cause changes."""
 
 
-def _same_force(model: Model, cause: Cause, term: Term) -> bool:
+def _same_force(model: Model, cause: Cause, term: ResidualTerm) -> bool:
     """Whether a named cause is the force of a residual term, which then has a name."""
     stage = model.force
     if stage is None or set(cause.hooks) != {stage.name} or cause.strengths != 1 or cause.rates:
@@ -126,7 +129,7 @@ def _same_force(model: Model, cause: Cause, term: Term) -> bool:
     for q in rng.uniform(0.5, 2.0, PROBED_STATES) * np.array([1, -1, 1, -1, 1]):
         given = {strength: 1.0, term.variable: float(q)}
         force = np.array(function(*(given[n] for n in names)), dtype=float)
-        expected = _value(term, float(q))
+        expected = _residual_term_value(term, float(q))
         other = [i for i, o in enumerate(stage.outputs) if o != term.channel]
         if np.any(force[other] != 0.0):
             return False
@@ -134,24 +137,24 @@ def _same_force(model: Model, cause: Cause, term: Term) -> bool:
     return bool(np.ptp(ratios) < 1e-6 * np.abs(ratios[0]))
 
 
-def _value(term: Term, q: float) -> float:
+def _residual_term_value(term: ResidualTerm, q: float) -> float:
     """A residual term of unit strength at a value of its variable, in units of its scale."""
     kind = term.name.rsplit("_", 1)[-1]
     forms = {"constant": 1.0, "linear": q, "square": q * abs(q), "sin": np.sin(q), "cos": np.cos(q)}
     return float(forms[kind])
 
 
-def _generated(model: Model, terms: list[Term]) -> ModuleType:
+def _generate_module(model: Model, terms: list[ResidualTerm]) -> ModuleType:
     """The module of a model's random forces, lasting errors and residual terms."""
     lines = ['"""Written by bluekoi.explain; not to be edited."""',
              "from bluekoi.integrate.branchless import sin_cos", ""]  # fmt: skip
     pushed = model.force.outputs if model.force is not None else ()
-    lines += _ornstein(RANDOM_FORCE, [f"g_{c}" for c in model.channels],
+    lines += _ornstein_uhlenbeck_source(RANDOM_FORCE, [f"g_{c}" for c in model.channels],
                        [f"g_{o}" if o in model.channels else "0.0" for o in pushed])  # fmt: skip
     errors = [f"e_{o.name}" for o in model.observations]
-    lines += _ornstein(LASTING_ERROR, errors, errors)
+    lines += _ornstein_uhlenbeck_source(COLOURED_ERROR, errors, errors)
     if terms and model.force is not None:
-        lines += _residual_lines(model, terms)
+        lines += _residual_source(model, terms)
     text = "\n".join(lines) + "\n"
     name = f"bluekoi_terms_{model.name}_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
     path = kernel_folder() / f"{name}.py"
@@ -160,7 +163,7 @@ def _generated(model: Model, terms: list[Term]) -> ModuleType:
     return load_source(name, path)
 
 
-def _ornstein(name: str, states: list[str], outputs: list[str]) -> list[str]:
+def _ornstein_uhlenbeck_source(name: str, states: list[str], outputs: list[str]) -> list[str]:
     """First-order processes x' = -x / tau, each with a memory of its own."""
     if not states or not outputs:
         return []
@@ -172,7 +175,7 @@ def _ornstein(name: str, states: list[str], outputs: list[str]) -> list[str]:
             "", ""]  # fmt: skip
 
 
-def _residual_lines(model: Model, terms: list[Term]) -> list[str]:
+def _residual_source(model: Model, terms: list[ResidualTerm]) -> list[str]:
     stage = model.force
     assert stage is not None
     variables = scaled_variables(model)
@@ -191,7 +194,7 @@ def _residual_lines(model: Model, terms: list[Term]) -> list[str]:
     return [f"def residual({', '.join(given)}):", *turned, f"    return ({', '.join(sums)},)"]
 
 
-def _random(model: Model, module: ModuleType) -> list[Effect]:
+def _random_effects(model: Model, module: ModuleType) -> list[Effect]:
     """Random forces and lasting errors."""
     out = []
     stage = model.force
@@ -199,7 +202,7 @@ def _random(model: Model, module: ModuleType) -> list[Effect]:
         (RANDOM_FORCE, stage.name, tuple(f"g_{c}" for c in model.channels), model.random_force_s,
          model.channels)]  # fmt: skip
     errors = tuple(f"e_{o.name}" for o in model.observations)
-    parts.append((LASTING_ERROR, OBSERVE_STAGE, errors, model.error_s, ()))
+    parts.append((COLOURED_ERROR, OBSERVE_STAGE, errors, model.error_s, ()))
     for name, hook, states, (start, lower, upper), channels in parts:
         memories = tuple(Parameter(f"tau_{s}", "s", start, lower, upper, "correlation time")
                          for s in states)  # fmt: skip
@@ -210,7 +213,7 @@ def _random(model: Model, module: ModuleType) -> list[Effect]:
     return out
 
 
-def _effect(model: Model, cause: Cause) -> Effect:
+def _cause_effect(model: Model, cause: Cause) -> Effect:
     first = next(iter(cause.hooks.values()))
     return Effect(
         cause.name, cause.kind, cause.statement, tuple(cause.parameters), dict(cause.hooks),
@@ -220,10 +223,10 @@ def _effect(model: Model, cause: Cause) -> Effect:
     )  # fmt: skip
 
 
-def _residual(
-    model: Model, module: ModuleType, terms: list[Term], force_scale: Mapping[str, float]
+def _residual_effect(
+    model: Model, module: ModuleType, terms: list[ResidualTerm], force_scale: Mapping[str, float]
 ) -> Effect:
-    def strength(t: Term) -> Parameter:
+    def strength(t: ResidualTerm) -> Parameter:
         size = force_scale.get(t.channel, 1.0)
         return Parameter(
             t.name, "", size, -STRENGTH_BOUND * size, STRENGTH_BOUND * size, t.variable

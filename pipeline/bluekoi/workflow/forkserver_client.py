@@ -11,16 +11,16 @@ ADDRESS_VARIABLE = "BLUEKOI_PRELOADED"
 COMMAND_VARIABLE = "BLUEKOI_COMMAND"
 """Environment variable with the command that a person gave."""
 END_OF_REQUEST = b"\0\0"
-BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+BLAS_THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 """How many threads linear algebra takes, one unless the environment says more: matrices are small
 here, threads only wait for each other and take the cores from the work beside them. A process with
 one thread can also be forked.
 """
 
 
-def one_blas_thread() -> None:
+def limit_blas_to_one_thread() -> None:
     """Ask for one thread of linear algebra where the environment does not say; before numpy."""
-    for name in BLAS_THREADS:
+    for name in BLAS_THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
 
 

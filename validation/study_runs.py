@@ -38,7 +38,7 @@ def study_names(directory: Path) -> list[str]:
 def measure_all(directory: Path, workers: int) -> Iterator[str]:
     """Measure every study that has no tracks yet; a line for each as it ends."""
     names = [name for name in study_names(directory) if not _has_tracks(directory, name)]
-    yield from in_processes(measure, directory, names, workers=workers)
+    yield from map_in_isolated_processes(measure, directory, names, workers=workers)
 
 
 def analyse_all(directory: Path, label: str, workers: int, *, only: str = "") -> Iterator[str]:
@@ -48,10 +48,12 @@ def analyse_all(directory: Path, label: str, workers: int, *, only: str = "") ->
         for name in measured_names(directory)
         if only in name and not verdict_path(directory, label, name).is_file()
     ]
-    yield from in_processes(partial(_analyse, label), directory, names, workers=workers)
+    yield from map_in_isolated_processes(
+        partial(_analyse_and_report, label), directory, names, workers=workers
+    )
 
 
-def _analyse(label: str, directory: Path, name: str) -> str:
+def _analyse_and_report(label: str, directory: Path, name: str) -> str:
     return analyse(directory, label, name)
 
 
@@ -79,7 +81,7 @@ def measure(directory: Path, name: str) -> str:
     try:
         for stage in MEASURED_STAGES:
             begin = time.process_time()
-            _stage(stage, study, results)
+            _run_stage(stage, study, results)
             times[stage] = time.process_time() - begin
     except Exception as error:  # one study must not stop the others
         failure = repr(error)
@@ -94,7 +96,7 @@ def analyse(directory: Path, label: str, name: str) -> str:
         results = Path(scratch) / name
         try:
             shutil.copytree(directory / "tracks" / name, results)
-            _stage(ANALYSED_STAGE, directory / "studies" / name, results)
+            _run_stage(ANALYSED_STAGE, directory / "studies" / name, results)
             content = json.loads((results / "mismatch.json").read_text())
         except Exception as error:  # one study must not stop the others
             logging.getLogger(__name__).exception("study %s", name)
@@ -107,7 +109,7 @@ def analyse(directory: Path, label: str, name: str) -> str:
     return f"{name} {cpu_s:.1f} s: {causes or content.get('verdict', failure)}"
 
 
-def _stage(name: str, study: Path, results: Path) -> None:
+def _run_stage(name: str, study: Path, results: Path) -> None:
     """Run a stage, once or for every trial, as its arguments say."""
     from bluekoi.study import load_study  # noqa: PLC0415  the worker's own import
 
@@ -125,7 +127,7 @@ def _isolate(directory: Path) -> None:
     deny_reading(directory / "truth")
 
 
-def in_processes(
+def map_in_isolated_processes(
     task: Callable[[Path, str], str], directory: Path, names: Sequence[str], *, workers: int
 ) -> Iterator[str]:
     """Result of a task for each study as it ends, in processes that cannot read DIR/truth."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from .columns import plausible_sizes
 from .expansion import Expansion
 from .problem import Problem
+from .set_columns import plausible_sizes
 
 
-def residual_sizes(problem: Problem, expansion: Expansion) -> dict[str, tuple[float, ...]]:
+def plausible_residual_magnitudes(
+    problem: Problem, expansion: Expansion
+) -> dict[str, tuple[float, ...]]:
     """Plausible magnitudes of each residual term: as visible as the median named cause at its own.
 
     expansion: about the model without causes. With G the information on a strength when the

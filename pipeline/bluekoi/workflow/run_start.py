@@ -13,7 +13,7 @@ from typing import Any
 
 from ..errors import InputError, escape_control_characters
 from ..stages.manifest import RUN_VARIABLE
-from .client import COMMAND_VARIABLE
+from .forkserver_client import COMMAND_VARIABLE
 from .lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from .plan import Plan, make_plan
 from .provenance import PACKAGE_FOLDER, fingerprint

@@ -4,19 +4,19 @@ import math
 
 from numba import njit
 
-from validation.generators.concealed.swimmer.quantities import Body, Command, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws, TrialCommand
 
-__all__ = ["drag_over_speed", "other_moment", "tether"]
+__all__ = ["drag_over_speed", "further_yaw_moment", "tether_force"]
 
 
 @njit(cache=True)
-def friction(g: Laws, V: float) -> float:
+def skin_friction(g: HiddenLaws, V: float) -> float:
     """Skin friction over speed, `k V^(p-1)`: p = 1 creeping, 1.5 laminar, 1.8 turbulent plate."""
     return g.friction * max(V, 1e-6) ** (g.friction_power - 1)
 
 
 @njit(cache=True)
-def waves(g: Laws, V: float) -> float:
+def wave_drag(g: HiddenLaws, V: float) -> float:
     """Wave drag over speed: `k V^4`, `k V^6`, or `k V^2 exp(-(0.5/V)^2)` (Havelock's shape)."""
     if g.wave == 0.0:
         return 0.0
@@ -28,7 +28,7 @@ def waves(g: Laws, V: float) -> float:
 
 
 @njit(cache=True)
-def dry(g: Laws, V: float) -> float:
+def coulomb_friction(g: HiddenLaws, V: float) -> float:
     """Coulomb friction over speed: `F/sqrt(V^2 + 0.02^2)`, `F tanh(V/0.03)/V`, `F V/(V+0.01)/V`."""
     if g.coulomb_law == 0:
         return g.coulomb_n / math.sqrt(V * V + 0.0004)
@@ -38,7 +38,7 @@ def dry(g: Laws, V: float) -> float:
 
 
 @njit(cache=True)
-def near_walls(b: Body, g: Laws, x: float, y: float) -> float:
+def wall_nearness(b: BodyParameters, g: HiddenLaws, x: float, y: float) -> float:
     """Nearness of the nearest wall: `exp(-gap/reach)`, or `1/(1 + gap/reach)^3`."""
     gap = max(min(x, b.pool_length_m - x, y, b.pool_width_m - y), 0.0)
     if g.wall_law == 0:
@@ -47,7 +47,7 @@ def near_walls(b: Body, g: Laws, x: float, y: float) -> float:
 
 
 @njit(cache=True)
-def stirred(g: Laws, turned: float) -> float:
+def wake_reentry_share(g: HiddenLaws, turned: float) -> float:
     """0 to 1 as the robot comes round into its own wake: logistic or linear in the turns."""
     turns = abs(turned) / (2 * math.pi)
     if g.wake_law == 0:
@@ -56,32 +56,39 @@ def stirred(g: Laws, turned: float) -> float:
 
 
 @njit(cache=True)
-def sunk(g: Laws, t: float) -> float:
+def sinking_drag_growth(g: HiddenLaws, t: float) -> float:
     """Growth of the drag while sinking: `k t`, or `k t^2 / 4 s`."""
     return g.sink_per_s * (t if g.sink_law == 0 else 0.25 * t * t)
 
 
 @njit(cache=True)
 def drag_over_speed(
-    b: Body, g: Laws, c: Command, t: float, x: float, y: float, turned: float, V: float
+    b: BodyParameters,
+    g: HiddenLaws,
+    c: TrialCommand,
+    t: float,
+    x: float,
+    y: float,
+    turned: float,
+    V: float,
 ) -> float:
     """Sum of all further drags over speed (N s/m)."""
     k = 0.5 * b.density_kg_m3 * c.head_length_m * b.head_span_m * V
-    s = friction(g, V) + waves(g, V) if V > 0.0 else 0.0
+    s = skin_friction(g, V) + wave_drag(g, V) if V > 0.0 else 0.0
     if g.coulomb_n != 0.0:
-        s += dry(g, V)
+        s += coulomb_friction(g, V)
     if g.wall != 0.0:
-        s += k * g.wall * near_walls(b, g, x, y)
+        s += k * g.wall * wall_nearness(b, g, x, y)
     if g.wake != 0.0:
-        s -= k * g.wake * stirred(g, turned)
+        s -= k * g.wake * wake_reentry_share(g, turned)
     if g.hump != 0.0:
         s += k * g.hump * math.exp(-(((V - g.hump_m_s) / g.hump_width_m_s) ** 2))
-    return s + k * sunk(g, t)
+    return s + k * sinking_drag_growth(g, t)
 
 
 @njit(cache=True)
-def other_moment(
-    g: Laws, T: float, phi: float, u: float, V: float, r: float, heads: float
+def further_yaw_moment(
+    g: HiddenLaws, T: float, phi: float, u: float, V: float, r: float, heads: float
 ) -> float:
     """Yaw moments (N m): friction of turning, trim, thrust off its line.
 
@@ -94,6 +101,6 @@ def other_moment(
 
 
 @njit(cache=True)
-def tether(g: Laws, x: float, y: float) -> tuple[float, float]:
+def tether_force(g: HiddenLaws, x: float, y: float) -> tuple[float, float]:
     """Pull (N, pool frame) of a cable towards its peg, in proportion to the distance."""
     return g.tether_n_m * (g.tether_x_m - x), g.tether_n_m * (g.tether_y_m - y)

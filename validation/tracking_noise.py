@@ -17,7 +17,7 @@ from bluekoi.synthetic.campaign import (
 )
 from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.encode import GOPRO_FRAME_RATE_HZ
-from bluekoi.synthetic.trial import frame_truth, generator, solve_trial
+from bluekoi.synthetic.trial import frame_truth, solve_trial, trial_rng
 
 __all__ = ["TrackingNoise", "dlc_text", "keypoint_study", "tracked_keypoints"]
 
@@ -56,7 +56,7 @@ def slow_noise(
     return noise.slow_px * out
 
 
-def _lost(
+def _draw_lost_points(
     rng: np.random.Generator, shape: tuple[int, int], noise: TrackingNoise, step_s: float
 ) -> np.ndarray:
     """Which points `(frames, 5)` are lost."""
@@ -75,7 +75,7 @@ def tracked_keypoints(
     seen = truth_px + noise.white_px * rng.standard_normal(truth_px.shape)
     seen += slow_noise(rng, truth_px.shape, noise, step_s)
     likelihood = rng.beta(60, 0.8, shape)
-    lost = _lost(rng, shape, noise, step_s)
+    lost = _draw_lost_points(rng, shape, noise, step_s)
     seen[lost] += rng.normal(0, 0.5 * noise.outlier_px, (int(lost.sum()), 2))
     likelihood[lost] = rng.uniform(0.0, 0.3, int(lost.sum()))
     wrong = rng.random(shape) < noise.outlier_share
@@ -109,7 +109,7 @@ def keypoint_study(
     write_study_files(design, folder, source="keypoints/{}.csv", fps=rate)
     for plan in design.plans:
         trial = solve_trial(design, plan.trial_id)
-        rng = generator(design, plan.trial_id, "tracking")
+        rng = trial_rng(design, plan.trial_id, "tracking")
         truth_px = frame_truth(design, trial)["keypoints_px"]
         seen, likelihood = tracked_keypoints(
             truth_px, noise or TrackingNoise(), rng, step_s=1 / rate

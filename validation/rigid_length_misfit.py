@@ -16,11 +16,11 @@ from bluekoi.stages.mismatch import with_rigid_length_measurement
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study
 
-Row = tuple[str, bool, float, int]
+MisfitRow = tuple[str, bool, float, int]
 """Study, whether an error stretches its picture, misfit, dimension."""
 
 
-def length_misfit(directory: Path, name: str) -> Row | None:
+def length_misfit(directory: Path, name: str) -> MisfitRow | None:
     """The row of a measured study of a directory; None where no lengths were measured."""
     study, results = directory / "studies" / name, directory / "tracks" / name
     loaded, system = load_study(study), plates()
@@ -36,7 +36,7 @@ def length_misfit(directory: Path, name: str) -> Row | None:
     return name, stretched, float(errors @ errors), len(errors)
 
 
-def report(rows: Sequence[Row]) -> str:
+def length_misfit_report(rows: Sequence[MisfitRow]) -> str:
     """A line for each study whose picture is stretched, then the others' misfit by dimension."""
     lines = [f"{name}: {value:.1f} of {size}" for name, stretched, value, size in rows if stretched]
     value, size = np.array([(v, m) for _, stretched, v, m in rows if not stretched]).T

@@ -59,7 +59,7 @@ def add_light(stage: FilmSetup, frame: int) -> ImagePlanes:
     return ImagePlanes(luma, scene.chroma.copy(), light)
 
 
-def _colours(parts: Sequence[Part], contrast: float) -> np.ndarray:
+def _part_colours(parts: Sequence[Part], contrast: float) -> np.ndarray:
     rgb = np.array([part.colour for part in parts])
     mixed = np.array(FLOOR_RGB) + contrast * (rgb - np.array(FLOOR_RGB))
     return np.column_stack([to_yuv(mixed), [part.opacity for part in parts]])
@@ -76,7 +76,7 @@ def _frame_box(pixels: np.ndarray, size_px: tuple[int, int], margin: int) -> tup
     return left, top, right, bottom
 
 
-def _over(planes: ImagePlanes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
+def _composite_over(planes: ImagePlanes, canvas: np.ndarray, box: tuple[int, ...]) -> None:
     """Lay a premultiplied canvas `(rows, columns, 4)` over the box of the planes, in place."""
     left, top, right, bottom = box
     clear = 1 - canvas[..., 3]
@@ -114,16 +114,20 @@ def draw_body(
     for parts in poses:
         ends = np.cumsum([len(part.outline) for part in parts])
         canvas[...] = 0
-        paint_polygons(canvas, cells[begin : begin + ends[-1]], ends, _colours(parts, contrast))
+        paint_polygons(
+            canvas, cells[begin : begin + ends[-1]], ends, _part_colours(parts, contrast)
+        )
         total += canvas
         begin += int(ends[-1])
     total /= len(poses)
     lit = planes.light[box[1] : box[3], box[0] : box[2]]
     total[..., 0] *= 0.5 + lit / 256.0
-    _over(planes, total, box)
+    _composite_over(planes, total, box)
 
 
-def _shadow(planes: ImagePlanes, stage: FilmSetup, parts: Sequence[Part], depth_m: float) -> None:
+def _draw_shadow(
+    planes: ImagePlanes, stage: FilmSetup, parts: Sequence[Part], depth_m: float
+) -> None:
     """A soft shadow of a body on the floor, in place."""
     flat = np.concatenate([part.outline + SHADOW_SHIFT_M for part in parts])
     points = np.column_stack([flat.real, flat.imag, np.full(len(flat), -depth_m)])
@@ -155,7 +159,7 @@ def draw_robot(
     markers = stage.conditions.markers
     parts = [robot_parts(robot, head_length_m, pose, markers=markers) for pose in poses]
     if stage.conditions.shadow:
-        _shadow(planes, stage, parts[len(parts) // 2], floor_m)
+        _draw_shadow(planes, stage, parts[len(parts) // 2], floor_m)
     depth, contrast = robot.keypoint_depth_m, stage.conditions.contrast
     draw_body(planes, stage, parts, height_m=-depth, contrast=contrast)
 

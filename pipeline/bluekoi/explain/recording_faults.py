@@ -18,18 +18,18 @@ SPIKE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
 others is no measurement; asked of columns with so many samples."""
 
 
-def copies(trials: Sequence[Trial]) -> list[Finding]:
+def duplicate_recordings(trials: Sequence[Trial]) -> list[Finding]:
     """Trials that hold the samples of a trial before: evidence must not count twice."""
     out = []
     for k, t in enumerate(trials):
-        first = next((o for o in trials[:k] if _same(o, t)), None)
+        first = next((o for o in trials[:k] if _has_same_samples(o, t)), None)
         if first is not None:
             out.append(Finding(t.source or t.name, "", f"the samples of {first.name}",
                                "a recording of its own", "Remove one of the two."))  # fmt: skip
     return out
 
 
-def _same(a: Trial, b: Trial) -> bool:
+def _has_same_samples(a: Trial, b: Trial) -> bool:
     if len(a.times) != len(b.times) or a.times[0] - b.times[0] != a.times[-1] - b.times[-1]:
         return False
     pairs = [(np.asarray(x[n], dtype=float), np.asarray(y[n], dtype=float))
@@ -38,7 +38,7 @@ def _same(a: Trial, b: Trial) -> bool:
     return moved and all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
 
 
-def spike(file: str, name: str, column: Float) -> list[Finding]:
+def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
     """The sample of an observation that lies far beyond all others, such as a code for nothing
     seen.
     """

@@ -11,9 +11,7 @@ from bluekoi.synthetic import distractors
 from bluekoi.synthetic.body import Part
 from bluekoi.synthetic.conditions import Conditions
 from bluekoi.synthetic.design import StudyDesign
-from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
-from bluekoi.synthetic.optics import Camera, project
-from bluekoi.synthetic.picture import (
+from bluekoi.synthetic.frame_drawing import (
     FilmSetup,
     ImagePlanes,
     add_light,
@@ -22,12 +20,16 @@ from bluekoi.synthetic.picture import (
     draw_robot,
     noise_tiles,
 )
+from bluekoi.synthetic.glare import add_glare, random_lamp_reflections
+from bluekoi.synthetic.optics import Camera, project
 from bluekoi.synthetic.scene import Scene, build_scene
-from bluekoi.synthetic.trial import Trial, camera_at, generator
+from bluekoi.synthetic.trial import Trial, camera_at, trial_rng
 
 
 @lru_cache(maxsize=3)
-def _scene(camera: Camera, caustics: float, pool: tuple[float, float, float], seed: int) -> Scene:
+def _cached_scene(
+    camera: Camera, caustics: float, pool: tuple[float, float, float], seed: int
+) -> Scene:
     return build_scene(camera, caustics, pool_m=pool[:2], depth_m=pool[2], seed=seed)
 
 
@@ -37,7 +39,7 @@ def scene_at(design: StudyDesign, time_s: float) -> FilmSetup:
     pool = (*design.tank.pool_m, design.pool_depth_m)
     rng = np.random.default_rng([design.seed, 7])
     return FilmSetup(
-        _scene(camera, state.caustics, pool, design.seed),
+        _cached_scene(camera, state.caustics, pool, design.seed),
         camera,
         state,
         noise_tiles(rng, camera.size_px),
@@ -45,7 +47,7 @@ def scene_at(design: StudyDesign, time_s: float) -> FilmSetup:
     )
 
 
-def _released_at(trial: Trial) -> complex:
+def _release_time_s(trial: Trial) -> complex:
     x, y, psi = trial.run.start
     return complex(x, y) - 0.10 * complex(math.cos(psi), math.sin(psi))
 
@@ -60,7 +62,7 @@ def distractors_at(
         bodies.append((distractors.crossbar(pool), distractors.BAR_HEIGHT_M))
     if state.hand:
         bodies.append(
-            (distractors.hand(time_s, _released_at(trial), pool), distractors.HAND_HEIGHT_M)
+            (distractors.hand(time_s, _release_time_s(trial), pool), distractors.HAND_HEIGHT_M)
         )
     return [(parts, height) for parts, height in bodies if parts]
 
@@ -95,7 +97,7 @@ def render_frames(design: StudyDesign, trial: Trial) -> Iterator[ImagePlanes]:
     moved_at_s = design.conditions.nudge_at_s
     before = scene_at(design, -math.inf)
     after = before if moved_at_s is None else scene_at(design, math.inf)
-    rng = generator(design, trial.plan.trial_id, "noise")
+    rng = trial_rng(design, trial.plan.trial_id, "noise")
     offset = int(rng.integers(0, 100))
     for number, now in enumerate(trial.time_s):
         stage = before if moved_at_s is None or now < moved_at_s else after
@@ -103,7 +105,7 @@ def render_frames(design: StudyDesign, trial: Trial) -> Iterator[ImagePlanes]:
         yield add_noise(clean, stage, rng)
 
 
-def _covered(camera: Camera, pixels: np.ndarray, parts: list[Part], height_m: float) -> np.ndarray:
+def _occluded(camera: Camera, pixels: np.ndarray, parts: list[Part], height_m: float) -> np.ndarray:
     """Which of pixels `(5, 2)` lie behind a body."""
     hidden = np.zeros(len(pixels), bool)
     for part in parts:
@@ -126,5 +128,5 @@ def visible_keypoints(design: StudyDesign, trial: Trial, keypoints_px: np.ndarra
     for number, now in enumerate(trial.time_s):
         camera = camera_at(design, float(now))
         for parts, height_m in distractors_at(design.conditions, trial, float(now)):
-            shown[number] &= ~_covered(camera, keypoints_px[number], parts, height_m)
+            shown[number] &= ~_occluded(camera, keypoints_px[number], parts, height_m)
     return shown

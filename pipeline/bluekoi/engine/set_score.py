@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..fitting import cov_hc2
-from .columns import Layout, layout
 from .evidence import discrepancy_at_best, log_evidence, log_prior
-from .expansion import Expansion, expanded
+from .expansion import Expansion, expand_about
 from .problem import Problem
-from .refit import MOST_NOISE_ROUNDS, FittedSet, fitted, own_noise
+from .refit import MOST_NOISE_ROUNDS, FittedSet, fit_own_noise, fit_set
+from .set_columns import Layout, layout_of_set
 
-SETTLED = 0.3
+MAX_LOG_STD_CHANGE = 0.3
 """Relative change of the discrepancy's prior deviations for which a set is not fitted again."""
 
 
 @dataclass(frozen=True)
-class Scored:
+class ScoredSet:
     """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
 
     model: FittedSet
@@ -55,7 +55,9 @@ class Scored:
         return float(np.trace(H @ C) / move.sum())
 
 
-def with_discrepancy(problem: Problem, scored: Scored, *, most: int = MOST_NOISE_ROUNDS) -> Scored:
+def with_discrepancy(
+    problem: Problem, scored: ScoredSet, *, most: int = MOST_NOISE_ROUNDS
+) -> ScoredSet:
     """A set fitted together with what its causes' formulas leave, where that fits better: such a
     remainder is not random. most: rounds of noise and numbers.
     """
@@ -67,27 +69,29 @@ def with_discrepancy(problem: Problem, scored: Scored, *, most: int = MOST_NOISE
         return scored
     stds = {label: std for label, (_, std) in left.items()}
     same = stds.keys() == known.keys()
-    if same and all(abs(np.log(std / known[label])) < SETTLED for label, std in stds.items()):
+    if same and all(
+        abs(np.log(std / known[label])) < MAX_LOG_STD_CHANGE for label, std in stds.items()
+    ):
         return scored
     model = scored.model
-    again = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy={k: v for k, (v, _) in left.items()},
                    deviations=stds)  # fmt: skip
     if not again.usable:
         return scored
-    other = score(problem, own_noise(problem, again, most=most, two_starts=False))
+    other = score(problem, fit_own_noise(problem, again, most=most, two_starts=False))
     return max(scored, other, key=lambda s: s.log_joint)
 
 
-def score(problem: Problem, model: FittedSet) -> Scored:
+def score(problem: Problem, model: FittedSet) -> ScoredSet:
     """Log posterior of a fitted set, its causes' discrepancy integrated out."""
     causes = [problem.by_name[c] for c in model.causes]
     covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
                or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
-    expansion = at_optimum(problem, expanded(problem, model, covered))
-    lay = layout(problem, expansion, model.causes)
+    expansion = at_optimum(problem, expand_about(problem, model, covered))
+    lay = layout_of_set(problem, expansion, model.causes)
     value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
-    return Scored(model, expansion, lay, value if np.isfinite(value) else -np.inf)
+    return ScoredSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
 
 
 def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:

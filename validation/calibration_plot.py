@@ -24,14 +24,14 @@ def calibration_plot(
         axes = figure.subplots()
         axes.plot([0, 1], [0, 1], color="0.7", lw=1, zorder=0)
         for i, (name, bins) in enumerate(sets.items()):
-            _errorbars(axes, name, bins, COLOURS[i], shift=0.006 * (i - 1))
+            _draw_errorbars(axes, name, bins, COLOURS[i], shift=0.006 * (i - 1))
         axes.set(xlabel="stated probability of a named cause", ylabel="share that was true",
                  xlim=(0, 1.03), ylim=(-0.03, 1.03), title="Calibration")  # fmt: skip
         axes.legend(loc="lower right", frameon=False)
         figure.savefig(path, metadata={"Date": None, "Description": description})
 
 
-def _errorbars(
+def _draw_errorbars(
     axes: Any, name: str, bins: Sequence[Mapping[str, Any]], colour: str, *, shift: float
 ) -> None:
     share = [one["true"] / one["count"] for one in bins]

@@ -1,8 +1,8 @@
 """Columns of an expansion that make up a set of causes, with the priors of their numbers.
 
-The discrepancy of a set are residual terms in the channels of its causes (`Problem.covers`), as
-strong as the share `KAPPA` of a cause's force there (Kennedy and O'Hagan, J. R. Statist. Soc. B 63
-(2001), 425).
+The discrepancy of a set consists of residual terms in the channels of its causes
+(`Problem.covers`). In each channel it is as strong as the share `DISCREPANCY_SHARE` of the cause's
+force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import numpy as np
 
 from ..data import Float
 from ..fitting import Free
-from .candidates import Candidate, form_precision, is_signed, parameter
+from .candidates import Candidate, form_precision, has_single_sign, parameter_of
 from .expansion import Expansion
 from .problem import Problem
 
-KAPPA = 0.2
+DISCREPANCY_SHARE = 0.2
 """Prior standard deviation of a cause's discrepancy relative to its force in each channel
 (assumed). `python -m validation discrepancy` measures how far its forms differ: 0.04 in the median
 of 17 causes."""
-LEAST = 1e-12
+MIN_INFORMATION = 1e-12
 """Below any information that trials have; keeps quotients of zeros finite."""
 
 
@@ -61,7 +61,7 @@ class _Column:
     included: bool = False
 
 
-def layout(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
+def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
     """`Layout` of a set of causes in an expansion about any set."""
     values, count = expansion.model.fit.values, len(problem.coefficients)
     columns = [_Column(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
@@ -83,7 +83,7 @@ def layout(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Lay
         precision=np.array([c.precision for c in columns]),
         gaussian=np.array([c.gaussian for c in columns]),
         included=np.array([c.included for c in columns]),
-        signed={c: is_signed(system, problem.by_name[c]) for c in causes},
+        signed={c: has_single_sign(system, problem.by_name[c]) for c in causes},
         at=np.array([c.at for c in columns]),
         held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
         sizes={c: plausible_sizes(problem, c)[: len(blocks[c])] for c in causes},
@@ -106,7 +106,7 @@ def _fitted_columns(
                  for f, size in zip(own, sizes, strict=True)]  # fmt: skip
     free = [f for f in candidate.forms if f.label in place]
     forms = [_Column(place[f.label], float(precision), True,
-                     included=bool(np.isfinite(parameter(system, f).spread)))
+                     included=bool(np.isfinite(parameter_of(system, f).spread)))
              for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
     return strengths, forms
 
@@ -146,12 +146,12 @@ def plausible_sizes(problem: Problem, cause: str) -> Float:
     system, candidate = problem.kernel.system, problem.by_name[cause]
     if cause in problem.residual_sizes:
         return np.array(problem.residual_sizes[cause])
-    return np.array([parameter(system, f).typical for f in candidate.strengths])
+    return np.array([parameter_of(system, f).typical for f in candidate.strengths])
 
 
 def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
     """Residual terms that may stem from the formula of one of the causes: their prior deviation
-    makes their force `KAPPA` times that of the cause in the same channel.
+    makes their force `DISCREPANCY_SHARE` times that of the cause in the same channel.
     """
     model = expansion.model
     found: dict[int, tuple[float, float]] = {}
@@ -162,9 +162,9 @@ def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) 
             if not known or not problem.covers(candidate, other):
                 continue
             for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True):
-                deviation = KAPPA * _relative_size(expansion, candidate, free, column)
+                deviation = DISCREPANCY_SHARE * _relative_size(expansion, candidate, free, column)
                 at = model.discrepancy.get(free.label, 0.0)
-                found[column] = max(found.get(column, (LEAST, at)), (deviation, at))
+                found[column] = max(found.get(column, (MIN_INFORMATION, at)), (deviation, at))
     return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]
 
 
@@ -175,13 +175,13 @@ def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: i
     own, unit = expansion.forces[cause.name], expansion.forces[term.label]
     if own.any():
         channel = int(np.argmax(unit))
-        return float(own[channel] / max(unit[channel], LEAST))
+        return float(own[channel] / max(unit[channel], MIN_INFORMATION))
     information = np.einsum("tpp->p", expansion.hessian)
     model = expansion.model
     place = {f.label: i for i, f in enumerate(model.fit.free)}
     columns = [place[f.label] for f in cause.strengths if f.label in place]
     visible = float(np.sum(information[columns] * model.fit.values[columns] ** 2))
-    return float(np.sqrt(visible / max(information[column], LEAST)))
+    return float(np.sqrt(visible / max(information[column], MIN_INFORMATION)))
 
 
 def _tolerances(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
@@ -200,6 +200,6 @@ def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
     free = expansion.model.fit.free
     if column >= len(free):
         return False
-    p, value = parameter(problem.kernel.system, free[column]), expansion.model.fit.values[column]
+    p, value = parameter_of(problem.kernel.system, free[column]), expansion.model.fit.values[column]
     g = float(expansion.gradient[:, column].sum())
     return bool((value <= p.lower and g <= 0) or (value >= p.upper and g >= 0))

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["NO_EDDIES", "Body", "Command", "Laws"]
+__all__ = ["NO_EDDIES", "BodyParameters", "HiddenLaws", "TrialCommand"]
 
 NO_EDDIES = np.zeros((0, 7))
 
 
-class Body(NamedTuple):
+class BodyParameters(NamedTuple):
     """Robot, coefficients of eqs. 1 to 7, water and pool.
 
     `pulse`: thrust swings by this share twice a beat.
@@ -38,7 +38,7 @@ class Body(NamedTuple):
     pool_width_m: float = 1.6
 
 
-class Laws(NamedTuple):
+class HiddenLaws(NamedTuple):
     """Numbers of every law that the published model has not; all absent by default.
 
     `com_shift_m`: the true centre of mass lies this far ahead of the keypoint `core_center`.
@@ -107,7 +107,7 @@ class Laws(NamedTuple):
     moment_wave_m: float = 0.0
 
 
-class Command(NamedTuple):
+class TrialCommand(NamedTuple):
     """One trial: what the operator sets, and the state to start from (core frame).
 
     By default at rest at release; `time_s` after release and `turned` (rad) by then otherwise.

@@ -24,11 +24,20 @@ from validation.generators.coupled_bodies import (
     water,
     writing,
 )
-from validation.generators.coupled_bodies.camera import corners, draw_camera, posed
-from validation.generators.coupled_bodies.form import Hidden
-from validation.generators.coupled_bodies.ideal import PHYSICAL, sensitivity, sigmas
-from validation.generators.coupled_bodies.placing import Motion, placed
-from validation.generators.coupled_bodies.robots import KNOTS, Lanes, Robot, with_sizes
+from validation.generators.coupled_bodies.camera import draw_camera, pool_corners, with_fitted_pose
+from validation.generators.coupled_bodies.form import HiddenLaw
+from validation.generators.coupled_bodies.ideal import (
+    MOTION_STAGES,
+    detectability_sigmas,
+    sensitivity,
+)
+from validation.generators.coupled_bodies.placing import PlacedMotion, simulate_placed
+from validation.generators.coupled_bodies.robots import (
+    GUST_KNOTS,
+    ParallelTrials,
+    Robot,
+    with_strengths,
+)
 
 PAPER = Robot(mass=0.68, inertia=0.0095, core_share=0.85, body_length=0.331, head_length=0.12,
               span=0.069, hinge_to_com=0.04, tail_length=0.066, depth=0.04, C_T=4.5e-3, C_D0=0.5,
@@ -45,7 +54,7 @@ MEASUREMENT = {"scale_error", "clock_error", "camera_shift", "uncorrected_refrac
 POOL = (3.6, 2.2, 0.4)
 
 
-def lanes(angles_deg, hertz=5.82, head=0.12) -> Lanes:
+def lanes(angles_deg, hertz=5.82, head=0.12) -> ParallelTrials:
     """Trials in still water, without errors."""
     n = len(angles_deg)
     zero = np.zeros(n)
@@ -53,22 +62,32 @@ def lanes(angles_deg, hertz=5.82, head=0.12) -> Lanes:
     coef = np.array([getattr(PAPER, name) for name in studies.COEFFICIENTS])
     start = np.zeros((6, n))
     start[:2] = [[1.8], [1.1]]
-    return Lanes(power=zero + 100, command=angle, angle=angle, flap=zero + hertz, head=zero + head,
-                 start=start, coef=np.repeat(coef[:, None], n, 1), shaft=zero,
-                 wander=np.ones((3, 1, n)) * [[[0.0]], [[1.0]], [[0.0]]], mean=0j * zero,
-                 modes=np.zeros((6, 1, n)), gust=np.zeros((KNOTS, n), complex),
-                 size=np.zeros((0, n)))  # fmt: skip
+    return ParallelTrials(
+        power=zero + 100,
+        command=angle,
+        angle=angle,
+        flap=zero + hertz,
+        head=zero + head,
+        start=start,
+        coef=np.repeat(coef[:, None], n, 1),
+        shaft=zero,
+        wander=np.ones((3, 1, n)) * [[[0.0]], [[1.0]], [[0.0]]],
+        mean=0j * zero,
+        modes=np.zeros((6, 1, n)),
+        gust=np.zeros((GUST_KNOTS, n), complex),
+        size=np.zeros((0, n)),
+    )
 
 
-def law(cause: str, name: str, size: float, **shape: float) -> Hidden:
+def law(cause: str, name: str, size: float, **shape: float) -> HiddenLaw:
     form = next(f for f in plan.CATALOGUE if (f.cause, f.name) == (cause, name))
     pool = {"pool_length_m": POOL[0], "pool_width_m": POOL[1]}
-    return Hidden(form, size, pool | {k: v[0] for k, v in form.ranges.items()} | shape)
+    return HiddenLaw(form, size, pool | {k: v[0] for k, v in form.ranges.items()} | shape)
 
 
-def swim(trials: Lanes, laws: list[Hidden], seconds: float, robot: Robot = PAPER, **kw):
-    trials = with_sizes(trials, [h.strength for h in laws])
-    return articulated.swim(trials, robot, laws, seconds, **kw)
+def swim(trials: ParallelTrials, laws: list[HiddenLaw], seconds: float, robot: Robot = PAPER, **kw):
+    trials = with_strengths(trials, [h.strength for h in laws])
+    return articulated.simulate_motion(trials, robot, laws, seconds, **kw)
 
 
 def published(state, phi, hertz, area, arm):
@@ -109,7 +128,7 @@ def test_a_robot_without_thrust_stays_at_rest():
 def test_a_hinge_that_turns_at_rest_turns_the_two_bodies_against_each_other():
     """Constraint of the hinge: I_head theta' + I_core (theta + phi)' = 0, place kept."""
     lag = law("servo_lag", "first_order", 1.0, tau_s=0.1)
-    trial = with_sizes(lanes([40.0], hertz=0.0), [1.0])
+    trial = with_strengths(lanes([40.0], hertz=0.0), [1.0])
     trial.coef[:] = 0.0
     film = swim(trial, [lag], 1.5)
     phi, _ = articulated.head_angle(trial, [lag], film.times)
@@ -145,7 +164,9 @@ def states(count: int) -> np.ndarray:
 
 def rates(state, angle_deg, hidden):
     """Rates 0.2 s after the start of trials with a longer head."""
-    many = with_sizes(lanes([angle_deg] * state.shape[1], head=0.16), [h.strength for h in hidden])
+    many = with_strengths(
+        lanes([angle_deg] * state.shape[1], head=0.16), [h.strength for h in hidden]
+    )
     many.start[2] = 0.0
     return articulated.rates(0.2, state, many, PAPER, hidden)
 
@@ -155,7 +176,7 @@ def test_even_laws_are_mirror_symmetric():
     one = states(20)
     other = one * [[1], [-1], [-1], [1], [-1], [-1], [1], [1]]
     for form in plan.CATALOGUE:
-        if form.cause in ODD or form.stage not in PHYSICAL:
+        if form.cause in ODD or form.stage not in MOTION_STAGES:
             continue
         hidden = [law(form.cause, form.name, (form.low * form.high) ** 0.5)]
         here, there = rates(one, 25.0, hidden), rates(other, -25.0, hidden)
@@ -172,7 +193,7 @@ def test_a_law_of_strength_zero_gives_the_null_and_another_one_does_not():
     state = states(20)
     null = rates(state, 30.0, [])
     for form in plan.CATALOGUE:
-        if form.stage not in PHYSICAL or form.stage == "sink":
+        if form.stage not in MOTION_STAGES or form.stage == "sink":
             continue
         none = rates(state, 30.0, [law(form.cause, form.name, 0.0)])
         np.testing.assert_allclose(none[:6], null[:6], atol=1e-12)
@@ -188,8 +209,8 @@ def test_passive_forces_take_energy_from_the_robot():
                   "linear_yaw_damping", "wake_reentry"):  # fmt: skip
         for form in (f for f in plan.CATALOGUE if f.cause == cause):
             hidden = law(cause, form.name, form.high / 10)
-            many = with_sizes(lanes([20.0] * 50), [hidden.strength])
-            c = articulated.moment(0.0, state, many, PAPER, [hidden])
+            many = with_strengths(lanes([20.0] * 50), [hidden.strength])
+            c = articulated.instantaneous_state(0.0, state, many, PAPER, [hidden])
             F, N = form.law(c, many.size[0], hidden.shape)
             assert np.all((F * np.conj(c.v)).real + N * c.r < 1e-12), form.name
 
@@ -199,7 +220,7 @@ def test_forces_have_the_values_computed_by_hand():
     state = np.zeros((8, 1))
     state[:6, 0] = 1.8, 1.1, 0.0, 0.3, 0.1, 0.5
     trial = lanes([0.0])
-    c = articulated.moment(0.0, state, trial, PAPER, [])
+    c = articulated.instantaneous_state(0.0, state, trial, PAPER, [])
     one = np.ones(1)
 
     def force(cause, name, **shape):
@@ -225,14 +246,14 @@ def test_forces_have_the_values_computed_by_hand():
 
 def test_water_has_no_divergence_and_the_stated_strength():
     rng = np.random.default_rng(3)
-    sea = water.Sea(0.0, 1e-3, 1.0)
-    modes = water.draw_modes(rng, sea, 4000)
+    sea = water.WaterMotion(0.0, 1e-3, 1.0)
+    modes = water.draw_fourier_modes(rng, sea, 4000)
     at, d = np.full(4000, 1.0 + 0.7j), 1e-7
-    here = water.eddies(modes, at, 0.0)
+    here = water.eddy_velocity(modes, at, 0.0)
     assert here.real.std() == pytest.approx(1e-3, rel=0.05)
     assert here.imag.std() == pytest.approx(1e-3, rel=0.05)
-    spread = ((water.eddies(modes, at + d, 0.0) - here).real
-              + (water.eddies(modes, at + 1j * d, 0.0) - here).imag) / d  # fmt: skip
+    spread = ((water.eddy_velocity(modes, at + d, 0.0) - here).real
+              + (water.eddy_velocity(modes, at + 1j * d, 0.0) - here).imag) / d  # fmt: skip
     assert np.abs(spread).max() < 1e-6
 
 
@@ -250,7 +271,7 @@ def test_gyres_have_their_strength_as_greatest_speed_or_at_half_the_width():
 
 def test_tables_of_the_plate_are_the_published_law():
     alpha = np.random.default_rng(1).uniform(-np.pi, np.pi, 500)
-    found = polars.look_up(polars.flat_plate(), alpha)
+    found = polars.interpolate_polar(polars.flat_plate(), alpha)
     want = [np.sin(2 * alpha), 1 - np.cos(2 * alpha), np.sin(2 * alpha)]
     np.testing.assert_allclose(found, want, atol=1e-6)
 
@@ -259,20 +280,20 @@ def test_every_cause_of_the_contract_has_three_forms_and_comes_in_its_turn():
     forms = {}
     for form in plan.CATALOGUE:
         forms.setdefault(form.cause, set()).add(form.name)
-    assert set(forms) - {plan.UNLISTED} == PHYSICS | MEASUREMENT
+    assert set(forms) - {plan.UNLISTED_NAME} == PHYSICS | MEASUREMENT
     assert all(len(names) >= 3 for names in forms.values())
-    assert all(f.variable for f in plan.CATALOGUE if f.cause == plan.UNLISTED)
-    drawn = {name for index in range(60) for name in plan.causes(5, index)}
-    assert drawn == set(forms) - {plan.FIN}
+    assert all(f.variable for f in plan.CATALOGUE if f.cause == plan.UNLISTED_NAME)
+    drawn = {name for index in range(60) for name in plan.hidden_causes(5, index)}
+    assert drawn == set(forms) - {plan.FIN_CAUSE}
     rng = np.random.default_rng(0)
     for cause, names in forms.items():
         assert {plan.draw_forms(rng, [cause])[0].name for _ in range(150)} == names
 
 
 def test_shares_of_kinds_fins_and_short_studies_hold_in_each_twenty():
-    kinds = [plan.kind(3, i) for i in range(40)]
+    kinds = [plan.study_kind(3, i) for i in range(40)]
     names = [k.name for k in kinds]
-    assert {n: names.count(n) / 2 for n in plan.KINDS} == plan.KINDS
+    assert {n: names.count(n) / 2 for n in plan.KIND_COUNTS} == plan.KIND_COUNTS
     assert sum(k.fin for k in kinds) == 20
     assert sum(k.few for k in kinds) == 8
 
@@ -290,7 +311,7 @@ def test_the_way_back_through_surface_and_lens_is_exact(seed):
     sine = np.hypot(ray[:, 0], ray[:, 1]) / np.linalg.norm(ray, axis=1)
     below = np.abs(at - top[:, 0] - 1j * top[:, 1])
     np.testing.assert_allclose(sine, 1.333 * below / np.hypot(below, 0.2), rtol=1e-6)
-    again = posed(camera, POOL, 0.05, camera.project(corners(POOL, 0.05)))
+    again = with_fitted_pose(camera, POOL, 0.05, camera.project(pool_corners(POOL, 0.05)))
     np.testing.assert_allclose(again.place, camera.place, atol=1e-6)
 
 
@@ -311,7 +332,7 @@ def test_the_lenses_are_those_of_opencv():
 
 def test_tracking_errors_have_the_stated_size_and_memory():
     tracker = tracking.Tracker(0.5, 0.2, 0.1, 0, 0, 0)
-    noise = tracking.errors(np.random.default_rng(0), tracker, np.arange(200) / 30, 400)
+    noise = tracking.correlated_errors(np.random.default_rng(0), tracker, np.arange(200) / 30, 400)
     assert noise.var() == pytest.approx(0.5**2 + 0.2**2, rel=0.03)
     lag = np.sqrt(3) / 30 / 0.1
     want = 0.25 * (1 + lag) * np.exp(-lag)
@@ -331,7 +352,7 @@ def test_detections_have_gaps_and_swaps_of_low_likelihood():
 def test_log_wraps_and_has_its_dead_zone():
     sensor = writing.Potentiometer(20.0, "empty", 0.0, 0.0)
     turns = np.arange(400) * 0.0125
-    angles = writing.readings(np.random.default_rng(0), sensor, turns)
+    angles = writing.logged_angles(np.random.default_rng(0), sensor, turns)
     dead = (360 * turns) % 360 > 340
     assert np.array_equal(np.isnan(angles), dead)
     np.testing.assert_allclose(angles[~dead], (360 * turns[~dead]) % 360, atol=1e-9)
@@ -339,7 +360,7 @@ def test_log_wraps_and_has_its_dead_zone():
 
 def _short() -> tuple:
     rng = np.random.default_rng(8)
-    setup = studies.draw_setup(rng, plan.Kind("single", fin=False, few=True), [])
+    setup = studies.draw_setup(rng, plan.StudyKind("single", fin=False, few=True), [])
     start = setup.lanes.start.copy()
     start[:2] = [[setup.pool[0] / 2], [setup.pool[1] / 2]]
     return rng, setup, replace(setup.lanes, start=start)
@@ -351,29 +372,33 @@ def test_sigma_grows_with_the_strength_and_knows_the_error_of_the_servo():
     for size in (1.0, 2.0):
         laws = [law("viscous_drag", "linear", 4e-4 * size),
                 law("head_angle_offset", "constant", 1e-3 * size)]  # fmt: skip
-        sized = strength.sized(trials, laws)
-        film = articulated.swim(sized, setup.robot, laws, 4.0)
-        motion = Motion(sized, film, np.full(9, 4.0))
+        sized = strength.with_law_strengths(trials, laws)
+        film = articulated.simulate_motion(sized, setup.robot, laws, 4.0)
+        motion = PlacedMotion(sized, film, np.full(9, 4.0))
         seen = sensitivity(setup, motion, laws)
-        found.append(sigmas(rng, setup, motion, laws, seen=seen))
+        found.append(detectability_sigmas(rng, setup, motion, laws, seen=seen))
     np.testing.assert_allclose(found[1] / found[0], 2.0, rtol=0.2)
     assert 0 < found[0][1] <= 1.02 * 1e-3 / np.deg2rad(0.3) * 3
 
 
 def test_a_fault_of_strength_zero_shows_the_null_and_another_one_does_not():
     _, setup, trials = _short()
-    film = articulated.swim(strength.sized(trials, []), setup.robot, [], 5.0)
-    motion = Motion(trials, film, np.full(9, 4.0))
+    film = articulated.simulate_motion(
+        strength.with_law_strengths(trials, []), setup.robot, [], 5.0
+    )
+    motion = PlacedMotion(trials, film, np.full(9, 4.0))
     times, turns = np.arange(1200) * 0.005, np.arange(1200) * 0.005 * 4
 
     def shown(size, form):
-        laws = [Hidden(form, size, dict.fromkeys(form.ranges, 1.0))]
-        own = replace(motion, lanes=strength.sized(trials, laws))
+        laws = [HiddenLaw(form, size, dict.fromkeys(form.ranges, 1.0))]
+        own = replace(motion, lanes=strength.with_law_strengths(trials, laws))
         own_setup = replace(setup, tracker=tracking.Tracker(1e-9, 1e-9, 0.1, 0, 0, 0))
-        content = studies.Content(own_setup, own, laws, np.zeros(1))
-        said = studies.stated(setup.scene, setup.robot, laws)
-        film = [studies.filmed(np.random.default_rng(1), content, k, times, turns)[:100, :, :2]
-                for k in range(9)]  # fmt: skip
+        content = studies.StudyContent(own_setup, own, laws, np.zeros(1))
+        said = studies.stated_setup(setup.scene, setup.robot, laws)
+        film = [
+            studies.film_detections(np.random.default_rng(1), content, k, times, turns)[:100, :, :2]
+            for k in range(9)
+        ]
         stated = [*said.pool, *said.matrix.ravel(), *said.distortion, said.index, *said.marks.flat]
         return np.concatenate([*[f.ravel() for f in film], stated])
 
@@ -385,17 +410,17 @@ def test_a_fault_of_strength_zero_shows_the_null_and_another_one_does_not():
 
 def test_fins_make_straight_swimming_stable():
     rng, setup, _ = _short()
-    for form in (f for f in plan.CATALOGUE if f.cause == plan.FIN):
+    for form in (f for f in plan.CATALOGUE if f.cause == plan.FIN_CAUSE):
         fin = strength.draw_fin(rng, setup.lanes, setup.robot, form, setup.pool)
-        assert strength.stability(setup.lanes, setup.robot, [fin]) < 0
-        assert strength.stability(setup.lanes, setup.robot, []) > 0.5
+        assert strength.straight_growth_rate(setup.lanes, setup.robot, [fin]) < 0
+        assert strength.straight_growth_rate(setup.lanes, setup.robot, []) > 0.5
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """A null and a study with a hidden drag; nine trials each."""
     folder = tmp_path_factory.mktemp("tank")
-    few = [i for i in range(40) if plan.kind(9, i).few and not plan.kind(9, i).fin]
+    few = [i for i in range(40) if plan.study_kind(9, i).few and not plan.study_kind(9, i).fin]
     drag = next(f for f in plan.CATALOGUE if f.cause == "viscous_drag")
     return folder, [
         generate(9, i, folder, forms=f) for i, f in zip(few, ([], [drag]), strict=False)
@@ -435,8 +460,14 @@ def test_a_series_is_reproduced(made, tmp_path):
 
 def test_trials_begin_from_rest_last_four_seconds_and_stay_in_the_pool():
     rng, setup, trials = _short()
-    motion = placed(rng, strength.sized(trials, []), setup.robot, [], pool=setup.pool,
-                    wanted=setup.wanted)  # fmt: skip
+    motion = simulate_placed(
+        rng,
+        strength.with_law_strengths(trials, []),
+        setup.robot,
+        [],
+        pool=setup.pool,
+        wanted=setup.wanted,
+    )
     length, width, _ = setup.pool
     for k, end in enumerate(motion.ends):
         x, y = motion.film.at(np.linspace(0, end, 50))[:, :2, k].T

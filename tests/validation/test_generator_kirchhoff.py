@@ -15,22 +15,22 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from validation.generators.kirchhoff import camera as optics
 from validation.generators.kirchhoff import effects, noise, observe, studies
 from validation.generators.kirchhoff.detector import (
-    advance,
-    blocks,
-    by_block,
+    advance_block,
+    block_jacobians,
+    cut_into_blocks,
+    reshape_by_block,
     tracking_variances,
-    transition,
-    whiten,
+    whitened_innovations,
 )
 from validation.generators.kirchhoff.dynamics import (
-    Hidden,
+    HiddenEffect,
+    StudyWorld,
     Trials,
-    World,
     mass_matrix,
     midpoint_step,
     rates,
     simulate,
-    straight_growth,
+    straight_growth_rate,
     velocities,
 )
 
@@ -44,12 +44,12 @@ def some_trials(phi_deg, f=5.0, seconds=6.0):
 
 
 def some_world(*hidden):
-    return World(studies.draw_robot(RNG(5)), (2.6, 1.6), hidden)
+    return StudyWorld(studies.draw_robot(RNG(5)), (2.6, 1.6), hidden)
 
 
 def effect(name, form, strength, **constants):
     row = next(f for f in effects.FORMS if (f.name, f.form) == (name, form))
-    return Hidden(row, strength, row.draw(RNG(0)) | constants)
+    return HiddenEffect(row, strength, row.draw(RNG(0)) | constants)
 
 
 STILL = np.zeros((800, 3, 1))
@@ -104,7 +104,7 @@ def test_added_mass_conserves_energy_without_forces(form):
 def test_dissipative_effects_take_power(name):
     rng, n = RNG(1), 200
     for form in effects.forms_of(name):
-        world = some_world(Hidden(form, 1.0, form.draw(rng)))
+        world = some_world(HiddenEffect(form, 1.0, form.draw(rng)))
         trials = some_trials(rng.uniform(-40, 40, n))
         y = np.zeros((8, n))
         y[2:6] = rng.uniform(-1, 1, (4, n)) * np.array([[3], [0.3], [0.3], [0.01]])
@@ -118,9 +118,9 @@ def test_dissipative_effects_take_power(name):
 
 def test_finless_robot_is_unstable_and_a_fin_stabilises():
     world = some_world()
-    assert straight_growth(world, 5.8) > 1
+    assert straight_growth_rate(world, 5.8) > 1
     fin = studies.draw_fin(RNG(3), world, 5.8)
-    assert straight_growth(replace(world, hidden=(fin,)), 5.8) < -0.09
+    assert straight_growth_rate(replace(world, hidden=(fin,)), 5.8) < -0.09
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -129,7 +129,7 @@ def test_projection_round_trip(seed):
     camera = optics.draw_camera(rng, (2.6, 1.6), plain=False)
     place = rng.uniform([0, 0], [2.6, 1.6], (60, 2))
     pixels = optics.project(camera, place, 0.05, 1.333)
-    assert optics.locate(camera, pixels, 0.05, 1.333) == pytest.approx(place, abs=1e-7)
+    assert optics.pixels_to_pool(camera, pixels, 0.05, 1.333) == pytest.approx(place, abs=1e-7)
     assert (pixels > 0).all()
     assert (pixels < np.array(camera.size)).all()
 
@@ -144,14 +144,14 @@ def test_snell_at_the_surface():
 
 
 def test_matern_has_unit_variance_and_its_integral_time():
-    x = noise.matern(RNG(0), 4000, 0.02, 0.2, (40,))
+    x = noise.matern_process(RNG(0), 4000, 0.02, 0.2, (40,))
     assert x.std() == pytest.approx(1, rel=0.05)
     lag = np.mean(x[5:] * x[:-5])
     assert lag == pytest.approx((1 + 1) * np.exp(-1), abs=0.04)
 
 
 def test_composition_of_forty():
-    slots = [studies.slot(i) for i in range(7, 47)]
+    slots = [studies.study_slot(i) for i in range(7, 47)]
     groups = Counter(group for group, _, _ in slots)
     assert groups == {"null": 8, "clear": 8, "faint": 6, "pair": 6, "measurement": 6, "unlisted": 6}
     fins = Counter(group for group, fin, _ in slots if fin)
@@ -161,8 +161,10 @@ def test_composition_of_forty():
 
 def test_every_cause_is_dealt():
     dealt = Counter(name for i in range(400) for name in studies.causes_of(9, i))
-    assert set(dealt) == set(effects.names("physics")) | set(effects.names("measurement"))
-    physics = [dealt[name] for name in effects.names("physics")]
+    assert set(dealt) == set(effects.cause_names("physics")) | set(
+        effects.cause_names("measurement")
+    )
+    physics = [dealt[name] for name in effects.cause_names("physics")]
     assert max(physics) - min(physics) <= 3
 
 
@@ -178,14 +180,16 @@ def test_detector_against_brute_force():
     levels = noise.draw_noise(RNG(1))
     levels = replace(levels, gust_m_s2=0.004, gust_rad_s2=0.03, gust_tau_s=0.5, matern_tau_s=0.1)
     start = simulate(world, trials, np.zeros((800, 3, 2)), 120)
-    path = blocks(start, trials, 120)
-    F, G = transition(world, path)
+    path = cut_into_blocks(start, trials, 120)
+    F, G = block_jacobians(world, path)
     off = world.with_strength(1, 0)
-    push = by_block(advance(world, path, path.y) - advance(off, path, path.y), path)
+    push = reshape_by_block(
+        advance_block(world, path, path.y) - advance_block(off, path, path.y), path
+    )
     columns = np.concatenate([push, np.zeros((*push.shape[:2], 3))], -1)[..., None]
     white, correlated = tracking_variances(world, levels, 1e-3, 30)
     gust = np.array([0.004, 0.004, 0.03])
-    w = whiten(path, F, G, columns, (white, correlated, gust, 0.5, 0.1))
+    w = whitened_innovations(path, F, G, columns, (white, correlated, gust, 0.5, 0.1))
     B = path.count
     total, rng, H = 0.0, RNG(4), 6000
     rho = np.exp(-0.1 / np.array([0.5, 0.1]))
@@ -209,7 +213,7 @@ def test_detector_against_brute_force():
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    index = next(i for i in range(40) if studies.slot(i) == ("null", True, 9))
+    index = next(i for i in range(40) if studies.study_slot(i) == ("null", True, 9))
     where = [tmp_path_factory.mktemp("tank") for _ in range(2)]
     return index, where, [studies.generate(11, index, folder) for folder in where]
 
@@ -236,16 +240,18 @@ def test_truth_schema(written):
 def test_keypoints_give_the_simulated_positions_back(written):
     """The camera stated in study.yaml puts the labels on the simulated path within the noise."""
     index, where, (truth, _) = written
-    _, (study, path, *_) = studies.build(11, index)
+    _, (study, path, *_) = studies.build_study(11, index)
     folder = where[0] / "studies" / truth["study"]
     document = yaml.safe_load((folder / "study.yaml").read_text())
     table = pd.read_csv(folder / "keypoints" / "T01.csv", header=None, low_memory=False)
     rows = table.iloc[3 if table.iloc[2, 0] == "coords" else 4 :]
     pixels = rows.iloc[:, 7:9].to_numpy(float)
-    marks = optics.corners((2.6, 1.6), study.corner_height)
-    camera = optics.posed(study.camera, marks, np.array(document["camera"]["pool_corners_px"]))
-    found = optics.locate(camera, pixels, study.world.robot.depth, 1.333)
+    marks = optics.pool_corners((2.6, 1.6), study.corner_height)
+    camera = optics.with_fitted_pose(
+        study.camera, marks, np.array(document["camera"]["pool_corners_px"])
+    )
+    found = optics.pixels_to_pool(camera, pixels, study.world.robot.depth, 1.333)
     k = np.round(np.arange(len(found)) / study.fps * studies.FINE).astype(int)
     error = found - path[k, :2, 0]
     assert np.nanmedian(np.abs(error)) < 0.005
-    assert observe.PARTS[2] == "core_center"
+    assert observe.KEYPOINT_NAMES[2] == "core_center"

@@ -25,7 +25,7 @@ def trial(phi=0.0, f=5.82, pulse=0.0):
 
 def swum(row, E=OFF, seconds=8.0, substeps=16):
     gust = np.zeros((int(seconds * 30), 3))
-    return dy.swim(row, R, E, np.array([1.3, 0.8, 0.0]), gust, 30.0, substeps)[0]
+    return dy.simulate_trial(row, R, E, np.array([1.3, 0.8, 0.0]), gust, 30.0, substeps)[0]
 
 
 def test_terminal_speed_is_that_of_the_paper():
@@ -66,15 +66,15 @@ def test_projection_round_trip(seed):
     xy = rng.uniform([0, 0], [2.6, 1.6], (80, 2))
     for depth in (0.0, 0.15):
         pixels = camera.project(view, np.column_stack([xy, np.full(80, -depth)]))
-        assert camera.locate(view, pixels, depth) == pytest.approx(xy, abs=1e-8)
+        assert camera.pixels_to_pool(view, pixels, depth) == pytest.approx(xy, abs=1e-8)
 
 
 def test_stated_camera_recovers_the_path():
     rng = np.random.default_rng(3)
     optics, row, path = plan.draw_optics(rng, ()), trial(0.5), swum(trial(0.5))
     times = np.arange(len(path)) / 30
-    pixels = observation.imaged(path, times, row, R, OFF, optics=optics, errors={})
-    seen = observation.apparent_pose(pixels, observation.stated(optics, {}))
+    pixels = observation.keypoint_pixels(path, times, row, R, OFF, optics=optics, errors={})
+    seen = observation.apparent_pose(pixels, observation.stated_setup(optics, {}))
     points = observation.body_points(path, row, R, OFF, times)
     assert seen[:, 0] == pytest.approx(points[:, 2].real, abs=4e-3)
     assert seen[:, 3] == pytest.approx(0.5, abs=0.01)
@@ -88,7 +88,7 @@ def test_filter_norm_agrees_with_brute_force():
     E[dy.TRIM, :2] = [1, 2e-3]
 
     def seen(effects, start, water):
-        return dy.swim(row, R, effects, start, water, 10.0, 20)[0][first:, :3].ravel()
+        return dy.simulate_trial(row, R, effects, start, water, 10.0, 20)[0][first:, :3].ravel()
 
     base = seen(OFF, pose, still)
     gusts = [noise.ornstein_uhlenbeck(rng, (n, 3), 0.1, tau) * gust for _ in range(draws)]
@@ -102,31 +102,35 @@ def test_filter_norm_agrees_with_brute_force():
     root = np.linalg.cholesky(covariance)
     signal = np.linalg.solve(root, seen(E, pose, still) - base)
     brute = det.projected_norm(signal, np.linalg.solve(root, np.array(free).T))
-    path, wake = dy.swim(row, R, OFF, pose, still, 10.0, 20)
-    J, _ = det.linearised(np.arange(n) * 0.1, path, wake, row, R, OFF)
+    path, wake = dy.simulate_trial(row, R, OFF, pose, still, 10.0, 20)
+    J, _ = det.block_jacobians(np.arange(n) * 0.1, path, wake, row, R, OFF)
     d = np.zeros((n - first, 3, 1))
     d[:, 2, 0] = 2e-3 / R[1]
     tiny = np.full(3, 1e-9)
-    out = det.whitened(J[first:], d, 0 * d, 0.1, white, tiny, 1.0, gust, tau, 1e-9, 1e-9)
+    out = det.whitened_innovations(
+        J[first:], d, 0 * d, 0.1, white, tiny, 1.0, gust, tau, 1e-9, 1e-9
+    )
     assert np.linalg.norm(out) == pytest.approx(brute, rel=0.1)
 
 
 def test_composition_of_any_forty():
     for first in (0, 13):
-        chosen = [plan.position(5, i) for i in range(first, first + 40)]
-        assert collections.Counter(c[0] for c in chosen) == dict(plan.GROUPS)
+        chosen = [plan.study_slot(5, i) for i in range(first, first + 40)]
+        assert collections.Counter(c[0] for c in chosen) == dict(plan.GROUP_COUNTS)
         assert sum(c[1] % 2 for c in chosen) == 20
         assert sum(c[2] in plan.NINE_TRIALS for c in chosen) == 10
 
 
 def test_every_name_is_dealt():
-    names = {n for i in range(80) for n in plan.dealt_names(2, *plan.position(2, i)[:2])}
+    names = {
+        n for i in range(80) for n in plan.effect_names_of_study(2, *plan.study_slot(2, i)[:2])
+    }
     assert names == {*PHYSICS, *MEASUREMENT, "unlisted"}
 
 
 def test_study_is_deterministic_and_its_truth_complete(tmp_path):
-    index = next(i for i in range(40) if plan.position(4, i)[0] == "unlisted"
-                 and plan.position(4, i)[2] in plan.NINE_TRIALS)  # fmt: skip
+    index = next(i for i in range(40) if plan.study_slot(4, i)[0] == "unlisted"
+                 and plan.study_slot(4, i)[2] in plan.NINE_TRIALS)  # fmt: skip
     one = studies.generate(4, index, tmp_path / "a")
     two = studies.generate(4, index, tmp_path / "b")
     assert json.dumps(one) == json.dumps(two)

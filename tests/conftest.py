@@ -9,7 +9,7 @@ import pytest
 
 from bluekoi.mismatch import MismatchResult, find_mismatch
 from bluekoi.synthetic.design import demo_design
-from measured import Measured, measured
+from measured_studies import MeasuredStudy, measure_design
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = (
@@ -56,7 +56,7 @@ def recordings() -> Recordings:
 
 
 @pytest.fixture(scope="session")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, MismatchResult]:
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[MeasuredStudy, MismatchResult]:
     """The demo's campaign from keypoints, and what the search finds in it."""
-    m = measured(demo_design(), tmp_path_factory.mktemp("demo"))
+    m = measure_design(demo_design(), tmp_path_factory.mktemp("demo"))
     return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)

@@ -1,4 +1,4 @@
-"""The floor plan holds: contents, rules, layers and stages agree in names and order."""
+"""Architecture: list of modules, Snakemake rules, layers and stages agree in names and order."""
 
 from __future__ import annotations
 

@@ -28,11 +28,21 @@ from bluekoi.cli.run import (
 )
 from bluekoi.errors import InputError, input_error
 from bluekoi.footage import encode_h264
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
-HEAVY = {"numpy", "cv2", "scipy", "pandas", "matplotlib", "numba", "filterpy", "snakemake", "av"}
-HEAVY |= {"h5py", "jinja2", "pydantic", "rich", "yaml"}
+HEAVY_MODULES = {
+    "numpy",
+    "cv2",
+    "scipy",
+    "pandas",
+    "matplotlib",
+    "numba",
+    "filterpy",
+    "snakemake",
+    "av",
+}
+HEAVY_MODULES |= {"h5py", "jinja2", "pydantic", "rich", "yaml"}
 
 
 def bluekoi(*arguments):
@@ -47,7 +57,7 @@ def test_help_imports_nothing_heavy():
         f"for words in {words!r}:\n"
         "    try:\n        main(words)\n    except SystemExit as end:\n"
         "        assert end.code == 0, words\n"
-        f"    heavy = {HEAVY!r} & set(sys.modules)\n    assert not heavy, (words, heavy)"
+        f"    heavy = {HEAVY_MODULES!r} & set(sys.modules)\n    assert not heavy, (words, heavy)"
     )
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -129,7 +139,7 @@ def test_check_opens_what_a_run_would_open(tmp_path):
     (study / "motor/T09.csv").write_text("")
     keypoints = (study / "keypoints/T10.csv").read_text().splitlines()
     (study / "keypoints/T10.csv").write_text("\n".join(keypoints[2:]))
-    edit_rows(study, T11={"start_s": "100", "end_s": "200"})
+    edit_trials_csv(study, T11={"start_s": "100", "end_s": "200"})
     result = bluekoi("check", study)
     assert result.exit_code == 1
     for words in ("motor/T09.csv", "keypoints/T10.csv", "no frame in that part"):
@@ -138,11 +148,11 @@ def test_check_opens_what_a_run_would_open(tmp_path):
 
 def test_check_reports_a_file_that_two_trials_take_whole(tmp_path):
     study = small_study(tmp_path / "study")
-    edit_rows(study, T11={"source": "keypoints/T10.csv"})
+    edit_trials_csv(study, T11={"source": "keypoints/T10.csv"})
     result = bluekoi("check", study)
     assert result.exit_code == 1
     assert "trial T11: found T10.csv, whole, as trial T10 has it" in result.output
-    edit_rows(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
+    edit_trials_csv(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
     assert bluekoi("check", study).exit_code == 0
 
 
@@ -334,7 +344,7 @@ def test_pool_draws_corners_on_a_frame(tmp_path):
     picture = np.full((1080, 1920, 3), 90, np.uint8)
     (study / "videos").mkdir()
     encode_h264(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
     assert result.exit_code == 1, "no edge confirms the corners"
     assert "The corners given are not confirmed" in result.output
@@ -407,7 +417,7 @@ def test_check_reports_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_p
     (study / "videos").mkdir()
     encode_h264(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,
            size=(640, 480))  # fmt: skip
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     path = study / "keypoints/T11.csv"
     rows = [line.split(",") for line in path.read_text().splitlines()]
     kept = [",".join("0" if i and i % 3 == 0 else c for i, c in enumerate(r)) for r in rows[3:]]
@@ -476,7 +486,7 @@ def test_no_command_replaces_a_file_of_the_study(tmp_path, name):
 def test_an_export_does_not_replace_a_file_of_the_study(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "motor/T09.csv").rename(study / "motor/coefficients.csv")
-    edit_rows(study, T09={"motor_log": "motor/coefficients.csv"})
+    edit_trials_csv(study, T09={"motor_log": "motor/coefficients.csv"})
     with pytest.raises(InputError, match="a file of the study"):
         refuse_study_files(study, [study / "motor/coefficients.csv"])
 

@@ -12,15 +12,17 @@ from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
 from bluekoi.tuning import downsampled, tune
-from campaigns import Errors, plans, sixteen
+from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 SURGE, SWAY, YAW = range(3)
 
 
 @pytest.fixture(scope="module")
-def friction() -> tuple[Problem, FittedSet]:
+def friction_fit() -> tuple[Problem, FittedSet]:
     """Six trials, fitted with a friction force, which is far stronger in surge than in sway."""
-    series = sixteen(plans(powers=(75,)), Errors(), np.random.default_rng(5), count=1)[0]
+    series = simulate_campaigns(
+        trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
+    )[0]
     baseline = tune(downsampled(series))
     problem = robot_problem(compiled(plates()), downsampled(series, 5.0), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
@@ -28,16 +30,18 @@ def friction() -> tuple[Problem, FittedSet]:
     return problem, fit_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
-def test_a_residual_term_pushes_in_its_channel_alone(friction: tuple[Problem, FittedSet]) -> None:
-    forces = forces_in_set(*friction)
+def test_a_residual_term_pushes_in_its_channel_alone(
+    friction_fit: tuple[Problem, FittedSet],
+) -> None:
+    forces = forces_in_set(*friction_fit)
     unit = forces["residual.sway_v"]
     assert max(unit[SURGE], unit[YAW]) < 1e-3 * unit[SWAY]
 
 
 def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
-    problem, model = friction
+    problem, model = friction_fit
     place = problem.kernel.system.all_states.index("v")
     v = np.concatenate([f.filtered[:, place] for f in model.passes])
     unit = forces_in_set(problem, model)["residual.sway_v"]
@@ -45,9 +49,9 @@ def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
 
 
 def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
-    problem, model = friction
+    problem, model = friction_fit
     forces = forces_in_set(problem, model)
     expansion = expand_about(problem, model)
     lay = layout_of_set(problem, expansion, model.causes)
@@ -59,10 +63,10 @@ def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
 
 
 def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
     """The most probable point of both: its terms stand where likelihood and prior balance."""
-    problem, model = friction
+    problem, model = friction_fit
     stds = {"residual.surge_u": 0.02, "residual.sway_v": 0.02}
     both = fit_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
     assert both.discrepancy.keys() == stds.keys()

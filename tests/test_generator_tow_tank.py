@@ -25,7 +25,7 @@ from validation.generators.tow_tank.motion import (
 from validation.generators.tow_tank.optics import draw_camera, true_statement
 from validation.generators.tow_tank.robots import ParallelTrials, Robot, draw_robot
 
-PAPER = Robot(mass=0.68, inertia=0.0095, body_length=0.331, head_length=0.12, span=0.069,
+PAPER_ROBOT = Robot(mass=0.68, inertia=0.0095, body_length=0.331, head_length=0.12, span=0.069,
               hinge_to_com=0.04, tail_length=0.066, depth=0.04, C_T=4.5e-3, C_D0=0.5, C_Da=4.0,
               C_La=3.14, C_Ma=0.1, C_Md=0.104)  # fmt: skip
 PHYSICS = {
@@ -39,7 +39,7 @@ MEASUREMENT = {"scale_error", "clock_error", "camera_shift", "uncorrected_refrac
                "lens_error", "time_offset", "keypoint_bias"}  # fmt: skip
 
 
-def lanes(angles_deg, hertz=5.82, head=0.12) -> ParallelTrials:
+def still_water_trials(angles_deg, hertz=5.82, head=0.12) -> ParallelTrials:
     """Trials in still water, without errors."""
     n = len(angles_deg)
     zero, none = np.zeros(n), np.zeros((1, n))
@@ -49,7 +49,7 @@ def lanes(angles_deg, hertz=5.82, head=0.12) -> ParallelTrials:
                  flow_bias=zero + 0j)  # fmt: skip
 
 
-def law(cause: str, name: str, size: float, **shape: float) -> HiddenLaw:
+def law_of(cause: str, name: str, size: float, **shape: float) -> HiddenLaw:
     form = next(f for f in plan.CATALOGUE if (f.cause, f.name) == (cause, name))
     return HiddenLaw(form, size, {k: v[0] for k, v in form.ranges.items()} | shape)
 
@@ -76,9 +76,11 @@ def steady_turn(robot: Robot, phi: float, hertz: float) -> tuple[float, float]:
 @pytest.mark.parametrize("hertz", [2.37, 5.82])
 def test_steady_turns_of_a_null_are_those_of_the_published_equations(hertz):
     angles = [30.0, -45.0, 45.0]
-    end = simulate_motion(lanes(angles, hertz), PAPER, [], np.arange(0, 20, 1 / 30))[-1]
+    end = simulate_motion(
+        still_water_trials(angles, hertz), PAPER_ROBOT, [], np.arange(0, 20, 1 / 30)
+    )[-1]
     for k, angle in enumerate(angles):
-        V, radius = steady_turn(PAPER, np.deg2rad(angle), hertz)
+        V, radius = steady_turn(PAPER_ROBOT, np.deg2rad(angle), hertz)
         speed = np.hypot(end[3, k], end[4, k])
         assert speed == pytest.approx(V, rel=1e-4)
         assert speed / abs(end[5, k]) == pytest.approx(radius, rel=1e-4)
@@ -86,24 +88,26 @@ def test_steady_turns_of_a_null_are_those_of_the_published_equations(hertz):
 
 
 def test_straight_speed_and_instability_are_those_of_the_paper():
-    one = lanes([0.0])
-    end = simulate_motion(one, PAPER, [], np.arange(0, 8, 1 / 60))[-1]
+    one = still_water_trials([0.0])
+    end = simulate_motion(one, PAPER_ROBOT, [], np.arange(0, 8, 1 / 60))[-1]
     assert np.hypot(end[3, 0], end[4, 0]) == pytest.approx(0.552, abs=1e-3)
-    assert straight_growth_rate(PAPER, [], one) == pytest.approx(3.6, abs=0.1)
+    assert straight_growth_rate(PAPER_ROBOT, [], one) == pytest.approx(3.6, abs=0.1)
 
 
 def test_a_robot_without_thrust_stays_at_rest():
-    out = simulate_motion(lanes([30.0, 0.0], hertz=0.0), PAPER, [], np.arange(0, 3, 1 / 60))
+    out = simulate_motion(
+        still_water_trials([30.0, 0.0], hertz=0.0), PAPER_ROBOT, [], np.arange(0, 3, 1 / 60)
+    )
     np.testing.assert_allclose(out[-1], out[0], atol=1e-12)
 
 
 def test_integration_is_of_fourth_order():
-    state = state_at_rest(lanes([30.0]))
+    state = state_at_rest(still_water_trials([30.0]))
     state[3:6] = np.array([0.25, 0.25, -0.6])[:, None]
 
     def end(step):
         times = np.arange(0, 1 + step / 2, step)
-        return simulate_motion(lanes([30.0]), PAPER, [], times, state)[-1, :6, 0]
+        return simulate_motion(still_water_trials([30.0]), PAPER_ROBOT, [], times, state)[-1, :6, 0]
 
     fine = end(1 / 640)
     ratio = np.linalg.norm(end(1 / 80) - fine) / np.linalg.norm(end(1 / 160) - fine)
@@ -113,11 +117,13 @@ def test_integration_is_of_fourth_order():
 @pytest.mark.parametrize("name", ["strip", "ellipsoid"])
 def test_added_masses_keep_the_energy_of_an_ideal_fluid(name):
     """Kirchhoff: without forces, 1/2 nu' (M + M_A) nu stays."""
-    ideal = replace(PAPER, C_T=0, C_D0=0, C_Da=0, C_La=0, C_Ma=0, C_Md=0)
-    mass = law("added_mass", name, 0.8)
-    state = state_at_rest(lanes([0.0]))
+    ideal = replace(PAPER_ROBOT, C_T=0, C_D0=0, C_Da=0, C_La=0, C_Ma=0, C_Md=0)
+    mass = law_of("added_mass", name, 0.8)
+    state = state_at_rest(still_water_trials([0.0]))
     state[3:6, 0] = 0.4, 0.1, 0.7
-    out = simulate_motion(lanes([0.0]), ideal, [mass], np.arange(0, 4, 1 / 120), state)[:, :, 0]
+    out = simulate_motion(
+        still_water_trials([0.0]), ideal, [mass], np.arange(0, 4, 1 / 120), state
+    )[:, :, 0]
     mx, my, mr, inr, _ = mass(SimpleNamespace(robot=ideal))
     v = (out[:, 3] + 1j * out[:, 4]) * np.exp(-1j * out[:, 2])
     u, w, r = v.real, v.imag, out[:, 5]
@@ -129,27 +135,38 @@ def test_added_masses_keep_the_energy_of_an_ideal_fluid(name):
 def test_blades_take_energy_from_a_robot_without_thrust():
     for cause in ("tail_fin_lift", "crossflow_drag", "linear_yaw_damping", "viscous_drag"):
         for form in (f for f in plan.CATALOGUE if f.cause == cause):
-            state = state_at_rest(lanes([0.0]))
+            state = state_at_rest(still_water_trials([0.0]))
             state[3:6, 0] = 0.3 * np.cos(0.9), 0.3 * np.sin(0.9), 0.5
-            hidden = law(cause, form.name, np.sqrt(form.low * form.high))
-            inert = replace(PAPER, C_D0=0, C_Da=0, C_La=0, C_Ma=0, C_Md=0, C_T=0)
-            rate = derivative(0.0, state, lanes([0.0]), inert, [hidden])
-            power = PAPER.mass * (state[3:5] * rate[3:5]).sum() + PAPER.inertia * 0.5 * rate[5]
+            hidden = law_of(cause, form.name, np.sqrt(form.low * form.high))
+            inert = replace(PAPER_ROBOT, C_D0=0, C_Da=0, C_La=0, C_Ma=0, C_Md=0, C_T=0)
+            rate = derivative(0.0, state, still_water_trials([0.0]), inert, [hidden])
+            power = (
+                PAPER_ROBOT.mass * (state[3:5] * rate[3:5]).sum()
+                + PAPER_ROBOT.inertia * 0.5 * rate[5]
+            )
             assert power < 1e-12, (cause, form.name)
 
 
-ODD = {"trim_moment", "port_starboard_asymmetry", "head_angle_offset", "centre_of_mass_shift",
-       "uniform_current", "pool_gyre", "wall_effect", "unexplained"}  # fmt: skip
+LEFT_RIGHT_ASYMMETRIC_CAUSES = {
+    "trim_moment",
+    "port_starboard_asymmetry",
+    "head_angle_offset",
+    "centre_of_mass_shift",
+    "uniform_current",
+    "pool_gyre",
+    "wall_effect",
+    "unexplained",
+}
 
 
 def test_even_laws_are_mirror_symmetric():
     times = np.arange(0, 1, 1 / 30)
-    both = replace(lanes([25.0, -25.0]), heading=np.zeros(2))
+    both = replace(still_water_trials([25.0, -25.0]), heading=np.zeros(2))
     for form in plan.CATALOGUE:
-        if form.cause in ODD or form.stage in studies.OBSERVATION_STAGES:
+        if form.cause in LEFT_RIGHT_ASYMMETRIC_CAUSES or form.stage in studies.OBSERVATION_STAGES:
             continue
         size = np.sqrt(form.low * form.high)
-        out = simulate_motion(both, PAPER, [law(form.cause, form.name, size)], times)
+        out = simulate_motion(both, PAPER_ROBOT, [law_of(form.cause, form.name, size)], times)
         np.testing.assert_allclose(out[:, [2, 5], 0], -out[:, [2, 5], 1], atol=1e-9)
         assert np.abs(out[-1, 5, 0]) > 1e-3
 
@@ -157,15 +174,15 @@ def test_even_laws_are_mirror_symmetric():
 def test_a_law_of_strength_zero_gives_the_null():
     """Laws whose strength is a time or a length of memory: the limit."""
     times = np.concatenate([np.arange(20) / 1000, np.arange(0.02, 0.5, 1 / 30)])
-    two = lanes([30.0, -30.0], head=0.16)
-    null = simulate_motion(two, PAPER, [], times)
+    two = still_water_trials([30.0, -30.0], head=0.16)
+    null = simulate_motion(two, PAPER_ROBOT, [], times)
     for form in plan.CATALOGUE:
         if form.stage in studies.OBSERVATION_STAGES or form.cause == "lift_lag":
             continue
         size = 1e-9 if form.unit == "s" else 0.0
-        hidden = law(form.cause, form.name, size, **({"length": 2.6} if "length" in form.ranges
+        hidden = law_of(form.cause, form.name, size, **({"length": 2.6} if "length" in form.ranges
                                                      else {}))  # fmt: skip
-        out = simulate_motion(two, PAPER, [hidden], times)
+        out = simulate_motion(two, PAPER_ROBOT, [hidden], times)
         np.testing.assert_allclose(out[:, :6], null[:, :6], atol=1e-3 if size else 1e-12)
 
 
@@ -214,7 +231,10 @@ def test_the_lenses_are_those_of_opencv():
 def test_sigma_grows_with_the_strength_and_knows_the_error_of_the_servo():
     rng = np.random.default_rng(8)
     setup = studies._draw_setup(rng, plan.StudyKind("single", fin=False, few=True))
-    drag, offset = law("viscous_drag", "linear", 0.004), law("head_angle_offset", "constant", 0.5)
+    drag, offset = (
+        law_of("viscous_drag", "linear", 0.004),
+        law_of("head_angle_offset", "constant", 0.5),
+    )
     motion = strength.simulate_from_starts(setup, [], rng, placed=False)
     found = []
     for size in (1.0, 2.0):
@@ -245,12 +265,14 @@ def test_a_fault_of_strength_zero_shows_the_null():
 
     for form in plan.CATALOGUE:
         if form.stage in studies.OBSERVATION_STAGES and form.stage != "depth":
-            for null, other in zip(seen(None), seen(law(form.cause, form.name, 0.0)), strict=True):
+            for null, other in zip(
+                seen(None), seen(law_of(form.cause, form.name, 0.0)), strict=True
+            ):
                 np.testing.assert_allclose(other, null, rtol=1e-12, atol=1e-9)
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def generated_studies(tmp_path_factory):
     """A null, a study with a hidden drag and one with a fault of the camera; 9 trials."""
     folder = tmp_path_factory.mktemp("tank")
     drag = next(f for f in plan.CATALOGUE if f.cause == "viscous_drag")
@@ -258,16 +280,16 @@ def made(tmp_path_factory):
     return folder, [generate(883, i, folder, forms=f) for i, f in enumerate(([], [drag], [lens]))]
 
 
-def test_files_are_accepted_by_the_tool(made):
-    folder, truths = made
+def test_files_are_accepted_by_the_tool(generated_studies):
+    folder, truths = generated_studies
     for truth in truths:
         done = CliRunner().invoke(main, ["check", str(folder / "studies" / truth["study"])])
         assert done.exit_code == 0, done.output
         assert "nothing wrong" in done.output
 
 
-def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(made):
-    folder, truths = made
+def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(generated_studies):
+    folder, truths = generated_studies
     for truth, hidden in zip(truths, ([], ["viscous_drag"], ["camera_shift"]), strict=True):
         path = folder / "truth" / f"{truth['study']}.json"
         assert json.loads(path.read_text()) == json.loads(json.dumps(truth))
@@ -279,8 +301,8 @@ def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(made):
         assert len(trials) == truth["trials"] + 1
 
 
-def test_a_series_is_reproduced(made, tmp_path):
-    folder, truths = made
+def test_a_series_is_reproduced(generated_studies, tmp_path):
+    folder, truths = generated_studies
     generate(883, 0, tmp_path, forms=[])
     name = truths[0]["study"]
     for path in (tmp_path / "studies" / name).rglob("*.*"):
@@ -303,6 +325,6 @@ def test_fins_make_straight_swimming_stable():
     for seed in range(3):
         rng = np.random.default_rng(seed)
         robot = draw_robot(rng, fin=True)
-        fin = plan.draw_fin(rng, robot, lanes([0.0], head=robot.head_length))
-        assert straight_growth_rate(robot, [fin], lanes([0.0])) < -0.08
-        assert straight_growth_rate(robot, [], lanes([0.0])) > 1
+        fin = plan.draw_fin(rng, robot, still_water_trials([0.0], head=robot.head_length))
+        assert straight_growth_rate(robot, [fin], still_water_trials([0.0])) < -0.08
+        assert straight_growth_rate(robot, [], still_water_trials([0.0])) > 1

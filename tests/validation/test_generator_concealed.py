@@ -13,7 +13,7 @@ from bluekoi.study import load_study
 from bluekoi.synthetic.eddies import draw_eddies, water_velocity
 from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, published_model_tank
 from bluekoi.synthetic.tank import simulate as demo_tank
-from studies import small_study
+from small_studies import small_study
 from validation.generators.concealed import generate
 from validation.generators.concealed.effects import PHYSICS, UNLISTED
 from validation.generators.concealed.faults import FAULTS
@@ -51,11 +51,11 @@ BODY = BodyParameters(
 )
 COEFFICIENTS = {n: getattr(BODY, n) for n in ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")}
 SHORT_S = 2.5
-FORMS = [(n, i) for n in (*PHYSICS, *UNLISTED) for i in range(len(effect_by_name(n).forms))]
-SAME = [(n, i) for n, i in FORMS if effect_by_name(n).forms[i].reported_as]
+EFFECT_FORMS = [(n, i) for n in (*PHYSICS, *UNLISTED) for i in range(len(effect_by_name(n).forms))]
+FORMS_OF_CANDIDATES = [(n, i) for n, i in EFFECT_FORMS if effect_by_name(n).forms[i].reported_as]
 
 
-def chosen(name: str, number: int) -> ChosenEffect:
+def effect_in_form(name: str, number: int) -> ChosenEffect:
     """An effect in one of its forms, shapes at the middle of their range."""
     effect = effect_by_name(name)
     form = effect.forms[number]
@@ -65,7 +65,7 @@ def chosen(name: str, number: int) -> ChosenEffect:
     return ChosenEffect(name, form, {k: 0.5 * (a + b) for k, (a, b) in form.shape.items()}, 10.0)
 
 
-def path(laws: HiddenLaws, command: TrialCommand, body: BodyParameters = BODY) -> np.ndarray:
+def core_path(laws: HiddenLaws, command: TrialCommand, body: BodyParameters = BODY) -> np.ndarray:
     """Where the keypoint of the core goes, (times, 3): x, y, heading."""
     motion = swim(body, laws, command, SHORT_S, eddies=NO_EDDIES, recoil=None)
     return motion.mean(np.linspace(0, SHORT_S, 26))[:, :3]
@@ -78,7 +78,7 @@ def test_the_compiled_tank_agrees_with_the_tank_of_the_demo(fin, power, angle_de
     tank = Tank(fin=fin, recoil=None) if fin else published_model_tank(Tank())
     expected = demo_tank(tank, run, SHORT_S).mean(np.linspace(0, SHORT_S, 26))[:, :3]
     laws = HiddenLaws(fin_m2=0.025, fin_arm_m=0.11) if fin else HiddenLaws()
-    found = path(laws, TrialCommand(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
+    found = core_path(laws, TrialCommand(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
     assert np.allclose(found, expected, atol=1e-6)
 
 
@@ -103,17 +103,17 @@ def test_pulsed_thrust_oscillates_the_speed_twice_a_beat_about_its_mean():
     assert np.ptp(swing) > 2e-3
 
 
-@pytest.mark.parametrize(("name", "number"), FORMS)
+@pytest.mark.parametrize(("name", "number"), EFFECT_FORMS)
 def test_every_form_changes_a_path_and_vanishes_with_its_strength(name, number):
-    one = chosen(name, number)
+    one = effect_in_form(name, number)
     command = TrialCommand(5.0, 0.6, 0.15, 0.5, 0.4, 0.3)
-    plain, fin = path(HiddenLaws(), command), HiddenLaws(fin_m2=0.025)
+    plain, fin = core_path(HiddenLaws(), command), HiddenLaws(fin_m2=0.025)
     none = with_effect(HiddenLaws(), one, 0.0)
-    assert np.allclose(path(none, command), plain, atol=1e-12)
+    assert np.allclose(core_path(none, command), plain, atol=1e-12)
     long = TrialCommand(5.0, 0.7, 0.15, 1.3, 0.8, 0.3, u=0.4, r=-1.0, turned=-6.0)
-    bent = path(with_effect(fin, one, effect_by_name(name).most), long)
+    bent = core_path(with_effect(fin, one, effect_by_name(name).most), long)
     assert np.all(np.isfinite(bent))
-    assert np.hypot(*(bent - path(fin, long))[:, :2].T).max() > 1e-3
+    assert np.hypot(*(bent - core_path(fin, long))[:, :2].T).max() > 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -132,10 +132,10 @@ FORM_IN_TRUTH = {
 """Functional form of the concealed law, in the candidate's parameters."""
 
 
-@pytest.mark.parametrize(("name", "number"), SAME)
+@pytest.mark.parametrize(("name", "number"), FORMS_OF_CANDIDATES)
 def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup):
     """The parameters in the truth mean what the candidate means by them: same path."""
-    one = chosen(name, number)
+    one = effect_in_form(name, number)
     laws = with_effect(HiddenLaws(), one, effect_by_name(name).usual)
     values = laws._asdict()
     in_truth = {k: values[field] * factor for k, (field, factor) in one.form.reported_as.items()}
@@ -149,8 +149,10 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
                    duration_s=SHORT_S, dt_s=1 / 120, start=start,
                    effects={name: in_truth})  # fmt: skip
     expected = run.state[::12, :2]
-    found = path(laws, TrialCommand(4.0, 0.5, 0.15, *start[:3]))[: len(expected), :2]
-    bent = np.abs(found - path(HiddenLaws(), TrialCommand(4.0, 0.5, 0.15, *start[:3]))[:, :2]).max()
+    found = core_path(laws, TrialCommand(4.0, 0.5, 0.15, *start[:3]))[: len(expected), :2]
+    bent = np.abs(
+        found - core_path(HiddenLaws(), TrialCommand(4.0, 0.5, 0.15, *start[:3]))[:, :2]
+    ).max()
     if name == "centre_of_mass_shift":
         psi = run.heading_rad[::12]
         ahead = np.column_stack([np.cos(psi), np.sin(psi)])
@@ -161,10 +163,10 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
 
 @pytest.mark.parametrize("name", [n for n, e in PHYSICS.items() if not (e.signed or e.direction)])
 def test_laws_without_a_side_are_mirror_symmetric(name):
-    laws = with_effect(HiddenLaws(fin_m2=0.02), chosen(name, 0), effect_by_name(name).usual)
+    laws = with_effect(HiddenLaws(fin_m2=0.02), effect_in_form(name, 0), effect_by_name(name).usual)
     middle = BODY.pool_width_m / 2
-    left = path(laws, TrialCommand(4.0, 0.5, 0.12, 1.3, middle, 0.3))
-    right = path(laws, TrialCommand(4.0, -0.5, 0.12, 1.3, middle, -0.3))
+    left = core_path(laws, TrialCommand(4.0, 0.5, 0.12, 1.3, middle, 0.3))
+    right = core_path(laws, TrialCommand(4.0, -0.5, 0.12, 1.3, middle, -0.3))
     mirrored = np.column_stack([right[:, 0], 2 * middle - right[:, 1], -right[:, 2]])
     assert np.allclose(left, mirrored, atol=1e-9)
 
@@ -177,15 +179,17 @@ def test_compiled_eddies_equal_those_of_the_demo():
         )
 
 
-TRIALS = [
+TRIAL_COMMANDS = [
     (TrialCommand(f, a, 0.12, 1.0, 0.8, 0.2), 4.0) for f in (2.4, 5.8) for a in (0.0, 0.5, -0.8)
 ]
 
 
 def test_changes_that_a_refit_absorbs_leave_no_path_error():
-    basis = refit_basis(BODY, HiddenLaws(fin_m2=0.02), TRIALS)
-    base = simulated_paths(BODY, HiddenLaws(fin_m2=0.02), TRIALS)
-    other = simulated_paths(BODY._replace(C_La=BODY.C_La * 1.01), HiddenLaws(fin_m2=0.0201), TRIALS)
+    basis = refit_basis(BODY, HiddenLaws(fin_m2=0.02), TRIAL_COMMANDS)
+    base = simulated_paths(BODY, HiddenLaws(fin_m2=0.02), TRIAL_COMMANDS)
+    other = simulated_paths(
+        BODY._replace(C_La=BODY.C_La * 1.01), HiddenLaws(fin_m2=0.0201), TRIAL_COMMANDS
+    )
     assert rms_after_refit(basis, other - base) < 0.02 * np.sqrt(np.mean((other - base) ** 2))
     assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-9)
 
@@ -194,7 +198,7 @@ def test_changes_that_a_refit_absorbs_leave_no_path_error():
 def test_strengths_leave_the_wanted_path_error(name):
     recipe = draw_recipe((1, 2), "S", kind="single", trials=9, effects=(name,), level="clear")
     strength, error = strength_for_path_error(
-        recipe, recipe.laws, recipe.chosen[0], TRIALS, noise_m=0.001
+        recipe, recipe.laws, recipe.chosen[0], TRIAL_COMMANDS, noise_m=0.001
     )
     assert error == pytest.approx(0.010, rel=0.1)
     assert 0 < strength < effect_by_name(name).most
@@ -229,7 +233,7 @@ def test_half_of_the_robots_have_a_fin_and_half_are_of_another_size():
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> tuple[Path, dict]:
+def generated_study(tmp_path_factory) -> tuple[Path, dict]:
     """A study of nine trials with one concealed effect, and its truth."""
     folder = tmp_path_factory.mktemp("made")
     index = next(
@@ -238,16 +242,16 @@ def made(tmp_path_factory) -> tuple[Path, dict]:
     return folder, generate(9, index, folder)
 
 
-def test_a_study_does_not_contain_its_truth(made):
-    folder, truth = made
+def test_a_study_does_not_contain_its_truth(generated_study):
+    folder, truth = generated_study
     study = folder / "studies" / truth["study"]
     assert len(load_study(study).trials) == truth["trials"] == 9
     text = " ".join(p.read_text() for p in study.rglob("*") if p.suffix in (".yaml", ".csv"))
     assert not re.search("seed|hidden|" + "|".join([*PHYSICS, *UNLISTED, *FAULTS]), text)
 
 
-def test_the_scores_read_the_truth(made):
-    folder, truth = made
+def test_the_scores_read_the_truth(generated_study):
+    folder, truth = generated_study
     causes = [{"name": c["name"], "weight": 0.9} for c in truth["causes"]]
     verdict = {"verdict": "physics", "causes": causes}
     verdict = {"cpu_s": 1.0, "failure": "", "mismatch": verdict}

@@ -20,7 +20,7 @@ BODY = dyn.BodyParameters(0.68, 0.0095, 0.12, 0.069, 0.07725, 0.04, 0.211, 0.066
 C = dyn.Coefficients(4.5e-3, 0.5, 2.5, 3.14, 0.1, 0.12)
 
 
-def swim(seconds, f=5.82, phi=0.0, effects=(), start=None, c=C):
+def simulate(seconds, f=5.82, phi=0.0, effects=(), start=None, c=C):
     n = round(1000 * seconds)
     k, p = eff.effect_table(effects)
     start = np.zeros(8) if start is None else np.asarray(start, float)
@@ -28,7 +28,7 @@ def swim(seconds, f=5.82, phi=0.0, effects=(), start=None, c=C):
     return dyn.simulate(BODY, c, start, np.full(n + 1, f), np.full(n + 1, phi), still, 0.0, k, p)
 
 
-def small_world(effects, trials=2):
+def make_small_study(effects, trials=2):
     rng = np.random.default_rng(5)
     world, _ = plan.draw_study(rng, plan.StudySlot("clear", 0, False, 9), ())
     world = wd.replace(world, trials=world.trials[:trials], effects=effects)
@@ -37,7 +37,7 @@ def small_world(effects, trials=2):
     )
 
 
-def drawn(name, code=1):
+def draw_form(name, code=1):
     return eff.draw_effect(
         np.random.default_rng(1), name, (eff.FORMS | eff.MEASUREMENT)[name][code - 1]
     )
@@ -47,18 +47,20 @@ def test_terminal_speed_and_start_match_the_closed_form():
     """v = v_inf tanh(t/tau) for thrust against quadratic drag; v_inf = f sqrt(C_T/C_D0) = 0.552."""
     A, v_inf = 0.12 * 0.069, 5.82 * math.sqrt(4.5e-3 / 0.5)
     tau = 0.68 / (0.5 * 1000 * A * 0.5 * v_inf)
-    s = swim(3.0)
+    s = simulate(3.0)
     np.testing.assert_allclose(s[1000::1000, 3], v_inf * np.tanh(np.arange(1, 4) / tau), atol=2e-5)
 
 
 def test_positive_head_angle_turns_clockwise_and_mirrors():
-    left, right = swim(4, phi=0.5), swim(4, phi=-0.5)
+    left, right = simulate(4, phi=0.5), simulate(4, phi=-0.5)
     assert left[-1, 5] < -0.1
     np.testing.assert_allclose(left[:, [1, 2]], -right[:, [1, 2]], atol=1e-12)
 
 
 def test_radius_does_not_depend_on_power_in_the_base_model():
-    radius = [np.hypot(*s[-1, 3:5]) / -s[-1, 5] for s in (swim(12, 2.4, 0.5), swim(12, 5.8, 0.5))]
+    radius = [
+        np.hypot(*s[-1, 3:5]) / -s[-1, 5] for s in (simulate(12, 2.4, 0.5), simulate(12, 5.8, 0.5))
+    ]
     assert radius[0] == pytest.approx(radius[1], rel=1e-3)
 
 
@@ -71,8 +73,8 @@ def test_straight_swimming_is_unstable_without_a_fin():
 def test_added_mass_keeps_kinetic_energy_of_an_ideal_body():
     """Without thrust and forces of the head plate the Kirchhoff equations conserve energy."""
     free = dyn.Coefficients(*[1e-12] * 6)
-    e = wd.replace(drawn("added_mass"), strength=0.5)
-    s = swim(3, 0.0, 0.0, (e,), (0, 0, 0.3, 0.4, 0.1, 0.8, 0, 0), free)
+    e = wd.replace(draw_form("added_mass"), strength=0.5)
+    s = simulate(3, 0.0, 0.0, (e,), (0, 0, 0.3, 0.4, 0.1, 0.8, 0, 0), free)
     v = (s[:, 3] + 1j * s[:, 4]) * np.exp(-1j * s[:, 2])
     T = 0.74 * v.real**2 + 1.18 * v.imag**2 + (0.0095 + 0.003) * s[:, 5] ** 2
     assert np.ptp(T) < 2e-3 * T[0]
@@ -103,7 +105,7 @@ def test_projection_round_trip_through_the_surface(seed):
 
 
 def test_stated_laboratory_reads_the_simulated_positions_back():
-    world = small_world(())
+    world = make_small_study(())
     dy, _ = detector.observation_changes(world, 0, wd.trial_path(world, world.trials[0]))
     assert np.abs(dy[:, :3]).max() < 1e-6
     np.testing.assert_allclose(dy[:, 3], 0.0, atol=1e-6)
@@ -111,7 +113,7 @@ def test_stated_laboratory_reads_the_simulated_positions_back():
 
 def test_whitening_equals_the_joint_covariance():
     """Brute force: joint covariance of all observations of a trial, no recursion."""
-    world = small_world((wd.replace(drawn("linear_yaw_damping"), strength=0.004),), 1)
+    world = make_small_study((wd.replace(draw_form("linear_yaw_damping"), strength=0.004),), 1)
     trial = world.trials[0]
     F, g = detector.linearise_blocks(world, trial, wd.trial_path(world, trial))
     F, g = F[:8], g[:8]

@@ -22,10 +22,10 @@ from validation.generators.manoeuvring import (
     studies,
 )
 
-ONE = np.ones(1)
+ONE_TRIAL = np.ones(1)
 
 
-def still_drive(phi=0.0, flap=5.0, head=0.12, n=1):
+def drive_in_still_water(phi=0.0, flap=5.0, head=0.12, n=1):
     one = np.ones(n)
     return dynamics.TrialInputs(
         phi * one,
@@ -54,7 +54,9 @@ def tank():
 
 
 def test_terminal_speed_of_the_paper(robot):
-    path = dynamics.simulate(np.zeros((3, 1)), robot, still_drive(), [], fps=50, frames=600)
+    path = dynamics.simulate(
+        np.zeros((3, 1)), robot, drive_in_still_water(), [], fps=50, frames=600
+    )
     C_T, _, C_D0 = robot.coefficients[:3]
     assert path.S[-1, 3, 0] == pytest.approx(5.0 * np.sqrt(C_T / C_D0), rel=1e-3)
     np.testing.assert_allclose(path.S[:, 1:3], 0, atol=1e-9)
@@ -62,12 +64,12 @@ def test_terminal_speed_of_the_paper(robot):
 
 def test_agrees_with_equations_about_the_centre_of_mass(robot):
     """Eq. (8) in world axes about C, from a general state, against the equations about O."""
-    drive, psi, phi, r = still_drive(0.4), 0.7, 0.4, 0.9
+    drive, psi, phi, r = drive_in_still_water(0.4), 0.7, 0.4, 0.9
     l, A = robot.arm(0.12), 0.12 * robot.span
     vc = 0.35 * np.exp(1j * 0.55)
     vo = (vc + 1j * r * l * np.exp(1j * psi)) * np.exp(-1j * psi)
     S = np.array([[l * np.cos(psi)], [l * np.sin(psi)], [psi], [vo.real], [vo.imag], [r], [0], [0]])
-    d = dynamics.rates(ONE, S, robot, drive, [])[:, 0]
+    d = dynamics.rates(ONE_TRIAL, S, robot, drive, [])[:, 0]
     a_O = ((d[3] + 1j * d[4]) + 1j * r * vo) * np.exp(1j * psi)
     a_C = a_O - (1j * d[5] - r**2) * l * np.exp(1j * psi)
     C_T, C_La, C_D0, C_Da, C_Ma, C_Md = robot.coefficients
@@ -81,17 +83,22 @@ def test_agrees_with_equations_about_the_centre_of_mass(robot):
 
 
 def test_positive_head_angle_turns_clockwise(robot):
-    path = dynamics.simulate(np.zeros((3, 1)), robot, still_drive(0.5), [], fps=50, frames=200)
+    path = dynamics.simulate(
+        np.zeros((3, 1)), robot, drive_in_still_water(0.5), [], fps=50, frames=200
+    )
     assert path.S[-1, 5, 0] < -0.1
 
 
 def test_runge_kutta_is_of_fourth_order_at_least(robot):
-    S, drive = np.array([[0, 0, 0, 0.4, 0.05, 0.5, 0, 0]]).T.astype(float), still_drive(0.5)
+    S, drive = (
+        np.array([[0, 0, 0, 0.4, 0.05, 0.5, 0, 0]]).T.astype(float),
+        drive_in_still_water(0.5),
+    )
 
     def end(steps):
         state = S
         for k in range(steps):
-            t = k / steps * ONE
+            t = k / steps * ONE_TRIAL
             state = dynamics.rk4_step(t, state, 1 / steps, robot, drive, effects=[])
         return state
 
@@ -104,7 +111,7 @@ def test_runge_kutta_is_of_fourth_order_at_least(robot):
 def test_every_form_vanishes_at_zero_strength_and_acts_above(name, robot):
     cause = effects.CAUSES.get(name, effects.UNLISTED_CAUSE)
     seen = set()
-    drive = still_drive(0.5, head=0.17)
+    drive = drive_in_still_water(0.5, head=0.17)
     S = np.array([[0.8, 0.6, 0.9, 0.35, 0.25, 0.5, 0.1, 0.1]]).T
     drive = replace(drive, wake=np.array([[0.3], [0.1]]))
     for seed in range(60):
@@ -113,7 +120,7 @@ def test_every_form_vanishes_at_zero_strength_and_acts_above(name, robot):
         if e.form in seen or e.hook == "depth":
             continue
         seen.add(e.form)
-        t = 0.15 * ONE
+        t = 0.15 * ONE_TRIAL
         base = dynamics.rates(t, S, robot, drive, [])[:6]
         np.testing.assert_allclose(
             dynamics.rates(t, S, robot, drive, [e.scaled(0.0)])[:6], base, atol=1e-9
@@ -130,10 +137,23 @@ def test_drag_takes_power(name, robot):
     rng = np.random.default_rng(0)
     for _ in range(20):
         e, _ = effects.draw_effect(name, rng)
-        u, v, r = rng.normal(0, 0.3, 3) * ONE[0]
-        z = 0 * ONE
-        flow = dynamics.Flow(robot, 0.12 * ONE, ONE, z, z, z, r * ONE, ONE, 0.3 * ONE, z, u, v)
-        flow.speed = np.hypot(u, v) * ONE
+        u, v, r = rng.normal(0, 0.3, 3) * ONE_TRIAL[0]
+        z = 0 * ONE_TRIAL
+        flow = dynamics.Flow(
+            robot,
+            0.12 * ONE_TRIAL,
+            ONE_TRIAL,
+            z,
+            z,
+            z,
+            r * ONE_TRIAL,
+            ONE_TRIAL,
+            0.3 * ONE_TRIAL,
+            z,
+            u,
+            v,
+        )
+        flow.speed = np.hypot(u, v) * ONE_TRIAL
         X, Y, N = e(flow)
         if e.form != "modulus":
             assert np.all(X * u + Y * v + N * r <= 1e-12)
@@ -191,11 +211,13 @@ def test_log_likelihood_gain_is_half_sigma_squared(tank, monkeypatch):
     y = np.stack(path.core(tank.robot, tank.drive.head), axis=1)[
         : (len(path.t) - 1) // nb * nb : nb
     ]
-    gain = ekf(tank, path, [drag, fin], y) - ekf(tank, path, [fin], y)
+    gain = extended_kalman_filter(tank, path, [drag, fin], y) - extended_kalman_filter(
+        tank, path, [fin], y
+    )
     assert gain == pytest.approx(raw**2 / 2, rel=0.06)
 
 
-def ekf(tank, path, effs, y):
+def extended_kalman_filter(tank, path, effs, y):
     b = detector.linearise(tank, path, [])
     a, var, R, prior = detector.noise_model(tank, b)
     n, nb = tank.trials, max(2, round(0.1 * tank.fps))
@@ -239,23 +261,23 @@ def ekf(tank, path, effs, y):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
+def written_study(tmp_path_factory):
     slots = [studies.study_slot(2, i) for i in range(40)]
     index = next(i for i, s in enumerate(slots) if s.group == "null" and s.trials == 9)
     folders = [tmp_path_factory.mktemp(c) for c in "ab"]
     return [(f, studies.generate(2, index, f)) for f in folders]
 
 
-def test_generation_is_deterministic(written):
-    (a, reported), (b, _) = written
+def test_generation_is_deterministic(written_study):
+    (a, reported), (b, _) = written_study
     files = sorted(p.relative_to(a) for p in a.rglob("*") if p.is_file())
     assert files == sorted(p.relative_to(b) for p in b.rglob("*") if p.is_file())
     assert all((a / f).read_bytes() == (b / f).read_bytes() for f in files)
     assert studies.generate(2, reported["index"], a) == reported
 
 
-def test_truth_and_study_agree(written):
-    folder, reported = written[0]
+def test_truth_and_study_agree(written_study):
+    folder, reported = written_study[0]
     name = reported["study"]
     assert json.loads((folder / "truth" / f"{name}.json").read_text()) == reported
     assert reported["verdict"] == ("physics" if reported["fin"] else "none")

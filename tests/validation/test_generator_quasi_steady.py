@@ -23,7 +23,7 @@ def lab():
     return trials.draw_lab(np.random.default_rng(5), 9, two_heads=False, long=False, lens="pinhole")
 
 
-def still(trial, **changes):
+def undisturbed_trial(trial, **changes):
     """The trial without gusts or errors."""
     return replace(
         trial,
@@ -36,7 +36,7 @@ def still(trial, **changes):
 
 
 def test_terminal_speed_is_that_of_thrust_against_drag(lab):
-    trial = still(lab.trials[0], head_angle=0.0, seconds=12.0)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.0, seconds=12.0)
     _, states, _ = trials.simulate_trial(lab, trial, [], 10)
     by_hand = trial.flap * np.sqrt(lab.robot.C_T / lab.robot.C_D0)
     assert states[-1, 3] == pytest.approx(by_hand, rel=1e-3)
@@ -44,7 +44,7 @@ def test_terminal_speed_is_that_of_thrust_against_drag(lab):
 
 
 def test_speed_from_rest_follows_the_hyperbolic_tangent(lab):
-    trial = still(lab.trials[0], head_angle=0.0, seconds=2.0)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.0, seconds=2.0)
     times, states, _ = trials.simulate_trial(lab, trial, [], 10)
     robot = lab.robot
     top = trial.flap * np.sqrt(robot.C_T / robot.C_D0)
@@ -56,7 +56,9 @@ def test_speed_from_rest_follows_the_hyperbolic_tangent(lab):
 def test_positive_head_angle_turns_clockwise(lab, form):
     fin = fx.draw_effect(form, np.random.default_rng(1))
     runs = [
-        trials.simulate_trial(lab, still(lab.trials[0], head_angle=a, seconds=5.0), [fin], 10)[1]
+        trials.simulate_trial(
+            lab, undisturbed_trial(lab.trials[0], head_angle=a, seconds=5.0), [fin], 10
+        )[1]
         for a in (0.5, -0.5)
     ]
     assert runs[0][-1, 5] < -0.1
@@ -81,7 +83,7 @@ def test_a_competent_lab_decodes_the_simulated_positions(lab):
     assert np.abs(back - points).max() < 3e-3
 
 
-def brute_force(lab, trial, effect, draws):
+def simulated_detectability(lab, trial, effect, draws):
     """Whitened norm of an effect's change of a trajectory, from the simulated covariance."""
     rng = np.random.default_rng(8)
     given = [trials.trial_inputs(lab, trial, some) for some in ([effect], [])]
@@ -110,11 +112,11 @@ def brute_force(lab, trial, effect, draws):
 
 def test_the_filter_agrees_with_brute_force(lab):
     effect = replace(fx.draw_effect(fx.CAUSES["viscous_drag"][0], np.random.default_rng(2)), k=0.01)
-    trial = still(lab.trials[0], head_angle=0.5, seconds=2.5)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.5, seconds=2.5)
     s = detector.trial_signals(lab, trial, [effect])
     e = detector.whitened_innovations(s, lab.noise, *detector.tracking_variances(lab))
     assert np.linalg.norm(e[:, :, 0]) == pytest.approx(
-        brute_force(lab, trial, effect, 500), rel=0.2
+        simulated_detectability(lab, trial, effect, 500), rel=0.2
     )
 
 

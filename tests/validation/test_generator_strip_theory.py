@@ -167,23 +167,23 @@ def test_sigma_equals_that_of_full_covariance():
 
 
 @pytest.fixture(scope="module")
-def null(tmp_path_factory):
+def null_study(tmp_path_factory):
     index = next(k for k in range(40) if studies.study_slot(k).group == "null"
                  and studies.study_slot(k).trials == 9)  # fmt: skip
     folder = tmp_path_factory.mktemp("tank")
     return index, folder, studies.generate(5, index, folder)
 
 
-def test_same_seed_and_index_give_the_same_bytes(null, tmp_path):
-    index, folder, truth = null
+def test_same_seed_and_index_give_the_same_bytes(null_study, tmp_path):
+    index, folder, truth = null_study
     assert studies.generate(5, index, tmp_path) == truth
     for file in sorted((folder / "studies").rglob("*")):
         if file.is_file():
             assert (tmp_path / file.relative_to(folder)).read_bytes() == file.read_bytes()
 
 
-def test_truth_has_the_agreed_keys(null):
-    index, folder, truth = null
+def test_truth_has_the_agreed_keys(null_study):
+    index, folder, truth = null_study
     assert json.loads((folder / "truth" / f"{truth['study']}.json").read_text()) == truth
     keys = (
         "study generator seed index group fin trials verdict causes unlisted noise robot conditions"
@@ -193,8 +193,8 @@ def test_truth_has_the_agreed_keys(null):
     assert truth["verdict"] == ("physics" if truth["fin"] else "none")
 
 
-def test_written_keypoints_give_the_simulated_start(null):
-    _, folder, truth = null
+def test_written_keypoints_give_the_simulated_start(null_study):
+    _, folder, truth = null_study
     study = folder / "studies" / truth["study"]
     config = yaml.safe_load((study / "study.yaml").read_text())
     rows = pd.read_csv(study / "trials.csv")

@@ -12,7 +12,7 @@ from validation import report
 from validation.scoring import ScoredStudy, calibration_bins
 
 
-def scored(study, generator, true, said, group="clear", **other):
+def study_record(study, generator, true, said, group="clear", **other):
     values = {
         "fin": False, "trials": 24, "alternatives": {}, "probabilities": {},
         "verdict": "physics", "cpu_s": 10.0, "where": (), "unlisted": None, "failure": "",
@@ -24,12 +24,12 @@ def scored(study, generator, true, said, group="clear", **other):
 
 
 STUDIES = [
-    scored("000", "kirchhoff", ["stall"], {"stall": 0.97}),
-    scored("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
-    scored("002", "kirchhoff", [], {}, group="null"),
-    scored("000", "unseen_water", ["sinking"], {"wave_drag": 0.55}, trials=9),
-    scored("001", "unseen_water", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
-    scored("002", "unseen_water", [], {"clock_error": 0.58}, group="null", failure="boom"),
+    study_record("000", "kirchhoff", ["stall"], {"stall": 0.97}),
+    study_record("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
+    study_record("002", "kirchhoff", [], {}, group="null"),
+    study_record("000", "unseen_water", ["sinking"], {"wave_drag": 0.55}, trials=9),
+    study_record("001", "unseen_water", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
+    study_record("002", "unseen_water", [], {"clock_error": 0.58}, group="null", failure="boom"),
 ]
 
 
@@ -40,7 +40,7 @@ def runs(tmp_path):
     return report.load_runs(tmp_path)
 
 
-def row(text, label):
+def table_row(text, label):
     cells = next(line for line in text.splitlines() if line.startswith(f"| {label} |"))
     return [cell.strip() for cell in cells.strip("|").split("|")][1:]
 
@@ -59,7 +59,7 @@ def test_generators_that_were_not_used_in_development_stand_first(runs):
 
 def test_scores_by_generator_have_their_intervals(runs):
     text = report.result_tables(runs)
-    assert row(text, "`kirchhoff`") == [
+    assert table_row(text, "`kirchhoff`") == [
         "3",
         "2 of 3: 67 % (9 to 99)",
         "3 of 3: 100 % (29 to 100)",
@@ -67,8 +67,8 @@ def test_scores_by_generator_have_their_intervals(runs):
         "1 of 3: 33 % (1 to 91)",
         "",
     ]
-    assert row(text, "`unseen_water`")[5].startswith("1 of 1")
-    assert row(text, "nine trials or fewer")[1].startswith("0 of 1")
+    assert table_row(text, "`unseen_water`")[5].startswith("1 of 1")
+    assert table_row(text, "nine trials or fewer")[1].startswith("0 of 1")
 
 
 def test_reliability_counts_true_names_in_bins_of_a_tenth(runs):
@@ -88,7 +88,7 @@ def test_another_finder_is_compared_on_the_generators_that_both_were_run_on(runs
     report.write_results(old, tmp_path)
     text = report.result_tables(report.load_runs(tmp_path))
     assert "Finder `new`" in text
-    assert row(text, "`old`")[0] == row(text, "`new`")[0] == "3"
+    assert table_row(text, "`old`")[0] == table_row(text, "`new`")[0] == "3"
 
 
 def test_a_file_without_a_required_key_is_refused_by_name(tmp_path):
@@ -123,5 +123,5 @@ def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
 
 def test_a_certain_cause_stands_in_the_last_bin_although_rounded_above_one():
     """Sums of probabilities may exceed 1 by rounding."""
-    study = scored("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
+    study = study_record("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
     assert [(b["from"], b["count"]) for b in calibration_bins([study])] == [(pytest.approx(0.9), 1)]

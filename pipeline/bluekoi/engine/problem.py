@@ -1,4 +1,4 @@
-"""What the finder is asked: a system, its trials, its candidate causes."""
+"""Input of the finder: a system, its trials, its candidate causes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .candidates import Candidate
 MAX_SEARCH_TRIALS = 24
 """A search uses at most so many trials, those that say most; what it finds is verified on all. The
 noise too is estimated on at most so many. As many as the studies have on which the finder is
-validated (FINDER, protocol); `benchmarks/subset.py` compares with a search on all trials."""
+validated (FINDER, protocol); `benchmarks/search_subset.py` compares with a search on all trials."""
 
 Progress = Callable[[str], None]
 

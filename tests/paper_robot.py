@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bluekoi.study import Setup
 
-SETUP = Setup.model_validate(
+PAPER_SETUP = Setup.model_validate(
     {
         "robot": {
             "mass_kg": 0.68,

@@ -19,10 +19,14 @@ TABLE_1 = {
     75: Coefficients(C_Da=2.5, C_Md=0.130),
     100: Coefficients(C_Da=4.0, C_Md=0.104),
 }
-PLANS = ("T09", "T10", "T11")  # full power, so the shortest: straight, 30 degrees, -45 degrees
+SMALL_STUDY_TRIALS = (
+    "T09",
+    "T10",
+    "T11",
+)  # full power, so the shortest: straight, 30 degrees, -45 degrees
 
 
-def bare_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
+def published_model_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
     """12 trials of the paper's bare model in still water; Table I per power if asked.
 
     With the common coefficients the radii do not depend on power (docs/paper.md, Audit: Power).
@@ -36,24 +40,26 @@ def bare_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
 
 def small_study(folder: Path) -> Path:
     """A study of three keypoint trials, simulated from the bare model, in `folder`."""
-    for made, place in zip(_simulated(), (folder, folder.with_name("truth")), strict=True):
+    for made, place in zip(
+        _simulated_small_study(), (folder, folder.with_name("truth")), strict=True
+    ):
         shutil.copytree(made, place, dirs_exist_ok=True)
     return folder
 
 
 @cache
-def _simulated() -> tuple[Path, Path]:
+def _simulated_small_study() -> tuple[Path, Path]:
     """The small study and its truth, simulated once in a process; half a second."""
     root = tempfile.mkdtemp(prefix="bluekoi-small-study-")
     atexit.register(shutil.rmtree, root, ignore_errors=True)
     made = Path(root, "study"), Path(root, "truth")
-    design = bare_design()
-    plans = tuple(plan for plan in design.plans if plan.trial_id in PLANS)
+    design = published_model_design()
+    plans = tuple(plan for plan in design.plans if plan.trial_id in SMALL_STUDY_TRIALS)
     keypoint_study(replace(design, plans=plans), *made)
     return made
 
 
-def edit_rows(study: Path, **cells: dict[str, str]) -> None:
+def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
     """Change cells of trials.csv: `edit_rows(study, T09={"fps": "30"})`."""
     with (study / "trials.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))

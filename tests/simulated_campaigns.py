@@ -19,16 +19,23 @@ from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
 from bluekoi.smoothing import smooth
 from bluekoi.study import Trial
 from bluekoi.tuning import trial_series
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
 FPS = 30.0
-SECONDS = {50: 6.0, 75: 5.0, 100: 4.0}
-TURNS = ((0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
+DURATION_S = {50: 6.0, 75: 5.0, 100: 4.0}
+HEAD_SETTINGS = (
+    (0.0, 0.12),
+    (30.0, 0.12),
+    (-30.0, 0.12),
+    (45.0, 0.12),
+    (-45.0, 0.12),
+    (45.0, 0.175),
+)
 COEFFICIENTS = dict(TABLE_1[75])
 
 
 @dataclass(frozen=True)
-class Errors:
+class ErrorModel:
     """What is random: standard deviations, and the times [s] within which they are forgotten.
 
     push: forces (N, N, N m) of the water. white, slow: tracking errors of x, y (m), heading and
@@ -48,7 +55,7 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Plan:
+class TrialPlan:
     """One trial of a campaign."""
 
     name: str
@@ -58,30 +65,32 @@ class Plan:
     values: Mapping[str, float] = field(default_factory=lambda: COEFFICIENTS)
 
 
-def plans(
-    powers: Sequence[int] = (50, 75, 100), turns: Sequence[tuple[float, float]] = TURNS
-) -> list[Plan]:
+def trial_plans(
+    powers: Sequence[int] = (50, 75, 100), turns: Sequence[tuple[float, float]] = HEAD_SETTINGS
+) -> list[TrialPlan]:
     """A trial for every power and every (head angle, head length)."""
     return [
-        Plan(f"P{power}N{i}", power, angle, length)
+        TrialPlan(f"P{power}N{i}", power, angle, length)
         for power in powers
         for i, (angle, length) in enumerate(turns)
     ]
 
 
-def sixteen(
-    wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator, *, count: int = LANES
+def simulate_campaigns(
+    wanted: Sequence[TrialPlan], errors: ErrorModel, rng: np.random.Generator, *, count: int = LANES
 ) -> list[list[Series]]:
     """Series of `count` (up to 16) campaigns of these plans."""
-    paths = _paths(wanted, errors, rng)
+    paths = _simulated_paths(wanted, errors, rng)
     return [
-        [_measured(plan, path[:, :, lane], errors, rng)
+        [_measured_series(plan, path[:, :, lane], errors, rng)
          for plan, path in zip(wanted, paths, strict=True)]
         for lane in range(count)
     ]  # fmt: skip
 
 
-def _paths(wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator) -> list[Float]:
+def _simulated_paths(
+    wanted: Sequence[TrialPlan], errors: ErrorModel, rng: np.random.Generator
+) -> list[Float]:
     """True states (frames, 6 + head angle error, 16) of every plan, from rest, pushed about."""
     system, kernel = plates(), compiled(plates())
     memory = dict.fromkeys(("tau_surge", "tau_sway", "tau_yaw"), errors.push_s)
@@ -91,7 +100,7 @@ def _paths(wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator) -> 
                        for p in wanted])  # fmt: skip
     servo = errors.servo * rng.standard_normal((count, LANES))
     values[:, system.slot["head_angle_offset.offset"]] = servo
-    fixed = np.stack([np.repeat(constants(SETUP, p.head_length_m)[:, None], LANES, axis=1)
+    fixed = np.stack([np.repeat(constants(PAPER_SETUP, p.head_length_m)[:, None], LANES, axis=1)
                       for p in wanted])  # fmt: skip
     inputs = np.array([[np.radians(p.angle_deg), FLAP_HZ[p.power]] for p in wanted])
     state = np.zeros((count, len(system.all_states), LANES))
@@ -100,7 +109,7 @@ def _paths(wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator) -> 
     state[:, 6:9] = push * rng.standard_normal((count, 3, LANES))
     keep = np.exp(-1 / (FPS * errors.push_s))
     frames = [state]
-    for _ in range(round(max(SECONDS.values()) * FPS)):
+    for _ in range(round(max(DURATION_S.values()) * FPS)):
         _, after = propagate(
             kernel, frames[-1], values, fixed, times=np.tile([0.0, 1 / FPS], (count, 1)),
             inputs=np.repeat(inputs[:, None], 2, axis=1), keep_states=True,
@@ -110,10 +119,12 @@ def _paths(wanted: Sequence[Plan], errors: Errors, rng: np.random.Generator) -> 
         frames.append(new)
     every = np.stack(frames, axis=1)
     every[:, :, 6] = servo[:, None]
-    return [every[i, : round(SECONDS[p.power] * FPS) + 1, :7] for i, p in enumerate(wanted)]
+    return [every[i, : round(DURATION_S[p.power] * FPS) + 1, :7] for i, p in enumerate(wanted)]
 
 
-def _measured(plan: Plan, path: Float, errors: Errors, rng: np.random.Generator) -> Series:
+def _measured_series(
+    plan: TrialPlan, path: Float, errors: ErrorModel, rng: np.random.Generator
+) -> Series:
     """One trial as the fit takes it, from its true path (frames, 7)."""
     n, hz = len(path), FLAP_HZ[plan.power]
     times = np.arange(n) / FPS
@@ -127,7 +138,7 @@ def _measured(plan: Plan, path: Float, errors: Errors, rng: np.random.Generator)
         psi + errors.swing * rise * np.sin(beat - 1.2), angle + path[:, 6],
     ])  # fmt: skip
     seen = truth + np.array(errors.white) * rng.standard_normal((n, 4))
-    seen += np.array(errors.slow) * lasting(rng, n, errors.slow_s * FPS)
+    seen += np.array(errors.slow) * autocorrelated_errors(rng, n, errors.slow_s * FPS)
     stated = errors.stated_ratio**2 * (np.square(errors.white) + np.square(errors.slow))
     pose = Pose(times, seen, np.tile(np.diag(stated), (n, 1, 1)))
     trial = Trial(
@@ -138,10 +149,10 @@ def _measured(plan: Plan, path: Float, errors: Errors, rng: np.random.Generator)
         head_length_m=plan.head_length_m,
         fps=FPS,
     )
-    return trial_series(trial, SETUP, pose, smooth(pose, hz), Flapping(hz, 0.0, "flap_hz"))
+    return trial_series(trial, PAPER_SETUP, pose, smooth(pose, hz), Flapping(hz, 0.0, "flap_hz"))
 
 
-def lasting(rng: np.random.Generator, n: int, memory: float) -> Float:
+def autocorrelated_errors(rng: np.random.Generator, n: int, memory: float) -> Float:
     """Errors (n, 4) of unit size that are forgotten within `memory` frames."""
     keep = np.exp(-1 / memory)
     out = rng.standard_normal((n, 4))

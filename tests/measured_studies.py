@@ -1,4 +1,4 @@
-"""Keypoint studies taken through the measuring half, for tests of fits and of the search."""
+"""Keypoint studies processed up to tracks, for tests of fits and of the search."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from validation.tracking_noise import keypoint_study
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredStudy:
     """A study with its trials as the fit takes them and its steady states."""
 
     study: Study
@@ -35,12 +35,12 @@ class Measured:
     flapping: dict[str, Flapping]
 
 
-def measured(design: StudyDesign, folder: Path) -> Measured:
+def measure_design(design: StudyDesign, folder: Path) -> MeasuredStudy:
     """A design simulated, tracked with noise, and measured again."""
     keypoint_study(design, folder / "study", folder / "truth")
     study = load_study(folder / "study")
     camera = pool_camera(study.setup)
-    out = Measured(study, [], {}, {})
+    out = MeasuredStudy(study, [], {}, {})
     for trial in study.trials:
         found = read(study.paths(trial)[0], trial, {})
         positions = map_keypoints(camera, found, study.setup.robot.keypoint_depth_m)
@@ -55,7 +55,7 @@ def measured(design: StudyDesign, folder: Path) -> Measured:
     return out
 
 
-def swung(
+def series_with_effect(
     series: Sequence[Series], model: Tuned, effect: str, numbers: dict[str, float]
 ) -> list[Series]:
     """The trials as they would have been had an effect been there: each path changed by what it
@@ -63,7 +63,9 @@ def swung(
     """
     kernel = compiled(plates())
     still = model.trial_values(kernel, series)
-    moved = [with_numbers(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still]
+    moved = [
+        with_effect_parameters(v, {f"{effect}.{k}": x for k, x in numbers.items()}) for v in still
+    ]
     begun = [replace(s, mean=run.start)
              for s, run in zip(series, free_runs(kernel, series, still), strict=True)]  # fmt: skip
     both = [free_runs(kernel, begun, values, iterations=0) for values in (still, moved)]
@@ -71,7 +73,7 @@ def swung(
             for s, a, b in zip(series, *both, strict=True)]  # fmt: skip
 
 
-def with_numbers(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
+def with_effect_parameters(values: np.ndarray, numbers: dict[str, float]) -> np.ndarray:
     out = values.copy()
     for name, value in numbers.items():
         out[plates().slot[name]] = value

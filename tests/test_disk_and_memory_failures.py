@@ -1,4 +1,4 @@
-"""The machine fails: disk full, read-only results, no memory. A clear word, nothing lost."""
+"""Full disk, read-only results folder, too little memory: a clear message, and nothing is lost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from bluekoi.files import write_text
 from bluekoi.stages.status import run_with_status
 from bluekoi.workflow.plan import make_plan
 from bluekoi.workflow.provenance import source_files
-from studies import small_study
+from small_studies import small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -46,7 +46,7 @@ def mounted(tmp_path):
         subprocess.run(["umount", "-l", str(folder)], check=False)
 
 
-def stage(name: str, study: Path, results: Path, *further: str, limit=None):
+def run_stage(name: str, study: Path, results: Path, *further: str, limit=None):
     command = [sys.executable, "-m", "bluekoi", "stage", name, "--study", str(study)]
     return subprocess.run(
         [*command, "--results", str(results), *further],
@@ -63,7 +63,7 @@ def test_a_full_disk_is_said_and_leaves_no_half_file(study, mounted):
     disk = mounted("64k")
     results = disk / "results"
     (disk / "filler").write_bytes(b"x" * 40_000)
-    done = stage("keypoints", study, results, "--trial", "T09")
+    done = run_stage("keypoints", study, results, "--trial", "T09")
     words = done.stderr + "".join(p.read_text() for p in results.rglob("status/keypoints/*.json"))
     assert "No space left on device" in words
     assert "Traceback" not in words
@@ -71,7 +71,7 @@ def test_a_full_disk_is_said_and_leaves_no_half_file(study, mounted):
     assert not list(results.rglob(".*.csv"))
     (disk / "filler").unlink()
     subprocess.run(["mount", "-o", "remount,size=8m", str(disk)], check=True)
-    assert stage("keypoints", study, results, "--trial", "T09").returncode == 0
+    assert run_stage("keypoints", study, results, "--trial", "T09").returncode == 0
     assert json.loads((results / "status/keypoints/T09.json").read_text())["ok"]
 
 
@@ -89,7 +89,7 @@ def test_a_file_size_limit_is_said_like_a_full_disk(study, tmp_path):
     def small_files() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 
-    done = stage("keypoints", study, tmp_path / "r", "--trial", "T09", limit=small_files)
+    done = run_stage("keypoints", study, tmp_path / "r", "--trial", "T09", limit=small_files)
     reported = json.loads((tmp_path / "r/status/keypoints/T09.json").read_text())
     assert done.returncode == 0
     assert not reported["ok"]
@@ -104,7 +104,7 @@ def test_results_that_are_read_only_are_reported_at_the_door(study, mounted, mon
     settings = {"study": str(study), "results": str(disk / "results"), "demo_folder": "d"}
     with pytest.raises(InputError, match=r"Read-only file system.*can be written to"):
         make_plan({**settings, "overlays": "none"})
-    done = stage("keypoints", study, disk / "results", "--trial", "T09")
+    done = run_stage("keypoints", study, disk / "results", "--trial", "T09")
     assert done.returncode == 1
     assert "Read-only file system" in done.stderr
     assert "Traceback" not in done.stderr
@@ -130,11 +130,11 @@ def test_a_stage_in_too_little_memory_ends_and_can_be_done_again(study, tmp_path
     def little() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (300 * 2**20, 300 * 2**20))
 
-    done = stage("tracks", study, tmp_path / "r", "--trial", "T09", limit=little)
+    done = run_stage("tracks", study, tmp_path / "r", "--trial", "T09", limit=little)
     assert done.returncode != 0 or (tmp_path / "r/status/T09.json").is_file()
     assert not list((tmp_path / "r").rglob("tracks/*.csv"))
-    assert stage("keypoints", study, tmp_path / "r", "--trial", "T09").returncode == 0
-    assert stage("tracks", study, tmp_path / "r", "--trial", "T09").returncode == 0
+    assert run_stage("keypoints", study, tmp_path / "r", "--trial", "T09").returncode == 0
+    assert run_stage("tracks", study, tmp_path / "r", "--trial", "T09").returncode == 0
     assert json.loads((tmp_path / "r/status/T09.json").read_text())["ok"]
 
 

@@ -19,17 +19,19 @@ from bluekoi.mismatch.laws import (
 from bluekoi.model import COEFFICIENTS, plates
 from bluekoi.study import Trial
 from bluekoi.tuning.joint import downsampled, tune
-from campaigns import Errors, sixteen
-from campaigns import plans as plans_of
+from simulated_campaigns import ErrorModel, simulate_campaigns
+from simulated_campaigns import trial_plans as plans_of
 
 N_R = 0.02
 
 
 @pytest.fixture(scope="module")
-def model():
+def damped_model():
     """Trials of the bare model; a model with a damping N_r = 0.02 +- 0.001 N m s put into it."""
     wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
-    series = downsampled(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+    series = downsampled(
+        simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
+    )
     free = (*(Free(p.name) for p in COEFFICIENTS), Free("linear_yaw_damping.N_r"))
     found = tune(series, free)
     values, cov = found.fit.values.copy(), np.zeros((7, 7))
@@ -44,12 +46,12 @@ def model():
 
 
 @pytest.fixture(scope="module")
-def laws(model):
-    return cause_laws(*model)
+def damping_laws(damped_model):
+    return cause_laws(*damped_model)
 
 
-def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(laws):
-    law = laws["linear_yaw_damping"]
+def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(damping_laws):
+    law = damping_laws["linear_yaw_damping"]
     assert (law["channel"], law["y_unit"]) == ("yaw", "N m")
     assert law["variable"] == "yaw_rate_rad_s"
     assert law["explained"] > 0.95
@@ -59,10 +61,12 @@ def test_a_damping_is_a_moment_against_the_yaw_rate_with_the_band_of_its_number(
     assert half[fast] == pytest.approx(1.96 * 0.001 * np.abs(law["x"][fast]), rel=0.1)
 
 
-def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(model, laws):
-    _, series, _, found, _ = model
+def test_partial_residuals_of_a_damping_that_the_trials_do_not_have_show_none(
+    damped_model, damping_laws
+):
+    _, series, _, found, _ = damped_model
     loose = replace(found.noise, disturbance=10 * found.noise.disturbance)
-    points = partial_residuals(*model, laws=laws, noise=loose)["linear_yaw_damping"]
+    points = partial_residuals(*damped_model, laws=damping_laws, noise=loose)["linear_yaw_damping"]
     assert points.keys() == {one.name for one in series}
     assert {len(one["x"]) for one in points.values()} == {TRIAL_PARTS}
     # At the ends of a trial the smoother knows less and draws forces to zero.

@@ -10,7 +10,7 @@ from bluekoi.data import Keypoints
 from bluekoi.keypoints.deeplabcut import read_table
 
 
-def read_whole(path: Path, fps: float) -> Keypoints:
+def read_all_parts(path: Path, fps: float) -> Keypoints:
     """Every part that a keypoint file holds, named `part` or `individual/part`; no covariances."""
     table = read_table(path)
     names = tuple(f"{who}/{part}" if who else part for who, part in table.columns)

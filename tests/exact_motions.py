@@ -29,16 +29,16 @@ class Motion:
         return np.hypot(*self.velocity.T)
 
 
-def times(n: int = 240) -> Float:
+def frame_times(n: int = 240) -> Float:
     return np.arange(n) / FPS
 
 
-def rest(t: Float) -> Motion:
+def at_rest(t: Float) -> Motion:
     n = len(t)
     return Motion(t, np.full((n, 2), 0.8), np.full(n, 0.4), np.zeros((n, 2)), np.zeros(n))
 
 
-def line(t: Float, speed: float = 0.3, heading: float = 0.3) -> Motion:
+def straight_line(t: Float, speed: float = 0.3, heading: float = 0.3) -> Motion:
     way = np.array([np.cos(heading), np.sin(heading)])
     xy, n = 0.3 + speed * t[:, None] * way, len(t)
     return Motion(t, xy, np.full(n, heading), np.tile(speed * way, (n, 1)), np.zeros(n))
@@ -64,7 +64,9 @@ def spiral(t: Float, radius: float = 0.35, growth: float = 0.04, rate: float = 0
     return Motion(t, 1.0 + r[:, None] * e, heading, v, turn)
 
 
-def startup(t: Float, final: float = 0.38, tau: float = 0.9, heading: float = 0.3) -> Motion:
+def start_from_rest(
+    t: Float, final: float = 0.38, tau: float = 0.9, heading: float = 0.3
+) -> Motion:
     """From rest against quadratic drag: v = v_inf tanh(t / tau)."""
     way = np.array([np.cos(heading), np.sin(heading)])
     s, v = final * tau * np.log(np.cosh(t / tau)), final * np.tanh(t / tau)
@@ -72,7 +74,9 @@ def startup(t: Float, final: float = 0.38, tau: float = 0.9, heading: float = 0.
     return Motion(t, 0.3 + s[:, None] * way, np.full(n, heading), v[:, None] * way, np.zeros(n))
 
 
-def turning_start(t: Float, final: float = 0.38, tau: float = 0.9, radius: float = 0.5) -> Motion:
+def start_into_circle(
+    t: Float, final: float = 0.38, tau: float = 0.9, radius: float = 0.5
+) -> Motion:
     """From rest into a circle: v = v_inf tanh(t / tau) along it."""
     s, v = final * tau * np.log(np.cosh(t / tau)), final * np.tanh(t / tau)
     a = s / radius - 1.1
@@ -81,7 +85,7 @@ def turning_start(t: Float, final: float = 0.38, tau: float = 0.9, radius: float
     return Motion(t, xy, a + np.pi / 2 + 0.15, velocity, v / radius)
 
 
-def wandering(t: Float, rng: np.random.Generator, fine: int = 10) -> Motion:
+def random_turn(t: Float, rng: np.random.Generator, fine: int = 10) -> Motion:
     """Turn whose speed and yaw rate wander: 0.35 +- 0.05 m/s, 0.5 +- 0.3 rad/s within a second.
 
     Ornstein-Uhlenbeck processes, integrated by the trapezium rule on a grid `fine` times finer.
@@ -100,17 +104,17 @@ def wandering(t: Float, rng: np.random.Generator, fine: int = 10) -> Motion:
 
 
 MOTIONS: dict[str, Callable[[Float], Motion]] = {
-    "rest": rest,
-    "line": line,
+    "rest": at_rest,
+    "line": straight_line,
     "circle": circle,
     "spiral": spiral,
-    "startup": startup,
-    "turning_start": turning_start,
+    "startup": start_from_rest,
+    "turning_start": start_into_circle,
 }
 
 
 @dataclass(frozen=True)
-class Seen:
+class CameraConditions:
     """What the camera makes of a motion."""
 
     hz: float = 2.37
@@ -123,9 +127,11 @@ class Seen:
     gap_s: tuple[float, float] = (4.0, 4.5)
 
 
-def observe(motion: Motion, rng: np.random.Generator, seen: Seen | None = None) -> Pose:
+def observed_pose(
+    motion: Motion, rng: np.random.Generator, seen: CameraConditions | None = None
+) -> Pose:
     """Pose measured of a motion: recoil in body axes, white noise, outliers, one gap."""
-    seen = seen or Seen()
+    seen = seen or CameraConditions()
     t, n = motion.time_s, len(motion.time_s)
     beat = 2 * np.pi * seen.hz * t + rng.uniform(0, 2 * np.pi)
     along = np.column_stack([np.cos(motion.heading), np.sin(motion.heading)])
@@ -144,7 +150,9 @@ def observe(motion: Motion, rng: np.random.Generator, seen: Seen | None = None) 
     return Pose(t, values, np.tile(cov, (n, 1, 1)))
 
 
-def lasting_noise(pose: Pose, truth: Pose, rng: np.random.Generator, keep: float) -> Pose:
+def with_autocorrelated_noise(
+    pose: Pose, truth: Pose, rng: np.random.Generator, keep: float
+) -> Pose:
     """The pose of `truth` with errors as large as those stated in `pose`, a share `keep` of each
     still there in the next frame."""
     std = np.sqrt(np.einsum("nii->ni", pose.cov))

@@ -1,7 +1,7 @@
 """The published case as a study of its own: nine radii and three speeds, one coefficient set, and
 which single added effect removes most of what is left, over a range of geometries.
 
-    python benchmarks/paper.py [--geometries 8] [--seed 1]
+    python benchmarks/published_case.py [--geometries 8] [--seed 1]
 
 Prints a line an effect: root mean square misfit (%) of the nine radii, middle, lowest and highest
 over the geometries, that of the three speeds, and in how many geometries it fits all twelve best.
@@ -18,7 +18,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from nine_numbers import candidates, fitted, geometries, radii_and_speeds
+from published_radii import (
+    candidate_effects,
+    fit_one_coefficient_set,
+    plausible_geometries,
+    published_radii_and_speeds,
+)
 
 
 def main() -> None:
@@ -27,13 +32,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     rng = np.random.default_rng(given.seed)
-    robots = geometries(given.geometries, rng)
-    names = ("", *candidates())
+    robots = plausible_geometries(given.geometries, rng)
+    names = ("", *candidate_effects())
     misfit = np.zeros((len(names), len(robots), 2))
     for k, setup in enumerate(robots):
-        seen = radii_and_speeds(setup)
+        seen = published_radii_and_speeds(setup)
         for i, name in enumerate(names):
-            found = fitted(seen, setup, name)
+            found = fit_one_coefficient_set(seen, setup, name)
             misfit[i, k] = found.misfit_pct, found.speed_misfit_pct
     whole = np.sqrt(misfit**2 @ np.array([9 / 12, 3 / 12]))
     best = [names[i] for i in whole.argmin(axis=0)]

@@ -1,6 +1,7 @@
-"""Detection held against rendered truth over the ladder of conditions, a line a step.
+"""Detection compared with rendered truth under conditions of growing difficulty, a line a step.
 
-    python benchmarks/ladder.py [--seeds 13 21 31] [--steps middle hand] [--folder FOLDER] [--dots]
+    python benchmarks/detection_accuracy.py [--seeds 13 21 31] [--steps middle hand]
+                                            [--folder FOLDER] [--dots]
 
 Each step is three trials a seed (straight, a turn to either side), rendered once to `--folder`,
 decoded and detected like any footage. Printed a step: median errors [px], root mean square pulls
@@ -33,16 +34,21 @@ from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
 from bluekoi.synthetic.design import conditions_design
 
-MEDIAN_PX = 0.3
-PULLS = (0.9, 1.1)
+MAX_MEDIAN_PX = 0.3
+PULL_RANGE = (0.9, 1.1)
 WRONG_PX, BELIEVED = 5.0, 0.9
-WRONG_SHARE = 1e-3
-SWAPPED_FRAMES = 1
-RIGID = PARTS[:3]
-HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
-STILL = tuple(step for step in CONDITIONS_BY_NAME if step != "nudged")
-EVEN = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
-SIZES = {"848x480": (848, 480), "1080p": (1920, 1080), "2.7K": (2704, 1520), "4K": (3840, 2160)}
+MAX_WRONG_SHARE = 1e-3
+MAX_SWAPPED_FRAMES = 1
+RIGID_KEYPOINTS = PARTS[:3]
+MARKER_HUES = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
+STEPS_WITH_STILL_CAMERA = tuple(step for step in CONDITIONS_BY_NAME if step != "nudged")
+EVENLY_LIT_STEPS = ("calm", "middle", "noise", "glare", "caustics", "blur", "compression")
+PICTURE_SIZES_PX = {
+    "848x480": (848, 480),
+    "1080p": (1920, 1080),
+    "2.7K": (2704, 1520),
+    "4K": (3840, 2160),
+}
 
 
 @dataclass(frozen=True)
@@ -86,7 +92,7 @@ class Score:
         return np.nanmedian(kept, axis=0)
 
 
-def score(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> Score:
+def score_trial(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> Score:
     """Score of detections against true pixels (frames, parts, 2)."""
     off = found.xy_px - truth_px
     safe = np.where(np.isfinite(found.cov_px2), found.cov_px2, np.eye(2))
@@ -97,13 +103,13 @@ def score(found: Keypoints, truth_px: np.ndarray, visible: np.ndarray) -> Score:
         square=square,
         likelihood=found.likelihood,
         visible=visible,
-        swapped=longest_run(backwards(found.xy_px, truth_px)),
+        swapped=longest_run(frames_backwards(found.xy_px, truth_px)),
         moved=sum("camera moved" in remark for remark in found.remarks),
         length=np.full(len(off), np.nan) if found.length_seen is None else found.length_seen,
     )
 
 
-def backwards(xy_px: np.ndarray, truth_px: np.ndarray) -> np.ndarray:
+def frames_backwards(xy_px: np.ndarray, truth_px: np.ndarray) -> np.ndarray:
     """Frames in which head and tail are found the wrong way round, (frames,)."""
     head, tail = PARTS.index("head_tip"), PARTS.index("tail_base")
     axis, right = (points[:, head] - points[:, tail] for points in (xy_px, truth_px))
@@ -119,7 +125,7 @@ def longest_run(flags: np.ndarray) -> int:
     return longest
 
 
-def together(scores: Sequence[Score]) -> Score:
+def combined_score(scores: Sequence[Score]) -> Score:
     """Scores of several trials as one."""
     joined = (
         np.concatenate([getattr(one, name) for one in scores])
@@ -129,46 +135,46 @@ def together(scores: Sequence[Score]) -> Score:
                  np.concatenate([one.length for one in scores]))  # fmt: skip
 
 
-def rendered(
+def render_step(
     folder: Path, step: str, seed: int, *, size: str, seconds: float, dots: bool = False
 ) -> Path:
     """Study folder of a step, rendered where it is not there yet; with coloured dots or without."""
     study = folder / f"{step}{'-dots' * dots}-{size}-{seed}-{seconds:g}"
     if not (study / "truth.sha256").exists():
-        state = replace(CONDITIONS_BY_NAME[step], size_px=SIZES[size])
+        state = replace(CONDITIONS_BY_NAME[step], size_px=PICTURE_SIZES_PX[size])
         state = replace(state, markers=state.markers or dots)
         design = conditions_design(state, seed, longest_s=seconds)
-        render_study(design, study, truth_of(study), workers=2)
+        render_study(design, study, truth_folder_of(study), workers=2)
     return study
 
 
-def truth_of(study: Path) -> Path:
+def truth_folder_of(study: Path) -> Path:
     return study.with_name(f"{study.name}-truth")
 
 
-def detected(study: Study, trial: Trial, name: str) -> Keypoints:
+def detect_trial(study: Study, trial: Trial, name: str) -> Keypoints:
     """Keypoints of a trial's footage by a source."""
     detector = source_module(name)
     recording = open_recording(study.paths(trial))
     film = partial(frames, recording, colour=getattr(detector, "COLOUR", False))
     setup = study.setup
     if name == "markers":
-        detection = setup.detection.model_copy(update={"marker_hues_deg": HUES})
+        detection = setup.detection.model_copy(update={"marker_hues_deg": MARKER_HUES})
         setup = setup.model_copy(update={"detection": detection})
     return detector.detect(film, setup, trial)
 
 
-def one_trial(job: tuple[Path, str, str]) -> Score:
+def score_one_trial(job: tuple[Path, str, str]) -> Score:
     """Score of one trial: study folder, trial id, source."""
     cv2.setNumThreads(1)
     folder, trial_id, name = job
     study = load_study(folder)
-    found = detected(study, study.trial(trial_id), name)
-    with np.load(truth_of(folder) / f"{trial_id}.npz") as truth:
-        return score(found, truth["keypoints_px"], truth["visible"])
+    found = detect_trial(study, study.trial(trial_id), name)
+    with np.load(truth_folder_of(folder) / f"{trial_id}.npz") as truth:
+        return score_trial(found, truth["keypoints_px"], truth["visible"])
 
 
-def line(name: str, found: Score) -> str:
+def table_line(name: str, found: Score) -> str:
     """A step's line of the table."""
     cells = [f"{name:>14} {len(found.error):6d}"]
     cells += [f"{value:6.2f}" for value in found.medians]
@@ -180,7 +186,7 @@ def line(name: str, found: Score) -> str:
     return " ".join(cells)
 
 
-def header() -> str:
+def table_header() -> str:
     """The table's head, as wide as its lines."""
     parts = " ".join(f"{part[:6]:>6}" for part in PARTS)
     pulls = " ".join(f"{part[:5]:>5}" for part in PARTS)
@@ -188,30 +194,30 @@ def header() -> str:
     return f"{over}\n{'step':>14} frames {parts}   {pulls}   sure believed swapped moved  long %"
 
 
-def missed(by_step: dict[str, Score], sources: dict[str, str]) -> list[str]:
+def missed_bars(by_step: dict[str, Score], sources: dict[str, str]) -> list[str]:
     """What misses its bar, in words. sources: of steps not seen by silhouette."""
     faults = []
-    everything = together(list(by_step.values()))
+    everything = combined_score(list(by_step.values()))
     points = everything.error.size
-    if everything.wrong >= WRONG_SHARE * points:
+    if everything.wrong >= MAX_WRONG_SHARE * points:
         faults.append(f"{everything.wrong} of {points} points wrong and believed")
-    if everything.swapped > SWAPPED_FRAMES:
+    if everything.swapped > MAX_SWAPPED_FRAMES:
         faults.append(f"head and tail swapped for {everything.swapped} frames")
-    for k, part in enumerate(RIGID):
-        if "middle" in by_step and by_step["middle"].medians[k] > MEDIAN_PX:
+    for k, part in enumerate(RIGID_KEYPOINTS):
+        if "middle" in by_step and by_step["middle"].medians[k] > MAX_MEDIAN_PX:
             faults.append(f"middle step: {part} off by {by_step['middle'].medians[k]:.2f} px")
-        for step in (step for step in EVEN if step in by_step):
-            if not PULLS[0] <= by_step[step].pulls[k] <= PULLS[1]:
+        for step in (step for step in EVENLY_LIT_STEPS if step in by_step):
+            if not PULL_RANGE[0] <= by_step[step].pulls[k] <= PULL_RANGE[1]:
                 faults.append(f"{step}: pulls of {part} {by_step[step].pulls[k]:.2f}")
     for step, found in by_step.items():
         if step == "nudged" and sources.get(step) != "markers" and not found.moved:
             faults.append("nudged: the camera's move was not reported")
-        if step in STILL and found.moved:
+        if step in STEPS_WITH_STILL_CAMERA and found.moved:
             faults.append(f"{step}: {found.moved} trials with a camera move that never was")
     return faults
 
 
-def climb(
+def score_steps(
     studies: dict[str, list[Path]], sources: dict[str, str], workers: int
 ) -> Iterable[tuple[str, Score]]:
     """Score of each step, as soon as it is known. sources: of steps not seen by silhouette."""
@@ -219,7 +225,7 @@ def climb(
         for step, folders in studies.items():
             name = sources.get(step, "silhouette")
             jobs = [(f, trial.trial_id, name) for f in folders for trial in load_study(f).trials]
-            yield step, together(list(pool.map(one_trial, jobs)))
+            yield step, combined_score(list(pool.map(score_one_trial, jobs)))
 
 
 def main() -> int:
@@ -228,7 +234,7 @@ def main() -> int:
     parser.add_argument(
         "--steps", nargs="+", default=list(CONDITIONS_BY_NAME), choices=list(CONDITIONS_BY_NAME)
     )
-    parser.add_argument("--size", default="1080p", choices=list(SIZES))
+    parser.add_argument("--size", default="1080p", choices=list(PICTURE_SIZES_PX))
     parser.add_argument("--seconds", type=float, default=3.4)
     parser.add_argument("--dots", action="store_true", help="coloured dots at every step")
     parser.add_argument("--workers", type=int, default=2)
@@ -237,20 +243,20 @@ def main() -> int:
     )
     options = parser.parse_args()
     make = partial(
-        rendered, options.folder, size=options.size, seconds=options.seconds, dots=options.dots
+        render_step, options.folder, size=options.size, seconds=options.seconds, dots=options.dots
     )
     studies = {s: [make(s, seed) for seed in options.seeds] for s in options.steps}
     sources = dict.fromkeys(studies, "markers") if options.dots else {}
     if "markers" in studies and not options.dots:
         studies["coloured dots"] = studies["markers"]
         sources["coloured dots"] = "markers"
-    print(header(), flush=True)
+    print(table_header(), flush=True)
     by_step = {}
-    for step, found in climb(studies, sources, options.workers):
+    for step, found in score_steps(studies, sources, options.workers):
         by_step[step] = found
-        print(line(step, found), flush=True)
-    print(line("all", together(list(by_step.values()))))
-    faults = missed(by_step, sources)
+        print(table_line(step, found), flush=True)
+    print(table_line("all", combined_score(list(by_step.values()))))
+    faults = missed_bars(by_step, sources)
     print("\n".join(f"MISSED: {one}" for one in faults) or "all bars met")
     return 1 if faults else 0
 

@@ -1,6 +1,6 @@
 """The search on a subset of the trials beside one on all: verdicts and processor time.
 
-    python benchmarks/subset.py FOLDER [--trials 66] [--count 10] [--seed 811]
+    python benchmarks/search_subset.py FOLDER [--trials 66] [--count 10] [--seed 811]
 
 Studies of the project's own generator, made and measured in FOLDER where they are not there yet.
 """
@@ -21,16 +21,18 @@ import bluekoi.engine  # noqa: E402, F401  the modules below
 from validation.generators.concealed.studies import generate  # noqa: E402
 from validation.study_runs import analyse, measure, measured_names, verdict_path  # noqa: E402
 
-SEARCHES = {"subset": None, "all": 10**6}
+MAX_SEARCH_TRIALS_BY_LABEL = {"subset": None, "all": 10**6}
 """Label of the verdicts -> the greatest number of trials that is searched as a whole."""
 
 
-def found(folder: Path, label: str, name: str) -> tuple[dict[str, float], float]:
+def search_result(folder: Path, label: str, name: str) -> tuple[dict[str, float], float]:
     """Names and probabilities that a search gives a study, and its processor time (s)."""
     with ExitStack() as patches:
-        for module in ("search", "refit") if SEARCHES[label] else ():
+        for module in ("search", "refit") if MAX_SEARCH_TRIALS_BY_LABEL[label] else ():
             patched = sys.modules[f"bluekoi.engine.{module}"]
-            patches.enter_context(mock.patch.object(patched, "MAX_SEARCH_TRIALS", SEARCHES[label]))
+            patches.enter_context(
+                mock.patch.object(patched, "MAX_SEARCH_TRIALS", MAX_SEARCH_TRIALS_BY_LABEL[label])
+            )
         analyse(folder, label, name)
     said = json.loads(verdict_path(folder, label, name).read_text())
     return {c["name"]: c["weight"] for c in said["mismatch"].get("causes", ())}, said["cpu_s"]
@@ -50,7 +52,9 @@ def main() -> None:
         name = truth["study"]
         if name not in measured_names(given.folder):
             measure(given.folder, name)
-        rows = {label: found(given.folder, label, name) for label in SEARCHES}
+        rows = {
+            label: search_result(given.folder, label, name) for label in MAX_SEARCH_TRIALS_BY_LABEL
+        }
         same += rows["subset"][0].keys() == rows["all"][0].keys()
         print(name, "true:", *(c["name"] for c in truth["causes"]), truth["group"])
         for label, (names, cpu_s) in rows.items():

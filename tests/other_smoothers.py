@@ -1,4 +1,4 @@
-"""Other people's ways to speed and yaw rate, as a careful user would apply them.
+"""Other methods to estimate speed and yaw rate, as a careful user would apply them.
 
 Wrong points are taken out by a running median first and gaps bridged by a line, since none of them
 does it for itself. All return velocity (n, 2) and yaw rate (n,).
@@ -20,7 +20,7 @@ from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
 Rates = tuple[Float, Float]
 
 
-def cleaned(pose: Pose) -> Float:
+def without_outliers(pose: Pose) -> Float:
     """x, y, heading (n, 3) without points 5 sigma off a running median, gaps bridged."""
     out = pose.values[:, :3].copy()
     for channel in out.T:
@@ -36,20 +36,20 @@ def savitzky_golay(pose: Pose, setting: tuple[int, int]) -> Rates:
     """setting: window in frames, order."""
     window, order = setting
     step = float(np.median(np.diff(pose.time_s)))
-    rate = savgol_filter(cleaned(pose), window, order, deriv=1, delta=step, axis=0)
+    rate = savgol_filter(without_outliers(pose), window, order, deriv=1, delta=step, axis=0)
     return rate[:, :2], rate[:, 2]
 
 
 def spline(pose: Pose, setting: float) -> Rates:
     """setting: penalty on the second derivative."""
-    at = [make_smoothing_spline(pose.time_s, c, lam=setting) for c in cleaned(pose).T]
+    at = [make_smoothing_spline(pose.time_s, c, lam=setting) for c in without_outliers(pose).T]
     rate = np.column_stack([s.derivative()(pose.time_s) for s in at])
     return rate[:, :2], rate[:, 2]
 
 
 def constant_velocity(pose: Pose, setting: float) -> Rates:
     """Kalman filter and smoother with white acceleration; setting: its density over R / s^3."""
-    t, z = pose.time_s, cleaned(pose)
+    t, z = pose.time_s, without_outliers(pose)
     dt = np.diff(t, prepend=t[0])
     n = len(t)
     F, Q = np.tile(np.eye(2), (n, 1, 1)), np.empty((n, 2, 2))
@@ -66,7 +66,7 @@ def constant_velocity(pose: Pose, setting: float) -> Rates:
     return rate[:, :2], rate[:, 2]
 
 
-def settings(frames: int) -> dict[str, tuple[Callable[..., Rates], list]]:
+def rival_settings(frames: int) -> dict[str, tuple[Callable[..., Rates], list]]:
     """The rivals with the settings among which each is given its best."""
     windows = [w for w in (5, 9, 13, 19, 25, 33, 45, 61, 81) if w < frames]
     return {

@@ -24,18 +24,18 @@ COLUMNS = """columns:
 """
 
 
-def trial(name: str = "a", shift: float = 0.0) -> Trial:
+def cart_trial(name: str = "a", shift: float = 0.0) -> Trial:
     return Trial(name, TIMES, {"position": np.sin(TIMES + shift)}, {"push": np.cos(TIMES)})
 
 
-def written(folder: Path, settings: str, header: str = "t,x,u") -> Path:
+def write_data_folder(folder: Path, settings: str, header: str = "t,x,u") -> Path:
     rows = "\n".join(f"{t:.2f},{np.sin(t):.4f},1.5" for t in TIMES)
     (folder / "run.csv").write_text(f"{header}\n{rows}\n")
     (folder / "data.yaml").write_text(settings)
     return folder
 
 
-def message_of(folder: Path) -> str:
+def refusal_message(folder: Path) -> str:
     """The one message that a folder is refused with."""
     with pytest.raises(InputError) as raised:
         validated_trials(MODEL, read_trials(MODEL, folder))
@@ -44,29 +44,29 @@ def message_of(folder: Path) -> str:
 
 
 def test_a_copy_of_a_recording_is_refused():
-    assert validated_trials(MODEL, [trial("a"), trial("b", 0.1)])
-    later = replace(trial("b"), times=TIMES + 1.0)
+    assert validated_trials(MODEL, [cart_trial("a"), cart_trial("b", 0.1)])
+    later = replace(cart_trial("b"), times=TIMES + 1.0)
     with pytest.raises(InputError, match=r"b: found the samples of a; .* Remove one of the two"):
-        validated_trials(MODEL, [trial("a"), later])
+        validated_trials(MODEL, [cart_trial("a"), later])
 
 
 def test_two_recordings_at_rest_are_no_copies():
     rest = {"position": np.zeros(60)}
-    assert validated_trials(MODEL, [replace(trial(n), observed=rest) for n in "ab"])
+    assert validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
 
 
 @pytest.mark.parametrize("code", [99999.0, -9999.0, -1e6])
 def test_a_code_for_nothing_seen_is_refused(code):
-    x = trial().observed["position"].copy()
+    x = cart_trial().observed["position"].copy()
     x[[20, 41]] = code
     with pytest.raises(InputError, match=r"position, sample 20: .*Leave the cell empty"):
-        validated_trials(MODEL, [replace(trial(), observed={"position": x})])
+        validated_trials(MODEL, [replace(cart_trial(), observed={"position": x})])
 
 
 @pytest.mark.parametrize("x", [np.where(TIMES < 1.0, 0.0, 50.0), np.where(TIMES == 1.0, 5.0, 0.0),
                                np.where(TIMES == 1.0, 5.0, np.sin(TIMES))])  # fmt: skip
 def test_steps_rest_and_moderate_outliers_are_no_codes(x):
-    assert validated_trials(MODEL, [replace(trial(), observed={"position": x})])
+    assert validated_trials(MODEL, [replace(cart_trial(), observed={"position": x})])
 
 
 @pytest.mark.parametrize(
@@ -87,19 +87,19 @@ def test_steps_rest_and_moderate_outliers_are_no_codes(x):
          "decimal commas", "a name twice"],
 )  # fmt: skip
 def test_each_slip_has_one_message_that_leads_to_its_fix(settings, header, message, tmp_path):
-    assert message in message_of(written(tmp_path, settings, header))
+    assert message in refusal_message(write_data_folder(tmp_path, settings, header))
 
 
 def test_samples_further_apart_than_ten_time_constants_are_reported():
-    assert time_unit_warnings([trial()], 20.0) == []
-    (sentence,) = time_unit_warnings([replace(trial(), times=1000.0 * TIMES)], 0.3)
+    assert time_unit_warnings([cart_trial()], 20.0) == []
+    (sentence,) = time_unit_warnings([replace(cart_trial(), times=1000.0 * TIMES)], 0.3)
     assert "check the unit of time" in sentence
 
 
 @pytest.mark.parametrize(("level", "more"), [(0.0, "; right column?"), (25.0, "")])
 def test_an_input_of_one_value_is_reported(level, more):
-    assert warnings_of(MODEL, [trial()]) == []
-    one = [replace(trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
+    assert warnings_of(MODEL, [cart_trial()]) == []
+    one = [replace(cart_trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
     warning = (
         f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
     )
@@ -132,11 +132,11 @@ def test_a_number_at_its_bound_asks_for_the_units():
 def test_the_equation_that_makes_a_model_run_away_is_named(equation, found):
     states = (MODEL.states[0], replace(MODEL.states[1], rate_of="position"))
     stages = (Stage("force", ("F",), equation, open=True), *MODEL.stages[1:])
-    error = runs_away(replace(MODEL, states=states, stages=stages), [trial()])
+    error = runs_away(replace(MODEL, states=states, stages=stages), [cart_trial()])
     assert error.findings[0].where.startswith("stage force")
     with pytest.raises(InputError, match=found):
         raise error
-    assert "Check signs and units" in str(runs_away(MODEL, [trial()]))
+    assert "Check signs and units" in str(runs_away(MODEL, [cart_trial()]))
 
 
 def test_the_equation_that_does_not_compile_is_named():

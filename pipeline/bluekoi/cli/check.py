@@ -1,4 +1,4 @@
-"""`bluekoi check`: a study looked at without running it."""
+"""`bluekoi check`: finds the errors in the files of a study without running it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`bluekoi run`: the whole way, by Snakemake."""
+"""`bluekoi run`: runs the whole workflow through Snakemake."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Snakemake as `bluekoi run` starts it: Ctrl-C ends it in one line, whatever it is at.
+"""Starts Snakemake for `bluekoi run`; Ctrl-C ends it at any time with one line.
 
 By itself it shows tracebacks when it is interrupted while it plans or closes an event loop, from
 its log, from its threads and from objects that it deletes. Here all of them are off from the moment

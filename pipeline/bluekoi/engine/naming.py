@@ -1,4 +1,4 @@
-"""From the posterior over sets of causes to names: what acts, and what may fill its place."""
+"""Named causes and their alternatives, from the posterior over sets of causes."""
 
 from __future__ import annotations
 

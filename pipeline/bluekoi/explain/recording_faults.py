@@ -1,4 +1,4 @@
-"""Recordings that are copies of another, and values that no instrument read."""
+"""Duplicate recordings, and single samples that cannot be measurements."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the page asks of a study: each question a function of plain values, answered as json."""
+"""Answers to the requests of the set-up page: functions of plain values that return json."""
 
 from __future__ import annotations
 

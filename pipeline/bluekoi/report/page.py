@@ -1,4 +1,4 @@
-"""The page: all parts of the report rendered into the template."""
+"""The report page: all parts rendered into the template."""
 
 from __future__ import annotations
 

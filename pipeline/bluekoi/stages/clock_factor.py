@@ -1,4 +1,4 @@
-"""A frame rate that is wrong by a factor: read from tail beat and motor log, and taken out.
+"""Frame rates that are wrong by a factor, found from tail beat and motor log and corrected.
 
 With a frame rate stated r times too high the tail beats r times as fast in the video as the motor
 does. The ratio is a direct measurement of the clock. Where the trials of one stated frame rate

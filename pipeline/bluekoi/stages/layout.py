@@ -1,4 +1,4 @@
-"""Where each result stands in the results folder."""
+"""Paths of all results in the results folder."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One trial's try at a stage: it ends in a status file, so that a bad trial stops only itself."""
+"""Runs a stage for one trial; its outcome is a status file, and a failure stops no other trial."""
 
 from __future__ import annotations
 

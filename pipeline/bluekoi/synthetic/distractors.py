@@ -1,4 +1,4 @@
-"""What else may be in the picture: a bar across the pool, a reaching hand, another body."""
+"""Distractors in the picture: a bar across the pool, a reaching hand, another body."""
 
 import math
 

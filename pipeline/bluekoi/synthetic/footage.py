@@ -1,4 +1,4 @@
-"""A recording frame by frame: what the camera sees during one trial."""
+"""Rendered frames of a trial, as the camera records them."""
 
 import math
 from collections.abc import Iterator

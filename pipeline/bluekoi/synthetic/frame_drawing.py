@@ -1,4 +1,4 @@
-"""One frame of footage: the robot and whatever else is about, drawn into the lit pool."""
+"""One frame of footage: the robot and other bodies, drawn into the illuminated pool."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

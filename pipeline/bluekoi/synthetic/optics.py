@@ -1,4 +1,4 @@
-"""The way of light from the pool to the pixel: refraction, camera pose, lens.
+"""Projection from the pool to pixels: refraction, camera pose, lens.
 
 Frames: `pool` (x along the length, y along the width, z up from the still surface, m),
 `cam` (x right, y down, z along the optical axis, m), `px` (u right, v down, pixels).

@@ -1,4 +1,4 @@
-"""Asks the preloaded process of a run to run a stage; imports next to nothing."""
+"""Client of the fork server: asks it to run a stage. Imports no large module."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run does: the study, its results folder, the trials that are out of date, fingerprints.
+"""Plan of a run: study, results folder, trials that are out of date, fingerprints of the code.
 
 The Snakefile asks a `Plan` for inputs and for what makes a job run again. Trials are processed in
 batches: a batch has a marker file, and runs when one of its trials is out of date (`freshness`).

@@ -1,4 +1,4 @@
-"""The process that a run's stages are forked from: started with the run, ended with it."""
+"""Starts and ends the process from which the stages of a run are forked."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run is doing, in one line: stage, trial, how many of how many, how long still."""
+"""Progress of a run in one line: stage, trial, finished and total jobs, remaining time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which source files a stage runs through, so that a stage runs again when one of them changes.
+"""Source files that a stage depends on: it runs again when one of them changes.
 
 Snakemake sees the shell command of a rule, not what it imports. The import statements of a module
 are read without running it, and followed through the package: the fingerprint of a stage is the

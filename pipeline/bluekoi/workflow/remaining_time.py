@@ -1,4 +1,4 @@
-"""How long a run still takes, from the jobs done so far."""
+"""Remaining time of a run, estimated from the jobs finished so far."""
 
 from __future__ import annotations
 

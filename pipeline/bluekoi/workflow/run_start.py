@@ -1,4 +1,4 @@
-"""How a run begins: its plan, its lock, the shell that its jobs start in."""
+"""Start of a run: its plan, the lock of its results folder, the shell prefix of its jobs."""
 
 from __future__ import annotations
 

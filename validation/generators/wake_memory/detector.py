@@ -102,7 +102,11 @@ def whitened_innovations(J, d, e, dt, white, tracking, tracking_s, gust, gust_s,
     """Whitened innovations (blocks * 3, signals) of accelerations d and offsets e."""
     n, m = d.shape[0], d.shape[2]
     P, err = np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE)), np.zeros((FILTER_STATE_SIZE, m))
-    Q, H, Rn = np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE)), np.zeros((3, FILTER_STATE_SIZE)), np.zeros((3, 3))
+    Q, H, Rn = (
+        np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE)),
+        np.zeros((3, FILTER_STATE_SIZE)),
+        np.zeros((3, 3)),
+    )
     for c in range(3):
         P[c, c], P[c + 3, c + 3] = 4.0, 1.0
         P[c + 6, c + 6], P[c + 11, c + 11] = gust[c] ** 2, tracking[c] ** 2

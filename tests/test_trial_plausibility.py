@@ -19,6 +19,7 @@ from bluekoi.motor.power_consistency import power_warnings
 from bluekoi.pose import rigid_pose
 from bluekoi.preparation.input_check import file_findings
 from bluekoi.stages.geometry import geometry
+from bluekoi.stages.head_angle_sign import sign_finding
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausibility import first_jump, plausibility_findings
 from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
@@ -67,6 +68,34 @@ def test_the_wrong_side_is_named(study_with_turn):
     assert "are x and y exchanged" in text
     (text,) = finding_messages(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
     assert "Is it another trial's row?" in text
+
+
+def test_a_filmed_trial_that_is_right_with_the_other_sign_is_told_so(study_with_turn, monkeypatch):
+    """The robot in the picture has its head at 30 degrees."""
+    study, trial, _ = study_with_turn
+    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    asked = []
+
+    def detect(study, trial, threads):
+        asked.append(trial.head_angle_deg)
+        return found, {}
+
+    monkeypatch.setattr("bluekoi.stages.head_angle_sign.detect_in_footage", detect)
+    camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
+
+    def finding(angle: float, **changed):
+        other = {"source": "v.mp4", "head_angle_deg": angle, **changed}
+        return sign_finding(study, trial.model_copy(update=other), camera, depth)
+
+    text = str(finding(-30.0))
+    assert "trial T10, column head_angle_deg: found -30" in text
+    assert "Write 30" in text
+    assert asked == [30]
+    assert finding(-60.0) is None
+    assert finding(-30.0, head_length_m=0.175) is None
+    assert finding(0.0) is None
+    assert finding(-30.0, source=trial.source) is None
+    assert asked == [30, 60, 30]
 
 
 def test_exchanged_keypoints_are_named(study_with_turn):

@@ -16,6 +16,8 @@ MIN_EXPLAINED_SHARE, F_TEST_LEVEL = 0.05, 1e-3
 is reported."""
 MIN_RESIDUAL_SHARE = 1e-9
 """Share of an input's variance below which nothing is left that its own past does not give."""
+ROUNDING_SHARE = 1e-20
+"""Share of an input's squares that is rounding: an input that never changes leaves no more."""
 
 
 def explained_by_innovations(
@@ -37,7 +39,8 @@ def explained_by_innovations(
     other = np.concatenate([_lagged(e, 0 if held else 1) for _, e in pairs])
     df = len(target) - own.shape[1] - other.shape[1]
     before, after = _squares(own, target), _squares(np.column_stack([own, other]), target)
-    if df <= 0 or before <= MIN_RESIDUAL_SHARE * float(np.sum((target - target.mean()) ** 2)):
+    least = MIN_RESIDUAL_SHARE * float(np.sum((target - target.mean()) ** 2))
+    if df <= 0 or before <= max(least, ROUNDING_SHARE * float(np.sum(target**2))):
         return 0.0
     ratio = (before - after) / other.shape[1] / max(after / df, 1e-300)
     share = 1.0 - after / before

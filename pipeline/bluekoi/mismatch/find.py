@@ -203,7 +203,7 @@ def _missing_force_and_dependences(
     full = extended.trial_values(kernel, series)
     values = [v.copy() for v in full]
     for f in free:
-        if is_residual(f.name) or ("." in f.name and not residual):
+        if is_residual(f.name) or ("." in f.name and not residual and _is_strength(kernel, f.name)):
             for v in values:
                 v[kernel.system.slot[f.name]] = 0.0
     forces = missing_force(kernel, series, values, baseline.noise)
@@ -215,6 +215,12 @@ def _missing_force_and_dependences(
     pushes = added_force(kernel, series, full, values, extended.noise)
     shown = pushes if max(np.abs(p).max() for p in pushes) > 0 else [f.force for f in forces]
     return forces, dependences(series, shown, covariates(series, forces, trials), units)
+
+
+def _is_strength(kernel: Kernel, label: str) -> bool:
+    """Whether a number of an effect is a strength, without which the effect is absent."""
+    effect = kernel.system.effect(label.split(".", maxsplit=1)[0])
+    return label in [f"{effect.name}.{p.name}" for p in effect.parameters[: effect.strengths]]
 
 
 def verdict_of(kernel: Kernel, named: Sequence[NamedCause], unexplained: float) -> str:

@@ -46,7 +46,7 @@ def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> di
     found, notes = (
         _read_keypoint_file(study, trial)
         if trial.reads_keypoints
-        else _detect_in_footage(study, trial, threads)
+        else detect_in_footage(study, trial, threads)
     )
     if len(found.time_s) == 0:
         raise input_error(
@@ -73,9 +73,8 @@ def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str
     return found, {"source": "deeplabcut", "frames_declared": len(found.time_s)}
 
 
-def _detect_in_footage(
-    study: Study, trial: Trial, threads: int
-) -> tuple[Keypoints, dict[str, Any]]:
+def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoints, dict[str, Any]]:
+    """Keypoints of a filmed trial, and what was read: source, frames, picture size, missing end."""
     import cv2  # noqa: PLC0415  only where there is footage
 
     from ..footage import frames, open_recording  # noqa: PLC0415

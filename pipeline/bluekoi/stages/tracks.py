@@ -11,7 +11,7 @@ import numpy as np
 from ..camera.calibration_uncertainty import calibration_covariance_at_places
 from ..camera.pool_projection import PoolCamera, map_keypoints
 from ..camera.study_camera import pool_camera
-from ..data import Flapping, Positions, Steady, Track, write_pose, write_track
+from ..data import Flapping, Pose, Positions, Steady, Track, write_pose, write_track
 from ..errors import InputError, input_error
 from ..files import read_json
 from ..keypoints.deeplabcut import read_detections
@@ -36,6 +36,7 @@ from ..steady import steady_state, write_steady
 from ..study import Study, Trial, load_study
 from .compiling import load_smoother as preload
 from .depth import keypoint_depth
+from .head_angle_sign import sign_finding
 from .layout import Layout
 from .plausibility import plausibility_findings
 from .pool_edges import check_pool_edges
@@ -71,11 +72,11 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     depth = keypoint_depth(study.setup, layout)
     positions = map_keypoints(camera, found, depth)
     try:
-        pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
-    except (np.linalg.LinAlgError, ArithmeticError) as error:
-        raise _error_without_pose(study, trial) from error
-    if wrong := plausibility_findings(study, trial, positions, pose):
-        raise InputError(wrong)
+        pose = _plausible_pose(study, trial, positions)
+    except InputError:
+        if sign := sign_finding(study, trial, camera, depth):
+            raise InputError([sign]) from None
+        raise
     flapping = trial_flapping(study, trial, positions)
     try:
         track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
@@ -103,6 +104,16 @@ def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         "tail_m": tail_length_seen(positions),
         "pool_edges": edges,
     }
+
+
+def _plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
+    try:
+        pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        raise _error_without_pose(study, trial) from error
+    if wrong := plausibility_findings(study, trial, positions, pose):
+        raise InputError(wrong)
+    return pose
 
 
 def _recoil_hz(flapping: Flapping) -> float:

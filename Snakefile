@@ -9,9 +9,9 @@
 
 from pathlib import Path
 
-from bluekoi.workflow.begin import begin_run, shell_prefix, without_rate_limit
+from bluekoi.workflow.run_start import begin_run, shell_prefix, without_rate_limit
 from bluekoi.workflow.preload import preload
-from bluekoi.workflow.progress import follow
+from bluekoi.workflow.progress import attach_progress
 
 
 configfile: Path(workflow.basedir) / "config/default.yaml"
@@ -22,7 +22,7 @@ R = plan.results
 LOGS = R / "logs"
 AT = plan.stage_options
 ENV = "config/environment.yaml"
-progress = follow(workflow, R / "report.html")
+progress = attach_progress(workflow, R / "report.html")
 shell.prefix(shell_prefix(workflow))
 
 

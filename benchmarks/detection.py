@@ -33,13 +33,13 @@ from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.conditions import MIDDLE_CONDITIONS
 from bluekoi.synthetic.design import conditions_design
 
-BAR = 0.93
-MEMORY_MB = 600
-GROWTH_MB = 20
+MIN_SPEED_RATIO = 0.93
+MAX_MEMORY_MB = 600
+MAX_MEMORY_GROWTH_MB = 20
 SIZES = {"1080p": ((1920, 1080), 60.0), "2.7K": ((2704, 1520), 60.0), "4K": ((3840, 2160), 100.0)}
 
 
-def clip(folder: Path, size: str, codec: str, count: int) -> Path:
+def render_clip(folder: Path, size: str, codec: str, count: int) -> Path:
     """Study folder of one rendered clip, made where it is not there yet."""
     study = folder / f"{size}-{codec}-{count}"
     if (study / "truth.sha256").exists():
@@ -54,14 +54,14 @@ def clip(folder: Path, size: str, codec: str, count: int) -> Path:
     return study
 
 
-def timed(task: Callable[[], int]) -> tuple[float, float]:
+def time_task(task: Callable[[], int]) -> tuple[float, float]:
     """Wall and processor seconds of a task."""
     wall, cpu = time.perf_counter(), time.process_time()
     task()
     return time.perf_counter() - wall, time.process_time() - cpu
 
 
-def compare(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
+def compare_speeds(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
     """Medians over rounds of decoding alone and of decoding with detection."""
     paths = study.paths(trial)
 
@@ -74,7 +74,7 @@ def compare(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
         return len(found.time_s)
 
     count = detect()
-    pairs = [(timed(decode), timed(detect)) for _ in range(rounds)]
+    pairs = [(time_task(decode), time_task(detect)) for _ in range(rounds)]
     table = np.array(pairs)
     alone, both = np.median(table, axis=0)
     ratios = table[:, 0] / table[:, 1]
@@ -89,10 +89,10 @@ def compare(study: Study, trial: Trial, rounds: int) -> dict[str, float]:
     }
 
 
-def one(study: Path, rounds: int) -> bool:
+def print_comparison(study: Path, rounds: int) -> bool:
     """Print a line for one study's first trial; whether both bars are met."""
     loaded = load_study(study)
-    row = compare(loaded, loaded.trials[0], rounds)
+    row = compare_speeds(loaded, loaded.trials[0], rounds)
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(
         f"{study.name:>16} {row['frames']:5.0f} frames  decode {row['alone_fps']:6.1f} fps "
@@ -101,10 +101,10 @@ def one(study: Path, rounds: int) -> bool:
         f"{row['cpu_ratio']:.3f} CPU  {megabytes:4.0f} MB",
         flush=True,
     )
-    return row["wall_ratio"] >= BAR and megabytes < MEMORY_MB
+    return row["wall_ratio"] >= MIN_SPEED_RATIO and megabytes < MAX_MEMORY_MB
 
 
-def lengthened(study: Path, times: int) -> Path:
+def repeat_clip(study: Path, times: int) -> Path:
     """Study folder of a clip whose packets are repeated, made where it is not there yet."""
     longer = study.with_name(f"{study.name}-times-{times}")
     if (longer / "done").exists():
@@ -128,14 +128,14 @@ def lengthened(study: Path, times: int) -> Path:
     return longer
 
 
-def megabytes_of(study: Path) -> float:
+def max_memory_mb(study: Path) -> float:
     """Greatest memory of a process that detects in a study's first trial, MB."""
     command = [sys.executable, __file__, "--study", str(study), "--memory"]
     reported = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     return float(reported.split()[0])
 
 
-def detect_alone(study: Path) -> str:
+def detect_and_report_memory(study: Path) -> str:
     """Megabytes and frames of one detection in this process."""
     loaded = load_study(study)
     recording = open_recording(loaded.paths(loaded.trials[0]))
@@ -144,11 +144,11 @@ def detect_alone(study: Path) -> str:
     return f"{megabytes:.1f} MB, {len(found.time_s)} frames"
 
 
-def memory(study: Path, times: int = 6) -> bool:
+def print_memory(study: Path, times: int = 6) -> bool:
     """Print the memory of a clip and of a longer one; whether it hardly grows."""
-    short, long = (megabytes_of(one) for one in (study, lengthened(study, times)))
+    short, long = (max_memory_mb(one) for one in (study, repeat_clip(study, times)))
     print(f"{study.name:>16} {short:5.0f} MB; {times} times as long: {long:5.0f} MB", flush=True)
-    return long < short + GROWTH_MB and long < MEMORY_MB
+    return long < short + MAX_MEMORY_GROWTH_MB and long < MAX_MEMORY_MB
 
 
 def main() -> int:
@@ -164,21 +164,21 @@ def main() -> int:
     parser.add_argument("--memory", action="store_true", help="memory against length")
     options = parser.parse_args()
     if options.study and options.memory:
-        print(detect_alone(options.study))
+        print(detect_and_report_memory(options.study))
         return 0
     if options.study:
-        return 0 if one(options.study, options.rounds) else 1
+        return 0 if print_comparison(options.study, options.rounds) else 1
     failed = 0
     for size in options.sizes:
         for codec in options.codecs:
-            study = clip(options.folder, size, codec, options.frames)
+            study = render_clip(options.folder, size, codec, options.frames)
             if options.memory:
-                failed += not memory(study)
+                failed += not print_memory(study)
                 continue
             command = [sys.executable, __file__, "--study", str(study)]
             command += ["--rounds", str(options.rounds)]
             failed += subprocess.run(command, check=False).returncode
-    print(f"bar {BAR} of decoding alone and {MEMORY_MB} MB: {failed} clips miss it")
+    print(f"bar {MIN_SPEED_RATIO} of decoding alone and {MAX_MEMORY_MB} MB: {failed} clips miss it")
     return 1 if failed else 0
 
 

@@ -30,7 +30,7 @@ COLUMNS = ["xHead", "yHead", "xBody", "yBody", "xTail", "yTail"]
 FISH_COUNT, FISH_PX, TAIL_SHARE, HEAD_SHARE, COM_SHARE = 14, 41.0, 0.25, 0.225, 0.3375
 """Length of a fish; its tail; hinge and centre of mass behind the nose, as shares of its length."""
 FRAMES_PER_SECOND = 50.0
-WRONG_LENGTHS = 0.25
+WRONG_DISTANCE_LENGTHS = 0.25
 FOUND_BAR, LIKELY_BAR = 0.97, 0.9
 
 
@@ -48,7 +48,7 @@ class Score:
     @property
     def found(self) -> np.ndarray:
         """Frames (frames,) in which the head is where the reference has it."""
-        return self.off < WRONG_LENGTHS
+        return self.off < WRONG_DISTANCE_LENGTHS
 
     @property
     def likely_share(self) -> float:
@@ -73,7 +73,7 @@ def real_fish(folder: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.array(pictures), places
 
 
-def from_segment(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
+def distance_from_body(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
     """Distance (height, width) px from a body's head, middle and tail, its tail carried on."""
     v, u = np.indices(shape)
     line = np.concatenate([body, [2 * body[2] - body[1]]])
@@ -86,7 +86,7 @@ def from_segment(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
     return nearest
 
 
-def alone(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
+def film_of_one_fish(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
     """The film with all other fish painted over."""
     rng = np.random.default_rng(which)
     empty = np.median(pictures[::4], axis=0)
@@ -98,30 +98,30 @@ def alone(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
         values[~seen] = np.interp(frames[~seen], frames[seen], values[seen])
     film = []
     for i, picture in enumerate(pictures):
-        own = from_segment(shape, full[which, i])
+        own = distance_from_body(shape, full[which, i])
         other = np.full(shape, np.inf)
         for body in np.delete(full[:, i], which, axis=0):
             if np.hypot(*(body[1] - full[which, i, 1])) < 120:
-                other = np.minimum(other, from_segment(shape, body))
+                other = np.minimum(other, distance_from_body(shape, body))
         dark = cv2.dilate((empty - picture > 25).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
         gone = (dark & (own > 28)) | ((other < 16) & (other < own) & (own > 3))
         painted = np.where(gone, empty + rng.normal(0, 4.5, shape), picture)
-        film.append(frame(i, painted))
+        film.append(make_frame(i, painted))
     return film
 
 
-def frame(number: int, picture: np.ndarray) -> Frame:
+def make_frame(number: int, picture: np.ndarray) -> Frame:
     """A frame of a picture of any type."""
     luma = np.clip(picture, 0, 255).astype(np.uint8)
     return Frame(number, number / FRAMES_PER_SECOND, luma)
 
 
-def changed(film: list[Frame], enlarge: float, *, bright: bool) -> list[Frame]:
+def enlarged_or_inverted(film: list[Frame], enlarge: float, *, bright: bool) -> list[Frame]:
     """The film enlarged, and inverted if `bright`."""
     pictures = [255 - one.luma if bright else one.luma for one in film]
     if enlarge != 1:
         pictures = [cv2.resize(one, None, fx=enlarge, fy=enlarge) for one in pictures]
-    return [frame(i, one) for i, one in enumerate(pictures)]
+    return [make_frame(i, one) for i, one in enumerate(pictures)]
 
 
 def fish_study(
@@ -159,7 +159,7 @@ def fish_study(
     return setup, trial
 
 
-def score(
+def score_fish(
     found: Keypoints, places: np.ndarray, shape: tuple[int, int], fish_px: float = FISH_PX
 ) -> Score:
     """Detection against the reference's places (frames, 3, 2) px of one fish."""
@@ -170,7 +170,7 @@ def score(
     return Score(off[known], found.likelihood[known], inside[known])
 
 
-def line(which: int, one: Score) -> str:
+def result_line(which: int, one: Score) -> str:
     """What is printed for a fish."""
     far = np.nanpercentile(np.where(one.found, one.off, np.nan), 95)
     believed = np.mean(one.likelihood.max(axis=1) > 0.5)
@@ -191,18 +191,18 @@ def main() -> int:
     parser.add_argument("--length-m", type=float, default=0.016)
     options = parser.parse_args()
     pictures, places = real_fish(options.folder)
-    whole = [frame(i, one) for i, one in enumerate(pictures)]
+    whole = [make_frame(i, one) for i, one in enumerate(pictures)]
     missed = []
     for which in options.fish:
-        film = whole if options.together else alone(pictures, places, which)
-        film = changed(film, options.enlarge, bright=options.bright)
+        film = whole if options.together else film_of_one_fish(pictures, places, which)
+        film = enlarged_or_inverted(film, options.enlarge, bright=options.bright)
         reference = (places[which] + 0.5) * options.enlarge - 0.5
         fish_px = FISH_PX * options.enlarge
         start = reference[0, 0] if options.together else None
         setup, trial = fish_study(film[0].luma.shape, options.length_m, fish_px, start)
         found = silhouette.detect(lambda film=film: film, setup, trial)
-        one = score(found, reference, film[0].luma.shape, fish_px)
-        print(line(which, one), flush=True)
+        one = score_fish(found, reference, film[0].luma.shape, fish_px)
+        print(result_line(which, one), flush=True)
         if options.together:
             good = one.wrong(0.6) == 0
         else:

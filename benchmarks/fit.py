@@ -26,14 +26,14 @@ from scipy.optimize import least_squares
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from test_model import plain_law
+from test_model import published_rates_in_world_axes
 
 from bluekoi.fitting import Fit, Free, Series, fit, fit_paths
 from bluekoi.integrate import compiled
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1, constants, plates, simulate
 from bluekoi.tuning import downsampled
 from bluekoi.tuning.joint import START_NOISE
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
 TRUTH = dict(TABLE_1[75])
 NAMES = tuple(p.name for p in COEFFICIENTS)
@@ -43,10 +43,10 @@ POSITION_STD, HEADING_STD = 1e-3, 0.01
 ANGLES = (20.0, 30.0, -45.0)
 
 
-def trial(number: int, rng: np.random.Generator, frames: int = 241) -> Series:
+def simulated_trial(number: int, rng: np.random.Generator, frames: int = 241) -> Series:
     """A simulated trial with white noise, from rest."""
     power, angle = (50, 75, 100)[number % 3], np.radians(ANGLES[number // 3 % 3])
-    run = simulate(TRUTH, setup=SETUP, head_length_m=0.12, head_angle_rad=angle,
+    run = simulate(TRUTH, setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=angle,
                    flap_hz=FLAP_HZ[power], duration_s=(frames - 1) / 30, dt_s=1 / 30)  # fmt: skip
     seen = np.column_stack([run.state[:, :2], run.heading_rad, np.full(frames, angle)])
     std = np.array([POSITION_STD, POSITION_STD, HEADING_STD, 0.1])
@@ -54,20 +54,26 @@ def trial(number: int, rng: np.random.Generator, frames: int = 241) -> Series:
     count = len(plates().all_states)
     start_std = np.array([0.02, 0.02, 0.05, 0.05, 0.05, 0.3] + [1e-6] * (count - 6))
     return Series(
-        name=f"T{number}", group=str(power), condition="", times=run.time_s,
-        inputs=np.tile([angle, FLAP_HZ[power]], (frames, 1)), constants=constants(SETUP, 0.12),
-        seen=seen, noise=np.tile(np.diag(std**2), (frames, 1, 1)), mean=np.zeros(count),
+        name=f"T{number}",
+        group=str(power),
+        condition="",
+        times=run.time_s,
+        inputs=np.tile([angle, FLAP_HZ[power]], (frames, 1)),
+        constants=constants(PAPER_SETUP, 0.12),
+        seen=seen,
+        noise=np.tile(np.diag(std**2), (frames, 1, 1)),
+        mean=np.zeros(count),
         cov=np.diag(start_std**2),
-    )  # fmt: skip
+    )
 
 
-def off(values: np.ndarray) -> str:
+def largest_error_text(values: np.ndarray) -> str:
     """Largest distance from the truth, in words."""
     truth = np.array([TRUTH[n] for n in NAMES])
     return f"worst coefficient {100 * np.abs(values / truth - 1).max():.2f} % off"
 
 
-def clock(
+def shortest_time(
     call: Callable[[], Any], seconds: float = 0.0, timer: Callable[[], float] = time.perf_counter
 ) -> tuple[float, Any]:
     """Shortest time of the calls that fit into so many seconds, and what came out."""
@@ -79,7 +85,7 @@ def clock(
     return best, result
 
 
-def scipy_way(series: Sequence[Series], *, free_starts: bool, **options: Any) -> np.ndarray:
+def fit_by_scipy(series: Sequence[Series], *, free_starts: bool, **options: Any) -> np.ndarray:
     """least_squares over solve_ivp, as one writes it from the manuals."""
     scale = np.array([START[n] for n in NAMES])
     sigma = np.array([POSITION_STD, POSITION_STD, HEADING_STD])
@@ -91,8 +97,14 @@ def scipy_way(series: Sequence[Series], *, free_starts: bool, **options: Any) ->
             phi, hz = s.inputs[0]
             start = unknown[6 + 6 * i : 12 + 6 * i] if free_starts else np.zeros(6)
             start = start - [0, 0, phi, 0, 0, 0]
-            run = solve_ivp(plain_law, (0, s.times[-1]), start, args=(values, phi, hz),
-                            t_eval=s.times, rtol=1e-6)  # fmt: skip
+            run = solve_ivp(
+                published_rates_in_world_axes,
+                (0, s.times[-1]),
+                start,
+                args=(values, phi, hz),
+                t_eval=s.times,
+                rtol=1e-6,
+            )
             seen = run.y[:3].T + np.array([0, 0, phi])
             out.append((seen - s.seen[:, :3]) / sigma)
         return np.concatenate(out).ravel()
@@ -101,11 +113,11 @@ def scipy_way(series: Sequence[Series], *, free_starts: bool, **options: Any) ->
     return least_squares(errors, unknown, **options).x[:6] * scale
 
 
-def nine(seconds: float, *, slow: bool) -> None:
+def compare_on_nine_trials(seconds: float, *, slow: bool) -> None:
     """Print the comparison on nine trials."""
     os.environ["BLUEKOI_THREADS"] = "1"
     rng = np.random.default_rng(1)
-    series = [trial(i, rng) for i in range(9)]
+    series = [simulated_trial(i, rng) for i in range(9)]
     kernel, base = compiled(plates()), plates().values({})
     free = [Free(n) for n in NAMES]
     known = [replace(s, cov=s.cov * 1e-12) for s in series]
@@ -124,25 +136,28 @@ def nine(seconds: float, *, slow: bool) -> None:
     times = {}
     for name, way in ways.items():
         way()
-        times[name], values = clock(way, seconds, time.process_time)
-        print(f"  {name:46s}{times[name]:9.4f} s   {off(values)}")
+        times[name], values = shortest_time(way, seconds, time.process_time)
+        print(f"  {name:46s}{times[name]:9.4f} s   {largest_error_text(values)}")
     wanted = times["ours, trajectories, starts known"]
     for name, options in {"scipy, its own difference step": {},
                           "scipy, difference step 1e-4": {"diff_step": 1e-4}}.items():  # fmt: skip
-        taken, values = clock(
-            lambda o=options: scipy_way(series, free_starts=False, **o), timer=time.process_time
+        taken, values = shortest_time(
+            lambda o=options: fit_by_scipy(series, free_starts=False, **o), timer=time.process_time
         )
-        print(f"  {name:46s}{taken:9.2f} s   {off(values)}   {taken / wanted:.0f} times ours")
+        print(
+            f"  {name:46s}{taken:9.2f} s   {largest_error_text(values)}   "
+            f"{taken / wanted:.0f} times ours"
+        )
     if slow:
         name = "scipy, 54 start states free"
-        taken, values = clock(
-            lambda: scipy_way(series, free_starts=True, diff_step=1e-4), timer=time.process_time
+        taken, values = shortest_time(
+            lambda: fit_by_scipy(series, free_starts=True, diff_step=1e-4), timer=time.process_time
         )
         ratio = taken / times["ours, trajectories, 54 start states free"]
-        print(f"  {name:46s}{taken:9.1f} s   {off(values)}   {ratio:.0f} times ours")
+        print(f"  {name:46s}{taken:9.1f} s   {largest_error_text(values)}   {ratio:.0f} times ours")
 
 
-def many(seconds: float) -> None:
+def time_many_trials(seconds: float) -> None:
     """Print times of the joint fit by prediction errors on two cores, 66 to 1,000 trials."""
     os.environ["BLUEKOI_THREADS"] = "2"
     rng = np.random.default_rng(2)
@@ -150,15 +165,15 @@ def many(seconds: float) -> None:
     free = [Free(n) for n in NAMES]
     print("\njoint fits with starting states, 150 frames a trial, two cores")
     for count in (66, 132, 264, 528, 1000):
-        series = [trial(i, rng, 151) for i in range(count)]
+        series = [simulated_trial(i, rng, 151) for i in range(count)]
         few = downsampled(series)
         ways: dict[str, Callable[[], Fit]] = {
             "prediction errors": lambda f=few: fit(kernel, f, base, free, START_NOISE, start=START),
             "trajectories": lambda s=series: fit_paths(kernel, s, base, free, start=START).fit,
         }
         for name, way in ways.items():
-            taken, _ = clock(way, seconds if count < 200 else 0)
-            work, found = clock(way, timer=time.process_time)
+            taken, _ = shortest_time(way, seconds if count < 200 else 0)
+            work, found = shortest_time(way, timer=time.process_time)
             each = 1e3 * work / count / (found.iterations + 1)
             print(f"  {count:5d} trials, {name:18s}{taken:8.3f} s, {found.iterations:3d} rounds, "
                   f"{each:.3f} ms a trial and round; {found.outcome}")  # fmt: skip
@@ -169,8 +184,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--slow", action="store_true")
     given = parser.parse_args()
-    nine(given.seconds, slow=given.slow)
-    many(given.seconds)
+    compare_on_nine_trials(given.seconds, slow=given.slow)
+    time_many_trials(given.seconds)
 
 
 if __name__ == "__main__":

@@ -28,34 +28,37 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
-from test_model import plain_equations
+from test_model import published_rates
 
 from bluekoi.integrate import LANES, System, compiled
 from bluekoi.integrate.batch import propagate
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
 HERE = Path(__file__).resolve().parent
 FRAMES, RATE = 241, 30.0
-BLOCKS = 16
+BLOCK_COUNT = 16
 POWER, ANGLE = 75, np.radians(35.0)
-FLAGS = {
+C_VERSIONS = {
     "C, one at a time": ("scalar", ["-O3"]),
     "C, 16 lanes": ("lanes", ["-Ofast"]),
     "C, 16 lanes, widest vectors": ("lanes", ["-Ofast", "-mprefer-vector-width=512"]),
 }
-NOTHING = {"tail_fin_lift": {"lift_area": 1e-300}, "viscous_drag": {"coefficient": 1e-300}}
+EFFECTS_OF_NO_SIZE = {
+    "tail_fin_lift": {"lift_area": 1e-300},
+    "viscous_drag": {"coefficient": 1e-300},
+}
 """Two effects of no size, which send every stage its general way."""
-ORDER = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
+COEFFICIENT_ORDER = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 
 Run = Callable[[float], np.ndarray]
 """Longest step [s] -> end of the first path: x, y, core heading."""
 
 
-def ours(system: System, blocks: int = BLOCKS, **effects: dict[str, float]) -> Run:
+def kernel_run(system: System, blocks: int = BLOCK_COUNT, **effects: dict[str, float]) -> Run:
     """All blocks in one call, from this system's kernel."""
     values = np.tile(system.values(TABLE_1[POWER], effects)[None, :, None], (blocks, 1, LANES))
-    fixed = np.tile(constants(SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
+    fixed = np.tile(constants(PAPER_SETUP, 0.12)[None, :, None], (blocks, 1, LANES))
     state = np.zeros((blocks, len(system.all_states), LANES))
     times = np.tile(np.arange(FRAMES) / RATE, (blocks, 1))
     inputs = np.tile([ANGLE, FLAP_HZ[POWER]], (blocks, FRAMES, 1))
@@ -71,14 +74,14 @@ def ours(system: System, blocks: int = BLOCKS, **effects: dict[str, float]) -> R
     return run
 
 
-def bare() -> System:
+def published_system() -> System:
     """The paper's model with no effect in it at all."""
     return replace(plates(), name="bare", effects=())
 
 
-def by_hand(folder: Path, name: str) -> Run:
+def compile_c_version(folder: Path, name: str) -> Run:
     """The C version, compiled here and now."""
-    function, flags = FLAGS[name]
+    function, flags = C_VERSIONS[name]
     library = folder / (name.replace(" ", "_").replace(",", "") + ".so")
     gcc = shutil.which("gcc") or sys.exit("gcc is needed for this benchmark")
     subprocess.run(
@@ -88,13 +91,21 @@ def by_hand(folder: Path, name: str) -> Run:
     call = getattr(ctypes.CDLL(str(library)), function)
     array = np.ctypeslib.ndpointer(np.float64, flags="C")
     call.argtypes = [ctypes.c_long] * 3 + [ctypes.c_double, array, array]
-    robot = SETUP.robot
-    one = np.array([
-        1000.0, robot.head_area_m2(0.12), robot.aerodynamic_arm_m(0.12), robot.mass_kg,
-        robot.yaw_inertia_kg_m2, ANGLE, FLAP_HZ[POWER], *(TABLE_1[POWER][k] for k in ORDER),
-    ])  # fmt: skip
+    robot = PAPER_SETUP.robot
+    one = np.array(
+        [
+            1000.0,
+            robot.head_area_m2(0.12),
+            robot.aerodynamic_arm_m(0.12),
+            robot.mass_kg,
+            robot.yaw_inertia_kg_m2,
+            ANGLE,
+            FLAP_HZ[POWER],
+            *(TABLE_1[POWER][k] for k in COEFFICIENT_ORDER),
+        ]
+    )
     wide = function == "lanes"
-    count = BLOCKS if wide else BLOCKS * LANES
+    count = BLOCK_COUNT if wide else BLOCK_COUNT * LANES
     given = np.tile(one[None, :, None], (count, 1, LANES)) if wide else np.tile(one, (count, 1))
     paths = np.zeros((count, FRAMES, 3, LANES) if wide else (count, FRAMES, 3))
 
@@ -106,9 +117,9 @@ def by_hand(folder: Path, name: str) -> Run:
     return run
 
 
-def exact(rtol: float, method: str) -> np.ndarray:
+def scipy_solution(rtol: float, method: str) -> np.ndarray:
     """End of the path by scipy, from equations written independently of the model."""
-    found = solve_ivp(plain_equations, (0, (FRAMES - 1) / RATE), [0, 0, -ANGLE, 0, 0, 0],
+    found = solve_ivp(published_rates, (0, (FRAMES - 1) / RATE), [0, 0, -ANGLE, 0, 0, 0],
                       args=(POWER, ANGLE), method=method, rtol=rtol, atol=1e-3 * rtol,
                       t_eval=np.arange(FRAMES) / RATE)  # fmt: skip
     end = found.y[:3, -1]
@@ -132,17 +143,17 @@ def best_times(
     return best
 
 
-def errors(end: np.ndarray, truth: np.ndarray) -> str:
+def end_errors(end: np.ndarray, truth: np.ndarray) -> str:
     """Distance in mm and heading in degrees."""
     return (
         f"{1e3 * np.hypot(*(end - truth)[:2]):9.1e} mm {abs(np.degrees(end - truth)[2]):9.1e} deg"
     )
 
 
-def compare(runs: dict[str, Run], seconds: float) -> None:
+def print_speeds(runs: dict[str, Run], seconds: float) -> None:
     """Print simulations per second at two steps, and each one's ratio to the fastest C."""
-    truth = exact(1e-12, "DOP853")
-    simulations = BLOCKS * LANES
+    truth = scipy_solution(1e-12, "DOP853")
+    simulations = BLOCK_COUNT * LANES
     for step_s in (1 / 60, 1 / 240):
         best = best_times(runs, step_s, seconds)
         fastest = min(t for name, t in best.items() if name.startswith("C"))
@@ -151,17 +162,17 @@ def compare(runs: dict[str, Run], seconds: float) -> None:
         for name, taken in best.items():
             print(
                 f"{name:40s}{simulations / taken:10.0f} {usual / taken:6.2f} {fastest / taken:9.2f}"
-                f"       {errors(runs[name](step_s), truth)}"
+                f"       {end_errors(runs[name](step_s), truth)}"
             )
     start = time.perf_counter()
-    end = exact(1e-6, "RK45")
+    end = scipy_solution(1e-6, "RK45")
     taken = time.perf_counter() - start
     best_ours = best_times({"ours": runs["ours, every effect off"]}, 1 / 60, seconds)["ours"]
-    print(f"\nsolve_ivp RK45, rtol 1e-6{1 / taken:25.1f}{'':24s}{errors(end, truth)}")
+    print(f"\nsolve_ivp RK45, rtol 1e-6{1 / taken:25.1f}{'':24s}{end_errors(end, truth)}")
     print(f"ours at 1/60 s is {taken * simulations / best_ours:.0f} times as fast, on one core")
 
 
-def on_two_cores(run: Run, seconds: float) -> None:
+def print_thread_gain(run: Run, seconds: float) -> None:
     """Print what a second thread brings, calls with one and with two in turn."""
 
     def with_threads(count: str) -> Run:
@@ -184,12 +195,12 @@ def on_two_cores(run: Run, seconds: float) -> None:
     os.environ["BLUEKOI_THREADS"] = "1"
 
 
-def first_calls() -> None:
+def print_first_call_times() -> None:
     """Print the time to the first simulation with an empty cache, and in a later process."""
     line = (
-        "from bluekoi.model import simulate, TABLE_1; from robots import SETUP;"
-        "simulate(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=0.5, flap_hz=4.0,"
-        " duration_s=8.0)"
+        "from bluekoi.model import simulate, TABLE_1; from paper_robot import PAPER_SETUP;"
+        "simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.5,"
+        " flap_hz=4.0, duration_s=8.0)"
     )
     with tempfile.TemporaryDirectory() as cache:
         path = os.pathsep.join([str(HERE.parent / "tests"), str(HERE.parent / "pipeline")])
@@ -207,13 +218,16 @@ def main() -> None:
     given = parser.parse_args()
     os.environ["BLUEKOI_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as folder:
-        runs: dict[str, Run] = {name: by_hand(Path(folder), name) for name in FLAGS}
-        runs |= {"ours, bare model": ours(bare()), "ours, every effect off": ours(plates())}
-        runs |= {"ours, effects that do nothing on": ours(plates(), **NOTHING)}
-        compare(runs, given.seconds)
-        on_two_cores(ours(plates(), blocks=4 * BLOCKS), given.seconds)
+        runs: dict[str, Run] = {name: compile_c_version(Path(folder), name) for name in C_VERSIONS}
+        runs |= {
+            "ours, bare model": kernel_run(published_system()),
+            "ours, every effect off": kernel_run(plates()),
+        }
+        runs |= {"ours, effects that do nothing on": kernel_run(plates(), **EFFECTS_OF_NO_SIZE)}
+        print_speeds(runs, given.seconds)
+        print_thread_gain(kernel_run(plates(), blocks=4 * BLOCK_COUNT), given.seconds)
     if given.fresh:
-        first_calls()
+        print_first_call_times()
 
 
 if __name__ == "__main__":

@@ -30,21 +30,21 @@ from bluekoi.integrate import LANES, compiled
 from bluekoi.model import plates
 from bluekoi.tuning import downsampled, tune
 from bluekoi.tuning.joint import servo_random_effect
-from campaigns import COEFFICIENTS, Errors, plans, sixteen
+from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
 NAMES = tuple(COEFFICIENTS)
 TRUTH = np.array([COEFFICIENTS[name] for name in NAMES])
-BAR = (0.92, 0.98)
+COVERAGE_RANGE = (0.92, 0.98)
 SEED = 20240601
-PARTS = ("values", "hessian", "gradient", "cross", "fisher", "score")
+FIT_PARTS = ("values", "hessian", "gradient", "cross", "fisher", "score")
 
 
-def batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
+def fit_batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
     """Each campaign's joint fit, its parts as in `PARTS`."""
     seed, number, count = job
     rng = np.random.default_rng([seed, number])
     out = []
-    for series in sixteen(plans(), Errors(), rng, count=count):
+    for series in simulate_campaigns(trial_plans(), ErrorModel(), rng, count=count):
         few = downsampled(series)
         tuned = tune(few)
         fit = tuned.fit
@@ -54,22 +54,22 @@ def batch(job: tuple[int, int, int]) -> list[tuple[np.ndarray, ...]]:
     return out
 
 
-def campaigns(count: int, seed: int, processes: int) -> list[tuple[np.ndarray, ...]]:
+def fit_campaigns(count: int, seed: int, processes: int) -> list[tuple[np.ndarray, ...]]:
     """All campaigns, in batches of sixteen."""
     jobs = [(seed, i, min(LANES, count - i * LANES)) for i in range(-(-count // LANES))]
     if processes < 2:
-        return [one for job in jobs for one in batch(job)]
+        return [one for job in jobs for one in fit_batch(job)]
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        return [one for part in pool.map(batch, jobs) for one in part]
+        return [one for part in pool.map(fit_batch, jobs) for one in part]
 
 
-def kept(path: Path) -> list[tuple[np.ndarray, ...]]:
+def read_kept_fits(path: Path) -> list[tuple[np.ndarray, ...]]:
     """Fits as `--out` wrote them."""
     with np.load(path) as file:
-        return list(zip(*(file[part] for part in PARTS), strict=True))
+        return list(zip(*(file[part] for part in FIT_PARTS), strict=True))
 
 
-def half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]:
+def interval_half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]:
     """Half widths of the 95 % intervals by each way to get them."""
     naive = np.linalg.inv(normal.hessian.sum(axis=0))
     return {
@@ -80,11 +80,11 @@ def half_widths(normal: Normal, own: TrialRandomEffect) -> dict[str, np.ndarray]
     }
 
 
-def report(found: Sequence[tuple[np.ndarray, ...]]) -> bool:
+def print_coverage(found: Sequence[tuple[np.ndarray, ...]]) -> bool:
     """Print shares and widths; whether the intervals in use are within the bar."""
     values = np.array([f[0] for f in found])
     ways = [
-        half_widths(Normal(f[1], f[2], np.zeros(len(f[1]))), TrialRandomEffect(*f[3:]))
+        interval_half_widths(Normal(f[1], f[2], np.zeros(len(f[1]))), TrialRandomEffect(*f[3:]))
         for f in found
     ]
     error = values - TRUTH
@@ -104,7 +104,7 @@ def report(found: Sequence[tuple[np.ndarray, ...]]) -> bool:
         print(f"{way + ', half width / deviation':35s}" + "".join(f"{m:10.2f}" for m in middle))
         print(f"{'   mean of the six':35s}{100 * share.mean():9.1f}%")
         if way == "trials disagree":
-            good = bool(np.all((share >= BAR[0]) & (share <= BAR[1])))
+            good = bool(np.all((share >= COVERAGE_RANGE[0]) & (share <= COVERAGE_RANGE[1])))
     return good
 
 
@@ -117,12 +117,12 @@ def main() -> None:
     parser.add_argument("--kept", type=Path, nargs="*", help="judge these fits, make no others")
     given = parser.parse_args()
     if given.kept:
-        found = [one for path in given.kept for one in kept(path)]
+        found = [one for path in given.kept for one in read_kept_fits(path)]
     else:
-        found = campaigns(given.campaigns, given.seed, given.processes)
+        found = fit_campaigns(given.campaigns, given.seed, given.processes)
     if given.out:
-        np.savez(given.out, **{p: np.array([f[i] for f in found]) for i, p in enumerate(PARTS)})
-    sys.exit(0 if report(found) else 1)
+        np.savez(given.out, **{p: np.array([f[i] for f in found]) for i, p in enumerate(FIT_PARTS)})
+    sys.exit(0 if print_coverage(found) else 1)
 
 
 if __name__ == "__main__":

@@ -30,8 +30,8 @@ from bluekoi.synthetic.conditions import Conditions  # noqa: E402
 from bluekoi.synthetic.design import conditions_design  # noqa: E402
 from validation.generators.concealed.studies import generate  # noqa: E402
 
-TICK = os.sysconf("SC_CLK_TCK")
-STUDY_OF_A_FIN = (811, 0)
+CLOCK_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+FIN_STUDY_SEED = (811, 0)
 """Seed and number of a study of the generator."""
 
 
@@ -44,7 +44,7 @@ def filmed_study(folder: Path) -> Path:
     return folder
 
 
-def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
+def make_campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
     """A study of so many trials, each of its own: keypoints of the project's generator, or films.
 
     Films are further names of the same three, so that the disk does not fill.
@@ -58,14 +58,16 @@ def campaign(folder: Path, trials: int, *, films: bool = False) -> Path:
     study.mkdir()
     shutil.copy(base / "study.yaml", study)
     rows = read_rows(base / "trials.csv")
-    made = [taken(base, study, rows[i % len(rows)], f"N{i:04d}") for i in range(trials)]
+    made = [
+        row_of_copied_trial(base, study, rows[i % len(rows)], f"N{i:04d}") for i in range(trials)
+    ]
     write_rows(study / "trials.csv", made)
     return study
 
 
 def simulated_study(folder: Path, study: Path, trials: int) -> Path:
     """A study of the project's own generator, of a robot with a fin that the model lacks."""
-    truth = generate(*STUDY_OF_A_FIN, folder, trials=3 * math.ceil(trials / 3))
+    truth = generate(*FIN_STUDY_SEED, folder, trials=3 * math.ceil(trials / 3))
     (folder / "studies" / truth["study"]).rename(study)
     write_rows(study / "trials.csv", read_rows(study / "trials.csv")[:trials])
     return study
@@ -85,7 +87,7 @@ def write_rows(path: Path, rows: list[dict[str, str]]) -> None:
         writer.writerows(rows)
 
 
-def taken(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, str]:
+def row_of_copied_trial(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, str]:
     """Row of a trial `name` that has the files of `row`."""
     files = {}
     for column in ("source", "motor_log"):
@@ -99,7 +101,7 @@ def taken(base: Path, study: Path, row: dict[str, str], name: str) -> dict[str, 
 
 
 @dataclass(frozen=True)
-class Used:
+class ResourceUse:
     """Processor seconds of a Snakemake run: its own process alone, and all with its jobs; wall
     seconds; greatest memory of its own process, MB.
     """
@@ -110,7 +112,7 @@ class Used:
     memory: float = 0.0
 
 
-def used_so_far(pid: int, before: Used) -> Used:
+def resource_use(pid: int, before: ResourceUse) -> ResourceUse:
     """What a process and the jobs it has waited for have used; `before` once it has ended.
 
     Processor time, so that other work on the machine does not count.
@@ -123,28 +125,28 @@ def used_so_far(pid: int, before: Used) -> Used:
     peak = next((line for line in status.splitlines() if line.startswith("VmHWM")), None)
     if peak is None:
         return before
-    own, jobs = (sum(int(n) for n in fields[i : i + 2]) / TICK for i in (11, 13))
-    return Used(own, own + jobs, before.wall, int(peak.split()[1]) / 1024)
+    own, jobs = (sum(int(n) for n in fields[i : i + 2]) / CLOCK_TICKS_PER_S for i in (11, 13))
+    return ResourceUse(own, own + jobs, before.wall, int(peak.split()[1]) / 1024)
 
 
-def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
+def run_study(study: Path, results: Path, goal: str | None, cores: int) -> ResourceUse:
     """The study run to `goal`; resources used are printed each minute, for runs of hours."""
     goals = [str(results / goal)] if goal else []
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), *goals]
     command += ["--workflow-profile", str(ROOT / "config/profiles/default"), "--cores", str(cores)]
     command += ["--config", f"study={study}", f"results={results}"]
-    start, used, reported = time.monotonic(), Used(), 0.0
+    start, used, reported = time.monotonic(), ResourceUse(), 0.0
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     env = os.environ | {"PYTHONPATH": str(ROOT / "pipeline")}
     with (results.parent / "snakemake.log").open("a") as log:
         process = subprocess.Popen(command, cwd=study.parent, stderr=log, env=env)
         while process.poll() is None:
-            used = used_so_far(process.pid, used)
+            used = resource_use(process.pid, used)
             used = replace(used, wall=time.monotonic() - start)
             if used.wall > reported + 60:
                 reported = used.wall
                 jobs = sum(1 for _ in (results / "benchmarks").rglob("*.tsv"))
-                print(f"  {used.wall:.0f} s: {jobs} jobs; {share(used)}", flush=True)
+                print(f"  {used.wall:.0f} s: {jobs} jobs; {snakemake_share_text(used)}", flush=True)
             time.sleep(0.1)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = replace(used, all=after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
@@ -153,37 +155,49 @@ def run(study: Path, results: Path, goal: str | None, cores: int) -> Used:
     return used
 
 
-def share(used: Used) -> str:
+def snakemake_share_text(used: ResourceUse) -> str:
     """Snakemake's own share in words."""
-    part = 100 * used.own / max(used.all, TICK**-1)
+    part = 100 * used.own / max(used.all, CLOCK_TICKS_PER_S**-1)
     return (
         f"processor {used.all:.0f} s, Snakemake alone {used.own:.1f} s = {part:.1f} % "
         f"and {used.memory:.0f} MB"
     )
 
 
-def stages(results: Path) -> list[tuple[str, int, float, float]]:
+def rule_statistics(results: Path) -> list[tuple[str, int, float, float]]:
     """Each rule's name, number of jobs, median processor seconds and greatest memory, MB."""
     rows: dict[str, list[dict[str, str]]] = {}
     for path in sorted((results / "benchmarks").rglob("*.tsv")):
         name = path.relative_to(results / "benchmarks").parts[0].removesuffix(".tsv")
-        rows.setdefault(name, []).append(_row(path))
-    return [(name, len(of), statistics.median(_known(of, "cpu_time")), max(_known(of, "max_rss")))
-            for name, of in rows.items()]  # fmt: skip
+        rows.setdefault(name, []).append(_read_benchmark_row(path))
+    return [
+        (
+            name,
+            len(of),
+            statistics.median(_known_numbers(of, "cpu_time")),
+            max(_known_numbers(of, "max_rss")),
+        )
+        for name, of in rows.items()
+    ]
 
 
-def _known(rows: list[dict[str, str]], column: str) -> list[float]:
+def _known_numbers(rows: list[dict[str, str]], column: str) -> list[float]:
     """Numbers of a column; psutil has none of a job that ended within its first look."""
     return [float(row[column]) for row in rows if row[column] not in ("NA", "-")] or [math.nan]
 
 
-def _row(path: Path) -> dict[str, str]:
+def _read_benchmark_row(path: Path) -> dict[str, str]:
     with path.open(newline="") as lines:
         return next(csv.DictReader(lines, delimiter="\t"))
 
 
-def show(trials: int, used: Used, found: list[tuple[str, int, float, float]]) -> None:
-    print(f"{trials} trials: {used.wall:.0f} s; {used.all / trials:.2f} s a trial; {share(used)}")
+def print_resources(
+    trials: int, used: ResourceUse, found: list[tuple[str, int, float, float]]
+) -> None:
+    print(
+        f"{trials} trials: {used.wall:.0f} s; {used.all / trials:.2f} s a trial; "
+        f"{snakemake_share_text(used)}"
+    )
     for name, jobs, seconds, memory in found:
         print(f"  {name:10s} {jobs:5d} jobs, {seconds:7.2f} s, {memory:5.0f} MB", flush=True)
 
@@ -200,9 +214,9 @@ def main() -> None:
         for trials in options.trials:
             folder = (options.folder or Path(name)).resolve() / str(trials)
             folder.mkdir(parents=True, exist_ok=True)
-            study = campaign(folder, trials, films=options.films)
-            used = run(study, folder / "results", options.goal, options.cores)
-            show(trials, used, stages(folder / "results"))
+            study = make_campaign(folder, trials, films=options.films)
+            used = run_study(study, folder / "results", options.goal, options.cores)
+            print_resources(trials, used, rule_statistics(folder / "results"))
 
 
 if __name__ == "__main__":

@@ -9,8 +9,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-BAD = ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled")
-READY = "new Promise(r => document.readyState === 'complete' ? r() : (onload = r))"
+ERROR_EVENTS = ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled")
+PAGE_READY_SCRIPT = "new Promise(r => document.readyState === 'complete' ? r() : (onload = r))"
 
 
 class Browser:
@@ -70,7 +70,7 @@ class Tab:
             self.call("Emulation.setDeviceMetricsOverride", width=390, height=844,
                       deviceScaleFactor=2, mobile=True)  # fmt: skip
         self.call("Page.navigate", url=page if isinstance(page, str) else page.as_uri())
-        self.evaluate(READY)
+        self.evaluate(PAGE_READY_SCRIPT)
 
     def call(self, method: str, **parameters: object) -> dict:
         return self.browser.call(method, self.session, **parameters)
@@ -90,4 +90,4 @@ class Tab:
 
     def console_messages(self) -> list[dict]:
         """Errors, warnings and messages on the console."""
-        return [event for event in self.browser.events if event.get("method") in BAD]
+        return [event for event in self.browser.events if event.get("method") in ERROR_EVENTS]

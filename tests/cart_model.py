@@ -3,7 +3,7 @@
 from bluekoi.explain import Cause, Input, Model, Observation, Parameter, Stage, State
 
 
-def drag(v: float, c: float) -> tuple[float]:
+def linear_drag(v: float, c: float) -> tuple[float]:
     """Linear drag of a unit mass (N)."""
     return (-c * v,)
 
@@ -18,17 +18,17 @@ def observe(x: float) -> tuple[float]:
     return (x,)
 
 
-def quadratic(v: float, k: float) -> tuple[float]:
+def quadratic_drag(v: float, k: float) -> tuple[float]:
     """F = -k v |v|."""
     return (-k * v * abs(v),)
 
 
-def spring(x: float, k: float) -> tuple[float]:
+def spring_force(x: float, k: float) -> tuple[float]:
     """F = -k x."""
     return (-k * x,)
 
 
-def current(c: float) -> tuple[float]:
+def ground_velocity(c: float) -> tuple[float]:
     """The ground moves with c (m/s)."""
     return (c,)
 
@@ -40,17 +40,30 @@ MODEL = Model(
     observations=(Observation("position", "m", 1e-3),),
     coefficients=(Parameter("c", "1/s", 0.5, 0.0, 5.0, "drag"),),
     stages=(
-        Stage("force", ("F",), drag, open=True),
+        Stage("force", ("F",), linear_drag, open=True),
         Stage("ground", ("w",), None, open=True),
         Stage("rates", ("x", "v"), rates),
         Stage("observe", ("position",), observe),
     ),
     causes=(
-        Cause("quadratic_drag", "Drag grows with the square of the speed.", {"force": quadratic},
-              (Parameter("k", "1/m", 0.5, 0.0, 20.0, "drag"),)),
-        Cause("spring", "A spring pulls back.", {"force": spring},
-              (Parameter("k", "1/s2", 0.2, -5.0, 5.0, "stiffness"),)),
-        Cause("current", "The ground moves.", {"ground": current},
-              (Parameter("c", "m/s", 0.05, -2.0, 2.0, "velocity"),), site=True),
+        Cause(
+            "quadratic_drag",
+            "Drag grows with the square of the speed.",
+            {"force": quadratic_drag},
+            (Parameter("k", "1/m", 0.5, 0.0, 20.0, "drag"),),
+        ),
+        Cause(
+            "spring",
+            "A spring pulls back.",
+            {"force": spring_force},
+            (Parameter("k", "1/s2", 0.2, -5.0, 5.0, "stiffness"),),
+        ),
+        Cause(
+            "current",
+            "The ground moves.",
+            {"ground": ground_velocity},
+            (Parameter("c", "m/s", 0.05, -2.0, 2.0, "velocity"),),
+            site=True,
+        ),
     ),
-)  # fmt: skip
+)

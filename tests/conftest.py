@@ -10,7 +10,7 @@ import pytest
 
 from bluekoi.mismatch import MismatchResult, find_mismatch
 from bluekoi.synthetic.design import demo_design
-from measured import Measured, measured
+from measured_studies import MeasuredStudy, measure_design
 
 ROOT = Path(__file__).resolve().parents[1]
 LONGEST = (
@@ -57,12 +57,12 @@ def recordings() -> Recordings:
 
 
 @pytest.fixture(scope="session")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Measured, MismatchResult]:
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[MeasuredStudy, MismatchResult]:
     """Two thirds of the demo's trials from keypoints, and what the search finds in them.
 
     `make test-long` runs the search on all 24 (test_demo_truth.py).
     """
     design = demo_design()
     plans = tuple(plan for k, plan in enumerate(design.plans) if k % 3 != 1)
-    m = measured(replace(design, plans=plans), tmp_path_factory.mktemp("demo"))
+    m = measure_design(replace(design, plans=plans), tmp_path_factory.mktemp("demo"))
     return m, find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)

@@ -13,28 +13,30 @@ from bluekoi.data import Float, Steady, Track
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1
 from bluekoi.study import Camera, Robot, Setup, Study, Trial
 
-CORNERS = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
+POOL_CORNERS_PX = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
 """500 px a metre, straight from above, no lens: pool (x, y) is at (360 + 500 x, 930 - 500 y)."""
 ROBOT = Robot(
     mass_kg=0.68, yaw_inertia_kg_m2=0.0095, body_length_m=0.331, head_length_m=0.12,
     head_span_m=0.069, hinge_to_com_m=0.04, tail_length_m=0.066,
 )  # fmt: skip
-SPEED = {50: 0.225, 75: 0.381, 100: 0.552}
+SPEED_M_S = {50: 0.225, 75: 0.381, 100: 0.552}
 INF, NAN = float("inf"), float("nan")
 
 
-def setup() -> Setup:
-    camera = Camera(image_size_px=(1920, 1080), pool_corners_px=CORNERS)
+def exact_setup() -> Setup:
+    camera = Camera(image_size_px=(1920, 1080), pool_corners_px=POOL_CORNERS_PX)
     return Setup(robot=ROBOT, camera=camera)
 
 
-def trial(number: int, power: float, angle: float, head: float = 0.12, **more: Any) -> Trial:
+def make_trial(number: int, power: float, angle: float, head: float = 0.12, **more: Any) -> Trial:
     name = f"T{number:02d}"
     return Trial(trial_id=name, source=f"keypoints/{name}.csv", power_pct=power, fps=30.0,
                  head_angle_deg=angle, head_length_m=head, **more)  # fmt: skip
 
 
-def track(t: Float, xy: Float, velocity: Float, heading: Float, rate: float, phi: float) -> Track:
+def exact_track(
+    t: Float, xy: Float, velocity: Float, heading: Float, rate: float, phi: float
+) -> Track:
     n = len(t)
     small = {f"{k}_std": np.full(n, 1e-3) for k in (
         "x_m", "y_m", "heading_rad", "head_angle_rad", "speed_m_s", "vx_m_s", "vy_m_s",
@@ -46,18 +48,20 @@ def track(t: Float, xy: Float, velocity: Float, heading: Float, rate: float, phi
     )  # fmt: skip
 
 
-def straight(one: Trial, speed: float, seconds: float = 4.0) -> tuple[Track, Steady]:
+def straight_trial(one: Trial, speed: float, seconds: float = 4.0) -> tuple[Track, Steady]:
     """From rest along x: v = speed tanh t."""
     t = np.arange(round(seconds * 30)) / 30
     v = np.column_stack([speed * np.tanh(t), np.zeros(len(t))])
     xy = np.column_stack([0.3 + speed * np.log(np.cosh(t)), np.full(len(t), 0.8)])
-    found = track(t, xy, v, np.zeros(len(t)), 0.0, 0.0)
+    found = exact_track(t, xy, v, np.zeros(len(t)), 0.0, 0.0)
     row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, INF, INF, 0.0, 2.0, float(t[-1]),
                  "straight", "")  # fmt: skip
     return found, row
 
 
-def turn(one: Trial, speed: float, radius: float, *, quality: str = "good") -> tuple[Track, Steady]:
+def circle_trial(
+    one: Trial, speed: float, radius: float, *, quality: str = "good"
+) -> tuple[Track, Steady]:
     """A circle about (1.3, 0.8); positive head angle turns clockwise."""
     side = -1 if one.head_angle_deg > 0 else 1
     t = np.arange(90) / 30
@@ -65,19 +69,19 @@ def turn(one: Trial, speed: float, radius: float, *, quality: str = "good") -> t
     xy = np.array([1.3, 0.8]) + radius * np.column_stack([np.cos(around), np.sin(around)])
     v = side * speed * np.column_stack([-np.sin(around), np.cos(around)])
     heading = around + side * np.pi / 2
-    found = track(t, xy, v, heading, side * speed / radius, np.radians(one.head_angle_deg))
+    found = exact_track(t, xy, v, heading, side * speed / radius, np.radians(one.head_angle_deg))
     row = Steady(FLAP_HZ[round(one.power_pct)], speed, 0.001, radius, 0.004,
                  float(np.degrees(speed / radius * 2.0)), 1.0, float(t[-1]), quality,
                  "" if quality == "good" else "film for longer", side, (1.3, 0.8))  # fmt: skip
     return found, row
 
 
-def radius_of(power: float, angle: float, head: float) -> float:
+def exact_radius(power: float, angle: float, head: float) -> float:
     """Radius given to the circles, m."""
     return round(0.9 - 0.006 * abs(angle) - 1.5 * (head - 0.12) - 0.001 * power, 4)
 
 
-def coefficients(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
+def coefficients_json(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
     """coefficients.json with the paper's Table I as its fits."""
     units = {p.name: p.unit for p in COEFFICIENTS}
 
@@ -98,7 +102,7 @@ def coefficients(powers: Sequence[int] = (50, 75, 100)) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def campaign(
+def exact_campaign(
     powers: Sequence[int] = (50, 75, 100),
     angles: Sequence[float] = (0, 30, -30, 45, -45),
     heads: Sequence[float] = (0.12, 0.175),
@@ -111,24 +115,24 @@ def campaign(
             for angle in angles:
                 if head > 0.12 and abs(angle) not in (0, 45):
                     continue
-                one = trial(len(trials) + 1, power, angle, head)
+                one = make_trial(len(trials) + 1, power, angle, head)
                 trials.append(one)
                 made = (
-                    straight(one, SPEED[power])
+                    straight_trial(one, SPEED_M_S[power])
                     if angle == 0
-                    else turn(one, 0.9 * SPEED[power], radius_of(power, angle, head))
+                    else circle_trial(one, 0.9 * SPEED_M_S[power], exact_radius(power, angle, head))
                 )
                 tracks[one.trial_id], steady[one.trial_id] = made
-    study = Study(root=Path("exact"), setup=setup(), trials=tuple(trials))
+    study = Study(root=Path("exact"), setup=exact_setup(), trials=tuple(trials))
     given: dict[str, Any] = {
         "tracks": tracks,
         "steady": steady,
-        "coefficients": coefficients(powers),
+        "coefficients": coefficients_json(powers),
     }
     return Campaign(study=study, **(given | more))
 
 
-GEOMETRY = {
+GEOMETRY_JSON = {
     "scale": 0.985, "scale_std": 0.002, "likely": "scale_error", "rivals": [], "depth_m": 0.04,
     "sentence": "rigid lengths come out -1.50 +- 0.20 % over the pool",
     "estimates": [{"name": "scale_error", "parameters": ["scale"], "units": ["-"],
@@ -139,7 +143,7 @@ GEOMETRY = {
             "std": [[0.001, 0.001]], "count": [[400.0, 300.0]], "model": [[-0.015, -0.015]]},
 }  # fmt: skip
 
-LAW = {
+DAMPING_LAW = {
     "variable": "yaw_rate_rad_s", "unit": "rad/s", "x": [-1.0, 0.0, 1.0],
     "y": [0.02, 0.0, -0.02], "low": [0.018, 0.0, -0.022], "high": [0.022, 0.0, -0.018],
     "channel": "yaw", "y_unit": "N m",
@@ -147,7 +151,7 @@ LAW = {
 """Law of the damping that `searched` finds."""
 
 
-def searched(base: Campaign) -> Campaign:
+def campaign_with_damping_found(base: Campaign) -> Campaign:
     """The campaign with a search that found a linear yaw damping of 0.02 N m s in it."""
     forces = {}
     for name, one in base.tracks.items():
@@ -162,11 +166,11 @@ def searched(base: Campaign) -> Campaign:
     cause = {"name": "linear_yaw_damping", "kind": "physics", "channels": ["yaw"], "weight": 0.98,
              "regime": "turns", "sentence": "Turning is resisted in proportion to the yaw rate.",
              "parameters": {"N_r": {"value": 0.02, "std": 0.001, "unit": "N m s"}},
-             "law": LAW}  # fmt: skip
+             "law": DAMPING_LAW}  # fmt: skip
     errors = {"path_rmse_m": 0.031, "radius_error_pct": 9.8, "speed_error_pct": 3.1}
     return Campaign(**{
         **base.__dict__,
-        "geometry": GEOMETRY,
+        "geometry": GEOMETRY_JSON,
         "mismatch": {
             "verdict": "physics", "sentence": "Missing physics: linear_yaw_damping.",
             "causes": [cause], "rivals": [],

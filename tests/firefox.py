@@ -9,18 +9,18 @@ import time
 from pathlib import Path
 from typing import Any
 
-KEYS = {"Tab": "\ue004", "Enter": "\ue007", "ArrowRight": "\ue014", "End": "\ue010",
+KEY_CODES = {"Tab": "\ue004", "Enter": "\ue007", "ArrowRight": "\ue014", "End": "\ue010",
         "Home": "\ue011", "Escape": "\ue00c"}  # fmt: skip
-EVALUATE = """const done = arguments[1];
+EVALUATE_SCRIPT = """const done = arguments[1];
 const script = document.createElement("script");
 script.textContent = `window.evaluated = ${arguments[0]}`;
 document.head.append(script);
 script.remove();
 Promise.resolve(window.evaluated)
   .then((value) => done({ value }), (error) => done({ error: `${error}` }));"""
-NARROW = """const shell = Services.wm.getMostRecentWindow("navigator:browser").document;
+NARROW_WINDOW = """const shell = Services.wm.getMostRecentWindow("navigator:browser").document;
 shell.documentElement.style.setProperty("min-width", "0", "important");"""
-ERRORS = """return Services.console.getMessageArray()
+COLLECT_ERRORS_SCRIPT = """return Services.console.getMessageArray()
   .filter((one) => one instanceof Ci.nsIScriptError && one.sourceName.startsWith(arguments[0]))
   .map((one) => one.message);"""
 START_S = 120
@@ -93,22 +93,24 @@ class FirefoxTab:
 
     def __init__(self, browser: Firefox, page: Path, *, phone: bool = False) -> None:
         self.browser, self.url = browser, page.as_uri()
-        browser.in_browser(NARROW)
+        browser.in_browser(NARROW_WINDOW)
         browser.call("WebDriver:SetWindowRect", width=390 if phone else 1300, height=900)
         browser.call("WebDriver:Navigate", url=self.url)
 
     def evaluate(self, script: str) -> Any:
         """Value of a script, promises awaited."""
-        call = self.browser.call("WebDriver:ExecuteAsyncScript", script=EVALUATE, args=[script])
+        call = self.browser.call(
+            "WebDriver:ExecuteAsyncScript", script=EVALUATE_SCRIPT, args=[script]
+        )
         assert "error" not in call["value"], call
         return call["value"].get("value")
 
     def press(self, key: str, _code: int = 0, _text: str = "") -> None:
-        value = KEYS.get(key, key)
+        value = KEY_CODES.get(key, key)
         actions = [{"type": kind, "value": value} for kind in ("keyDown", "keyUp")]
         keyboard = {"type": "key", "id": "keyboard", "actions": actions}
         self.browser.call("WebDriver:PerformActions", actions=[keyboard])
 
     def console_messages(self) -> list[str]:
         """Errors and warnings of the page's scripts and styles."""
-        return list(self.browser.in_browser(ERRORS, self.url))
+        return list(self.browser.in_browser(COLLECT_ERRORS_SCRIPT, self.url))

@@ -1,4 +1,4 @@
-"""Files spoilt in all the ways that a copy, an editor, a spreadsheet or an enemy would."""
+"""Corrupted files, as copying, editors, spreadsheets or an attacker could produce them."""
 
 from __future__ import annotations
 
@@ -8,25 +8,37 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
-NUMBERS = ("nan", "-1", "0", "1e999", "-inf", "1e-320", "0x10", "1_000", "9" * 400, "1,5", "٣")
-WORDS = (
+EXTREME_NUMBERS = (
+    "nan",
+    "-1",
+    "0",
+    "1e999",
+    "-inf",
+    "1e-320",
+    "0x10",
+    "1_000",
+    "9" * 400,
+    "1,5",
+    "٣",
+)
+ODD_WORDS = (
     "", " ", "\0", "../../etc/passwd", "/etc/passwd", "~", "null", "true",
     "<script>alert(1)</script>", "$(touch x)", "`id`", "a;b|c&d", "=1+1", "{{7*7}}", "%s%n",
     "x" * 5000,
     "e\u0301\u202e", "\ufeff",
     "!!python/object/apply:os.system [id]", "&a [*a]", "*nothing", "- - - -", "'", '"', "\\",
 )  # fmt: skip
-LEAVES = st.one_of(
+YAML_LEAVES = st.one_of(
     st.none(),
     st.booleans(),
     st.integers(-(10**18), 10**18),
     st.floats(allow_nan=True, allow_infinity=True),
-    st.sampled_from(WORDS),
-    st.sampled_from(NUMBERS),
+    st.sampled_from(ODD_WORDS),
+    st.sampled_from(EXTREME_NUMBERS),
     st.text(max_size=20),
 )
-VALUES = st.recursive(
-    LEAVES,
+YAML_VALUES = st.recursive(
+    YAML_LEAVES,
     lambda inner: (
         st.lists(inner, max_size=5) | st.dictionaries(st.text(max_size=6), inner, max_size=4)
     ),
@@ -35,7 +47,7 @@ VALUES = st.recursive(
 
 
 @st.composite
-def spoilt_bytes(draw: Any, whole: bytes, *, within: int | None = None, most: int = 6) -> bytes:
+def corrupted_bytes(draw: Any, whole: bytes, *, within: int | None = None, most: int = 6) -> bytes:
     """`whole` with a few bytes changed, put in, taken out, repeated, or its end cut off.
 
     within: only the first so many bytes are touched (a header).
@@ -66,7 +78,7 @@ def spoilt_bytes(draw: Any, whole: bytes, *, within: int | None = None, most: in
 
 
 @st.composite
-def spoilt_table(draw: Any, text: str) -> bytes:
+def corrupted_table(draw: Any, text: str) -> bytes:
     """A csv with cells, rows and columns changed, in some encoding or other."""
     rows = [line.split(",") for line in text.splitlines()]
     for _ in range(draw(st.integers(1, 6))):
@@ -75,7 +87,7 @@ def spoilt_table(draw: Any, text: str) -> bytes:
             st.sampled_from(("cell", "cell", "cell", "drop", "twice", "short", "long", "swap"))
         )
         if kind == "cell" and rows[row]:
-            new = draw(st.sampled_from(WORDS + NUMBERS) | st.text(max_size=12))
+            new = draw(st.sampled_from(ODD_WORDS + EXTREME_NUMBERS) | st.text(max_size=12))
             rows[row][draw(st.integers(0, len(rows[row]) - 1))] = new
         elif kind == "drop" and len(rows) > 1:
             del rows[row]
@@ -110,11 +122,11 @@ def absurd_numbers(draw: Any, text: str, *, header: int) -> bytes:
         first = rows[top][left]
         for row in rows[top : bottom + 1]:
             for i in range(left, right + 1):
-                row[i] = _absurd(kind, row[i], first, by)
+                row[i] = _absurd_number(kind, row[i], first, by)
     return "\n".join(",".join(row) for row in rows).encode()
 
 
-def _absurd(kind: str, cell: str, first: str, by: float) -> str:
+def _absurd_number(kind: str, cell: str, first: str, by: float) -> str:
     number = float(cell) if cell.strip() else 0.0
     plain = {"lost": "", "same": first, "huge": "1e300", "zero": "0", "one": "1"}
     moved = {"scaled": number * by, "shifted": number + by}
@@ -122,7 +134,7 @@ def _absurd(kind: str, cell: str, first: str, by: float) -> str:
 
 
 @st.composite
-def spoilt_yaml(draw: Any, content: dict[str, Any]) -> bytes:
+def corrupted_yaml(draw: Any, content: dict[str, Any]) -> bytes:
     """A study.yaml with values replaced, keys lost, added or misspelt."""
     tree = copy.deepcopy(content)
     for _ in range(draw(st.integers(1, 4))):
@@ -136,20 +148,20 @@ def spoilt_yaml(draw: Any, content: dict[str, Any]) -> bytes:
             if isinstance(inner, dict | list) and inner and draw(st.booleans()):
                 place = inner
                 continue
-            _change(draw, place, key)
+            _change_entry(draw, place, key)
             break
     return yaml.safe_dump(tree, allow_unicode=True).encode("utf-8", "surrogatepass")
 
 
-def _change(draw: Any, place: Any, key: Any) -> None:
+def _change_entry(draw: Any, place: Any, key: Any) -> None:
     kind = draw(st.sampled_from(("value", "value", "value", "lose", "add", "misspell")))
     if kind == "value":
-        place[key] = draw(VALUES)
+        place[key] = draw(YAML_VALUES)
     elif kind == "lose":
         del place[key]
     elif isinstance(place, list):
-        place.append(draw(VALUES))
+        place.append(draw(YAML_VALUES))
     elif kind == "add":
-        place[draw(st.text(max_size=8))] = draw(VALUES)
+        place[draw(st.text(max_size=8))] = draw(YAML_VALUES)
     else:
         place[f"{key}_x"] = place.pop(key)

@@ -1,4 +1,4 @@
-"""A driven, damped pendulum: a system for the integrator that is no fish."""
+"""A driven, damped pendulum: a system for tests of the integrator."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from bluekoi.integrate import Effect, Parameter, Stage, System
 
 
-def damping(c: float) -> tuple[float]:
+def damping_coefficient(c: float) -> tuple[float]:
     return (2.0 * c,)
 
 
@@ -23,7 +23,7 @@ def observe(angle: float) -> tuple[float]:
     return (angle,)
 
 
-def cubic(rate: float, k: float) -> tuple[float]:
+def cubic_damping(rate: float, k: float) -> tuple[float]:
     return (-k * rate * rate * rate,)
 
 
@@ -34,14 +34,20 @@ PENDULUM = System(
     inputs=("push",),
     coefficients=(Parameter("c", "1/s", 0.1, 0.0, 2.0, "damping"),),
     stages=(
-        Stage("damping", ("c2",), damping),
+        Stage("damping", ("c2",), damping_coefficient),
         Stage("torque", ("N",), torque, open=True),
         Stage("rates", ("angle", "rate"), rates),
         Stage("observe", ("seen",), observe),
     ),
     observations=("seen",),
     effects=(
-        Effect("cubic", "physics", "It is damped by the cube.",
-               (Parameter("k", "s", 0.1, 0.0, 5.0, "strength"),), {"torque": cubic}, "pendulum"),
+        Effect(
+            "cubic",
+            "physics",
+            "It is damped by the cube.",
+            (Parameter("k", "s", 0.1, 0.0, 5.0, "strength"),),
+            {"torque": cubic_damping},
+            "pendulum",
+        ),
     ),
-)  # fmt: skip
+)

@@ -16,17 +16,17 @@ from bluekoi.model import plates
 from bluekoi.tuning.draws import sample_parameters
 from bluekoi.tuning.identify import profiles, spectrum
 from bluekoi.tuning.joint import Tuned, coefficient_table, downsampled, tune
-from campaigns import Errors, sixteen
-from campaigns import plans as plans_of
+from simulated_campaigns import ErrorModel, simulate_campaigns
+from simulated_campaigns import trial_plans as plans_of
 
 
 @pytest.fixture(scope="module")
-def trials() -> list[Series]:
+def simulated_trials() -> list[Series]:
     wanted = plans_of((100,), ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12)))
-    return sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0]
+    return simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
 
 
-def changed(
+def with_changes(
     one: Series, *, clock: float = 1.0, scale: float = 1.0, shift_m: float = 0.0,
     mirrored: bool = False, frames: int | None = None,
 ) -> Series:  # fmt: skip
@@ -45,7 +45,7 @@ def changed(
                    inputs=one.inputs[cut], noise=one.noise[cut])  # fmt: skip
 
 
-def examined(series: list[Series]) -> Tuned:
+def tuning_json(series: list[Series]) -> Tuned:
     """Everything that the stage `tuning` makes of a joint fit."""
     few = downsampled(series)
     found = tune(few)
@@ -68,26 +68,39 @@ def examined(series: list[Series]) -> Tuned:
     frames=st.sampled_from([None, 2, 7, 40]),
     order=st.permutations([0, 1, 2]),
 )
-def test_a_fit_ends_with_numbers_or_advice(trials, clock, scale, shift_m, mirrored, frames, order):
-    series = [changed(trials[i], clock=clock, scale=scale, shift_m=shift_m, mirrored=mirrored,
-                      frames=frames) for i in order]  # fmt: skip
-    assert examined(series).fit.normal.usable
+def test_a_fit_ends_with_numbers_or_advice(
+    simulated_trials, clock, scale, shift_m, mirrored, frames, order
+):
+    series = [
+        with_changes(
+            simulated_trials[i],
+            clock=clock,
+            scale=scale,
+            shift_m=shift_m,
+            mirrored=mirrored,
+            frames=frames,
+        )
+        for i in order
+    ]
+    assert tuning_json(series).fit.normal.usable
 
 
 @pytest.mark.parametrize("change", [{"clock": 0.125}, {"scale": 10.0}, {"scale": 100.0}])
-def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(trials, change):
-    assert examined([changed(one, **change) for one in trials]).fit.normal.usable
+def test_a_model_that_runs_away_at_its_usual_numbers_is_begun_at_smaller_ones(
+    simulated_trials, change
+):
+    assert tuning_json([with_changes(one, **change) for one in simulated_trials]).fit.normal.usable
 
 
-def test_trials_that_no_coefficients_describe_are_refused(trials):
+def test_trials_that_no_coefficients_describe_are_refused(simulated_trials):
     with pytest.raises(FloatingPointError, match="runs away from these trials"):
-        tune(downsampled([changed(one, scale=1000.0) for one in trials]))
+        tune(downsampled([with_changes(one, scale=1000.0) for one in simulated_trials]))
 
 
-def test_trials_too_short_for_a_displaced_camera_have_none(trials):
+def test_trials_too_short_for_a_displaced_camera_have_none(simulated_trials):
     kernel, few = (
         compiled(plates()),
-        downsampled([changed(one, frames=16) for one in trials]),
+        downsampled([with_changes(one, frames=16) for one in simulated_trials]),
     )
     found = tune(few)
     values = found.trial_values(kernel, few)
@@ -95,8 +108,8 @@ def test_trials_too_short_for_a_displaced_camera_have_none(trials):
     assert detect_displacements(kernel, few, values, found.noise) == []
 
 
-def test_a_mirrored_study_has_the_same_coefficients(trials):
-    values = examined(trials).fit.values
-    wanted = [replace(changed(one, mirrored=True), inputs=one.inputs * [-1.0, 1.0])
-              for one in trials]  # fmt: skip
-    assert examined(wanted).fit.values == pytest.approx(values, rel=0.02)
+def test_a_mirrored_study_has_the_same_coefficients(simulated_trials):
+    values = tuning_json(simulated_trials).fit.values
+    wanted = [replace(with_changes(one, mirrored=True), inputs=one.inputs * [-1.0, 1.0])
+              for one in simulated_trials]  # fmt: skip
+    assert tuning_json(wanted).fit.values == pytest.approx(values, rel=0.02)

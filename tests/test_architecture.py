@@ -1,4 +1,4 @@
-"""The floor plan holds: contents, rules, layers and stages agree in names and order."""
+"""Architecture: list of modules, Snakemake rules, layers and stages agree in names and order."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def test_a_fingerprint_changes_with_a_file_it_covers(stage, tmp_path, monkeypatc
     assert fingerprint(f"stages.{stage}") == (before := fingerprint(f"stages.{stage}"))
     covered = copy / source_files(f"stages.{stage}")[-1]
     covered.write_text(covered.read_text() + "\n# changed\n")
-    provenance._read.cache_clear()
+    provenance._hash_and_imports.cache_clear()
     assert fingerprint(f"stages.{stage}") != before
 
 

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from bluekoi.cli import main
 from bluekoi.errors import InputError
 from bluekoi.workflow.plan import make_plan
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -60,28 +60,28 @@ def assert_only_bad(results, bad):
     assert not list(results.rglob(".*"))
 
 
-def only_two_parts(path):
+def keep_two_parts(path):
     lines = path.read_text().splitlines()
     path.write_text("\n".join(",".join(line.split(",")[:7]) for line in lines))
 
 
-def all_nan(path):
+def write_all_nan(path):
     lines = path.read_text().splitlines()
     nan = [",".join([line.split(",")[0], *["nan"] * line.count(",")]) for line in lines[3:]]
     path.write_text("\n".join([*lines[:3], *nan]))
 
 
-def reversed_rows(path):
+def reverse_rows(path):
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:3], *lines[:2:-1]]))
 
 
-def an_open_quote(path):
+def leave_quote_open(path):
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:3], f'"{lines[3]}', *lines[4:]]))
 
 
-def first_frame_twice(path):
+def repeat_first_frame(path):
     lines = path.read_text().splitlines()
     path.write_text("\n".join([*lines[:4], *lines[3:]]))
 
@@ -89,11 +89,11 @@ def first_frame_twice(path):
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (reversed_rows, ["keypoints/T10.csv: row 5: found frame", "Sort the rows"]),
-        (first_frame_twice, ["row 5: ", "frame 0 after 0"]),
-        (an_open_quote, ["keypoints/T10.csv: row 4", "quotation mark that is not closed"]),
-        (only_two_parts, ["keypoints/T10.csv", "expected"]),
-        (all_nan, ["keypoints/T10.csv", "expected"]),
+        (reverse_rows, ["keypoints/T10.csv: row 5: found frame", "Sort the rows"]),
+        (repeat_first_frame, ["row 5: ", "frame 0 after 0"]),
+        (leave_quote_open, ["keypoints/T10.csv: row 4", "quotation mark that is not closed"]),
+        (keep_two_parts, ["keypoints/T10.csv", "expected"]),
+        (write_all_nan, ["keypoints/T10.csv", "expected"]),
         (lambda path: path.write_text(""), ["keypoints/T10.csv", "empty"]),
         (lambda path: path.write_text("hello\nworld\n"), ["keypoints/T10.csv", "expected"]),
         (lambda path: path.unlink(), ["trials.csv", "no file 'keypoints/T10.csv'"]),
@@ -140,7 +140,7 @@ def test_results_of_an_earlier_good_run_are_taken_away_with_the_bad_one(study, t
     results = tmp_path / "results"
     assert run_trials(study, results).exit_code == 0
     assert (results / "outcome.json").is_file()
-    all_nan(study / "keypoints/T10.csv")
+    write_all_nan(study / "keypoints/T10.csv")
     assert run_trials(study, results).exit_code == 3
     assert_only_bad(results, "T10")
     assert not (results / "outcome.json").exists()
@@ -160,7 +160,7 @@ def test_a_bad_video_stops_its_own_trial_alone(study, tmp_path, content, words):
     (study / "videos").mkdir()
     if content is not None:
         (study / "videos/T10.mp4").write_bytes(content)
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     last = run_trials(study, tmp_path / "results")
     assert last.exit_code == 3
     assert last.output.startswith("T10: ")
@@ -213,11 +213,11 @@ BAD_STUDIES = {
         ["study.yaml", "swap the second and the fourth"],
     ),
     "duplicate ids": (
-        lambda s: edit_rows(s, T10={"trial_id": "T09"}),
+        lambda s: edit_trials_csv(s, T10={"trial_id": "T09"}),
         ["trials.csv", "'T09' 2 times"],
     ),
     "an id that leaves the folder": (
-        lambda s: edit_rows(s, T10={"trial_id": "../T10"}),
+        lambda s: edit_trials_csv(s, T10={"trial_id": "../T10"}),
         ["trials.csv", "../T10", "letters, digits, _ and -"],
     ),
 }  # fmt: skip

@@ -22,12 +22,12 @@ from bluekoi.camera.lens_calibration import (
 from bluekoi.camera.lens_selection import MODELS_COMPARED, evaluate_model, select_lens
 from bluekoi.errors import InputError
 
-SIZE = (640, 480)
+IMAGE_SIZE_PX = (640, 480)
 BOARD = Board(9, 6, 0.025)
 PINHOLE = Lens("pinhole", np.array([[520.0, 0, 322], [0, 521, 236], [0, 0, 1]]),
-               np.array([-0.25, 0.08, 0.0005, -0.0005]), SIZE)  # fmt: skip
+               np.array([-0.25, 0.08, 0.0005, -0.0005]), IMAGE_SIZE_PX)  # fmt: skip
 FISHEYE = Lens("fisheye", np.array([[300.0, 0, 322], [0, 301, 236], [0, 0, 1]]),
-               np.array([0.03, 0.02, -0.01, 0.002]), SIZE)  # fmt: skip
+               np.array([0.03, 0.02, -0.01, 0.002]), IMAGE_SIZE_PX)  # fmt: skip
 
 
 def poses(n: int, rng: np.random.Generator, tilt: float = 0.6, near: float = 0.3) -> np.ndarray:
@@ -36,19 +36,19 @@ def poses(n: int, rng: np.random.Generator, tilt: float = 0.6, near: float = 0.3
     return np.column_stack([turns, places])
 
 
-def views_of(lens: Lens, where: np.ndarray, noise_px: float, rng: np.random.Generator):
+def board_views(lens: Lens, where: np.ndarray, noise_px: float, rng: np.random.Generator):
     found = []
     for i, pose in enumerate(where):
         seen = BOARD.corners_m @ Rotation.from_rotvec(pose[:3]).as_matrix().T + pose[3:]
         image = project_to_pixels(lens, seen)
-        inside = np.all((image > 0) & (image < np.array(SIZE)), axis=1)
+        inside = np.all((image > 0) & (image < np.array(IMAGE_SIZE_PX)), axis=1)
         if inside.sum() >= 20:
             noisy = image[inside] + rng.normal(0, noise_px, (int(inside.sum()), 2))
             found.append(BoardView(f"view {i}", BOARD.corners_m[inside], noisy))
     return found
 
 
-def warped(flat: np.ndarray, px_per_m: float, pose: np.ndarray) -> np.ndarray:
+def warped_board(flat: np.ndarray, px_per_m: float, pose: np.ndarray) -> np.ndarray:
     """A flat board's picture seen by a camera with focal length 500 px and no distortion."""
     matrix = np.array([[500.0, 0, 319.5], [0, 500, 239.5], [0, 0, 1]])
     turn = Rotation.from_rotvec(pose[:3]).as_matrix()
@@ -57,7 +57,7 @@ def warped(flat: np.ndarray, px_per_m: float, pose: np.ndarray) -> np.ndarray:
     large = cv2.warpPerspective(
         flat, np.diag([3, 3, 1]) @ whole, (1920, 1440), flags=cv2.INTER_AREA, borderValue=200
     )
-    return cv2.resize(large, SIZE, interpolation=cv2.INTER_AREA)
+    return cv2.resize(large, IMAGE_SIZE_PX, interpolation=cv2.INTER_AREA)
 
 
 def chessboard_picture() -> tuple[np.ndarray, float]:
@@ -76,8 +76,8 @@ def board_poses(n: int, seed: int = 4) -> np.ndarray:
 @pytest.mark.parametrize("lens", [PINHOLE, FISHEYE], ids=["pinhole", "fisheye"])
 def test_exact_corners_give_the_lens_back(lens):
     rng = np.random.default_rng(2)
-    views = views_of(lens, poses(14, rng), 0.0, rng)
-    fit = fit_lens(views, lens.model, 4, SIZE)
+    views = board_views(lens, poses(14, rng), 0.0, rng)
+    fit = fit_lens(views, lens.model, 4, IMAGE_SIZE_PX)
     assert fit.rms_px < 1e-5
     assert np.allclose(lens_parameters(fit.lens)[:4], lens_parameters(lens)[:4], atol=1e-2)
 
@@ -86,8 +86,8 @@ def test_lens_uncertainty_is_of_the_right_width():
     pulls = []
     for seed in range(10):
         rng = np.random.default_rng(100 + seed)
-        views = views_of(PINHOLE, poses(20, rng), 0.2, rng)
-        fit = fit_lens(views, "pinhole", 4, SIZE)
+        views = board_views(PINHOLE, poses(20, rng), 0.2, rng)
+        fit = fit_lens(views, "pinhole", 4, IMAGE_SIZE_PX)
         miss = lens_parameters(fit.lens) - lens_parameters(PINHOLE)
         pulls.append(miss / np.sqrt(np.diag(fit.lens_cov)))
     width = float(np.sqrt(np.mean(np.square(pulls))))
@@ -96,12 +96,12 @@ def test_lens_uncertainty_is_of_the_right_width():
 
 def test_the_model_is_chosen_by_views_held_out():
     rng = np.random.default_rng(6)
-    wide = views_of(FISHEYE, poses(14, rng, near=0.12), 0.15, rng)
-    best, tried = select_lens_model(wide, "auto", SIZE)
+    wide = board_views(FISHEYE, poses(14, rng, near=0.12), 0.15, rng)
+    best, tried = select_lens_model(wide, "auto", IMAGE_SIZE_PX)
     assert best.model == "fisheye"
     assert len(tried) == len(MODELS_COMPARED)
-    narrow = views_of(PINHOLE, poses(11, rng), 0.15, rng)
-    best, _ = select_lens_model(narrow, "pinhole", SIZE)
+    narrow = board_views(PINHOLE, poses(11, rng), 0.15, rng)
+    best, _ = select_lens_model(narrow, "pinhole", IMAGE_SIZE_PX)
     assert (best.model, best.terms) == ("pinhole", 4)
     assert best.held_out_px < 1.2 * best.fit.rms_px
 
@@ -124,26 +124,26 @@ def test_calibrations_that_cannot_be_right_are_refused_with_the_reason(change, r
         matrix = PINHOLE.matrix.copy()
         matrix[0, 0] *= 1.1 if change == "stretched" else 1
         matrix[0, 2] -= 90 if change == "cropped" else 0
-        lens = Lens("pinhole", matrix, PINHOLE.distortion, SIZE)
-    views = views_of(lens, where, 3.0 if change == "noisy" else 0.1, rng)
-    found = evaluate_model(views, "pinhole", 4, SIZE)
+        lens = Lens("pinhole", matrix, PINHOLE.distortion, IMAGE_SIZE_PX)
+    views = board_views(lens, where, 3.0 if change == "noisy" else 0.1, rng)
+    found = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert any(reason in words for words in found.implausibilities)
     assert select_lens([found]) is None
 
 
 def test_a_refused_calibration_names_its_reasons_and_the_cure():
     rng = np.random.default_rng(9)
-    views = views_of(PINHOLE, poses(9, rng, tilt=0.05), 0.1, rng)
+    views = board_views(PINHOLE, poses(9, rng, tilt=0.05), 0.1, rng)
     with pytest.raises(InputError, match=r"frontally: 0 of 9(.|\n)*tilted by 20 to 45 degrees"):
-        select_lens_model(views, "pinhole", SIZE)
+        select_lens_model(views, "pinhole", IMAGE_SIZE_PX)
 
 
 def test_a_lens_that_folds_inside_the_picture_is_refused():
     rng = np.random.default_rng(10)
-    lens = Lens("pinhole", PINHOLE.matrix, np.array([-0.55, 0, 0, 0.0]), SIZE)
+    lens = Lens("pinhole", PINHOLE.matrix, np.array([-0.55, 0, 0, 0.0]), IMAGE_SIZE_PX)
     middle = poses(16, rng, near=0.6)
     middle[:, 3:5] = rng.uniform([-0.12, -0.08], [-0.08, -0.05], (16, 2))
-    found = evaluate_model(views_of(lens, middle, 0.05, rng), "pinhole", 4, SIZE)
+    found = evaluate_model(board_views(lens, middle, 0.05, rng), "pinhole", 4, IMAGE_SIZE_PX)
     assert any("not monotonic inside the picture" in reason for reason in found.implausibilities)
 
 
@@ -151,27 +151,31 @@ def test_a_lens_that_folds_inside_the_picture_is_refused():
 def test_two_zooms_in_one_set_are_reported(seed):
     """Eight of twenty views through a lens of six per cent more focal length."""
     rng = np.random.default_rng(900 + seed)
-    longer = Lens("pinhole", np.diag([1.06, 1.06, 1]) @ PINHOLE.matrix, PINHOLE.distortion, SIZE)
+    longer = Lens(
+        "pinhole", np.diag([1.06, 1.06, 1]) @ PINHOLE.matrix, PINHOLE.distortion, IMAGE_SIZE_PX
+    )
     longer.matrix[:2, 2] = PINHOLE.matrix[:2, 2]
     where = poses(20, rng)
-    views = views_of(PINHOLE, where[:12], 0.2, rng) + views_of(longer, where[12:], 0.2, rng)
-    found = evaluate_model(views, "pinhole", 4, SIZE)
+    views = board_views(PINHOLE, where[:12], 0.2, rng) + board_views(longer, where[12:], 0.2, rng)
+    found = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert "two focal lengths" in two_focal_lengths(found.fit, list(found.views))
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_one_zoom_is_not_taken_for_two(seed):
     rng = np.random.default_rng(100 + seed)
-    found = evaluate_model(views_of(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, SIZE)
+    found = evaluate_model(
+        board_views(PINHOLE, poses(14, rng), 0.3, rng), "pinhole", 4, IMAGE_SIZE_PX
+    )
     assert two_focal_lengths(found.fit, list(found.views)) == ""
 
 
 def test_a_view_grossly_off_is_left_out_and_named():
     rng = np.random.default_rng(12)
-    views = views_of(PINHOLE, poses(15, rng), 0.15, rng)
+    views = board_views(PINHOLE, poses(15, rng), 0.15, rng)
     spoilt = views[3].image_px + rng.normal(0, 6, views[3].image_px.shape)
     views[3] = BoardView("shaken", views[3].board_m, spoilt)
-    best = evaluate_model(views, "pinhole", 4, SIZE)
+    best = evaluate_model(views, "pinhole", 4, IMAGE_SIZE_PX)
     assert len(best.left_out) == 1
     assert "shaken" in best.left_out[0]
 
@@ -181,7 +185,7 @@ def test_photographs_in_camera_yaml_and_picture_out(tmp_path):
     paths = []
     for i, pose in enumerate(board_poses(12)):
         path = tmp_path / f"board {i:02d}.png"
-        path.write_bytes(cv2.imencode(".png", warped(flat, scale, pose))[1].tobytes())
+        path.write_bytes(cv2.imencode(".png", warped_board(flat, scale, pose))[1].tobytes())
         paths.append(path)
     result = calibrate_files(paths, pattern="9x6", model="pinhole", out=tmp_path / "camera.yaml")
     assert result.rms_px < 0.1
@@ -195,9 +199,9 @@ def test_photographs_in_camera_yaml_and_picture_out(tmp_path):
 def test_a_video_is_as_good_as_photographs(tmp_path):
     flat, scale = chessboard_picture()
     path = tmp_path / "board.avi"
-    video = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 30.0, SIZE)
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 30.0, IMAGE_SIZE_PX)
     for pose in board_poses(12):
-        grey = warped(flat, scale, pose)
+        grey = warped_board(flat, scale, pose)
         for _ in range(3):
             video.write(np.repeat(grey[:, :, None], 3, axis=2))
     video.release()
@@ -213,7 +217,7 @@ def test_charuco_boards_may_be_partly_out_of_view(tmp_path):
     paths, whole = [], []
     for i, pose in enumerate(board_poses(14, seed=5)):
         pose[3:5] -= [0.05, 0.04]
-        grey = warped(flat, 80 / 0.025, pose)
+        grey = warped_board(flat, 80 / 0.025, pose)
         paths.append(tmp_path / f"{i}.png")
         cv2.imwrite(str(paths[-1]), grey)
         whole += [find_board(grey, read_board("9x6", 25, "charuco"), "x")] if i < 6 else []

@@ -16,7 +16,7 @@ from bluekoi.camera.pool_edge_check import compare_pool_edges
 from bluekoi.footage import encode_h264
 from bluekoi.stages.pool_edges import check_pool_edges
 from bluekoi.study import Setup, load_study
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 RIM_M = 0.025
 SIGMA_PX, PX_PER_M = 1.3, 470.0
@@ -63,7 +63,7 @@ def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> Setup:
     return Setup.model_validate({"robot": ROBOT, "camera": camera})
 
 
-def off(found_px: np.ndarray) -> np.ndarray:
+def corner_errors_px(found_px: np.ndarray) -> np.ndarray:
     return np.linalg.norm(found_px - TRUTH.corners_px, axis=1)
 
 
@@ -76,7 +76,7 @@ def test_one_corner_31_px_off_is_put_right_in_one_run(lens, rim_m, corner):
     found = fit_corners(drawn_pool(rim_m=rim_m), given, lens)
     assert found.converged
     assert found.doubts == ()
-    assert off(found.corners_px).max() < (0.4 if lens else 1.2)
+    assert corner_errors_px(found.corners_px).max() < (0.4 if lens else 1.2)
     assert (found.outer_px > 0) == (rim_m > 0)
 
 
@@ -84,7 +84,7 @@ def test_corners_3_px_off_converge_without_a_camera_matrix():
     given = TRUTH.corners_px + np.random.default_rng(5).normal(0, 3, (4, 2))
     found = fit_corners(drawn_pool(rim_m=RIM_M), given, None)
     assert found.converged
-    assert off(found.corners_px).max() < 1.2
+    assert corner_errors_px(found.corners_px).max() < 1.2
 
 
 def test_stated_deviations_of_the_corners_hold():
@@ -100,7 +100,7 @@ def test_corners_given_on_the_outer_rim_are_not_certain_and_the_inner_one_is_sug
     given = outer_corners()
     found = fit_corners(drawn_pool(rim_m=RIM_M), given, LENS)
     assert "two rims" in found.doubts[0]
-    assert off(found.inner_rim_px).max() < 0.5
+    assert corner_errors_px(found.inner_rim_px).max() < 0.5
     check = pool_corners_picture(drawn_pool(rim_m=RIM_M), setup_with(given), tmp_path / "pool.png")
     assert not check.confirmed
     assert any("# the inner rim" in line for line in check.sentences)
@@ -110,7 +110,7 @@ def test_corners_in_their_place_are_confirmed(tmp_path):
     given = setup_with(TRUTH.corners_px)
     check = pool_corners_picture(drawn_pool(), given, tmp_path / "pool.png")
     assert check.confirmed
-    assert off(check.suggested_px).max() < 0.5
+    assert corner_errors_px(check.suggested_px).max() < 0.5
     assert "miss the best pose by 0.0" in check.sentences[0]
     assert (tmp_path / "pool.png").stat().st_size > 10_000
 
@@ -181,7 +181,7 @@ def test_a_trials_status_says_where_its_recording_has_the_pools_edges(tmp_path):
     frame = cv2.warpAffine(drawn_pool(), shift, (1920, 1080), borderMode=cv2.BORDER_REPLICATE)
     (study / "videos").mkdir()
     encode_h264(study / "videos/T10.mp4", [np.dstack([frame] * 3)] * 3, fps=30, size=(1920, 1080))
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     loaded = load_study(study).model_copy(update={"setup": setup_with(TRUTH.corners_px)})
     found, remarks = check_pool_edges(loaded, loaded.trial("T10"))
     assert found["off_px"] == pytest.approx(40, abs=1)

@@ -22,82 +22,114 @@ from bluekoi.errors import InputError
 from bluekoi.measurement import lens_error, scale_error, uncorrected_refraction
 from bluekoi.observation import view_of
 from bluekoi.study import Setup
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
 DEPTH_M, WATER = 0.06, 1.333
 CORNERS_M = pool_rectangle(2.6, 1.6, 0.0)
-PLACES = np.array([(x, y) for x in np.linspace(0.2, 2.4, 12) for y in np.linspace(0.2, 1.4, 7)])
+GRID_M = np.array([(x, y) for x in np.linspace(0.2, 2.4, 12) for y in np.linspace(0.2, 1.4, 7)])
 
 
-def lens(k1: float = -0.06) -> Lens:
+def lens_with_k1(k1: float = -0.06) -> Lens:
     matrix = np.array([[916.0, 0, 958], [0, 917, 544], [0, 0, 1]])
     return Lens("pinhole", matrix, np.array([k1, 0.012, 4e-4, -3e-4, -0.002]), (1920, 1080))
 
 
-def camera(index: float = WATER) -> PoolCamera:
+def tilted_camera(index: float = WATER) -> PoolCamera:
     """2 m up, a hand off the middle, leaning by two degrees."""
     turn = Rotation.from_rotvec([0.03, -0.02, 0.01]).as_matrix() @ np.diag([1.0, -1.0, -1.0])
     shift = -turn @ np.array([1.4, 0.75, 2.0])
-    blank = PoolCamera(lens().size_px, np.zeros((4, 2)), CORNERS_M, index, np.zeros((4, 2)), 1.0,
-                       lens(), turn, shift)  # fmt: skip
-    return camera_from_corners(lens(), pool_to_pixels(blank, CORNERS_M), CORNERS_M, index)
+    blank = PoolCamera(
+        lens_with_k1().size_px,
+        np.zeros((4, 2)),
+        CORNERS_M,
+        index,
+        np.zeros((4, 2)),
+        1.0,
+        lens_with_k1(),
+        turn,
+        shift,
+    )
+    return camera_from_corners(lens_with_k1(), pool_to_pixels(blank, CORNERS_M), CORNERS_M, index)
 
 
-def stated(*, k1: float = -0.06, index: float = WATER) -> Setup:
+def stated_setup(*, k1: float = -0.06, index: float = WATER) -> Setup:
     given = {
         "image_size_px": [1920, 1080],
-        "matrix": lens().matrix.tolist(),
-        "distortion": lens(k1).distortion.tolist(),
-        "pool_corners_px": camera().corners_px.tolist(),
+        "matrix": lens_with_k1().matrix.tolist(),
+        "distortion": lens_with_k1(k1).distortion.tolist(),
+        "pool_corners_px": tilted_camera().corners_px.tolist(),
     }
-    reported = SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
+    reported = PAPER_SETUP.model_dump() | {"camera": given, "water": {"refractive_index": index}}
     reported["robot"]["keypoint_depth_m"] = DEPTH_M
     return Setup.model_validate(reported)
 
 
-HERE = {"cpsi": 1.0, "spsi": 0.0, "ahead": 0.0}
+CORE_CENTRE_CONSTANTS = {"cpsi": 1.0, "spsi": 0.0, "ahead": 0.0}
 """What is seen is the core's centre itself."""
 
 
-def fitted(observe, constants: dict[str, float], k: float, seen: np.ndarray) -> np.ndarray:
+def fitted_displacements(
+    observe, constants: dict[str, float], k: float, seen: np.ndarray
+) -> np.ndarray:
     """Displacements by an effect at the strength that comes nearest to those seen."""
-    unit = np.array([observe(x, y, **HERE, **constants, k=k)[:2] for x, y in PLACES])
+    unit = np.array(
+        [observe(x, y, **CORE_CENTRE_CONSTANTS, **constants, k=k)[:2] for x, y in GRID_M]
+    )
     return unit * np.sum(unit * seen) / np.sum(unit * unit)
 
 
-def named(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
+def named_constants(setup: Setup, names: tuple[str, ...]) -> dict[str, float]:
     given = asdict(view_of(setup)) | {"L_pool": setup.pool.length_m, "W_pool": setup.pool.width_m}
     return {name: given[name] for name in names}
 
 
-def share_left(model: np.ndarray, seen: np.ndarray) -> float:
+def unexplained_share(model: np.ndarray, seen: np.ndarray) -> float:
     return float(np.sqrt(np.sum((model - seen) ** 2) / np.sum(seen**2)))
 
 
 @pytest.mark.parametrize("off", [-0.05, 0.03])
 def test_a_wrong_lens_moves_places_as_its_candidate_says(off):
-    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
-    wrong = camera_from_corners(lens(-0.06 + off), camera().corners_px, CORNERS_M, WATER)
-    seen = map_to_pool(wrong, pixels, DEPTH_M) - PLACES
-    given = named(stated(k1=-0.06 + off), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens"))
+    pixels = pool_to_pixels(
+        tilted_camera(), np.column_stack([GRID_M, np.full(len(GRID_M), -DEPTH_M)])
+    )
+    wrong = camera_from_corners(
+        lens_with_k1(-0.06 + off), tilted_camera().corners_px, CORNERS_M, WATER
+    )
+    seen = map_to_pool(wrong, pixels, DEPTH_M) - GRID_M
+    given = named_constants(
+        stated_setup(k1=-0.06 + off), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")
+    )
     radial = given | {"q": 1.0, "p_x": 0.0, "p_y": 0.0}
-    assert share_left(fitted(lens_error.observe, radial, 0.01, seen), seen) < 0.06
+    assert (
+        unexplained_share(fitted_displacements(lens_error.observe, radial, 0.01, seen), seen) < 0.06
+    )
 
 
 def test_a_lens_out_of_line_moves_places_as_its_candidate_says():
     """Tangential distortion whose tilt the pose makes up for."""
-    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -DEPTH_M)]))
-    right = lens(-0.06)
+    pixels = pool_to_pixels(
+        tilted_camera(), np.column_stack([GRID_M, np.full(len(GRID_M), -DEPTH_M)])
+    )
+    right = lens_with_k1(-0.06)
     bent = replace(right, distortion=right.distortion + np.array([0, 0, 0.004, 0, 0]))
-    wrong = camera_from_corners(bent, camera().corners_px, CORNERS_M, WATER)
-    seen = map_to_pool(wrong, pixels, DEPTH_M) - PLACES
-    given = named(stated(), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")) | {"q": 1.0}
+    wrong = camera_from_corners(bent, tilted_camera().corners_px, CORNERS_M, WATER)
+    seen = map_to_pool(wrong, pixels, DEPTH_M) - GRID_M
+    given = named_constants(
+        stated_setup(), ("x_lens", "y_lens", "Q_lens", "ax_lens", "ay_lens")
+    ) | {"q": 1.0}
     names = ({"k": 1.0}, {"p_x": 1.0}, {"p_y": 1.0})
     still = {"k": 0.0, "p_x": 0.0, "p_y": 0.0}
-    units = [np.array([lens_error.observe(x, y, **HERE, **given, **(still | unit))[:2]
-                       for x, y in PLACES]).ravel() for unit in names]  # fmt: skip
+    units = [
+        np.array(
+            [
+                lens_error.observe(x, y, **CORE_CENTRE_CONSTANTS, **given, **(still | unit))[:2]
+                for x, y in GRID_M
+            ]
+        ).ravel()
+        for unit in names
+    ]
     strengths = np.linalg.lstsq(np.array(units).T, seen.ravel(), rcond=None)[0]
-    assert share_left(strengths @ np.array(units), seen.ravel()) < 0.15
+    assert unexplained_share(strengths @ np.array(units), seen.ravel()) < 0.15
     assert abs(strengths[2]) > 5 * abs(strengths[1])
 
 
@@ -105,21 +137,28 @@ def test_a_lens_out_of_line_moves_places_as_its_candidate_says():
 def test_refraction_left_out_and_a_wrong_depth_move_places_as_their_candidate_says(index):
     """Left out: index 1 is stated, or one of no liquid. Else keypoints lie 30 mm too deep."""
     depth = DEPTH_M + (0.03 if index == WATER else 0.0)
-    pixels = pool_to_pixels(camera(), np.column_stack([PLACES, np.full(len(PLACES), -depth)]))
-    seen = map_to_pool(camera(index), pixels, DEPTH_M) - PLACES
-    given = named(stated(index=index), ("x_cam", "y_cam", "bend")) | {"q": 1.0}
+    pixels = pool_to_pixels(
+        tilted_camera(), np.column_stack([GRID_M, np.full(len(GRID_M), -depth)])
+    )
+    seen = map_to_pool(tilted_camera(index), pixels, DEPTH_M) - GRID_M
+    given = named_constants(stated_setup(index=index), ("x_cam", "y_cam", "bend")) | {"q": 1.0}
     assert np.hypot(given["x_cam"] - 1.4, given["y_cam"] - 0.75) < 0.01
-    assert share_left(fitted(uncorrected_refraction.observe, given, 0.01, seen), seen) < 0.03
+    assert (
+        unexplained_share(
+            fitted_displacements(uncorrected_refraction.observe, given, 0.01, seen), seen
+        )
+        < 0.03
+    )
 
 
 def test_a_homography_is_taken_for_a_camera_over_the_middle():
-    assert camera_error_constants(SETUP).below_m == (1.3, 0.8)
-    assert camera_error_constants(SETUP).bend_1_m2 == 0.0
-    assert camera_error_constants(SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
+    assert camera_error_constants(PAPER_SETUP).below_m == (1.3, 0.8)
+    assert camera_error_constants(PAPER_SETUP).bend_1_m2 == 0.0
+    assert camera_error_constants(PAPER_SETUP).lens_rest_m2 == pytest.approx(1.3**2 + 0.8**2)
 
 
 def test_corners_that_fit_no_pose_are_seen_from_above_the_middle():
-    setup = stated()
+    setup = stated_setup()
     a, b, c, d = setup.camera.pool_corners_px
     crossed = setup.camera.model_copy(update={"pool_corners_px": (a, c, b, d)})
     with pytest.raises(InputError):
@@ -141,8 +180,10 @@ def test_keypoints_placed_back_from_the_nose_are_displaced_as_the_nose_is(effect
         scale_error: {"a": 0.3},
         uncorrected_refraction: {"q": 0.7},
     }
-    given = named(stated(), names) | {"k": 0.02} | forms.get(effect, {})
+    given = named_constants(stated_setup(), names) | {"k": 0.02} | forms.get(effect, {})
     c, s, ahead = np.cos(2.1), np.sin(2.1), 0.15
     back = effect.observe(0.7, 0.4, c, s, ahead=ahead, **given)
-    assert back == pytest.approx(effect.observe(0.7 + ahead * c, 0.4 + ahead * s, **HERE, **given))
-    assert back != pytest.approx(effect.observe(0.7, 0.4, **HERE, **given))
+    assert back == pytest.approx(
+        effect.observe(0.7 + ahead * c, 0.4 + ahead * s, **CORE_CENTRE_CONSTANTS, **given)
+    )
+    assert back != pytest.approx(effect.observe(0.7, 0.4, **CORE_CENTRE_CONSTANTS, **given))

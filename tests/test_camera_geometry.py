@@ -61,7 +61,7 @@ def camera_above(lens: Lens = LENS, size: tuple[float, float] = (2.6, 1.6)) -> P
 TRUTH = camera_above()
 
 
-def body(n: int, rng: np.random.Generator, *, tip_m: float = 0.12) -> np.ndarray:
+def random_rigid_points(n: int, rng: np.random.Generator, *, tip_m: float = 0.12) -> np.ndarray:
     """Rigid points (n, 4, 2) all over the pool."""
     center = rng.uniform([0.25, 0.25], [2.35, 1.35], (n, 2))
     psi = rng.uniform(-np.pi, np.pi, n)
@@ -72,7 +72,7 @@ def body(n: int, rng: np.random.Generator, *, tip_m: float = 0.12) -> np.ndarray
     return np.stack([hinge + tip_m * head, hinge, center, center - 0.171 * core], axis=1)
 
 
-def campaign(
+def mapped_trials(
     believed: PoolCamera, *, seed=1, noise_px=0.4, tip_m=0.12, depth_m=DEPTH_M, truth=TRUTH
 ) -> list[Positions]:
     """Twelve trials seen by the true camera and mapped by the believed one; depth_m: of all points,
@@ -81,7 +81,7 @@ def campaign(
     rng = np.random.default_rng(seed)
     trials = []
     for _ in range(12):
-        points = body(120, rng, tip_m=tip_m).reshape(-1, 2)
+        points = random_rigid_points(120, rng, tip_m=tip_m).reshape(-1, 2)
         image = pool_to_pixels(
             truth, np.column_stack([points, np.broadcast_to(-depth_m, len(points))])
         )
@@ -93,10 +93,10 @@ def campaign(
     return trials
 
 
-def checked(believed: PoolCamera, **made):
+def geometry_check(believed: PoolCamera, **made):
     return check_camera_geometry(
         believed,
-        campaign(believed, **made),
+        mapped_trials(believed, **made),
         depth_m=DEPTH_M,
         head_lengths_m=[0.12] * 12,
         robot=Robot(**ROBOT),
@@ -105,7 +105,7 @@ def checked(believed: PoolCamera, **made):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_nothing_is_said_of_clean_data(seed):
-    found = checked(TRUTH, seed=seed)
+    found = geometry_check(TRUTH, seed=seed)
     assert found.outcome == "nothing"
     assert abs(found.mean_excess) < 5 * found.mean_excess_std + 1e-5
     assert found.rivals == ()
@@ -114,7 +114,7 @@ def test_nothing_is_said_of_clean_data(seed):
 
 def test_what_a_detector_does_everywhere_alike_is_no_geometry_error():
     """A nose marked 0.05 mm short in every frame of every trial: sure, and nothing."""
-    found = checked(TRUTH, tip_m=0.11995, noise_px=0.05)
+    found = geometry_check(TRUTH, tip_m=0.11995, noise_px=0.05)
     nose = next(e for e in found.fits if e.hypothesis.parameters == ("head_tip_m",))
     assert nose.p_value < 1e-6
     assert nose.share < 0.0005
@@ -124,17 +124,17 @@ def test_what_a_detector_does_everywhere_alike_is_no_geometry_error():
 def test_a_pool_measured_short_is_a_scale_error():
     corners = pool_rectangle(2.6 * 0.985, 1.6 * 0.985, 0.0)
     believed = camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333)
-    found = checked(believed)
+    found = geometry_check(believed)
     assert found.outcome == "scale_error" or "scale_error" in found.rivals
     scale = next(e for e in found.fits if e.hypothesis.name == "scale_error")
     assert scale.values[0] == pytest.approx(0.015, abs=0.002)
     assert found.mean_excess == pytest.approx(-0.015, abs=0.002)
 
 
-def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
+def whole_length_check(believed: PoolCamera, given: tuple[str, ...] = (), **made):
     """The check of the whole lengths alone, the tail behind the others as far as it is seen."""
     trials, seen = [], []
-    for one in campaign(believed, **made):
+    for one in mapped_trials(believed, **made):
         tip, hinge, center, base = one.xy_m.transpose(1, 0, 2)
         end = base + (base - center) * 0.066 / 0.171
         parts = [tip - hinge, hinge - center, center - end]
@@ -153,7 +153,7 @@ def whole_checked(believed: PoolCamera, given: tuple[str, ...] = (), **made):
 @pytest.mark.parametrize(("share", "outcome"), [(1.0, False), (0.997, False), (0.98, True)])
 def test_the_whole_length_alone_shows_a_scale_error(share, outcome):
     corners = pool_rectangle(2.6 * share, 1.6 * share, 0.0)
-    found = whole_checked(camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333))
+    found = whole_length_check(camera_from_corners(LENS, TRUTH.corners_px, corners, 1.333))
     assert found.mean_excess == pytest.approx(share - 1, abs=0.001)
     assert ("scale_error" in {found.outcome, *found.rivals}) == outcome
     assert outcome or found.outcome == "nothing"
@@ -168,8 +168,8 @@ def test_a_depth_that_was_given_gives_way_to_the_scale(monkeypatch):
         return replace(found, gain=found.gain + ahead)
 
     monkeypatch.setattr("bluekoi.camera.rigid_length_check.fit_hypothesis", by_a_hair)
-    free = whole_checked(TRUTH, depth_m=DEPTH_M + 0.03)
-    given = whole_checked(TRUTH, ("keypoint_depth",), depth_m=DEPTH_M + 0.03)
+    free = whole_length_check(TRUTH, depth_m=DEPTH_M + 0.03)
+    given = whole_length_check(TRUTH, ("keypoint_depth",), depth_m=DEPTH_M + 0.03)
     assert (free.outcome, given.outcome) == ("keypoint_depth", "scale_error")
     assert "scale_error" in free.rivals
     assert "keypoint_depth" in given.rivals
@@ -180,7 +180,7 @@ def test_a_depth_that_was_given_gives_way_to_the_scale(monkeypatch):
 def test_a_wrong_distortion_is_a_lens_error():
     wrong = Lens("pinhole", LENS.matrix, LENS.distortion * [0.6, 1, 1, 1, 1], LENS.size_px)
     believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
-    found = checked(believed)
+    found = geometry_check(believed)
     assert found.outcome == "lens_error"
     assert found.best.values[1] == pytest.approx(-0.048, abs=0.02)
 
@@ -189,7 +189,7 @@ def test_a_lens_far_off_is_followed_to_its_error_and_is_none_of_scale():
     """k1 off by 0.2: by patterns of first order its focal length would be off implausibly."""
     wrong = Lens("pinhole", LENS.matrix, np.add(LENS.distortion, [0.2, 0, 0, 0, 0]), LENS.size_px)
     believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
-    found = checked(believed)
+    found = geometry_check(believed)
     assert found.outcome == "lens_error"
     assert found.rivals == ()
     focal, k1 = found.best.values
@@ -200,7 +200,7 @@ def test_a_lens_far_off_is_followed_to_its_error_and_is_none_of_scale():
 def test_a_camera_turned_after_the_corners_were_taken_is_a_camera_shift():
     turn = Rotation.from_rotvec([0.012, -0.008, 0]).as_matrix()
     moved = replace(TRUTH, rotation=turn @ TRUTH.rotation, translation=turn @ TRUTH.translation)
-    found = checked(TRUTH, truth=moved)
+    found = geometry_check(TRUTH, truth=moved)
     assert found.outcome == "camera_shift"
     assert found.best.values[0] == pytest.approx(0.012, abs=0.003)
     assert found.best.values[1] == pytest.approx(-0.008, abs=0.003)
@@ -208,7 +208,7 @@ def test_a_camera_turned_after_the_corners_were_taken_is_a_camera_shift():
 
 def test_refraction_left_out_is_named_or_named_among_rivals():
     dry = replace(TRUTH, refractive_index=1.0)
-    found = checked(dry)
+    found = geometry_check(dry)
     names = {found.outcome, *found.rivals}
     assert "uncorrected_refraction" in names
     assert names <= {"uncorrected_refraction", "keypoint_depth", "scale_error"}
@@ -216,7 +216,7 @@ def test_refraction_left_out_is_named_or_named_among_rivals():
 
 def test_a_robot_that_sinks_during_each_trial_is_no_error_of_scale():
     deeper = np.repeat(DEPTH_M + 0.009 * np.arange(120) / 30, 4)
-    found = checked(TRUTH, depth_m=deeper)
+    found = geometry_check(TRUTH, depth_m=deeper)
     assert found.outcome == "sinking"
     assert found.rivals == ()
     assert found.best.values[0] == pytest.approx(0.009, abs=3 * found.best.stds[0] + 2e-4)
@@ -224,7 +224,7 @@ def test_a_robot_that_sinks_during_each_trial_is_no_error_of_scale():
 
 
 def test_a_head_tip_marked_short_is_a_keypoint_bias_of_that_part():
-    found = checked(TRUTH, tip_m=0.117)
+    found = geometry_check(TRUTH, tip_m=0.117)
     assert found.outcome == "keypoint_bias"
     assert found.best.hypothesis.parameters == ("head_tip_m",)
     assert found.best.values[0] == pytest.approx(-0.003, abs=0.0004)
@@ -233,7 +233,7 @@ def test_a_head_tip_marked_short_is_a_keypoint_bias_of_that_part():
 def test_the_map_shows_the_error_and_what_the_named_cause_predicts():
     wrong = Lens("pinhole", LENS.matrix, LENS.distortion * [0.6, 1, 1, 1, 1], LENS.size_px)
     believed = camera_from_corners(wrong, TRUTH.corners_px, TRUTH.corners_m, 1.333)
-    grid = checked(believed).map
+    grid = geometry_check(believed).map
     seen = grid.count > 50
     assert grid.excess.shape == (5, 8)
     assert np.corrcoef(grid.excess[seen], grid.model[seen])[0, 1] > 0.9
@@ -242,7 +242,7 @@ def test_the_map_shows_the_error_and_what_the_named_cause_predicts():
 def test_depth_comes_from_the_same_distances_with_an_honest_std():
     pulls = []
     for seed in range(4):
-        trials = campaign(TRUTH, seed=seed, depth_m=0.07)
+        trials = mapped_trials(TRUTH, seed=seed, depth_m=0.07)
         depth, std = estimate_depth(
             TRUTH, trials, depth_m=DEPTH_M, head_lengths_m=[0.12] * 12, robot=Robot(**ROBOT)
         )
@@ -252,7 +252,7 @@ def test_depth_comes_from_the_same_distances_with_an_honest_std():
 
 
 def test_trials_without_rigid_pairs_are_a_fault():
-    trials = campaign(TRUTH)[:1]
+    trials = mapped_trials(TRUTH)[:1]
     blind = replace(trials[0], likelihood=np.zeros((120, 4)))
     with pytest.raises(InputError, match="no two neighbouring rigid keypoints"):
         check_camera_geometry(

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from exact_campaign import GEOMETRY, campaign
+from exact_campaign import GEOMETRY_JSON, exact_campaign
 
 from bluekoi.camera import pool_camera
 from bluekoi.camera.calibration_uncertainty import calibration_covariance_at_places
@@ -25,10 +25,10 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.layout import Layout
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import load_study
-from studies import PLANS, small_study
+from small_studies import SMALL_STUDY_TRIALS, small_study
 
 
-def edited(study: Path, change) -> None:
+def with_study_change(study: Path, change) -> None:
     path = study / "study.yaml"
     content = yaml.safe_load(path.read_text())
     change(content)
@@ -36,22 +36,22 @@ def edited(study: Path, change) -> None:
 
 
 @pytest.fixture(scope="module")
-def detected(tmp_path_factory):
+def detected_study(tmp_path_factory):
     """A study of three trials, its keypoints read."""
     root = tmp_path_factory.mktemp("geometry")
     study = small_study(root / "study")
-    for trial in PLANS:
+    for trial in SMALL_STUDY_TRIALS:
         keypoints(study, root / "results", trial)
     return study, root / "results"
 
 
-def reported(study: Path, results: Path) -> dict:
+def geometry_json(study: Path, results: Path) -> dict:
     geometry(study, results)
     return json.loads((results / "geometry.json").read_text())
 
 
-def test_a_right_study_has_scale_one_and_its_depth_as_given(detected):
-    found = reported(*detected)
+def test_a_right_study_has_scale_one_and_its_depth_as_given(detected_study):
+    found = geometry_json(*detected_study)
     assert found["scale"] == pytest.approx(1.0, abs=max(4 * found["scale_std"], 0.001))
     assert 0 < found["scale_std"] < 0.01
     assert found["depth_given"]
@@ -61,39 +61,39 @@ def test_a_right_study_has_scale_one_and_its_depth_as_given(detected):
     assert np.shape(found["map"]["excess"]) == np.shape(found["map"]["model"])
 
 
-def test_keypoints_placed_at_stated_lengths_measure_none(detected, tmp_path):
+def test_keypoints_placed_at_stated_lengths_measure_none(detected_study, tmp_path):
     """The silhouette's lie where study.yaml has them: that they agree with it says nothing."""
-    study, results = detected
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    notes = [Layout(tmp_path / "results").detection(name) for name in PLANS]
+    notes = [Layout(tmp_path / "results").detection(name) for name in SMALL_STUDY_TRIALS]
     for count, note in enumerate(notes, start=1):
         note.write_text(json.dumps(json.loads(note.read_text()) | {"source": "silhouette"}))
-        found = reported(study, tmp_path / "results")
+        found = geometry_json(study, tmp_path / "results")
         assert found.get("trials", 0) == len(notes) - count
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert "lengths of study.yaml" in found["sentence"]
     assert found["windows"] is None
 
 
-def shown(found: Path, lengths: list[list[float]]) -> None:
+def silhouette_keypoints(found: Path, lengths: list[list[float]]) -> None:
     """Keypoints of all trials as a silhouette gives them, and the whole lengths that it saw."""
-    for name in PLANS:
+    for name in SMALL_STUDY_TRIALS:
         note = Layout(found).detection(name)
         reported = {"source": "silhouette", "length_seen": lengths}
         note.write_text(json.dumps(json.loads(note.read_text()) | reported))
 
 
-def frames_of(share: float, spread: float) -> list[list[float]]:
+def measured_share_of_frames(share: float, spread: float) -> list[list[float]]:
     draw = np.random.default_rng(5).normal(share, spread, 40)
     return [[i, float(v)] for i, v in zip(range(0, 80, 2), draw, strict=True)]
 
 
 @pytest.mark.parametrize("share", [0.97, 1.02])
-def test_the_whole_length_of_a_silhouette_gives_the_scale(detected, tmp_path, share):
-    study, results = detected
+def test_the_whole_length_of_a_silhouette_gives_the_scale(detected_study, tmp_path, share):
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    shown(tmp_path / "results", frames_of(share, 0.001))
-    found = reported(study, tmp_path / "results")
+    silhouette_keypoints(tmp_path / "results", measured_share_of_frames(share, 0.001))
+    found = geometry_json(study, tmp_path / "results")
     assert found["scale"] == pytest.approx(share, abs=0.002)
     assert found["measured"] == "whole length"
     windows = found["windows"]
@@ -101,59 +101,61 @@ def test_the_whole_length_of_a_silhouette_gives_the_scale(detected, tmp_path, sh
     assert shares == pytest.approx(share - 1, abs=0.003)
 
 
-def test_whole_lengths_a_little_off_show_no_error(detected, tmp_path):
-    study, results = detected
+def test_whole_lengths_a_little_off_show_no_error(detected_study, tmp_path):
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    shown(tmp_path / "results", frames_of(0.9975, 0.001))
-    assert reported(study, tmp_path / "results")["likely"] == "nothing"
+    silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.9975, 0.001))
+    assert geometry_json(study, tmp_path / "results")["likely"] == "nothing"
 
 
-@pytest.mark.parametrize("lengths", [frames_of(0.97, 0.02), frames_of(0.97, 0.001)[:9], []])
-def test_a_smeared_tail_or_few_frames_give_no_length(detected, tmp_path, lengths):
-    study, results = detected
+@pytest.mark.parametrize(
+    "lengths", [measured_share_of_frames(0.97, 0.02), measured_share_of_frames(0.97, 0.001)[:9], []]
+)
+def test_a_smeared_tail_or_few_frames_give_no_length(detected_study, tmp_path, lengths):
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    shown(tmp_path / "results", lengths)
-    found = reported(study, tmp_path / "results")
+    silhouette_keypoints(tmp_path / "results", lengths)
+    found = geometry_json(study, tmp_path / "results")
     assert (found["scale"], found["likely"], found["windows"]) == (None, "unknown", None)
 
 
-def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected, tmp_path):
+def test_a_length_is_no_surer_than_pixels_and_exposure_let_it_be(detected_study, tmp_path):
     """Half a pixel of the body's length where nothing is wrong, and more where frames differ."""
-    study, results = detected
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
     least = []
     for spread in (0.0005, 0.004):
-        shown(tmp_path / "results", frames_of(0.995, spread))
-        found = reported(study, tmp_path / "results")
+        silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.995, spread))
+        found = geometry_json(study, tmp_path / "results")
         least.append(found["min_share"])
         assert found["likely"] == "nothing"
     assert 0.003 < least[0] < 0.0045 < least[1]
 
 
-def test_lengths_of_two_trials_are_too_few(detected, tmp_path):
-    study, results = detected
+def test_lengths_of_two_trials_are_too_few(detected_study, tmp_path):
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    shown(tmp_path / "results", frames_of(0.97, 0.001))
-    note = Layout(tmp_path / "results").detection(next(iter(PLANS)))
+    silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.97, 0.001))
+    note = Layout(tmp_path / "results").detection(next(iter(SMALL_STUDY_TRIALS)))
     note.write_text(json.dumps(json.loads(note.read_text()) | {"length_seen": []}))
-    found = reported(study, tmp_path / "results")
+    found = geometry_json(study, tmp_path / "results")
     assert (found["scale"], found["likely"]) == (None, "unknown")
     assert "2 trials" in found["sentence"]
 
 
-def test_frames_that_are_not_believed_give_no_length(detected, tmp_path):
-    study, results = detected
+def test_frames_that_are_not_believed_give_no_length(detected_study, tmp_path):
+    study, results = detected_study
     shutil.copytree(results, tmp_path / "results")
-    shown(tmp_path / "results", frames_of(0.97, 0.001))
-    for name in PLANS:
+    silhouette_keypoints(tmp_path / "results", measured_share_of_frames(0.97, 0.001))
+    for name in SMALL_STUDY_TRIALS:
         path = Layout(tmp_path / "results").keypoints(name)
         given = read(path, load_study(study).trial(name), {})
         write(path, replace(given, likelihood=np.full_like(given.likelihood, 0.2)))
-    assert reported(study, tmp_path / "results")["likely"] == "unknown"
+    assert geometry_json(study, tmp_path / "results")["likely"] == "unknown"
 
 
-def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
-    study, results = detected
+def test_a_pool_stated_too_short_shows_in_the_scale(detected_study, tmp_path):
+    study, results = detected_study
     copy = tmp_path / "study"
     copy.mkdir()
     for name in ("study.yaml", "trials.csv"):
@@ -163,38 +165,38 @@ def test_a_pool_stated_too_short_shows_in_the_scale(detected, tmp_path):
         content["pool"]["length_m"] *= 0.97
         content["pool"]["width_m"] *= 0.97
 
-    edited(copy, shorten)
-    found = reported(copy, results)
+    with_study_change(copy, shorten)
+    found = geometry_json(copy, results)
     assert found["scale"] == pytest.approx(0.97, abs=0.006)
     assert found["likely"] != "nothing"
     assert "scale_error" in {found["likely"], *found["rivals"]}
-    reported(study, results)
+    geometry_json(study, results)
 
 
-def test_depth_that_is_not_given_is_estimated_and_used(detected, tmp_path):
-    study, results = detected
+def test_depth_that_is_not_given_is_estimated_and_used(detected_study, tmp_path):
+    study, results = detected_study
     copy = tmp_path / "study"
     copy.mkdir()
     for name in ("study.yaml", "trials.csv"):
         (copy / name).write_bytes((study / name).read_bytes())
-    edited(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
-    found = reported(copy, results)
+    with_study_change(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
+    found = geometry_json(copy, results)
     assert not found["depth_given"]
     std = found["depth_estimate_std_m"]
     assert found["depth_estimate_m"] == pytest.approx(0.04, abs=4 * std)
     taken = round(found["depth_estimate_m"], 3) if std < 0.01 else 0.04
     assert found["depth_m"] == pytest.approx(taken)
     assert keypoint_depth(load_study(copy).setup, Layout(results)) == pytest.approx(taken)
-    reported(study, results)
+    geometry_json(study, results)
 
 
-def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected, tmp_path):
-    study, _ = detected
+def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected_study, tmp_path):
+    study, _ = detected_study
     copy = tmp_path / "study"
     copy.mkdir()
     for name in ("study.yaml", "trials.csv"):
         (copy / name).write_bytes((study / name).read_bytes())
-    edited(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
+    with_study_change(copy, lambda content: content["robot"].pop("keypoint_depth_m"))
     (tmp_path / "geometry.json").write_text(json.dumps({"depth_m": 0.09}))
     setup = load_campaign(tmp_path, load_study(copy)).study.setup
     assert (setup.robot.keypoint_depth_m, setup.robot.depth_given) == (0.09, False)
@@ -205,19 +207,19 @@ def test_an_estimated_depth_reaches_the_patterns_of_lens_and_refraction(detected
 
 def test_no_keypoints_at_all_are_said_and_stop_nothing(tmp_path):
     study = small_study(tmp_path / "study")
-    for name in PLANS:
+    for name in SMALL_STUDY_TRIALS:
         (study / f"keypoints/{name}.csv").write_text("")
         keypoints(study, tmp_path / "results", name)
-    found = reported(study, tmp_path / "results")
+    found = geometry_json(study, tmp_path / "results")
     assert found["likely"] == "unknown"
     assert found["scale"] is None
     assert "could not be checked" in found["sentence"]
 
 
-def test_stated_deviations_of_positions_hold_the_calibrations(detected):
-    study, results = detected
-    tracks(study, results, PLANS[0])
-    track = read_track(Layout(results).track(PLANS[0]))
+def test_stated_deviations_of_positions_hold_the_calibrations(detected_study):
+    study, results = detected_study
+    tracks(study, results, SMALL_STUDY_TRIALS[0])
+    track = read_track(Layout(results).track(SMALL_STUDY_TRIALS[0]))
     camera = pool_camera(load_study(study).setup, None)
     xy = np.column_stack([track.x_m, track.y_m])
     cov = calibration_covariance_at_places(camera, xy, 0.04)
@@ -227,8 +229,8 @@ def test_stated_deviations_of_positions_hold_the_calibrations(detected):
 
 
 def test_the_figure_shows_the_map_and_the_hypotheses():
-    base = campaign()
-    figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": GEOMETRY}))
+    base = exact_campaign()
+    figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": GEOMETRY_JSON}))
     left, middle, right = figure.axes[:3]
     assert left.collections[0].get_array().compressed() == pytest.approx([-1.4, -1.6])
     assert middle.get_title() == "likeliest source: scale error"
@@ -238,7 +240,7 @@ def test_the_figure_shows_the_map_and_the_hypotheses():
 
 
 def test_the_figure_says_when_there_is_no_map():
-    nothing = {**GEOMETRY, "map": None, "sentence": "no trial with keypoints"}
-    base = campaign()
+    nothing = {**GEOMETRY_JSON, "map": None, "sentence": "no trial with keypoints"}
+    base = exact_campaign()
     figure = draw("geometry", Campaign(**{**base.__dict__, "geometry": nothing}))
     assert "no trial with" in figure.axes[0].texts[-1].get_text()

@@ -26,7 +26,7 @@ PINHOLES = {
 HERO11_WIDE = [0.034213889574, 0.067673207653, -0.074089699969, 0.029944425249]
 
 
-def grid(width: int = 1920, height: int = 1080) -> np.ndarray:
+def pixel_grid(width: int = 1920, height: int = 1080) -> np.ndarray:
     u, v = np.meshgrid(np.linspace(0, width - 1, 25), np.linspace(0, height - 1, 15))
     return np.column_stack([u.ravel(), v.ravel()])
 
@@ -34,18 +34,18 @@ def grid(width: int = 1920, height: int = 1080) -> np.ndarray:
 @pytest.mark.parametrize("name", PINHOLES)
 def test_pinhole_pixels_come_back_to_rounding(name):
     lens = Lens("pinhole", MATRIX, np.array(PINHOLES[name], dtype=float), (1920, 1080))
-    again = project_to_pixels(lens, ray_directions(lens, grid()))
-    assert np.abs(again - grid()).max() < 1e-7
+    again = project_to_pixels(lens, ray_directions(lens, pixel_grid()))
+    assert np.abs(again - pixel_grid()).max() < 1e-7
 
 
 def test_fisheye_pixels_come_back_and_agree_with_opencv():
     lens = Lens("fisheye", MATRIX, np.array(HERO11_WIDE), (1920, 1080))
-    rays = ray_directions(lens, grid())
-    assert np.abs(project_to_pixels(lens, rays) - grid()).max() < 1e-7
+    rays = ray_directions(lens, pixel_grid())
+    assert np.abs(project_to_pixels(lens, rays) - pixel_grid()).max() < 1e-7
     theirs = cv2.fisheye.projectPoints(
         rays.reshape(-1, 1, 3), np.zeros(3), np.zeros(3), MATRIX, np.array(HERO11_WIDE)
     )[0]
-    assert np.abs(theirs.reshape(-1, 2) - grid()).max() < 1e-6
+    assert np.abs(theirs.reshape(-1, 2) - pixel_grid()).max() < 1e-6
 
 
 def test_fisheye_sees_past_ninety_degrees():

@@ -39,7 +39,7 @@ LENS = Lens("pinhole", np.array(MATRIX), np.array([-0.12, 0.03, 0.0004, -0.0003,
 CORNERS_M = pool_rectangle(2.6, 1.6, 0.0)
 
 
-def overhead(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05) -> PoolCamera:
+def overhead_camera(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05) -> PoolCamera:
     """A camera above the pool's middle whose corner images are exact."""
     c, s = np.cos(tilt), np.sin(tilt)
     turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ np.diag([1.0, -1.0, -1.0])
@@ -59,7 +59,7 @@ def overhead(lens: Lens = LENS, height_m: float = 2.3, tilt: float = 0.05) -> Po
     return PoolCamera(**{**camera.__dict__, "corners_px": pool_to_pixels(camera, CORNERS_M)})
 
 
-def setup(camera: PoolCamera, **changes) -> Setup:
+def setup_for(camera: PoolCamera, **changes) -> Setup:
     section = {
         "model": camera.lens.model,
         "image_size_px": camera.size_px,
@@ -107,7 +107,7 @@ def test_refraction_oracle_aquacal(recordings):
 
 
 def test_readme_claim_25_mm_at_the_corner_from_2_m_up():
-    camera = overhead(height_m=2.0, tilt=0.0)
+    camera = overhead_camera(height_m=2.0, tilt=0.0)
     corner = np.array([[0.0, 0.0]])
     image = pool_to_pixels(camera, np.column_stack([corner, [[-0.05]]]))
     ignored = map_to_pool(camera, image, 0.0) - corner
@@ -124,7 +124,7 @@ def test_readme_claim_25_mm_at_the_corner_from_2_m_up():
 )
 def test_project_and_to_pool_are_inverse(x, y, z, height, tilt):
     wide = Lens("fisheye", np.array(MATRIX), np.array([0.03, 0.06, -0.07, 0.03]), (1920, 1080))
-    camera = overhead(wide, height, tilt)
+    camera = overhead_camera(wide, height, tilt)
     image = pool_to_pixels(camera, np.array([[x, y, z]]))
     assert np.allclose(map_to_pool(camera, image, -z), [[x, y]], atol=1e-8)
 
@@ -141,8 +141,8 @@ def test_snell_holds_on_both_sides_of_the_surface():
 
 
 def test_pose_comes_back_from_exact_corners():
-    truth = overhead()
-    found = pool_camera(setup(truth))
+    truth = overhead_camera()
+    found = pool_camera(setup_for(truth))
     assert np.allclose(found.center_m, truth.center_m, atol=1e-7)
     assert found.rms_px < 1e-6
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
@@ -150,53 +150,53 @@ def test_pose_comes_back_from_exact_corners():
 
 
 def test_marks_above_the_water_are_placed_there():
-    truth = overhead()
+    truth = overhead_camera()
     raised = pool_rectangle(2.6, 1.6, 0.12)
     marks = pool_to_pixels(truth, raised).tolist()
-    found = pool_camera(setup(truth, pool_corners_px=marks, pool_corners_height_m=0.12))
+    found = pool_camera(setup_for(truth, pool_corners_px=marks, pool_corners_height_m=0.12))
     assert np.allclose(found.center_m, truth.center_m, atol=1e-6)
-    ignored = pool_camera(setup(truth, pool_corners_px=marks))
+    ignored = pool_camera(setup_for(truth, pool_corners_px=marks))
     assert abs(ignored.center_m[2] - truth.center_m[2]) > 0.1
 
 
 def test_recording_scaled_alike_is_followed_and_another_shape_refused():
-    truth = overhead()
-    twice = pool_camera(setup(truth), size_px=(3840, 2160))
+    truth = overhead_camera()
+    twice = pool_camera(setup_for(truth), size_px=(3840, 2160))
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
     assert np.allclose(
         map_to_pool(twice, pool_to_pixels(truth, xyz) * 2 + 0.5, 0.04), xyz[:, :2], atol=1e-6
     )
     with pytest.raises(InputError, match="turned by 90 degrees"):
-        pool_camera(setup(truth), size_px=(1080, 1920))
+        pool_camera(setup_for(truth), size_px=(1080, 1920))
     with pytest.raises(InputError, match="field of view"):
-        pool_camera(setup(truth), size_px=(1920, 1440))
+        pool_camera(setup_for(truth), size_px=(1920, 1440))
 
 
 def test_corners_begun_elsewhere_are_named_with_the_order_that_fits():
-    truth = overhead()
+    truth = overhead_camera()
     rolled = np.roll(truth.corners_px, 1, axis=0).tolist()
     with pytest.raises(InputError, match="begin with the corner now listed second"):
-        pool_camera(setup(truth, pool_corners_px=rolled))
+        pool_camera(setup_for(truth, pool_corners_px=rolled))
     with pytest.raises(InputError, match="swap the second and the fourth"):
         camera_from_corners(LENS, truth.corners_px[[0, 3, 2, 1]], CORNERS_M, 1.333)
 
 
 def test_corners_of_no_pool_are_refused_and_doubtful_ones_remarked():
-    truth = overhead()
+    truth = overhead_camera()
     moved = truth.corners_px.copy()
     moved[2] += [150, -120]
     with pytest.raises(InputError, match=r"No order fits either.*raw frame"):
-        pool_camera(setup(truth, pool_corners_px=moved.tolist()))
+        pool_camera(setup_for(truth, pool_corners_px=moved.tolist()))
     moved = truth.corners_px.copy()
     moved[2] += [12, -8]
     assert (
         "look at them with `bluekoi pool`"
-        in pool_camera(setup(truth, pool_corners_px=moved.tolist())).remarks[0]
+        in pool_camera(setup_for(truth, pool_corners_px=moved.tolist())).remarks[0]
     )
 
 
 def test_stated_covariance_is_that_of_mapped_noise():
-    camera, rng = overhead(), np.random.default_rng(5)
+    camera, rng = overhead_camera(), np.random.default_rng(5)
     cov_px = np.array([[0.5, 0.2], [0.2, 0.3]])
     place = pool_to_pixels(camera, np.array([[0.2, 1.4, -0.04]]))
     noisy = place + rng.multivariate_normal([0, 0], cov_px, 4000)
@@ -216,8 +216,8 @@ def test_stated_covariance_is_that_of_mapped_noise():
 
 
 def test_homography_alone_maps_its_plane_and_states_a_bound_that_holds():
-    truth = overhead(tilt=0.03)
-    found = pool_camera(setup(truth, matrix=None, distortion=None))
+    truth = overhead_camera(tilt=0.03)
+    found = pool_camera(setup_for(truth, matrix=None, distortion=None))
     assert np.allclose(map_to_pool(found, truth.corners_px, 0.0), CORNERS_M[:, :2], atol=1e-9)
     assert np.allclose(pool_to_pixels(found, CORNERS_M), truth.corners_px, atol=1e-6)
     xyz = np.column_stack([pool_points(), np.full(60, -0.04)])
@@ -229,13 +229,15 @@ def test_homography_alone_maps_its_plane_and_states_a_bound_that_holds():
 
 
 def test_homography_alone_still_catches_a_wrong_first_corner():
-    rolled = np.roll(overhead().corners_px, 1, axis=0).tolist()
+    rolled = np.roll(overhead_camera().corners_px, 1, axis=0).tolist()
     with pytest.raises(InputError, match="begin with the corner now listed second"):
-        pool_camera(setup(overhead(), pool_corners_px=rolled, matrix=None, distortion=None))
+        pool_camera(
+            setup_for(overhead_camera(), pool_corners_px=rolled, matrix=None, distortion=None)
+        )
 
 
 def test_keypoints_outside_the_pool_are_remarked():
-    camera = overhead()
+    camera = overhead_camera()
     n = 10
     keypoints = Keypoints(
         time_s=np.arange(n) / 30,
@@ -249,7 +251,7 @@ def test_keypoints_outside_the_pool_are_remarked():
 
 @pytest.mark.parametrize("size", [(1920, 1080), (1280, 720), (1066, 600), (2880, 1620)])
 def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
-    given = setup(overhead())
+    given = setup_for(overhead_camera())
     reported = setup_in_film_pixels(given, size)
     assert reported.camera.image_size_px == size
     by_size, by_section = pool_camera(given, size), pool_camera(reported)
@@ -264,4 +266,4 @@ def test_a_film_scaled_alike_is_followed_by_the_whole_camera_section(size):
 
 def test_a_film_of_another_shape_is_refused():
     with pytest.raises(InputError, match="1440 x 1080"):
-        setup_in_film_pixels(setup(overhead()), (1440, 1080))
+        setup_in_film_pixels(setup_for(overhead_camera()), (1440, 1080))

@@ -19,14 +19,30 @@ from snakemake.cli import parse_config
 
 from bluekoi.cli import main
 from bluekoi.cli.outputs import refuse_study_files
-from bluekoi.cli.run import _exit_code, _folder, _went_wrong, command, workflow_folder
+from bluekoi.cli.run import (
+    _exit_code,
+    _failed_trial_lines,
+    _requested_results_folder,
+    snakemake_command,
+    workflow_folder,
+)
 from bluekoi.errors import InputError, input_error
 from bluekoi.footage import encode_h264
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
-HEAVY = {"numpy", "cv2", "scipy", "pandas", "matplotlib", "numba", "filterpy", "snakemake", "av"}
-HEAVY |= {"h5py", "jinja2", "pydantic", "rich", "yaml"}
+HEAVY_MODULES = {
+    "numpy",
+    "cv2",
+    "scipy",
+    "pandas",
+    "matplotlib",
+    "numba",
+    "filterpy",
+    "snakemake",
+    "av",
+}
+HEAVY_MODULES |= {"h5py", "jinja2", "pydantic", "rich", "yaml"}
 
 
 def bluekoi(*arguments):
@@ -41,7 +57,7 @@ def test_help_imports_nothing_heavy():
         f"for words in {words!r}:\n"
         "    try:\n        main(words)\n    except SystemExit as end:\n"
         "        assert end.code == 0, words\n"
-        f"    heavy = {HEAVY!r} & set(sys.modules)\n    assert not heavy, (words, heavy)"
+        f"    heavy = {HEAVY_MODULES!r} & set(sys.modules)\n    assert not heavy, (words, heavy)"
     )
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -123,7 +139,7 @@ def test_check_opens_what_a_run_would_open(tmp_path):
     (study / "motor/T09.csv").write_text("")
     keypoints = (study / "keypoints/T10.csv").read_text().splitlines()
     (study / "keypoints/T10.csv").write_text("\n".join(keypoints[2:]))
-    edit_rows(study, T11={"start_s": "100", "end_s": "200"})
+    edit_trials_csv(study, T11={"start_s": "100", "end_s": "200"})
     result = bluekoi("check", study)
     assert result.exit_code == 1
     for words in ("motor/T09.csv", "keypoints/T10.csv", "no frame in that part"):
@@ -132,11 +148,11 @@ def test_check_opens_what_a_run_would_open(tmp_path):
 
 def test_check_reports_a_file_that_two_trials_take_whole(tmp_path):
     study = small_study(tmp_path / "study")
-    edit_rows(study, T11={"source": "keypoints/T10.csv"})
+    edit_trials_csv(study, T11={"source": "keypoints/T10.csv"})
     result = bluekoi("check", study)
     assert result.exit_code == 1
     assert "trial T11: found T10.csv, whole, as trial T10 has it" in result.output
-    edit_rows(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
+    edit_trials_csv(study, T10={"end_s": "1.5"}, T11={"start_s": "1.5"})
     assert bluekoi("check", study).exit_code == 0
 
 
@@ -156,9 +172,11 @@ def test_bad_trials_are_named_where_a_run_ends_before_its_last_word(tmp_path, mo
     (status / "T2.json").write_text(json.dumps(good))
     (status / "T3.json").write_text(json.dumps(bad))
     module = sys.modules["bluekoi.cli.run"]
-    monkeypatch.setattr(module, "_trials", lambda study: {"T1", "T2"} if study == "lab" else set())
-    assert _went_wrong(tmp_path, "lab") == ["T1: no frames"]
-    assert _went_wrong(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
+    monkeypatch.setattr(
+        module, "_study_trial_ids", lambda study: {"T1", "T2"} if study == "lab" else set()
+    )
+    assert _failed_trial_lines(tmp_path, "lab") == ["T1: no frames"]
+    assert _failed_trial_lines(tmp_path, "demo") == ["T1: no frames", "T3: no frames"]
 
 
 def test_check_names_missing_files(tmp_path):
@@ -220,14 +238,14 @@ def test_without_a_place_for_compiled_code_it_is_said_with_the_cure(tmp_path, mo
 
 def test_run_finds_the_workflow_and_quotes_what_the_person_wrote():
     assert (workflow_folder() / "Snakefile").is_file()
-    found = command("my = study", Path("out"), "2", ("--dry-run",))
+    found = snakemake_command("my = study", Path("out"), "2", ("--dry-run",))
     assert 'study= "my = study" ' in found
     assert 'results= "out" ' in found
     assert found[-1] == "--dry-run"
 
 
 def test_folders_keep_the_letters_they_are_named_with():
-    words = command("studé x", Path("/lab/res é out"), "2", ())
+    words = snakemake_command("studé x", Path("/lab/res é out"), "2", ())
     assert 'study= "studé x" ' in words
     assert 'results= "/lab/res é out" ' in words
 
@@ -249,8 +267,8 @@ def test_a_request_to_terminate_is_handed_on_and_waited_for():
         "print('there', flush=True); time.sleep(60)"
     )
     parent = (
-        "import sys; from bluekoi.cli.run import _returned; "
-        f"sys.exit(_returned([sys.executable, '-c', {child!r}]))"
+        "import sys; from bluekoi.cli.run import _run_process; "
+        f"sys.exit(_run_process([sys.executable, '-c', {child!r}]))"
     )
     with subprocess.Popen([sys.executable, "-c", parent], stdout=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None
@@ -262,18 +280,20 @@ def test_a_request_to_terminate_is_handed_on_and_waited_for():
 
 def test_keys_given_to_snakemake_do_not_make_it_forget_the_study():
     given = ("--dry-run", "--config", "overlays=none", "demo_folder=d", "--quiet", "-C", "x=1")
-    words = command("lab", Path("out"), "2", given)
+    words = snakemake_command("lab", Path("out"), "2", given)
     assert words.count("--config") == 1
     at = words.index("--config")
     keys = ['study= "lab" ', 'results= "out" ', "overlays=none", "demo_folder=d", "x=1"]
     assert words[at + 1 :] == [*keys, "--dry-run", "--quiet"]
-    assert command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
+    assert snakemake_command("lab", None, "2", ("--config=overlays=all",))[-1] == "overlays=all"
 
 
 def test_bad_trials_are_looked_for_where_the_results_are():
-    assert _folder("labs/koi", None, ()) == Path("results/koi")
-    assert _folder("labs/koi", Path("out"), ("--dry-run",)) == Path("out")
-    assert _folder("labs/koi", None, ("--config", "results=there", "x=1")) == Path("there")
+    assert _requested_results_folder("labs/koi", None, ()) == Path("results/koi")
+    assert _requested_results_folder("labs/koi", Path("out"), ("--dry-run",)) == Path("out")
+    assert _requested_results_folder(
+        "labs/koi", None, ("--config", "results=there", "x=1")
+    ) == Path("there")
 
 
 @pytest.mark.parametrize(
@@ -324,7 +344,7 @@ def test_pool_draws_corners_on_a_frame(tmp_path):
     picture = np.full((1080, 1920, 3), 90, np.uint8)
     (study / "videos").mkdir()
     encode_h264(study / "videos/T10.mp4", [picture] * 3, fps=30, size=(1920, 1080))
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     result = bluekoi("pool", study, "--out", tmp_path / "pool.png")
     assert result.exit_code == 1, "no edge confirms the corners"
     assert "The corners given are not confirmed" in result.output
@@ -397,7 +417,7 @@ def test_check_reports_a_film_of_another_shape_and_of_keypoints_never_sure(tmp_p
     (study / "videos").mkdir()
     encode_h264(study / "videos/T10.mp4", [np.full((480, 640, 3), 90, np.uint8)] * 3, fps=30,
            size=(640, 480))  # fmt: skip
-    edit_rows(study, T10={"source": "videos/T10.mp4", "fps": ""})
+    edit_trials_csv(study, T10={"source": "videos/T10.mp4", "fps": ""})
     path = study / "keypoints/T11.csv"
     rows = [line.split(",") for line in path.read_text().splitlines()]
     kept = [",".join("0" if i and i % 3 == 0 else c for i, c in enumerate(r)) for r in rows[3:]]
@@ -412,7 +432,7 @@ def test_files_in_the_working_directory_are_never_imported(tmp_path):
     """A lab's own `pipeline.py`, `bluekoi.py` or `yaml.py` beside its study must not run."""
     for name in ("pipeline", "bluekoi", "yaml"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('shadowed')\n")
-    interpreter = command("study", None, "1", ())[:4]
+    interpreter = snakemake_command("study", None, "1", ())[:4]
     done = subprocess.run(
         [*interpreter, "--version"], cwd=tmp_path, check=False, capture_output=True, text=True
     )
@@ -466,7 +486,7 @@ def test_no_command_replaces_a_file_of_the_study(tmp_path, name):
 def test_an_export_does_not_replace_a_file_of_the_study(tmp_path):
     study = small_study(tmp_path / "study")
     (study / "motor/T09.csv").rename(study / "motor/coefficients.csv")
-    edit_rows(study, T09={"motor_log": "motor/coefficients.csv"})
+    edit_trials_csv(study, T09={"motor_log": "motor/coefficients.csv"})
     with pytest.raises(InputError, match="a file of the study"):
         refuse_study_files(study, [study / "motor/coefficients.csv"])
 
@@ -482,7 +502,7 @@ def test_check_refuses_names_that_a_run_cannot_use(tmp_path, name):
     "name", ["20261123", "007", "[1]", "null", "a: b", "trail ", "a\\b", 'q"q']
 )
 def test_names_that_look_like_other_values_reach_snakemake_as_they_are(name):
-    (entry,) = (w for w in command(name, None, "1", ()) if w.startswith("study="))
+    (entry,) = (w for w in snakemake_command(name, None, "1", ()) if w.startswith("study="))
     assert parse_config([entry]) == {"study": name}
 
 
@@ -498,8 +518,9 @@ def test_a_run_says_nothing_before_its_answer(tmp_path, monkeypatch):
 
 def test_a_run_imports_no_numerics_in_the_process_that_waits(tmp_path):
     """It starts Snakemake and reads how the trials went."""
-    program = ("import sys; from pathlib import Path; from bluekoi.cli.run import _went_wrong;"
-               "print(_went_wrong(Path(sys.argv[1]), 'x'), *sys.modules)")  # fmt: skip
+    program = ("import sys; from pathlib import Path;"
+               "from bluekoi.cli.run import _failed_trial_lines;"
+               "print(_failed_trial_lines(Path(sys.argv[1]), 'x'), *sys.modules)")  # fmt: skip
     status = tmp_path / "status"
     status.mkdir()
     (status / "T01.json").write_text('{"ok": true, "message": ""}')

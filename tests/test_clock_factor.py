@@ -6,22 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from exact_campaign import campaign
+from exact_campaign import exact_campaign
 
 from bluekoi.campaign import Campaign
 from bluekoi.data import Flapping, Pose
-from bluekoi.stages.clock import clock_factors, correct_clock, with_clock_cause
+from bluekoi.stages.clock_factor import clock_factors, correct_clock, with_clock_cause
 from bluekoi.stages.tuning import campaign_series
 
-CONTENT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
+EMPTY_VERDICT = {"verdict": "none", "sentence": "Nothing.", "causes": [], "rivals": [],
            "probabilities": {"clock_error": 0.01}}  # fmt: skip
 
 
-def logged(ratio: float) -> Flapping:
+def logged_flapping(ratio: float) -> Flapping:
     return Flapping(5.8, 0.001, "motor_log", ratio=ratio, ratio_std=1e-3, agrees=ratio == 1)
 
 
-def with_rates(base: Campaign, fps: dict[str, float]) -> Campaign:
+def with_frame_rates(base: Campaign, fps: dict[str, float]) -> Campaign:
     trials = [t.model_copy(update={"fps": fps.get(t.trial_id, t.fps)}) for t in base.study.trials]
     study = base.study.model_copy(update={"trials": tuple(trials)})
     poses = {name: Pose(t.time_s, np.column_stack([t.x_m, t.y_m, t.heading_rad, t.head_angle_rad]),
@@ -32,8 +32,8 @@ def with_rates(base: Campaign, fps: dict[str, float]) -> Campaign:
 
 @pytest.mark.parametrize("factor", [0.125, 0.5, 2.0, 4.0, 8.0])
 def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
-    base = with_rates(campaign(powers=(100,)), {})
-    beats = {name: logged(factor) for name in base.tracks}
+    base = with_frame_rates(exact_campaign(powers=(100,)), {})
+    beats = {name: logged_flapping(factor) for name in base.tracks}
     corrected, flapping, factors = correct_clock(base, beats)
     assert set(factors) == set(base.tracks)
     for name, track in base.tracks.items():
@@ -47,7 +47,7 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
         assert flapping[name].video_hz == pytest.approx(5.8)
     series = campaign_series(corrected, flapping)
     assert len(series) == len(base.tracks)
-    result = with_clock_cause(CONTENT, factors, len(series))
+    result = with_clock_cause(EMPTY_VERDICT, factors, len(series))
     assert result["verdict"] == "measurement"
     assert result["causes"][0]["name"] == "clock_error"
     assert result["causes"][0]["parameters"]["rate_error"]["value"] == pytest.approx(factor - 1)
@@ -56,44 +56,44 @@ def test_the_factor_is_named_and_both_fits_run_in_true_time(factor):
 
 
 def test_what_the_search_finds_of_the_clock_besides_is_part_of_the_factor():
-    base = with_rates(campaign(powers=(100,)), {})
-    _, _, factors = correct_clock(base, {name: logged(4.0) for name in base.tracks})
+    base = with_frame_rates(exact_campaign(powers=(100,)), {})
+    _, _, factors = correct_clock(base, {name: logged_flapping(4.0) for name in base.tracks})
     fine = {"name": "clock_error", "parameters": {"rate_error": {"value": 0.01}}}
     damping = {"name": "linear_yaw_damping", "parameters": {}}
-    content = {**CONTENT, "causes": [damping, fine]}
+    content = {**EMPTY_VERDICT, "causes": [damping, fine]}
     result = with_clock_cause(content, factors, len(base.tracks))
     assert [c["name"] for c in result["causes"]] == ["clock_error", "linear_yaw_damping"]
     assert result["causes"][0]["parameters"]["rate_error"]["value"] == pytest.approx(4.04 - 1)
 
 
 def test_trials_of_one_frame_rate_share_their_factor_and_no_others_do():
-    base = campaign(powers=(100,))
+    base = exact_campaign(powers=(100,))
     names = sorted(base.tracks)
     wrong = names[: len(names) // 2]
-    base = with_rates(base, dict.fromkeys(wrong, 119.88))
-    beats = {name: logged(4.0 if name in wrong else 1.0) for name in names}
+    base = with_frame_rates(base, dict.fromkeys(wrong, 119.88))
+    beats = {name: logged_flapping(4.0 if name in wrong else 1.0) for name in names}
     factors = clock_factors(base.study, beats)
     assert sorted(factors) == wrong
-    result = with_clock_cause(CONTENT, factors, len(names))
+    result = with_clock_cause(EMPTY_VERDICT, factors, len(names))
     assert f"in {len(wrong)} of {len(names)} trials" in result["sentence"]
     assert result["causes"][0]["regime"] == f"trials {', '.join(wrong)}"
 
 
 @pytest.mark.parametrize("ratios", [(1.0, 1.0), (1.1, 1.1), (4.0, 0.25), (np.nan, np.nan)])
 def test_no_factor_without_trials_that_agree_on_one_far_from_1(ratios):
-    base = campaign(powers=(100,))
-    beats = {name: logged(ratios[i % 2]) for i, name in enumerate(sorted(base.tracks))}
+    base = exact_campaign(powers=(100,))
+    beats = {name: logged_flapping(ratios[i % 2]) for i, name in enumerate(sorted(base.tracks))}
     assert clock_factors(base.study, beats) == {}
-    assert with_clock_cause(CONTENT, {}, len(beats)) == CONTENT
+    assert with_clock_cause(EMPTY_VERDICT, {}, len(beats)) == EMPTY_VERDICT
 
 
 def test_a_stated_frequency_is_a_clock_where_no_trial_has_a_log():
-    base = campaign(powers=(100,))
-    beats = {name: replace(logged(4.0), source="flap_hz") for name in base.tracks}
+    base = exact_campaign(powers=(100,))
+    beats = {name: replace(logged_flapping(4.0), source="flap_hz") for name in base.tracks}
     factors = clock_factors(base.study, beats)
     assert set(factors) == set(base.tracks)
     assert {f.value for f in factors.values()} == {4.0}
     in_video = {name: replace(flap, source="video") for name, flap in beats.items()}
     assert clock_factors(base.study, in_video) == {}
     first = sorted(base.tracks)[:2]
-    assert clock_factors(base.study, beats | {name: logged(1.0) for name in first}) == {}
+    assert clock_factors(base.study, beats | {name: logged_flapping(1.0) for name in first}) == {}

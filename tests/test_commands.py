@@ -15,9 +15,9 @@ from click.testing import CliRunner
 from bluekoi.cli import main
 from bluekoi.footage import encode_h264
 from bluekoi.study import load_study
-from studies import small_study
+from small_studies import small_study
 
-LOG = "time_s,angle_deg\n" + "".join(f"{k / 200},{(k * 9) % 360}\n" for k in range(400))
+MOTOR_LOG = "time_s,angle_deg\n" + "".join(f"{k / 200},{(k * 9) % 360}\n" for k in range(400))
 
 
 def bluekoi(*words):
@@ -25,28 +25,28 @@ def bluekoi(*words):
 
 
 @pytest.fixture
-def lab(tmp_path):
+def lab_folder(tmp_path):
     """A folder with two short films and the motor log of one."""
     for name in ("p50_phi-20", "p100_phi30"):
         pictures = [np.full((48, 64, 3), 40 + k, np.uint8) for k in range(12)]
         (tmp_path / "lab/videos").mkdir(parents=True, exist_ok=True)
         encode_h264(tmp_path / f"lab/videos/{name}.mp4", pictures, fps=30.0, size=(64, 48))
     (tmp_path / "lab/motor").mkdir()
-    (tmp_path / "lab/motor/p50_phi-20.csv").write_text(LOG)
+    (tmp_path / "lab/motor/p50_phi-20.csv").write_text(MOTOR_LOG)
     return tmp_path / "lab"
 
 
-def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab):
-    done = bluekoi("init", lab, "--head-length-m", "0.12")
+def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab_folder):
+    done = bluekoi("init", lab_folder, "--head-length-m", "0.12")
     assert done.exit_code == 0, done.output
     assert "0.4 s, 30 frames/s, 64 x 48; motor/p50_phi-20.csv: 5 Hz" in done.output
-    rows = (lab / "trials.csv").read_text().splitlines()
+    rows = (lab_folder / "trials.csv").read_text().splitlines()
     assert rows[0] == "trial_id,source,power_pct,head_angle_deg,head_length_m,motor_log"
     assert rows[2] == "p100_phi30,videos/p100_phi30.mp4,100,30,0.12,"
-    text = (lab / "study.yaml").read_text()
+    text = (lab_folder / "study.yaml").read_text()
     assert text.startswith("# Recordings found:\n#   p50_phi-20: videos/p50_phi-20.mp4: 0.4 s")
     assert yaml.safe_load(text)["camera"]["image_size_px"] == [64, 48]
-    missing = bluekoi("check", lab)
+    missing = bluekoi("check", lab_folder)
     assert missing.exit_code == 1
     assert "pool.length_m" in missing.output
     assert "unknown" not in missing.output
@@ -54,41 +54,44 @@ def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab):
     assert "`bluekoi pool STUDY` draws a frame with ruled lines" in missing.output
 
 
-def test_the_same_empty_cell_in_all_rows_is_one_line(lab):
-    bluekoi("init", lab)
-    table = lab / "trials.csv"
+def test_the_same_empty_cell_in_all_rows_is_one_line(lab_folder):
+    bluekoi("init", lab_folder)
+    table = lab_folder / "trials.csv"
     head, row, _ = table.read_text().splitlines()
     rows = [row.replace("p100_phi30,", f"T{k},", 1).replace("p50_phi-20,", f"T{k},", 1)
             for k in range(9)]  # fmt: skip
     table.write_text("\n".join([head, *rows]) + "\n")
-    lines = [line for line in bluekoi("check", lab).output.splitlines() if "trials.csv" in line]
+    lines = [
+        line for line in bluekoi("check", lab_folder).output.splitlines() if "trials.csv" in line
+    ]
     assert len(lines) == 1
     assert "rows 2 to 10 (T0 to T8), head_length_m: found nothing" in lines[0]
     rows[4] = rows[4].replace(",50,", ",50,").replace(",,", ",0.12,", 1)
     table.write_text("\n".join([head, *rows]) + "\n")
-    assert "8 rows (T0 to T8), head_length_m" in bluekoi("check", lab).output
+    assert "8 rows (T0 to T8), head_length_m" in bluekoi("check", lab_folder).output
 
 
-def test_corners_are_read_off_before_anything_else_is_filled_in(lab, monkeypatch):
+def test_corners_are_read_off_before_anything_else_is_filled_in(lab_folder, monkeypatch):
     """With the key left empty, as `init` writes it, and a frame in the folder of the study."""
-    monkeypatch.chdir(lab.parent)
-    bluekoi("init", lab)
+    monkeypatch.chdir(lab_folder.parent)
+    bluekoi("init", lab_folder)
     for words in ((), ("videos/p100_phi30.mp4",)):
         done = bluekoi("pool", "lab", *words, "--out", "grid.png")
         assert done.exit_code == 0, done.output
         assert "pool_corners_px: [[u, v]" in done.output
 
 
-def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab):
-    film = lab / "videos/p100_phi30.mp4"
-    assert bluekoi("init", film, "--study", lab).exit_code == 0
-    assert [line.split(",")[0] for line in (lab / "trials.csv").read_text().splitlines()] == [
-        "trial_id", "p100_phi30"]  # fmt: skip
-    before = (lab / "study.yaml").read_bytes()
-    again = bluekoi("init", lab)
+def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab_folder):
+    film = lab_folder / "videos/p100_phi30.mp4"
+    assert bluekoi("init", film, "--study", lab_folder).exit_code == 0
+    assert [
+        line.split(",")[0] for line in (lab_folder / "trials.csv").read_text().splitlines()
+    ] == ["trial_id", "p100_phi30"]
+    before = (lab_folder / "study.yaml").read_bytes()
+    again = bluekoi("init", lab_folder)
     assert again.exit_code == 1
     assert "nothing is overwritten" in again.output
-    assert (lab / "study.yaml").read_bytes() == before
+    assert (lab_folder / "study.yaml").read_bytes() == before
 
 
 @pytest.mark.parametrize(
@@ -96,18 +99,18 @@ def test_init_takes_the_files_that_are_named_and_overwrites_nothing(lab):
     [(["nowhere.mp4"], "nothing there"), (["empty"], "no video and no keypoint file"),
      (["lab/videos/p100_phi30.mp4", "--study", "empty"], "outside of the study's folder")],
 )  # fmt: skip
-def test_init_says_what_it_cannot_use(lab, monkeypatch, words, message):
-    monkeypatch.chdir(lab.parent)
-    (lab.parent / "empty").mkdir()
+def test_init_says_what_it_cannot_use(lab_folder, monkeypatch, words, message):
+    monkeypatch.chdir(lab_folder.parent)
+    (lab_folder.parent / "empty").mkdir()
     done = bluekoi("init", *words)
     assert done.exit_code == 1
     assert message in done.output
-    assert not (lab / "study.yaml").exists()
+    assert not (lab_folder / "study.yaml").exists()
 
 
-def test_a_film_that_cannot_be_read_is_listed_with_its_reason(lab):
-    (lab / "videos/broken.mp4").write_bytes(b"\0\1no video" * 9)
-    done = bluekoi("init", lab)
+def test_a_film_that_cannot_be_read_is_listed_with_its_reason(lab_folder):
+    (lab_folder / "videos/broken.mp4").write_bytes(b"\0\1no video" * 9)
+    done = bluekoi("init", lab_folder)
     assert done.exit_code == 0
     assert "broken: videos/broken.mp4: cannot be used: no readable video" in done.output
 
@@ -135,7 +138,7 @@ def test_report_shows_verdict_causes_and_page(tmp_path, monkeypatch):
     assert bluekoi("report", results).exit_code == 0
 
 
-def completed(words, start):
+def completions(words, start):
     found = ShellComplete(main, {}, "bluekoi", "_BLUEKOI_COMPLETE")
     return [item.value for item in found.get_completions(words, start)]
 
@@ -144,14 +147,14 @@ def test_a_shell_completes_studies_and_trials(tmp_path, monkeypatch):
     small_study(tmp_path / "work/lab")
     (tmp_path / "work/.hidden").mkdir()
     monkeypatch.chdir(tmp_path)
-    assert completed(["run"], "") == ["demo", "work/"]
-    assert completed(["check"], "work/") == ["work/lab", "work/truth/"]
-    assert completed(["check"], "work/.") == ["work/.hidden/"]
+    assert completions(["run"], "") == ["demo", "work/"]
+    assert completions(["check"], "work/") == ["work/lab", "work/truth/"]
+    assert completions(["check"], "work/.") == ["work/.hidden/"]
     ids = [trial.trial_id for trial in load_study(tmp_path / "work/lab").trials]
-    assert completed(["export", "work/lab", "--trial"], "") == ids
-    assert completed(["pool", "work/lab", "--trial"], "T1") == ids[1:]
-    assert completed(["export", "nowhere", "--trial"], "") == []
-    assert "compare" in completed([], "comp") or "completion" in completed([], "comp")
+    assert completions(["export", "work/lab", "--trial"], "") == ids
+    assert completions(["pool", "work/lab", "--trial"], "T1") == ids[1:]
+    assert completions(["export", "nowhere", "--trial"], "") == []
+    assert "compare" in completions([], "comp") or "completion" in completions([], "comp")
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])

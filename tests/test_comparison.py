@@ -12,17 +12,17 @@ import pytest
 from click.testing import CliRunner
 
 from bluekoi.cli import main
-from bluekoi.comparison import compare, draw, read_run
+from bluekoi.comparison import compare, comparison_figure, read_run
 from bluekoi.data import Steady
 from bluekoi.errors import InputError
 from bluekoi.stages.manifest import RUN_VARIABLE, write_manifest
 from bluekoi.steady import write_steady
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 UNITS = {"C_T": "m2", "C_D0": "1"}
 
 
-def run_in(folder: Path, thrust: float, cause: str, **manifest) -> Path:
+def write_results(folder: Path, thrust: float, cause: str, **manifest) -> Path:
     """A results folder with two coefficients and one cause."""
     folder.mkdir(parents=True)
     cells = {"C_T": {"value": thrust, "std": 1e-4, "unit": "m2"},
@@ -44,7 +44,7 @@ def run_in(folder: Path, thrust: float, cause: str, **manifest) -> Path:
 
 
 @pytest.fixture
-def two(tmp_path) -> tuple[Path, Path]:
+def two_results(tmp_path) -> tuple[Path, Path]:
     same = {
         "study": {"robot": {"mass_kg": 0.68}},
         "settings": {"overlays": "none"},
@@ -53,12 +53,12 @@ def two(tmp_path) -> tuple[Path, Path]:
     }
     other = {**same, "study": {"robot": {"mass_kg": 0.70}},
              "inputs": {"study.yaml": {"sha256": "b" * 64}}}  # fmt: skip
-    return (run_in(tmp_path / "a", 0.0045, "wave_drag", **same),
-            run_in(tmp_path / "b", 0.0051, "added_mass", **other))  # fmt: skip
+    return (write_results(tmp_path / "a", 0.0045, "wave_drag", **same),
+            write_results(tmp_path / "b", 0.0051, "added_mass", **other))  # fmt: skip
 
 
-def test_differences_are_listed_with_their_size_in_standard_deviations(two):
-    found = {(d.section, d.name): d for d in compare(*map(read_run, two))}
+def test_differences_are_listed_with_their_size_in_standard_deviations(two_results):
+    found = {(d.section, d.name): d for d in compare(*map(read_run, two_results))}
     thrust = found["coefficient", "C_T"]
     assert thrust.difference == pytest.approx(6e-4)
     assert thrust.sigmas == pytest.approx(6e-4 / (2**0.5 * 1e-4))
@@ -71,8 +71,10 @@ def test_differences_are_listed_with_their_size_in_standard_deviations(two):
     assert found["error on held-out trials", "baseline path_rmse"].first == "10 mm"
 
 
-def test_the_command_prints_writes_and_draws(two, tmp_path):
-    done = CliRunner().invoke(main, ["compare", *map(str, two), "--out", str(tmp_path / "out")])
+def test_the_command_prints_writes_and_draws(two_results, tmp_path):
+    done = CliRunner().invoke(
+        main, ["compare", *map(str, two_results), "--out", str(tmp_path / "out")]
+    )
     assert done.exit_code == 0, done.output
     assert "C_T: 0.0045 +- 0.0001 m2 -> 0.0051 +- 0.0001 m2  (+4.2 sd) *" in done.output
     assert "C_D0" not in done.output
@@ -80,23 +82,23 @@ def test_the_command_prints_writes_and_draws(two, tmp_path):
         rows = {row["name"]: row for row in csv.DictReader(lines)}
     assert float(rows["C_T"]["standard_deviations"]) == pytest.approx(4.24, abs=0.01)
     assert (tmp_path / "out/comparison.pdf").read_bytes().startswith(b"%PDF")
-    figure = draw(read_run(two[0]), read_run(two[1]), ("a", "b"))
+    figure = comparison_figure(read_run(two_results[0]), read_run(two_results[1]), ("a", "b"))
     assert [axes.get_title() for axes in figure.axes] == [
         "Coefficients, first run = 1", "Probability of each cause",
         "Path error on held-out trials", "Steady speed of each trial"]  # fmt: skip
 
 
-def test_a_run_is_the_same_as_itself_and_a_folder_without_results_is_refused(two, tmp_path):
-    done = CliRunner().invoke(main, ["compare", str(two[0]), str(two[0])])
+def test_a_run_is_the_same_as_itself_and_a_folder_without_results_is_refused(two_results, tmp_path):
+    done = CliRunner().invoke(main, ["compare", str(two_results[0]), str(two_results[0])])
     assert done.output.strip() == "No difference."
     with pytest.raises(InputError, match="neither coefficients"):
         read_run(tmp_path)
 
 
-def test_runs_without_a_manifest_are_compared_in_their_results_alone(two):
-    (two[1] / "manifest.json").unlink()
-    done = CliRunner().invoke(main, ["compare", *map(str, two)])
-    assert f"No manifest.json in {two[1]}" in done.output
+def test_runs_without_a_manifest_are_compared_in_their_results_alone(two_results):
+    (two_results[1] / "manifest.json").unlink()
+    done = CliRunner().invoke(main, ["compare", *map(str, two_results)])
+    assert f"No manifest.json in {two_results[1]}" in done.output
     assert "mass_kg" not in done.output
 
 
@@ -115,7 +117,7 @@ def test_the_manifest_says_what_a_run_was_made_from(tmp_path, monkeypatch):
         assert entry == {"sha256": hashlib.sha256(content).hexdigest(), "bytes": len(content)}
     assert len(found["inputs"]) == 2 + 3 + 3
     before = found["inputs"]["trials.csv"]
-    edit_rows(study, T09={"fps": "30"})
+    edit_trials_csv(study, T09={"fps": "30"})
     os.utime(study / "trials.csv", ns=(1, 1))
     write_manifest(study, results)
     after = json.loads((results / "manifest.json").read_text())["inputs"]

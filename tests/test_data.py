@@ -14,7 +14,7 @@ from bluekoi.errors import InputError
 TIMES = np.arange(5) / 30
 
 
-def track(**changes) -> Track:
+def small_track(**changes) -> Track:
     columns = {name: np.linspace(0, 1, 5) for name in data.TRACK_COLUMNS} | {"time_s": TIMES}
     return Track(**(columns | changes))
 
@@ -41,7 +41,7 @@ def test_parts_are_found_by_name():
 
 
 def test_a_track_goes_through_its_file(tmp_path):
-    before = track(x_m=np.array([0, 1, np.nan, 3, 1 / 3]), recoil=np.full((5, 3), 0.25))
+    before = small_track(x_m=np.array([0, 1, np.nan, 3, 1 / 3]), recoil=np.full((5, 3), 0.25))
     data.write_track(tmp_path / "t.csv", before)
     after = data.read_track(tmp_path / "t.csv")
     for name in data.TRACK_COLUMNS:
@@ -50,7 +50,7 @@ def test_a_track_goes_through_its_file(tmp_path):
 
 
 def test_the_track_file_has_the_columns_of_the_contract(tmp_path):
-    data.write_track(tmp_path / "t.csv", track())
+    data.write_track(tmp_path / "t.csv", small_track())
     header = (tmp_path / "t.csv").read_text().splitlines()[0].split(",")
     estimates = ("x_m", "y_m", "heading_rad", "head_angle_rad", "speed_m_s", "vx_m_s", "vy_m_s")
     for name in (*estimates, "yaw_rate_rad_s"):

@@ -27,14 +27,14 @@ from bluekoi.synthetic.campaign import render_study
 from bluekoi.synthetic.design import TrialPlan, demo_design
 from bluekoi.synthetic.laws import Coefficients
 from bluekoi.synthetic.trial import solve_trial
-from studies import bare_design
+from small_studies import published_model_design
 
 pytestmark = pytest.mark.long
 PLANS = {plan.trial_id: plan for plan in demo_design().plans}
-BARE_POWERS = (75, 100)
+FITTED_POWERS_PCT = (75, 100)
 
 
-def snakemake(target: str, *settings: str) -> None:
+def run_snakemake(target: str, *settings: str) -> None:
     """Bring one result up to date, through the workflow as a person calls it."""
     further = ["--config", *settings] if settings else []
     done = subprocess.run(
@@ -48,15 +48,15 @@ def snakemake(target: str, *settings: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def steady() -> dict[str, Steady]:
+def steady_rows() -> dict[str, Steady]:
     """Rows of the demo's steady.csv."""
     given = os.environ.get("BLUEKOI_DEMO_RESULTS")
     if not given:
-        snakemake("results/demo/steady.csv")
+        run_snakemake("results/demo/steady.csv")
     return dict(read_steady(Path(given or ROOT / "results/demo") / "steady.csv"))
 
 
-def truth(plan: TrialPlan, row: Steady) -> tuple[float, float, float]:
+def true_steady_state(plan: TrialPlan, row: Steady) -> tuple[float, float, float]:
     """True speed (m/s), radius (m) and flapping frequency (Hz) over the stretch that was used.
 
     Of the mean motion, the tail-beat recoil left out: the mean of |v|, and the distance gone over
@@ -74,18 +74,20 @@ def truth(plan: TrialPlan, row: Steady) -> tuple[float, float, float]:
     return speed, gone / abs(float(course[-1] - course[0])), trial.run.flap_hz
 
 
-def test_every_trial_of_the_demo_has_its_row(steady):
-    assert list(steady) == list(PLANS)
+def test_every_trial_of_the_demo_has_its_row(steady_rows):
+    assert list(steady_rows) == list(PLANS)
     for name, plan in PLANS.items():
-        assert steady[name].quality == ("straight" if plan.head_angle_deg == 0 else "good")
-        assert steady[name].turn == -np.sign(plan.head_angle_deg)  # positive phi turns clockwise
+        assert steady_rows[name].quality == ("straight" if plan.head_angle_deg == 0 else "good")
+        assert steady_rows[name].turn == -np.sign(
+            plan.head_angle_deg
+        )  # positive phi turns clockwise
 
 
 @pytest.mark.parametrize("name", list(PLANS))
-def test_demo_truth(steady, name):
+def test_demo_truth(steady_rows, name):
     """Speeds within 1 %, radii within 2 %, flapping frequency within 0.5 %; see `truth`."""
-    row = steady[name]
-    speed, radius, flap_hz = truth(PLANS[name], row)
+    row = steady_rows[name]
+    speed, radius, flap_hz = true_steady_state(PLANS[name], row)
     assert row.speed_m_s == pytest.approx(speed, rel=0.01)
     assert row.flap_hz == pytest.approx(flap_hz, rel=0.005)
     assert abs(row.speed_m_s - speed) < 3 * row.speed_std_m_s
@@ -97,38 +99,40 @@ def test_demo_truth(steady, name):
         assert abs(row.radius_m - radius) < 3 * row.radius_std_m
 
 
-def test_the_last_stretch_is_where_the_speed_has_settled(steady):
+def test_the_last_stretch_is_where_the_speed_has_settled(steady_rows):
     """Nor may the choice of the stretch hide an error: the true speed over the last 30 % agrees."""
     for name, plan in PLANS.items():
         trial = solve_trial(demo_design(), name)
         end = float(trial.time_s[-1])
-        late = replace(steady[name], steady_from_s=0.7 * end, steady_to_s=end)
-        assert steady[name].speed_m_s == pytest.approx(truth(plan, late)[0], rel=0.01), name
+        late = replace(steady_rows[name], steady_from_s=0.7 * end, steady_to_s=end)
+        assert steady_rows[name].speed_m_s == pytest.approx(
+            true_steady_state(plan, late)[0], rel=0.01
+        ), name
 
 
 @pytest.fixture(scope="module")
-def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def published_model_study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small study rendered with the paper's bare model: no fin, no recoil, still water."""
     folder = tmp_path_factory.mktemp("bare")
-    design = bare_design()
-    plans = tuple(plan for plan in design.plans if plan.power_pct in BARE_POWERS)
+    design = published_model_design()
+    plans = tuple(plan for plan in design.plans if plan.power_pct in FITTED_POWERS_PCT)
     render_study(replace(design, plans=plans), folder / "study", folder / "truth", workers=2)
     return folder
 
 
-def fitted(study: Path) -> dict:
+def fitted_coefficients(study: Path) -> dict:
     """Content of coefficients.json of a study, from its footage."""
     target = study.with_name(f"{study.name}-results") / "coefficients.json"
-    snakemake(str(target), f"study={study}", f"results={target.parent}")
+    run_snakemake(str(target), f"study={study}", f"results={target.parent}")
     return json.loads(target.read_text())
 
 
-def test_bare_model_comes_back_from_footage(bare):
+def test_bare_model_comes_back_from_footage(published_model_study):
     """Coefficients that eight filmed trials determine: within 10 %, and inside the 95 % interval.
 
     The interval is that of a jackknife over trials: Student's t with one degree less than trials.
     """
-    joint = fitted(bare / "study")["joint"]
+    joint = fitted_coefficients(published_model_study / "study")["joint"]
     assert len(joint["trials"]) == 8
     assert set(joint["coefficients"]) == set(Coefficients.__dataclass_fields__)
     reported = {name: cell for name, cell in joint["coefficients"].items() if cell["determined"]}
@@ -140,27 +144,27 @@ def test_bare_model_comes_back_from_footage(bare):
     assert joint["straight_swimming"]["stable"] is False
 
 
-def test_straight_footage_alone_leaves_the_turning_coefficients_open(bare):
+def test_straight_footage_alone_leaves_the_turning_coefficients_open(published_model_study):
     """The same footage without its turns: what it does not determine is said to be undetermined."""
-    study = bare / "straight"
+    study = published_model_study / "straight"
     study.mkdir()
-    shutil.copy(bare / "study/study.yaml", study)
-    with (bare / "study/trials.csv").open(newline="") as lines:
+    shutil.copy(published_model_study / "study/study.yaml", study)
+    with (published_model_study / "study/trials.csv").open(newline="") as lines:
         header, *rows = csv.reader(lines)
     straight = [row for row in rows if float(row[header.index("head_angle_deg")]) == 0]
     for row in straight:
         for name in (row[header.index("source")], row[header.index("motor_log")]):
             (study / name).parent.mkdir(exist_ok=True)
-            shutil.copy(bare / "study" / name, study / name)
+            shutil.copy(published_model_study / "study" / name, study / name)
     with (study / "trials.csv").open("w", newline="") as out:
         csv.writer(out).writerows([header, *straight])
-    found = fitted(study)
+    found = fitted_coefficients(study)
     joint, steps = found["joint"], found["paper_steps"]
-    assert len(joint["trials"]) == len(BARE_POWERS)
+    assert len(joint["trials"]) == len(FITTED_POWERS_PCT)
     for name in ("C_Da", "C_La", "C_Ma", "C_Md"):
         assert not joint["coefficients"][name]["determined"], name
         assert joint["coefficients"][name]["why"], name
-        for power in BARE_POWERS:
+        for power in FITTED_POWERS_PCT:
             cell = steps[str(power)]["coefficients"][name]
             assert not cell["determined"]
             assert "straight runs hold alpha at 0" in cell["why"]

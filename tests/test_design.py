@@ -28,8 +28,8 @@ from bluekoi.design_space import (
 from bluekoi.errors import InputError
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate_at, steady_turn
 from bluekoi.study import load_study
-from robots import SETUP
-from studies import small_study
+from paper_robot import PAPER_SETUP
+from small_studies import small_study
 
 
 @pytest.fixture(scope="module")
@@ -57,10 +57,12 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_batches_agree_with_one_at_a_time_and_with_other_robots() -> None:
     values = np.stack([plates().values(TABLE_1[p]) for p in (50, 75, 100)])
-    heavy = SETUP.model_copy(update={"robot": SETUP.robot.model_copy(update={"mass_kg": 0.9})})
+    heavy = PAPER_SETUP.model_copy(
+        update={"robot": PAPER_SETUP.robot.model_copy(update={"mass_kg": 0.9})}
+    )
     conditions = [
-        Condition(4.02, math.radians(45), 0.12, SETUP),
-        Condition(2.37, math.radians(-30), 0.175, SETUP),
+        Condition(4.02, math.radians(45), 0.12, PAPER_SETUP),
+        Condition(2.37, math.radians(-30), 0.175, PAPER_SETUP),
         Condition(5.82, 0.0, 0.12, heavy),
     ]
     found = steady_states(conditions, values)
@@ -78,22 +80,29 @@ def test_what_does_not_settle_is_not_given_a_radius() -> None:
     values = plates().values(TABLE_1[75], {"battery_sag": {"loss_rate": 0.05}})
     slots = plates().slots("battery_sag")
     assert values[slots[0]] == 0.05
-    found = steady_states([Condition(4.02, 0.7, 0.12, SETUP)], values[None])
+    found = steady_states([Condition(4.02, 0.7, 0.12, PAPER_SETUP)], values[None])
     assert np.isnan(found.radius_m[0, 0])
 
 
-def made(speed: float, radius: float, extrapolated: tuple[str, ...] = ()) -> Design:
+def make_design(speed: float, radius: float, extrapolated: tuple[str, ...] = ()) -> Design:
     return Design(100, 5.8, 45, 0.12, (speed, speed, speed), (radius, radius, radius), extrapolated)
 
 
 def test_the_front_holds_those_that_no_other_beats() -> None:
-    some = [made(0.5, 0.8), made(0.4, 0.5), made(0.3, 0.6), made(0.2, 0.4), made(np.nan, 0.1),
-            made(0.6, np.nan), made(0.45, 0.9)]  # fmt: skip
+    some = [
+        make_design(0.5, 0.8),
+        make_design(0.4, 0.5),
+        make_design(0.3, 0.6),
+        make_design(0.2, 0.4),
+        make_design(np.nan, 0.1),
+        make_design(0.6, np.nan),
+        make_design(0.45, 0.9),
+    ]
     assert on_front(some).tolist() == [True, True, False, True, False, False, False]
 
 
 def test_the_smallest_radius_at_a_speed_and_within_what_was_tested() -> None:
-    some = [made(0.5, 0.8), made(0.4, 0.5, ("power",)), made(0.2, 0.3)]
+    some = [make_design(0.5, 0.8), make_design(0.4, 0.5, ("power",)), make_design(0.2, 0.3)]
     assert smallest_radius(some) is some[2]
     assert smallest_radius(some, min_speed_m_s=0.3) is some[1]
     assert smallest_radius(some, min_speed_m_s=0.3, tested_only=True) is some[0]
@@ -140,22 +149,22 @@ def test_frequency_between_tested_powers_and_beyond() -> None:
     assert Fitted(np.zeros((1, 1)), {50.0: 2.0}, "joint").at_power(25) == pytest.approx(1.0)
 
 
-def path(schedule, seconds: float = 8.0):
+def simulated_path(schedule, seconds: float = 8.0):
     times = np.arange(round(seconds * 60) + 1) / 60
     hz, angle = schedule.at(times)
     return simulate_at(plates().values(TABLE_1[75]), times, np.column_stack([angle, hz]),
-                       constants(SETUP, 0.12), np.zeros(6))  # fmt: skip
+                       constants(PAPER_SETUP, 0.12), np.zeros(6))  # fmt: skip
 
 
 def test_an_s_turn_turns_one_way_then_the_other() -> None:
-    run = path(MANOEUVRES["s-turn"](4.0, math.radians(40), 8.0))
+    run = simulated_path(MANOEUVRES["s-turn"](4.0, math.radians(40), 8.0))
     rate = run.state[:, 5]
     assert rate[200] < -0.1
     assert rate[-1] > 0.1
 
 
 def test_an_underpowered_turn_slows_down_and_turns_on_what_speed_is_left() -> None:
-    run = path(MANOEUVRES["underpowered-turn"](4.0, math.radians(45), 8.0))
+    run = simulated_path(MANOEUVRES["underpowered-turn"](4.0, math.radians(45), 8.0))
     before = round(0.6 * 8 * 60)
     assert run.state[before, 5] == pytest.approx(0.0, abs=1e-9)
     assert run.speed_m_s[-1] < 0.6 * run.speed_m_s[before]
@@ -163,7 +172,7 @@ def test_an_underpowered_turn_slows_down_and_turns_on_what_speed_is_left() -> No
 
 
 def test_start_stop_slows_down_and_speeds_up_again() -> None:
-    run = path(MANOEUVRES["start-stop"](5.0, 0.0, 10.0), 10.0)
+    run = simulated_path(MANOEUVRES["start-stop"](5.0, 0.0, 10.0), 10.0)
     v = run.speed_m_s
     assert v[420] < 0.7 * v[240]
     assert v[-1] > 1.2 * v[420]
@@ -296,7 +305,12 @@ def test_guesses_doubtful_verdicts_and_other_studies_are_warned_of(
 
 
 def test_of_turns_as_tight_the_tested_and_the_faster_one_is_the_answer() -> None:
-    some = [made(0.2, 0.5), made(0.4, 0.5002), made(0.6, 0.4999, ("power",)), made(0.9, 0.502)]
+    some = [
+        make_design(0.2, 0.5),
+        make_design(0.4, 0.5002),
+        make_design(0.6, 0.4999, ("power",)),
+        make_design(0.9, 0.502),
+    ]
     assert smallest_radius(some) is some[1]
     assert smallest_radius(some, min_speed_m_s=0.5) is some[2]
 

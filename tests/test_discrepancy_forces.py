@@ -5,39 +5,43 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bluekoi.engine import FittedSet, Problem, expanded, fitted
-from bluekoi.engine.columns import KAPPA, layout
+from bluekoi.engine import FittedSet, Problem, expand_about, fit_set
 from bluekoi.engine.forces import forces_in_set
+from bluekoi.engine.set_columns import DISCREPANCY_SHARE, layout_of_set
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
 from bluekoi.model import plates
 from bluekoi.tuning import downsampled, tune
-from campaigns import Errors, plans, sixteen
+from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 SURGE, SWAY, YAW = range(3)
 
 
 @pytest.fixture(scope="module")
-def friction() -> tuple[Problem, FittedSet]:
+def friction_fit() -> tuple[Problem, FittedSet]:
     """Six trials, fitted with a friction force, which is far stronger in surge than in sway."""
-    series = sixteen(plans(powers=(75,)), Errors(), np.random.default_rng(5), count=1)[0]
+    series = simulate_campaigns(
+        trial_plans(powers=(75,)), ErrorModel(), np.random.default_rng(5), count=1
+    )[0]
     baseline = tune(downsampled(series))
     problem = robot_problem(compiled(plates()), downsampled(series, 5.0), baseline, displaced=(),
                             progress=lambda _: None)  # fmt: skip
     known = {**baseline.fit.by_label(), "coulomb_friction.F_c": 0.01}
-    return problem, fitted(problem, ("coulomb_friction",), problem.noise, known)
+    return problem, fit_set(problem, ("coulomb_friction",), problem.noise, known)
 
 
-def test_a_residual_term_pushes_in_its_channel_alone(friction: tuple[Problem, FittedSet]) -> None:
-    forces = forces_in_set(*friction)
+def test_a_residual_term_pushes_in_its_channel_alone(
+    friction_fit: tuple[Problem, FittedSet],
+) -> None:
+    forces = forces_in_set(*friction_fit)
     unit = forces["residual.sway_v"]
     assert max(unit[SURGE], unit[YAW]) < 1e-3 * unit[SWAY]
 
 
 def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
-    problem, model = friction
+    problem, model = friction_fit
     place = problem.kernel.system.all_states.index("v")
     v = np.concatenate([f.filtered[:, place] for f in model.passes])
     unit = forces_in_set(problem, model)["residual.sway_v"]
@@ -45,29 +49,29 @@ def test_the_force_of_a_unit_strength_is_the_root_mean_square_of_its_variable(
 
 
 def test_a_discrepancy_is_a_share_of_the_cause_in_the_same_channel(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
-    problem, model = friction
+    problem, model = friction_fit
     forces = forces_in_set(problem, model)
-    expansion = expanded(problem, model)
-    lay = layout(problem, expansion, model.causes)
+    expansion = expand_about(problem, model)
+    lay = layout_of_set(problem, expansion, model.causes)
     precisions = dict(zip(lay.columns.tolist(), lay.precision, strict=True))
     (column,) = expansion.strengths["residual.sway_v"]
     force = precisions[column] ** -0.5 * forces["residual.sway_v"][SWAY]
-    assert force == pytest.approx(KAPPA * forces["coulomb_friction"][SWAY])
-    assert force < 0.7 * KAPPA * forces["coulomb_friction"][SURGE]
+    assert force == pytest.approx(DISCREPANCY_SHARE * forces["coulomb_friction"][SWAY])
+    assert force < 0.7 * DISCREPANCY_SHARE * forces["coulomb_friction"][SURGE]
 
 
 def test_the_discrepancy_is_fitted_with_the_numbers_of_a_set(
-    friction: tuple[Problem, FittedSet],
+    friction_fit: tuple[Problem, FittedSet],
 ) -> None:
     """The most probable point of both: its terms stand where likelihood and prior balance."""
-    problem, model = friction
+    problem, model = friction_fit
     stds = {"residual.surge_u": 0.02, "residual.sway_v": 0.02}
-    both = fitted(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
+    both = fit_set(problem, model.causes, model.noise, model.fit.by_label(), deviations=stds)
     assert both.discrepancy.keys() == stds.keys()
     assert both.log_joint > model.log_joint
-    expansion = expanded(problem, both)
+    expansion = expand_about(problem, both)
     for label, std in stds.items():
         (column,) = expansion.strengths[label]
         slope = float(expansion.gradient[:, column].sum()) - both.discrepancy[label] / std**2

@@ -14,7 +14,7 @@ import pytest
 import bluekoi
 from bluekoi.cli import main
 from bluekoi.data import TRACK_COLUMNS, Track, write_track
-from studies import small_study
+from small_studies import small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"

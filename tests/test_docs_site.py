@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from browser import READY, Browser, Tab
+from browser import PAGE_READY_SCRIPT, Browser, Tab
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 SEARCHED = """new Promise((found, failed) => {
@@ -57,7 +57,7 @@ def test_search_finds_pages_without_a_server(site, tab):
     assert page.evaluate(f"{form}.action") == (site / "search.html").as_uri()
     name = page.evaluate(f"{form}.querySelector('input').name")
     page.call("Page.navigate", url=f"{(site / 'search.html').as_uri()}?{name}=credible+set")
-    page.evaluate(READY)
+    page.evaluate(PAGE_READY_SCRIPT)
     assert "How the finder works" in page.evaluate(SEARCHED)
     assert page.console_messages() == []
 
@@ -67,7 +67,7 @@ def test_pages_open_without_console_messages_and_fit_the_window(site, tab):
     wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     for name in ("index", "api", "study_keys", "finder", "evidence"):
         page.call("Page.navigate", url=(site / f"{name}.html").as_uri())
-        page.evaluate(READY)
+        page.evaluate(PAGE_READY_SCRIPT)
         assert page.evaluate(wide) <= 0, name
         assert page.evaluate("document.querySelectorAll('.sidebar-tree a').length") > 15
     assert page.console_messages() == []

@@ -13,9 +13,9 @@ from bluekoi.fitting.side_measurements import predicted
 from bluekoi.integrate import Effect
 from bluekoi.model import TABLE_1, effect_names, plates, residual, simulate
 from bluekoi.model.equations import flow
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
-CONTRACT = {
+CONTRACT_CAUSES = {
     "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",
     "uniform_current", "pool_gyre", "wall_effect", "stall", "servo_lag", "motor_spin_up",
     "battery_sag", "trim_moment", "head_angle_offset", "crossflow_drag", "thrust_line_offset",
@@ -36,32 +36,32 @@ DISSIPATIVE = {
     "viscous_drag", "linear_yaw_damping", "crossflow_drag", "wave_drag", "coulomb_friction",
     "wall_effect", "sinking",
 }  # fmt: skip
-ALL = [e for e in plates().effects if e.kind in ("physics", "measurement")]
+ALL_EFFECTS = [e for e in plates().effects if e.kind in ("physics", "measurement")]
 
 
-def started(effect: Effect) -> dict[str, dict[str, float]]:
+def active_at_start_value(effect: Effect) -> dict[str, dict[str, float]]:
     return {effect.name: {p.name: p.start for p in effect.parameters}}
 
 
-def path(effect: Effect | None, side: float = 1.0, **given: float) -> np.ndarray:
-    run = simulate(TABLE_1[75], setup=SETUP, head_length_m=0.175, head_angle_rad=side * 0.6,
+def simulated_path(effect: Effect | None, side: float = 1.0, **given: float) -> np.ndarray:
+    run = simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.175, head_angle_rad=side * 0.6,
                    flap_hz=4.0, duration_s=6.0, start=(1.3, 0.8, 0.0, 0.0, 0.0, 0.0),
-                   effects=started(effect) if effect else None, **given)  # fmt: skip
+                   effects=active_at_start_value(effect) if effect else None, **given)  # fmt: skip
     return run.state
 
 
 def test_the_folders_hold_every_name_of_the_contract() -> None:
-    assert set(effect_names(effects)) >= CONTRACT
+    assert set(effect_names(effects)) >= CONTRACT_CAUSES
     assert set(effect_names(measurement)) >= MEASUREMENT
 
 
-@pytest.mark.parametrize("effect", ALL, ids=lambda e: e.name)
+@pytest.mark.parametrize("effect", ALL_EFFECTS, ids=lambda e: e.name)
 def test_statement_units_bounds_and_source(effect: Effect) -> None:
     module = importlib.import_module(effect.module)
     assert effect.statement.endswith(".")
     assert len(effect.statement) > 30
     assert "Source:" in (module.__doc__ or "")
-    assert set(effect.confused_with) <= CONTRACT | MEASUREMENT
+    assert set(effect.confused_with) <= CONTRACT_CAUSES | MEASUREMENT
     for p in effect.parameters:
         assert p.unit
         assert p.meaning
@@ -69,26 +69,28 @@ def test_statement_units_bounds_and_source(effect: Effect) -> None:
     assert all(p.lower <= 0 <= p.upper for p in effect.parameters[: effect.strengths])
 
 
-@pytest.mark.parametrize("effect", ALL, ids=lambda e: e.name)
+@pytest.mark.parametrize("effect", ALL_EFFECTS, ids=lambda e: e.name)
 def test_finite_and_felt(effect: Effect) -> None:
-    changed = path(effect)
+    changed = simulated_path(effect)
     assert np.all(np.isfinite(changed))
     seen_only = "observe" in effect.hooks and len(effect.hooks) == 1
     if effect.name not in ("wake_reentry",) and not seen_only:
-        assert np.abs(changed - path(None)).max() > 1e-5
+        assert np.abs(changed - simulated_path(None)).max() > 1e-5
 
 
 @pytest.mark.parametrize(
-    "effect", [e for e in ALL if e.name not in ONE_SIDED], ids=lambda e: e.name
+    "effect", [e for e in ALL_EFFECTS if e.name not in ONE_SIDED], ids=lambda e: e.name
 )
 def test_mirror_symmetry(effect: Effect) -> None:
-    left, right = path(effect, 1.0), path(effect, -1.0)
+    left, right = simulated_path(effect, 1.0), simulated_path(effect, -1.0)
     mirrored = right * np.array([1, -1, -1, 1, -1, -1])
     mirrored[:, 1] += 1.6
     assert left == pytest.approx(mirrored, abs=1e-7)
 
 
-@pytest.mark.parametrize("effect", [e for e in ALL if e.name in ONE_SIDED], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "effect", [e for e in ALL_EFFECTS if e.name in ONE_SIDED], ids=lambda e: e.name
+)
 def test_one_sided_effects_say_so(effect: Effect) -> None:
     reported = (effect.regime + effect.statement).lower()
     words = ("to one side", "two sides", "position", "wall", "direction", "all frames", "same sign",
@@ -96,21 +98,27 @@ def test_one_sided_effects_say_so(effect: Effect) -> None:
     assert any(word in reported for word in words)
 
 
-@pytest.mark.parametrize("effect", [e for e in ALL if "force" in e.hooks], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "effect", [e for e in ALL_EFFECTS if "force" in e.hooks], ids=lambda e: e.name
+)
 def test_forces_vanish_at_rest(effect: Effect) -> None:
-    assert call(effect, "force", np.zeros(0), rest=True) == pytest.approx([0, 0, 0], abs=1e-9)
+    assert call_effect(effect, "force", np.zeros(0), rest=True) == pytest.approx(
+        [0, 0, 0], abs=1e-9
+    )
 
 
-@pytest.mark.parametrize("effect", [e for e in ALL if e.name in DISSIPATIVE], ids=lambda e: e.name)
+@pytest.mark.parametrize(
+    "effect", [e for e in ALL_EFFECTS if e.name in DISSIPATIVE], ids=lambda e: e.name
+)
 def test_dissipative_forces_never_add_power(effect: Effect) -> None:
     rng = np.random.default_rng(5)
     for _ in range(200):
         draw = rng.uniform(-1, 1, 3)
-        X, Y, N = call(effect, "force", draw)
+        X, Y, N = call_effect(effect, "force", draw)
         assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-12
 
 
-def call(
+def call_effect(
     effect: Effect, stage: str, draw: np.ndarray, *, rest: bool = False, **given: float
 ) -> list[float]:
     """The effect's own function at one motion (surge, sway, yaw rate), other values plausible."""
@@ -141,7 +149,9 @@ def call(
 
 def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
     """Reference value: -1/2 rho C d (length) v |v| for a body drifting sideways without turning."""
-    X, Y, N = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]), q=0.0)
+    X, Y, N = call_effect(
+        plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.0]), q=0.0
+    )
     length, middle = 0.211, (0.04 - 0.171) / 2
     expected = -0.5 * 1000 * 0.5 * 0.069 * length * 0.04
     assert pytest.approx((0.0, expected, expected * middle)) == (X, Y, N)
@@ -150,7 +160,7 @@ def test_crossflow_drag_of_a_pure_drift_is_the_plate_s() -> None:
 def test_fin_reference_value() -> None:
     """-1/2 rho S u (v - a r) at u = 0.4, v = 0.1, r = -1: sideways speed 0.25 m/s at the fin."""
     motion = np.array([0.4, 0.1, -1.0])
-    X, Y, N = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=0.0)
+    X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=0.0)
     expected = -0.5 * 1000 * 0.03 * 0.4 * 0.25
     assert pytest.approx((0.0, expected, -0.15 * expected)) == (X, Y, N)
 
@@ -159,7 +169,7 @@ def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
     """Five strips about a = 0.12 m: force and moment of -1/2 rho S u (v - x r) summed."""
     x = 0.12 + 0.03 * np.arange(-2, 3)
     dY = -0.5 * 1000 * 0.03 / 5 * 0.4 * (0.1 + x)
-    found = call(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]),
+    found = call_effect(plates().effect("tail_fin_lift"), "force", np.array([0.4, 0.1, -1.0]),
                  a=0.12, b=float(np.std(x)), p=0.0)  # fmt: skip
     assert found == pytest.approx([0.0, dY.sum(), -(x * dY).sum()])
 
@@ -167,7 +177,7 @@ def test_fin_of_many_strips_is_one_of_their_mean_and_spread() -> None:
 def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
     """g = -1: lift alone, at a fin that moves by 0.4 m/s forwards and 0.25 m/s sideways."""
     motion = np.array([0.4, 0.1, -1.0])
-    X, Y, _ = call(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
+    X, Y, _ = call_effect(plates().effect("tail_fin_lift"), "force", motion, b=0.0, p=1.0, g=-1.0)
     lift = 0.5 * 1000 * 0.03 * np.hypot(0.4, 0.25) * 0.25
     assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
 
@@ -177,10 +187,10 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
     fin = plates().effect("tail_fin_lift")
     motion, V, z, step = np.array([0.4, 0.1, 0.0]), np.hypot(0.4, 0.1), 0.0, 1e-4
     for _ in range(3000):
-        z += step * call(fin, "rates", motion, s=1.0, z_fin=z)[0]
+        z += step * call_effect(fin, "rates", motion, s=1.0, z_fin=z)[0]
     assert z == pytest.approx(0.1 * (1 - np.exp(-V * 0.3 / 0.12)), rel=1e-3)
-    whole = call(fin, "force", motion, b=0.0, p=0.0)
-    part = call(fin, "force", motion, b=0.0, p=0.0, z_fin=z)
+    whole = call_effect(fin, "force", motion, b=0.0, p=0.0)
+    part = call_effect(fin, "force", motion, b=0.0, p=0.0, z_fin=z)
     assert part[1] == pytest.approx(whole[1] * z / 0.1)
 
 
@@ -189,14 +199,14 @@ def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
 def test_a_fin_of_any_form_never_adds_power(p: float, g: float) -> None:
     rng = np.random.default_rng(6)
     for draw in rng.uniform(-1, 1, (200, 3)):
-        X, Y, N = call(plates().effect("tail_fin_lift"), "force", draw, p=p, g=g)
+        X, Y, N = call_effect(plates().effect("tail_fin_lift"), "force", draw, p=p, g=g)
         assert X * draw[0] + Y * draw[1] + N * draw[2] <= 1e-9
 
 
 @pytest.mark.parametrize("name", ["viscous_drag", "wave_drag"])
 def test_drag_at_the_head_turns_the_robot_by_the_plate_s_arm(name: str) -> None:
     """All of it at the head plate, 0.1 m ahead: moment 0.1 m times the side force."""
-    X, Y, N = call(plates().effect(name), "force", np.array([0.3, 0.1, 0.0]), h=1.0)
+    X, Y, N = call_effect(plates().effect(name), "force", np.array([0.3, 0.1, 0.0]), h=1.0)
     assert pytest.approx(1 / 3) == Y / X
     assert pytest.approx(0.1 * Y) == N
 
@@ -250,7 +260,7 @@ def test_a_force_about_one_speed_is_largest_there_and_a_quarter_at_its_width(nam
     assert abs(force(1.0, 0.02, 0.3, 0.1)[place]) < 0.02 / 2000
 
 
-def lifted(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
+def lift_over_steady(e: float, w: float, speeds: np.ndarray) -> np.ndarray:
     """Lift by the lag's own equations over its steady value, 24 steps a head length travelled, at
     speeds one a step; k = 1, s = 1.5, sin 2 alpha = 0.6.
     """
@@ -273,15 +283,15 @@ def test_lift_builds_up_over_the_lengths_travelled(e: float) -> None:
     """1 - exp(-x / s), and of two lags in series 1 - (1 + x / s) exp(-x / s)."""
     x = np.arange(240) / 24 / 1.5
     V = np.full(240, 0.3)
-    assert lifted(e, 0.0, V) == pytest.approx(1 - np.exp(-x), abs=0.02)
-    assert lifted(e, 1.0, V) == pytest.approx(1 - (1 + x) * np.exp(-x), abs=0.02)
+    assert lift_over_steady(e, 0.0, V) == pytest.approx(1 - np.exp(-x), abs=0.02)
+    assert lift_over_steady(e, 1.0, V) == pytest.approx(1 - (1 + x) * np.exp(-x), abs=0.02)
 
 
 def test_a_coefficient_that_lags_feels_the_speed_at_once() -> None:
     """Twice as fast after 10 lengths: a force that lags is at 1/4 there, a circulation at 1/2."""
     V = np.repeat([0.2, 0.4], 240)
     for e, share in ((0.0, 0.25), (1.0, 0.5), (2.0, 1.0)):
-        assert lifted(e, 0.0, V)[240] == pytest.approx(share, abs=0.01)
+        assert lift_over_steady(e, 0.0, V)[240] == pytest.approx(share, abs=0.01)
 
 
 def test_a_stall_goes_on_over_its_range() -> None:
@@ -289,7 +299,7 @@ def test_a_stall_goes_on_over_its_range() -> None:
     stall = plates().effect("stall")
     for s, share in ((0.19, 0.0), (0.25, 0.5), (0.31, 1.0)):
         motion = {"uh": 0.3 * np.sqrt(1 - s * s), "vh": 0.3 * s, "V": 0.3}
-        lost = call(stall, "plate", np.zeros(3), **motion, k=0.4, s0=0.2, b=0.1)
+        lost = call_effect(stall, "plate", np.zeros(3), **motion, k=0.4, s0=0.2, b=0.1)
         lift = 0.5 * 1000 * 0.0083 * 3.0 * 2 * 0.09 * s * np.sqrt(1 - s * s)
         assert np.hypot(*lost) == pytest.approx(0.4 * share * lift)
 
@@ -298,7 +308,7 @@ def test_a_wall_fades_by_e_or_as_the_square_of_the_distance() -> None:
     """0.2 m from one wall, the others far away: exp(-2) or 1/5 of 1/2 rho A V^2 at s = 0.1 m."""
     wall, far = plates().effect("wall_effect"), {"L_pool": 900.0, "W_pool": 900.0, "y": 450.0}
     for w, share in ((0.0, np.exp(-2.0)), (1.0, 1 / 5)):
-        X, Y, _ = call(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1,
+        X, Y, _ = call_effect(wall, "force", np.array([0.3, 0.0, 0.0]), **far, x=0.2, k=1.0, s=0.1,
                        w=w, g=0.0)  # fmt: skip
         assert pytest.approx((-0.5 * 1000 * 0.0083 * share * 0.09, 0.0), rel=1e-4) == (X, Y)
 
@@ -308,7 +318,7 @@ def test_thrust_lost_by_the_speed_alone_is_a_share_of_it() -> None:
     loss = plates().effect("thrust_loss_with_speed")
 
     def share(f: float, **given: float) -> float:
-        return call(loss, "thrust", np.array([0.3, 0.0, 0.0]), f=f, **given)[0] / f**2
+        return call_effect(loss, "thrust", np.array([0.3, 0.0, 0.0]), f=f, **given)[0] / f**2
 
     assert share(5.0, w=0.0, q=1.0) == pytest.approx(share(2.5, w=0.0, q=1.0))
     assert share(5.0, w=1.0, q=2.0) == pytest.approx(share(2.5, w=1.0, q=2.0))
@@ -330,11 +340,11 @@ def test_the_moment_goes_as_the_lift_does(name: str) -> None:
     effect, late = plates().effect(name), {"z": 0.01, "y_lag": 0.02}
     given = {"stall": {"s0": 0.1}, "lift_lag": {}}.get(name, {"n": 0.0, "g": 0.0})
     motion = np.array([0.3, -0.2, 0.4])
-    lift = np.hypot(*call(effect, "plate", motion, **late, **given))
-    X, Y, N = call(effect, "force", motion, **late, **given, m=0.8)
+    lift = np.hypot(*call_effect(effect, "plate", motion, **late, **given))
+    X, Y, N = call_effect(effect, "force", motion, **late, **given, m=0.8)
     assert (X, Y) == (0.0, 0.0)
     assert abs(N) == pytest.approx(0.8 * lift * 0.1 / 3.0, rel=1e-9)
-    assert call(effect, "force", motion, **late, **given)[2] == 0.0
+    assert call_effect(effect, "force", motion, **late, **given)[2] == 0.0
 
 
 @pytest.mark.parametrize("step", [1 / 30, 1 / 60])
@@ -372,7 +382,7 @@ def test_terms_of_head_angle_and_side() -> None:
     none = {p.name: 0.0 for p in residual.PARAMETERS}
     given = {"cpsi": np.cos(0.7), "spsi": np.sin(0.7), "sphi": np.sin(0.5), "f": 4.0}
     strengths = {"sway_u2_sinphi": 2.0, "yaw_constant": 0.1, "yaw_f": 0.2}
-    X, Y, N = call(plates().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
+    X, Y, N = call_effect(plates().effect("residual"), "force", np.array([0.3, 0.0, 0.0]),
                    **none | given | strengths)  # fmt: skip
     expected = 0.1 + 0.2 * 4
     assert pytest.approx((0.0, 2 * 0.09 * np.sin(0.5), expected)) == (X, Y, N)
@@ -380,7 +390,9 @@ def test_terms_of_head_angle_and_side() -> None:
 
 def test_crossflow_drag_of_a_tapering_body() -> None:
     """Depth from (1 + q) d at the hinge to (1 - q) d at the tail base, by fine strips."""
-    found = call(plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.5]), q=0.6)
+    found = call_effect(
+        plates().effect("crossflow_drag"), "force", np.array([0.0, 0.2, 0.5]), q=0.6
+    )
     x = np.linspace(0.04, -0.171, 4001)
     depth = 0.069 * (1 + 0.6 * (2 * (x + 0.171) / 0.211 - 1))
     dY = -0.5 * 1000 * 0.5 * depth * (0.2 + 0.5 * x) * np.abs(0.2 + 0.5 * x)
@@ -391,7 +403,9 @@ def test_crossflow_drag_of_a_tapering_body() -> None:
 def test_crossflow_drag_of_a_deep_tail() -> None:
     """A tail of 0.07 m, two spans deep, that moves sideways at 0.2 - 0.206 m x 0.5 rad/s."""
     effect, motion = plates().effect("crossflow_drag"), np.array([0.0, 0.2, 0.5])
-    added = np.subtract(call(effect, "force", motion, w=2.0), call(effect, "force", motion, w=0.0))
+    added = np.subtract(
+        call_effect(effect, "force", motion, w=2.0), call_effect(effect, "force", motion, w=0.0)
+    )
     Y = -0.5 * 1000 * 0.5 * 2 * 0.069 * 0.07 * (0.2 - 0.206 * 0.5) ** 2
     assert added == pytest.approx([0.0, Y, -0.206 * Y])
 
@@ -418,17 +432,17 @@ def test_water_that_turns_with_the_robot_damps_nothing_and_meets_the_plate_at_it
 @pytest.mark.parametrize(("p", "q", "power"), [(0, 0, 1.0), (1, 0, 1.5), (0, 1, 1.0)])
 def test_yaw_damping_grows_with_its_power_of_the_yaw_rate(p, q, power) -> None:
     damping, motion = plates().effect("linear_yaw_damping"), np.array([0.3, 0.0, 0.5])
-    slow = call(damping, "force", motion, p=p, q=q)[2]
+    slow = call_effect(damping, "force", motion, p=p, q=q)[2]
     assert slow == pytest.approx(-0.005 * 0.5)
-    fast = call(damping, "force", motion * np.array([1, 1, 2]), p=p, q=q)[2]
+    fast = call_effect(damping, "force", motion * np.array([1, 1, 2]), p=p, q=q)[2]
     assert fast == pytest.approx(slow * 2**power)
-    ahead = call(damping, "force", motion * np.array([2, 1, 1]), p=p, q=q)[2]
+    ahead = call_effect(damping, "force", motion * np.array([2, 1, 1]), p=p, q=q)[2]
     assert ahead == pytest.approx(slow * (1 + q))
 
 
 def test_friction_of_stribeck_is_larger_at_rest_by_its_excess() -> None:
     friction = plates().effect("coulomb_friction")
-    near, far = (call(friction, "force", np.array([u, 0.0, 0.0]), c=1e-3, s=0.5)[0]
+    near, far = (call_effect(friction, "force", np.array([u, 0.0, 0.0]), c=1e-3, s=0.5)[0]
                  for u in (0.01, 1.0))  # fmt: skip
     assert far == pytest.approx(-0.02, rel=1e-4)
     assert near == pytest.approx(-0.02 * (1 + 0.5 * np.exp(-0.01)), rel=0.01)
@@ -436,14 +450,14 @@ def test_friction_of_stribeck_is_larger_at_rest_by_its_excess() -> None:
 
 def test_crossflow_drag_that_falls_with_the_reynolds_number_has_the_power_three_halves() -> None:
     drag = plates().effect("crossflow_drag")
-    low, high = (call(drag, "force", np.array([0.0, v, 0.0]), e=1.0)[1] for v in (0.1, 0.4))
+    low, high = (call_effect(drag, "force", np.array([0.0, v, 0.0]), e=1.0)[1] for v in (0.1, 0.4))
     assert high == pytest.approx(low * 4**1.5)
-    assert low == pytest.approx(call(drag, "force", np.array([0.0, 0.1, 0.0]))[1])
+    assert low == pytest.approx(call_effect(drag, "force", np.array([0.0, 0.1, 0.0]))[1])
 
 
 def test_a_trim_moment_of_the_thrust_goes_with_the_beat_alone() -> None:
     trim = plates().effect("trim_moment")
-    moments = [call(trim, "force", np.array([u, 0.0, 0.0]), w=1.0, f=f)[2]
+    moments = [call_effect(trim, "force", np.array([u, 0.0, 0.0]), w=1.0, f=f)[2]
                for u, f in ((0.1, 3.5), (0.4, 3.5), (0.4, 7.0))]  # fmt: skip
     assert moments == pytest.approx(0.045 * 1000 * 0.0083 * 0.001 * np.array([1, 1, 4]))
 
@@ -461,11 +475,13 @@ def test_a_wake_that_fades_counts_by_its_age() -> None:
     """Two turns at 1.047 rad/s: an age of 6 s; half of that rate and a decay of 1: half of it."""
     wake, motion = plates().effect("wake_reentry"), np.array([0.3, 0.0, 2 * np.pi / 6])
     given = {"psi": 4 * np.pi, "n_1": 1.0, "a": 1.0}
-    X = call(wake, "force", motion, **given)[0]
+    X = call_effect(wake, "force", motion, **given)[0]
     assert pytest.approx(0.5 * 1000 * 0.0083 * 0.2 * 0.09) == X
-    assert call(wake, "force", motion * [1, 0, 0.5], **given)[0] == pytest.approx(0.5 * X)
-    assert call(wake, "force", motion, **given, g=0.5)[0] == pytest.approx(1.5 * X)
-    assert call(wake, "force", motion * [0.5, 0, 1], **given, j=1.0)[0] == pytest.approx(0.5 * X)
+    assert call_effect(wake, "force", motion * [1, 0, 0.5], **given)[0] == pytest.approx(0.5 * X)
+    assert call_effect(wake, "force", motion, **given, g=0.5)[0] == pytest.approx(1.5 * X)
+    assert call_effect(wake, "force", motion * [0.5, 0, 1], **given, j=1.0)[0] == pytest.approx(
+        0.5 * X
+    )
 
 
 def test_a_robot_that_settles_has_sunk_by_its_first_rate_over_the_settling_rate() -> None:
@@ -494,14 +510,16 @@ def test_a_wall_that_sucks_pulls_across_a_robot_beside_it() -> None:
     wall = plates().effect("wall_effect")
     given = {"L_pool": 900.0, "W_pool": 900.0, "x": 450.0, "y": 0.1, "s": 0.1, "w": 0.0,
              "cpsi": 1.0, "spsi": 0.0}  # fmt: skip
-    force = call(wall, "force", np.array([0.3, 0.0, 0.0]), **given, k=1.0, g=0.5, j=0.2)
+    force = call_effect(wall, "force", np.array([0.3, 0.0, 0.0]), **given, k=1.0, g=0.5, j=0.2)
     near = 0.5 * 1000 * 0.0083 * np.exp(-1) * 0.09
     assert pytest.approx((-near, -0.5 * near, -0.02 * near), rel=1e-4) == force
 
 
 def test_a_side_that_damps_more_adds_its_part_of_the_yaw_damping() -> None:
     side = plates().effect("port_starboard_asymmetry")
-    left, right = (call(side, "force", np.array([0.0, 0.0, r]), n=0.1)[2] for r in (0.5, -0.5))
+    left, right = (
+        call_effect(side, "force", np.array([0.0, 0.0, r]), n=0.1)[2] for r in (0.5, -0.5)
+    )
     assert left == right == pytest.approx(0.1 * 0.12 * 0.25)
 
 
@@ -510,6 +528,6 @@ def test_drag_that_differs_between_the_sides_adds_on_one_and_lacks_on_the_other(
     side = plates().effect("port_starboard_asymmetry")
     for vh, sign in ((-0.1, 1.0), (0.1, -1.0)):
         given = {"uh": 0.3, "vh": vh, "V": np.hypot(0.3, 0.1)}
-        X, Y = call(side, "plate", np.zeros(3), **given, k=0.0, g=0.2, w=0.0)
+        X, Y = call_effect(side, "plate", np.zeros(3), **given, k=0.0, g=0.2, w=0.0)
         drag = sign * 0.5 * 1000 * 0.0083 * 2.0 * 0.2 * 2 * 0.01
         assert -(X * 0.3 + Y * vh) / np.hypot(0.3, 0.1) == pytest.approx(drag)

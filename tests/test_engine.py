@@ -17,18 +17,18 @@ from bluekoi.engine import (
     Priors,
     Problem,
     candidates_of,
-    expanded,
-    fitted,
+    expand_about,
+    fit_own_noise,
+    fit_set,
     named_causes,
-    own_noise,
     posterior,
-    search,
+    search_sets,
 )
-from bluekoi.engine.columns import Layout
-from bluekoi.engine.evidence import laplace
+from bluekoi.engine.evidence import laplace_evidence
 from bluekoi.engine.expansion import likely_strengths
-from bluekoi.engine.problem import MOST_TRIALS
-from bluekoi.engine.scored import score
+from bluekoi.engine.problem import MAX_SEARCH_TRIALS
+from bluekoi.engine.set_columns import Layout
+from bluekoi.engine.set_score import score
 from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
@@ -63,7 +63,7 @@ def exact_log_bayes_factor(H: float, g: float, size: float, lower: float = -np.i
 @pytest.mark.parametrize("z", [0.5, 3.0, 8.0])
 def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> None:
     H, size = 400.0, 1.0  # standard error 0.05, a twentieth of what is plausible
-    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
+    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), one_strength(size))
     assert found == pytest.approx(exact_log_bayes_factor(H, z * np.sqrt(H), size), abs=0.05)
 
 
@@ -71,20 +71,20 @@ def test_evidence_of_one_strength_is_the_integral_over_its_prior(z: float) -> No
 def test_a_strength_of_one_sign_has_half_the_prior(z: float) -> None:
     H, size = 400.0, 1.0
     lay = one_strength(size, signed=True)
-    found = laplace(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
+    found = laplace_evidence(np.array([[H]]), np.array([z * np.sqrt(H)]), lay)
     exact = exact_log_bayes_factor(H, z * np.sqrt(H), size, lower=0.0)
     assert found == pytest.approx(exact, abs=0.1)
 
 
 def test_a_cause_that_no_trial_informs_on_neither_gains_nor_loses() -> None:
-    found = laplace(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
+    found = laplace_evidence(np.array([[1e-9]]), np.zeros(1), one_strength(1.0))
     assert abs(found) < 0.3
 
 
 def test_an_effect_far_smaller_than_plausible_loses_to_no_effect() -> None:
     """Three standard errors from 0, but a thousandth of its plausible size (Lindley 1957)."""
     H = (3.0 / 1e-3) ** 2
-    found = laplace(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
+    found = laplace_evidence(np.array([[H]]), np.array([1e-3 * H]), one_strength(1.0))
     assert found < -1.0
 
 
@@ -103,7 +103,7 @@ def test_random_trial_effects_are_integrated_out_exactly() -> None:
     assert products[0, 1:, 0] == pytest.approx(J.T @ inverse @ e)
 
 
-def push() -> tuple[float]:
+def no_force() -> tuple[float]:
     """No force of its own."""
     return (0.0,)
 
@@ -118,22 +118,22 @@ def observe(x: float) -> tuple[float]:
     return (x,)
 
 
-def quadratic(v: float, k: float) -> tuple[float]:
+def quadratic_drag(v: float, k: float) -> tuple[float]:
     """F = -k v |v|."""
     return (-k * v * abs(v),)
 
 
-def constant(F0: float) -> tuple[float]:
+def constant_force(F0: float) -> tuple[float]:
     """F = F0."""
     return (F0,)
 
 
-def gust(g: float) -> tuple[float]:
+def random_force(g: float) -> tuple[float]:
     """A random force."""
     return (g,)
 
 
-def gust_rate(g: float, tau: float) -> tuple[float]:
+def random_force_decay(g: float, tau: float) -> tuple[float]:
     """G' = -g / tau."""
     return (-g / tau,)
 
@@ -144,19 +144,19 @@ def _effect(name: str, law: object, parameter: Parameter) -> Effect:
 
 SYSTEM = System(
     "driven_mass", ("x", "v"), (), ("u",), (Parameter("c", "1/s", 0.5, 0.0, 5.0, "drag"),),
-    (Stage("force", ("F",), push, open=True), Stage("rates", ("x", "v"), rates),
+    (Stage("force", ("F",), no_force, open=True), Stage("rates", ("x", "v"), rates),
      Stage("observe", ("seen",), observe)),
     ("seen",),
     (Effect("gusts", "disturbance", "random force",
             (Parameter("present", "1", 1.0, 0.0, 1.0, ""),
              Parameter("tau", "s", 0.3, 0.01, 5.0, "")),
-            {"force": gust}, "tests", ("surge",), states=("g",), rates=gust_rate),
-     _effect("quadratic_drag", quadratic, Parameter("k", "1/m", 0.5, 0.0, 20.0, "")),
-     _effect("constant_force", constant, Parameter("F0", "N", 0.2, -5.0, 5.0, ""))),
+            {"force": random_force}, "tests", ("surge",), states=("g",), rates=random_force_decay),
+     _effect("quadratic_drag", quadratic_drag, Parameter("k", "1/m", 0.5, 0.0, 20.0, "")),
+     _effect("constant_force", constant_force, Parameter("F0", "N", 0.2, -5.0, 5.0, ""))),
 )  # fmt: skip
 
 
-def driven(k: float, F0: float, trials: int = 12) -> list[Series]:
+def driven_mass_trials(k: float, F0: float, trials: int = 12) -> list[Series]:
     """Trials of a driven mass with quadratic drag k and a constant force F0, noise 1 mm."""
     rng, dt = np.random.default_rng(17), 1e-3
     out = []
@@ -176,7 +176,7 @@ def driven(k: float, F0: float, trials: int = 12) -> list[Series]:
     return out
 
 
-def problem(series: list[Series]) -> Problem:
+def driven_mass_problem(series: list[Series]) -> Problem:
     """Both candidates beside the driven mass."""
     names = ["quadratic_drag", "constant_force"]
     return Problem(
@@ -192,7 +192,7 @@ def problem(series: list[Series]) -> Problem:
      (0.3, 0.1, {"quadratic_drag", "constant_force"})],
 )  # fmt: skip
 def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, true: set) -> None:
-    visited = search(problem(driven(k, F0)))
+    visited = search_sets(driven_mass_problem(driven_mass_trials(k, F0)))
     found = posterior(visited.problem, list(visited.sets.values()))
     assert {name for name, p in found.inclusion.items() if p > 0.5} == true
     assert all(found.inclusion[name] > 0.95 for name in true)
@@ -201,7 +201,7 @@ def test_the_causes_that_act_and_no_others_are_probable(k: float, F0: float, tru
 
 def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
     """Else its fit has not ended, and a cause loses to another whose fit has."""
-    visited = search(problem(driven(0.3, 0.1)))
+    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     likely = {k: visited.sets[k].model.log_joint for k in visited.converged}
     pairs = [(part, whole) for part in likely for whole in likely if part < whole]
     assert pairs
@@ -209,7 +209,7 @@ def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
 
 
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:
-    visited = search(problem(driven(0.3, 0.1)))
+    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
     values = visited.best.model.fit.by_label()
     assert values["quadratic_drag.k"] == pytest.approx(0.3, rel=0.1)
     assert values["constant_force.F0"] == pytest.approx(0.1, rel=0.1)
@@ -218,16 +218,16 @@ def test_strengths_of_probable_causes_are_those_that_acted() -> None:
 def test_a_fit_begins_at_the_strength_that_the_expansion_gives() -> None:
     """Also where the sign is other than that of the usual start."""
     for true in (0.3, -0.2):
-        whole = problem(driven(0.0, true))
-        first = own_noise(whole, fitted(whole, (), whole.noise, {}))
-        start = likely_strengths(whole, expanded(whole, first), "constant_force")
+        whole = driven_mass_problem(driven_mass_trials(0.0, true))
+        first = fit_own_noise(whole, fit_set(whole, (), whole.noise, {}))
+        start = likely_strengths(whole, expand_about(whole, first), "constant_force")
         (value,) = start.values()
         assert value == pytest.approx(true, rel=0.3)
 
 
 def test_a_search_on_a_subset_of_many_trials_names_the_same_causes_as_one_on_all() -> None:
-    whole = problem(driven(0.3, 0.1, trials=MOST_TRIALS + 12))
-    visited = search(whole)
+    whole = driven_mass_problem(driven_mass_trials(0.3, 0.1, trials=MAX_SEARCH_TRIALS + 12))
+    visited = search_sets(whole)
     assert visited.best.model.key == {"quadratic_drag", "constant_force"}
     assert frozenset() in visited.sets  # the model without causes, with which others are compared
     assert len(visited.best.expansion.log_likelihood) == len(whole.series)
@@ -258,25 +258,25 @@ def test_a_small_study_is_searched_whole() -> None:
 
 
 def test_order_of_the_trials_changes_no_probability() -> None:
-    series = driven(0.3, 0.0)
+    series = driven_mass_trials(0.3, 0.0)
     both = []
     for trials in (series, series[::-1]):
-        visited = search(problem(trials))
+        visited = search_sets(driven_mass_problem(trials))
         both.append(visited.best.log_posterior)
     assert both[0] == pytest.approx(both[1], abs=0.5)
 
 
 def test_a_set_that_one_trial_alone_supports_is_less_sure_than_its_evidence() -> None:
-    series = driven(0.0, 0.0)
+    series = driven_mass_trials(0.0, 0.0)
     odd = replace(series[0], seen=series[0].seen + 0.004 * series[0].times[:, None] ** 2)
-    visited = search(problem([odd, *series[1:]]))
+    visited = search_sets(driven_mass_problem([odd, *series[1:]]))
     found = posterior(visited.problem, list(visited.sets.values()))
     logs = np.array([s.log_posterior for s in found.sets])
     plain = np.exp(logs - logs.max()) / np.exp(logs - logs.max()).sum()
     assert found.probability.max() <= plain.max() + 0.05
 
 
-def found_with(*sets: tuple[tuple[str, ...], float]) -> Posterior:
+def posterior_of_sets(*sets: tuple[tuple[str, ...], float]) -> Posterior:
     """A posterior with these sets of causes and their probabilities."""
     models = [SimpleNamespace(causes=c, model=SimpleNamespace(key=frozenset(c))) for c, _ in sets]
     names = {n for c, _ in sets for n in c}
@@ -284,35 +284,35 @@ def found_with(*sets: tuple[tuple[str, ...], float]) -> Posterior:
     return Posterior(tuple(models), np.array([p for _, p in sets]), inclusion)
 
 
-ANY = {n: SimpleNamespace(is_residual=n == "residual.u")
+CANDIDATES_BY_NAME = {n: SimpleNamespace(is_residual=n == "residual.u")
        for n in ("fin", "lag", "mass", "residual.u")}  # fmt: skip
 
 
 def test_a_cause_less_probable_than_not_is_not_named() -> None:
-    found = found_with((("fin", "lag"), 0.4), (("fin", "mass"), 0.3), (("fin",), 0.3))
-    named, unexplained = named_causes(found, ANY)
+    found = posterior_of_sets((("fin", "lag"), 0.4), (("fin", "mass"), 0.3), (("fin",), 0.3))
+    named, unexplained = named_causes(found, CANDIDATES_BY_NAME)
     assert [c.name for c in named] == ["fin"]
     assert unexplained == 0.0
 
 
 def test_one_of_two_causes_that_surely_act_in_one_place_is_named_with_the_other() -> None:
-    found = found_with((("fin", "lag"), 0.49), (("fin", "mass"), 0.46), (("fin",), 0.05))
-    lag = next(c for c in named_causes(found, ANY)[0] if c.name == "lag")
+    found = posterior_of_sets((("fin", "lag"), 0.49), (("fin", "mass"), 0.46), (("fin",), 0.05))
+    lag = next(c for c in named_causes(found, CANDIDATES_BY_NAME)[0] if c.name == "lag")
     assert (lag.probability, dict(lag.alternatives)) == (0.49, {"mass": 0.46})
     assert lag.credible_set == ["lag", "mass"]
 
 
 def test_a_force_that_no_candidate_describes_leaves_its_place_unnamed() -> None:
-    found = found_with((("fin", "residual.u"), 0.8), (("fin", "lag"), 0.2))
-    named, unexplained = named_causes(found, ANY)
+    found = posterior_of_sets((("fin", "residual.u"), 0.8), (("fin", "lag"), 0.2))
+    named, unexplained = named_causes(found, CANDIDATES_BY_NAME)
     assert [c.name for c in named] == ["fin"]
     assert unexplained == pytest.approx(0.8)
 
 
 def test_evidence_is_taken_at_the_better_fit_of_a_set() -> None:
     """A fit that is not converged has a lower joint density, whatever it extrapolates."""
-    whole = problem(driven(0.3, 0.0))
-    good = search(whole).sets[frozenset({"quadratic_drag"})]
+    whole = driven_mass_problem(driven_mass_trials(0.3, 0.0))
+    good = search_sets(whole).sets[frozenset({"quadratic_drag"})]
     start = good.model.fit.by_label() | {"quadratic_drag.k": 0.15}
-    poor = score(whole, fitted(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
+    poor = score(whole, fit_set(whole, ("quadratic_drag",), good.model.noise, start, iterations=0))
     assert good.log_joint > poor.log_joint + 5.0

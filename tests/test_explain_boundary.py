@@ -23,14 +23,16 @@ from bluekoi.explain.trials import time_unit_warnings, validated_trials
 
 CART = Path(__file__).parent / "cart_model.py"
 MODEL = load_model(CART)
-COUNT = 20
-FEW = settings(max_examples=150, deadline=None,
+SAMPLE_COUNT = 20
+FEW_EXAMPLES = settings(max_examples=150, deadline=None,
                suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
 
 numbers = st.floats(allow_nan=True, allow_infinity=True, width=64)
-shapes = arrays.array_shapes(min_dims=0, max_dims=2, min_side=0, max_side=COUNT + 1)
-columns = st.one_of(arrays.arrays(np.float64, shapes, elements=numbers),
-                    arrays.arrays(np.float64, COUNT, elements=st.floats(-10, 10)))  # fmt: skip
+shapes = arrays.array_shapes(min_dims=0, max_dims=2, min_side=0, max_side=SAMPLE_COUNT + 1)
+columns = st.one_of(
+    arrays.arrays(np.float64, shapes, elements=numbers),
+    arrays.arrays(np.float64, SAMPLE_COUNT, elements=st.floats(-10, 10)),
+)
 names = st.sampled_from(["position", "positon", "push", "pusch", "x", "v", "c", ""])
 plain = st.recursive(
     st.one_of(st.none(), st.booleans(), st.integers(-9, 9), numbers, st.text(max_size=5), names),
@@ -41,12 +43,12 @@ plain = st.recursive(
 )  # fmt: skip
 
 
-def good() -> Trial:
-    return Trial("t", 0.1 * np.arange(COUNT), {"position": np.linspace(0, 1, COUNT)},
-                 {"push": np.ones(COUNT)})  # fmt: skip
+def valid_trial() -> Trial:
+    return Trial("t", 0.1 * np.arange(SAMPLE_COUNT), {"position": np.linspace(0, 1, SAMPLE_COUNT)},
+                 {"push": np.ones(SAMPLE_COUNT)})  # fmt: skip
 
 
-def refused(call: Callable[[], object]) -> InputError | None:
+def refusal_message(call: Callable[[], object]) -> InputError | None:
     """What a call is refused with; any other exception passes."""
     try:
         call()
@@ -55,9 +57,9 @@ def refused(call: Callable[[], object]) -> InputError | None:
     return None
 
 
-def taken_or_refused(model: Model, trials: list[Trial]) -> list[Trial] | None:
+def check_or_refuse(model: Model, trials: list[Trial]) -> list[Trial] | None:
     """Checked trials; None where they are refused, one line a finding."""
-    error = refused(lambda: validated_trials(model, trials))
+    error = refusal_message(lambda: validated_trials(model, trials))
     if error is None:
         return validated_trials(model, trials)
     assert error.findings
@@ -67,18 +69,18 @@ def taken_or_refused(model: Model, trials: list[Trial]) -> list[Trial] | None:
 
 def read_or_refused(folder: Path) -> str:
     """Trials of a folder are read and checked, or refused with findings: which of the two."""
-    error = refused(lambda: read_trials(MODEL, folder))
+    error = refusal_message(lambda: read_trials(MODEL, folder))
     if error is None:
-        taken_or_refused(MODEL, read_trials(MODEL, folder))
+        check_or_refuse(MODEL, read_trials(MODEL, folder))
         return "read"
     assert error.findings
     return "refused"
 
 
-@FEW
+@FEW_EXAMPLES
 @given(times=columns, position=columns, push=columns)
 def test_arrays_of_any_shape_and_content_are_refused_or_whole(times, position, push):
-    found = taken_or_refused(MODEL, [Trial("t", times, {"position": position}, {"push": push})])
+    found = check_or_refuse(MODEL, [Trial("t", times, {"position": position}, {"push": push})])
     if found is not None:
         (one,) = found
         assert one.times.shape == one.observed["position"].shape == one.inputs["push"].shape
@@ -88,10 +90,10 @@ def test_arrays_of_any_shape_and_content_are_refused_or_whole(times, position, p
         assert not np.isinf(one.observed["position"]).any()
 
 
-@FEW
-@given(at=st.integers(0, COUNT - 1), value=numbers, which=st.sampled_from(["times", "push"]))
+@FEW_EXAMPLES
+@given(at=st.integers(0, SAMPLE_COUNT - 1), value=numbers, which=st.sampled_from(["times", "push"]))
 def test_one_wrong_time_or_input_is_refused(at, value, which):
-    trial = good()
+    trial = valid_trial()
     column = (trial.times if which == "times" else trial.inputs["push"]).copy()
     column[at] = value
     changed = (replace(trial, times=column) if which == "times"
@@ -99,10 +101,10 @@ def test_one_wrong_time_or_input_is_refused(at, value, which):
     usable = np.isfinite(value) and abs(value) <= 1e12
     if which == "times":
         usable = np.isfinite(value) and bool((np.diff(column) > 0).all())
-    assert (taken_or_refused(MODEL, [changed]) is not None) == usable
+    assert (check_or_refuse(MODEL, [changed]) is not None) == usable
 
 
-@FEW
+@FEW_EXAMPLES
 @given(
     observed=names,
     driven=names,
@@ -111,34 +113,44 @@ def test_one_wrong_time_or_input_is_refused(at, value, which):
     role=st.sampled_from(["fit", "fitt"]),
 )
 def test_misspelt_names_are_refused(observed, driven, constants, start, role):  # fmt: skip
-    trial = replace(good(), observed={observed: np.zeros(COUNT) + 0.1 * np.arange(COUNT)},
-                    inputs={driven: np.ones(COUNT)}, constants=constants, start=start,
-                    role=role)  # fmt: skip
+    trial = replace(
+        valid_trial(),
+        observed={observed: np.zeros(SAMPLE_COUNT) + 0.1 * np.arange(SAMPLE_COUNT)},
+        inputs={driven: np.ones(SAMPLE_COUNT)},
+        constants=constants,
+        start=start,
+        role=role,
+    )
     right = (observed, driven, role) == ("position", "push", "fit") and not constants
     right = right and set(start) <= {"x", "v"} and all(map(np.isfinite, start.values()))
-    assert (taken_or_refused(MODEL, [trial]) is not None) == right
+    assert (check_or_refuse(MODEL, [trial]) is not None) == right
 
 
-HEAD = {"columns": {"time": {"column": "t", "unit": "s"}, "position": {"column": "x", "unit": "m"},
-                    "push": {"column": "u", "unit": "N"}}}  # fmt: skip
+VALID_SETTINGS = {
+    "columns": {
+        "time": {"column": "t", "unit": "s"},
+        "position": {"column": "x", "unit": "m"},
+        "push": {"column": "u", "unit": "N"},
+    }
+}
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("data")
-    rows = "\n".join(f"{0.1 * k:.1f},{0.01 * k:.2f},1.0" for k in range(COUNT))
+    rows = "\n".join(f"{0.1 * k:.1f},{0.01 * k:.2f},1.0" for k in range(SAMPLE_COUNT))
     (path / "run.csv").write_text(f"t,x,u\n{rows}\n")
     return path
 
 
-@FEW
+@FEW_EXAMPLES
 @given(
     key=st.sampled_from(["columns", "constants", "trials", "position", "unit", "trial"]),
     value=plain,
     name=st.sampled_from(["condition", "role", "start_s", "evidence", "file"]),
 )
 def test_any_data_yaml_is_refused_or_read(key, value, name, folder):  # fmt: skip
-    content = {k: dict(v) for k, v in HEAD.items()}
+    content = {k: dict(v) for k, v in VALID_SETTINGS.items()}
     if key == "position":
         content["columns"]["position"] = value
     elif key == "unit":
@@ -151,36 +163,44 @@ def test_any_data_yaml_is_refused_or_read(key, value, name, folder):  # fmt: ski
     assert read_or_refused(folder) in {"read", "refused"}
 
 
-@FEW
+@FEW_EXAMPLES
 @given(text=st.one_of(st.binary(max_size=200), st.text("t,xu0123.;\t\n\"' -eNA", max_size=200).map(
     lambda rows: ("t,x,u\n" + rows).encode())))  # fmt: skip
 def test_any_csv_is_refused_or_read(text, folder):
-    (folder / "data.yaml").write_text(yaml.safe_dump(HEAD | {"trials": [{"file": "any.csv"}]}))
+    (folder / "data.yaml").write_text(
+        yaml.safe_dump(VALID_SETTINGS | {"trials": [{"file": "any.csv"}]})
+    )
     (folder / "any.csv").write_bytes(text)
     assert read_or_refused(folder) in {"read", "refused"}
 
 
 def test_an_angle_in_degrees_that_is_declared_in_radians_is_refused():
     model = replace(MODEL, observations=(Observation("position", "rad", 0.01, angle=True),))
-    turning = (np.degrees(np.linspace(0, 6, COUNT)) + 180) % 360 - 180
-    trial = replace(good(), observed={"position": turning})
+    turning = (np.degrees(np.linspace(0, 6, SAMPLE_COUNT)) + 180) % 360 - 180
+    trial = replace(valid_trial(), observed={"position": turning})
     with pytest.raises(InputError, match=r"a jump by 3\d\d rad.*unit: deg"):
         validated_trials(model, [trial])
-    right = replace(good(), observed={"position": np.radians(turning)})
+    right = replace(valid_trial(), observed={"position": np.radians(turning)})
     assert validated_trials(model, [right])
 
 
 def test_a_wrong_unit_of_time_is_reported():
-    trials = [good()]
+    trials = [valid_trial()]
     assert time_unit_warnings(trials, 2.0) == []
-    (coarse,) = time_unit_warnings([replace(good(), times=100.0 * np.arange(COUNT))], 2.0)
+    (coarse,) = time_unit_warnings(
+        [replace(valid_trial(), times=100.0 * np.arange(SAMPLE_COUNT))], 2.0
+    )
     assert "100 s apart" in coarse
     assert "unit of time" in coarse
-    (short,) = time_unit_warnings([replace(good(), times=1e-4 * np.arange(COUNT))], 2.0)
+    (short,) = time_unit_warnings(
+        [replace(valid_trial(), times=1e-4 * np.arange(SAMPLE_COUNT))], 2.0
+    )
     assert "lasts 0.0019 s" in short
 
 
-def loop(gain: float, delay: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def closed_loop_run(
+    gain: float, delay: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
     """Input and innovations of x' = 0.9 x + u + random, u = reference - gain x seen before."""
     places, inputs, innovations = [0.0] * (delay + 1), [], [[0.0]]
     for wish in np.repeat(rng.standard_normal(80), 5):
@@ -193,7 +213,7 @@ def loop(gain: float, delay: int, rng: np.random.Generator) -> tuple[np.ndarray,
 @pytest.mark.parametrize(("delay", "held"), [(0, True), (1, True), (1, False)])
 def test_an_input_that_a_controller_makes_is_recognised(delay, held):
     rng = np.random.default_rng(5)
-    closed, free = ([loop(gain, delay, rng) for _ in range(4)] for gain in (0.5, 0.0))
+    closed, free = ([closed_loop_run(gain, delay, rng) for _ in range(4)] for gain in (0.5, 0.0))
     assert explained_by_innovations(*zip(*closed, strict=True), held=held) > 0.1
     assert explained_by_innovations(*zip(*free, strict=True), held=held) == 0.0
 
@@ -209,7 +229,7 @@ def test_an_input_that_never_changes_follows_nothing(value):
 BOUNDS_CHECKED = """
 import numpy as np
 from bluekoi.explain import load_model
-from bluekoi.explain.assembly import assembled
+from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of
 from bluekoi.fitting import filter_series, free_runs
 from bluekoi.explain.preparation import first_noise
@@ -219,7 +239,7 @@ from numba import config
 
 assert config.DISABLE_JIT == 1
 model = load_model(__import__("pathlib").Path({path!r}))
-assembly = assembled(model)
+assembly = assemble_system(model)
 kernel = compiled(assembly.system)
 series = []
 for n in (4, 7, 33):

@@ -9,21 +9,23 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from exact_campaign import campaign
+from exact_campaign import exact_campaign
 from scipy.io import netcdf_file
 
 from bluekoi.cli import main
-from bluekoi.cli.export import _rows, write_netcdf
+from bluekoi.cli.export import _coefficient_rows, write_netcdf
 from bluekoi.data import write_track
-from studies import small_study
+from small_studies import small_study
 
 HAS_MOVEMENT = importlib.util.find_spec("movement") is not None
-SINGULAR = not HAS_MOVEMENT or tuple(map(int, version("movement").split(".")[:2])) >= (0, 17)
+HAS_SINGULAR_DIMENSION_NAMES = not HAS_MOVEMENT or tuple(
+    map(int, version("movement").split(".")[:2])
+) >= (0, 17)
 """Before 0.17 movement called its dimensions keypoints and individuals."""
 
 
 def test_what_is_written_can_be_read_without_xarray(tmp_path):
-    made = campaign()
+    made = exact_campaign()
     name = next(iter(made.tracks))
     write_netcdf(made, name, tmp_path / "one.nc")
     with netcdf_file(tmp_path / "one.nc", mmap=False) as read:
@@ -50,14 +52,14 @@ def test_coefficients_come_with_units_and_whether_they_are_known():
         "paper_steps": {"50": {"coefficients": {"C_T": one}}},
         "joint": {"coefficients": {"C_D0": other}},
     }
-    rows = list(csv.reader(_rows(content)))
+    rows = list(csv.reader(_coefficient_rows(content)))
     assert rows[0] == ["paper_50_pct", "C_T", "0.0045", "1e-05", "m2", "True"]
     assert rows[1] == ["joint", "C_D0", "0.5", "", "1", "False"]
 
 
 def test_what_is_written_has_the_layout_of_movement(tmp_path):
     xarray = pytest.importorskip("xarray")
-    made = campaign()
+    made = exact_campaign()
     name = next(iter(made.tracks))
     write_netcdf(made, name, tmp_path / "one.nc")
     with xarray.open_dataset(tmp_path / "one.nc") as read:
@@ -90,12 +92,20 @@ def test_movement_reads_it_and_agrees_about_the_velocity(tmp_path):
     from movement.kinematics import compute_velocity
     from movement.validators.datasets import ValidPosesInputs
 
-    made = campaign()
+    made = exact_campaign()
     name = next(iter(made.tracks))
     write_netcdf(made, name, tmp_path / "one.nc")
     with xarray.open_dataset(tmp_path / "one.nc") as written:
-        parts, animals = ("keypoint", "individual") if SINGULAR else ("keypoints", "individuals")
-        read = written.rename(keypoint=parts, individual=animals) if not SINGULAR else written
+        parts, animals = (
+            ("keypoint", "individual")
+            if HAS_SINGULAR_DIMENSION_NAMES
+            else ("keypoints", "individuals")
+        )
+        read = (
+            written.rename(keypoint=parts, individual=animals)
+            if not HAS_SINGULAR_DIMENSION_NAMES
+            else written
+        )
         ValidPosesInputs.validate(read)
         velocity = compute_velocity(read.position).sel({parts: "core_center"})
         speed = np.linalg.norm(velocity.values[2:-2, :, 0], axis=1)
@@ -103,7 +113,7 @@ def test_movement_reads_it_and_agrees_about_the_velocity(tmp_path):
 
 
 def test_the_command_writes_chosen_trials(tmp_path):
-    made = campaign()
+    made = exact_campaign()
     study = small_study(tmp_path / "study")
     track = next(iter(made.tracks.values()))
     for name in ("T09", "T10"):

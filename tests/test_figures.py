@@ -8,7 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exact_campaign import SPEED, campaign, radius_of, searched, setup, trial, turn
+from exact_campaign import (
+    SPEED_M_S,
+    campaign_with_damping_found,
+    circle_trial,
+    exact_campaign,
+    exact_radius,
+    exact_setup,
+    make_trial,
+)
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -36,11 +44,11 @@ from bluekoi.study import Study
 
 
 @pytest.fixture(scope="module")
-def whole() -> Campaign:
-    return searched(campaign())
+def complete_campaign() -> Campaign:
+    return campaign_with_damping_found(exact_campaign())
 
 
-def texts(figure) -> str:
+def texts_of_figure(figure) -> str:
     return "\n".join(
         text.get_text()
         for axes in figure.axes
@@ -56,17 +64,17 @@ def test_the_folder_is_the_registry():
 
 
 @pytest.mark.parametrize("name", figures.figure_names())
-def test_every_figure_says_what_it_is_and_draws(name, whole):
-    figure = figures.draw(name, whole)
+def test_every_figure_says_what_it_is_and_draws(name, complete_campaign):
+    figure = figures.draw(name, complete_campaign)
     assert figures.title(name)
     assert len(figures.caption(name)) > 60
-    assert figures.missing_results(name, whole) == ()
+    assert figures.missing_results(name, complete_campaign) == ()
     assert sum(bool(axes.has_data()) for axes in figure.axes) >= 1
 
 
 def test_a_figure_that_does_not_exist_is_named_with_the_nearest():
     with pytest.raises(InputError, match="fig3"):
-        figures.draw("fig33", campaign())
+        figures.draw("fig33", exact_campaign())
 
 
 @pytest.mark.parametrize("name", figures.figure_names())
@@ -80,23 +88,23 @@ def test_a_figure_that_does_not_exist_is_named_with_the_nearest():
     ids=["one straight run", "one turn", "longer head alone"],
 )
 def test_any_study_is_drawn(name, given):
-    figure = figures.draw(name, campaign(**given))
+    figure = figures.draw(name, exact_campaign(**given))
     figure.canvas.draw()
     assert figure.axes or figure.texts
 
 
 def test_an_empty_panel_states_the_reason():
-    straight_only = campaign(powers=(75,), angles=(0,), heads=(0.12,))
-    assert "no turn" in texts(figures.draw("fig3", straight_only))
-    assert "no turn" in texts(figures.draw("fig5", straight_only)).replace("\n", " ")
+    straight_only = exact_campaign(powers=(75,), angles=(0,), heads=(0.12,))
+    assert "no turn" in texts_of_figure(figures.draw("fig3", straight_only))
+    assert "no turn" in texts_of_figure(figures.draw("fig5", straight_only)).replace("\n", " ")
     nothing = Campaign(study=straight_only.study)
     assert "steady" in figures.missing_results("fig3", nothing)[1]
     assert "has no" in figures.draw("fig3", nothing).texts[1].get_text()
 
 
-def test_figures_of_the_search_survive_a_detail_file_of_another_format(whole):
+def test_figures_of_the_search_survive_a_detail_file_of_another_format(complete_campaign):
     for detail in ({"version": 2}, {"forces": {"T02": {}}, "sets": [{"causes": "stall"}]}):
-        other = Campaign(**{**whole.__dict__, "mismatch_detail": detail})
+        other = Campaign(**{**complete_campaign.__dict__, "mismatch_detail": detail})
         for name in figures.figure_names():
             figure = figures.draw(name, other)
             figure.canvas.draw()
@@ -106,12 +114,18 @@ def test_figures_of_the_search_survive_a_detail_file_of_another_format(whole):
 def test_averages_are_over_repeats_and_sides():
     study = Study(
         root=Path("s"),
-        setup=setup(),
-        trials=(trial(1, 75, 45), trial(2, 75, -45), trial(3, 75, 45), trial(4, 75, 45)),
+        setup=exact_setup(),
+        trials=(
+            make_trial(1, 75, 45),
+            make_trial(2, 75, -45),
+            make_trial(3, 75, 45),
+            make_trial(4, 75, 45),
+        ),
     )
     radii, quality = (0.50, 0.52, 0.57, 0.9), ("good", "good", "good", "short_arc")
     made = [
-        turn(one, 0.3, r, quality=q) for one, r, q in zip(study.trials, radii, quality, strict=True)
+        circle_trial(one, 0.3, r, quality=q)
+        for one, r, q in zip(study.trials, radii, quality, strict=True)
     ]
     names = [one.trial_id for one in study.trials]
     (mean,) = groups.radius_means(
@@ -127,78 +141,82 @@ def test_averages_are_over_repeats_and_sides():
 
 
 def test_a_single_repeat_carries_its_own_uncertainty():
-    (mean,) = groups.radius_means(campaign(powers=(75,), angles=(45,), heads=(0.12,)))
+    (mean,) = groups.radius_means(exact_campaign(powers=(75,), angles=(45,), heads=(0.12,)))
     assert mean.std == 0.004
-    assert mean.value == pytest.approx(radius_of(75, 45, 0.12))
+    assert mean.value == pytest.approx(exact_radius(75, 45, 0.12))
 
 
-def test_fig3_draws_the_averaged_maximum_speed(whole):
-    figure = figures.draw("fig3", whole)
+def test_fig3_draws_the_averaged_maximum_speed(complete_campaign):
+    figure = figures.draw("fig3", complete_campaign)
     levels = {
         round(float(line.get_ydata()[0]), 6)
         for axes in figure.axes
         for line in axes.lines
         if list(line.get_xdata()) == [0, 1]
     }
-    assert levels == {round(v, 6) for v in SPEED.values()}
-    assert "0.552 m/s" in texts(figure)
+    assert levels == {round(v, 6) for v in SPEED_M_S.values()}
+    assert "0.552 m/s" in texts_of_figure(figure)
 
 
-def test_arcs_are_turned_to_one_start_and_run_counter_clockwise(whole):
+def test_arcs_are_turned_to_one_start_and_run_counter_clockwise(complete_campaign):
     for name in ("T02", "T03"):
-        arc = measured_arc(whole, whole.study.trial(name))
-        assert np.hypot(*arc.T) == pytest.approx(whole.steady[name].radius_m)
+        arc = measured_arc(complete_campaign, complete_campaign.study.trial(name))
+        assert np.hypot(*arc.T) == pytest.approx(complete_campaign.steady[name].radius_m)
         angle = np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))
         assert angle[0] == pytest.approx(0)
         assert np.all(np.diff(angle) > 0)
     assert np.hypot(*circle(0.6).T) == pytest.approx(0.6)
 
 
-def test_paths_and_circles_keep_their_shape(whole):
+def test_paths_and_circles_keep_their_shape(complete_campaign):
     for name in ("paths", "mismatch_map"):
-        panels = [axes for axes in figures.draw(name, whole).axes if axes.get_xlim()[1] > 2]
+        panels = [
+            axes for axes in figures.draw(name, complete_campaign).axes if axes.get_xlim()[1] > 2
+        ]
         assert len(panels) >= 6
         assert all(axes.get_aspect() == 1.0 for axes in panels)
-    rings = [a for a in figures.draw("fig3", whole).axes if "centre" in a.get_xlabel()]
+    rings = [a for a in figures.draw("fig3", complete_campaign).axes if "centre" in a.get_xlabel()]
     assert [axes.get_aspect() for axes in rings] == [1.0, 1.0]
 
 
 def test_a_large_study_shows_the_trials_with_the_largest_errors():
-    base = campaign(powers=(75,), heads=(0.12,))
+    base = exact_campaign(powers=(75,), heads=(0.12,))
     trials, tracks, simulations = [], {}, {}
     for number in range(1, 71):
-        one = trial(number, 75, 45)
+        one = make_trial(number, 75, 45)
         track = base.tracks["T04"]
         trials.append(one)
         tracks[one.trial_id] = track
         simulations[one.trial_id] = {
             "time_s": track.time_s, "joint_x_m": track.x_m + 1e-3 * number, "joint_y_m": track.y_m,
         }  # fmt: skip
-    study = Study(root=Path("large"), setup=setup(), trials=tuple(trials))
+    study = Study(root=Path("large"), setup=exact_setup(), trials=tuple(trials))
     figure = figures.draw("paths", Campaign(study=study, tracks=tracks, simulations=simulations))
     shown = [axes.get_title().split(":")[0] for axes in figure.axes if axes.get_title()]
     assert shown == [f"T{number:02d}" for number in range(11, 71)]
-    assert "70.0" in texts(figure)
+    assert "70.0" in texts_of_figure(figure)
 
 
-def test_units_stand_on_every_axis(whole):
+def test_units_stand_on_every_axis(complete_campaign):
     for name in ("fig3", "fig5", "fig6", "mismatch_dependence"):
-        labels = texts(figures.draw(name, whole))
+        labels = texts_of_figure(figures.draw(name, complete_campaign))
         assert "(m)" in labels or "(mN" in labels
-        for axes in figures.draw(name, whole).axes:
+        for axes in figures.draw(name, complete_campaign).axes:
             if axes.get_xlabel():
                 assert "(" in axes.get_xlabel()
 
 
-def test_fig5_names_the_difference_of_simulated_and_measured_radius(whole):
-    row = fitted_powers(whole)[100.0]
-    model = turn_radius(whole, row, 0.12, 45)
-    seen = radius_of(100, 45, 0.12)
-    assert f"({100 * (model / seen - 1):+.1f} %)" in texts(figures.draw("fig5", whole))
+def test_fig5_names_the_difference_of_simulated_and_measured_radius(complete_campaign):
+    row = fitted_powers(complete_campaign)[100.0]
+    model = turn_radius(complete_campaign, row, 0.12, 45)
+    seen = exact_radius(100, 45, 0.12)
+    assert f"({100 * (model / seen - 1):+.1f} %)" in texts_of_figure(
+        figures.draw("fig5", complete_campaign)
+    )
 
 
-def test_coefficients_are_extrapolated_linearly_over_power(whole):
-    rows = with_extrapolated_powers(whole)
+def test_coefficients_are_extrapolated_linearly_over_power(complete_campaign):
+    rows = with_extrapolated_powers(complete_campaign)
     assert list(rows) == [50, 75, 100, 125, 150]
     assert [row.tested for row in rows.values()] == [True, True, True, False, False]
     for name, key in (("flap_hz", None), ("C_Md", "C_Md"), ("C_Da", "C_Da")):
@@ -211,28 +229,28 @@ def test_coefficients_are_extrapolated_linearly_over_power(whole):
 
 
 def test_one_power_is_not_extended():
-    assert list(with_extrapolated_powers(campaign(powers=(75,)))) == [75]
+    assert list(with_extrapolated_powers(exact_campaign(powers=(75,)))) == [75]
 
 
-def test_fig6_draws_the_model_that_was_tuned(whole):
+def test_fig6_draws_the_model_that_was_tuned(complete_campaign):
     expected = steady_turn(
         TABLE_1[100],
-        setup=whole.study.setup,
+        setup=complete_campaign.study.setup,
         head_length_m=0.12,
         head_angle_rad=np.radians(30),
         flap_hz=FLAP_HZ[100],
     )[1]
-    assert radii_over_angle(whole, fitted_powers(whole)[100.0], 0.12, [30.0]).best[
-        0
-    ] == pytest.approx(expected)
-    panel = figures.draw("fig6", whole).axes[1]
+    assert radii_over_angle(
+        complete_campaign, fitted_powers(complete_campaign)[100.0], 0.12, [30.0]
+    ).best[0] == pytest.approx(expected)
+    panel = figures.draw("fig6", complete_campaign).axes[1]
     curve = next(c for c in panel.lines if len(c.get_xdata()) > 15 and c.get_linestyle() == "-")
     assert np.all(np.diff(curve.get_ydata()) < 0)
     assert len(panel.patches) == 2  # shaded below 30 and above 45 degrees
 
 
-def test_the_robot_is_drawn_with_its_measures(whole):
-    robot = whole.study.setup.robot
+def test_the_robot_is_drawn_with_its_measures(complete_campaign):
+    robot = complete_campaign.study.setup.robot
     nose, hinge, com, tail = robot.body_points(0.12, np.array([1.0, 0.5]), 0.0, np.pi / 2)
     assert com == pytest.approx([1.0, 0.5])
     assert hinge == pytest.approx([1.04, 0.5])
@@ -240,39 +258,49 @@ def test_the_robot_is_drawn_with_its_measures(whole):
     assert np.hypot(*(hinge - tail)) == pytest.approx(0.331 - 0.12)
 
 
-def test_the_force_of_the_effect_equals_the_missing_moment(whole):
+def test_the_force_of_the_effect_equals_the_missing_moment(complete_campaign):
     """To 1e-3 mN and mN m: what differencing over 1 microsecond leaves."""
-    for one in missing_forces(whole).values():
-        rate = variable_along_trial(whole, one, "yaw_rate_rad_s")
-        assert force_of_effects(whole, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
-        assert force_of_effects(whole, one)[:, :2] == pytest.approx(0, abs=1e-3)
+    for one in missing_forces(complete_campaign).values():
+        rate = variable_along_trial(complete_campaign, one, "yaw_rate_rad_s")
+        assert force_of_effects(complete_campaign, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
+        assert force_of_effects(complete_campaign, one)[:, :2] == pytest.approx(0, abs=1e-3)
         assert one.force[:, 2] == pytest.approx(-20 * rate)
 
 
-def test_motion_variables_of_a_steady_turn(whole):
-    one = missing_forces(whole)["T02"]
-    steady = whole.steady["T02"]
-    assert variable_along_trial(whole, one, "speed_m_s") == pytest.approx(steady.speed_m_s)
-    assert variable_along_trial(whole, one, "sway_speed_m_s") == pytest.approx(0, abs=1e-9)
-    assert variable_along_trial(whole, one, "yaw_rate_rad_s") == pytest.approx(
+def test_motion_variables_of_a_steady_turn(complete_campaign):
+    one = missing_forces(complete_campaign)["T02"]
+    steady = complete_campaign.steady["T02"]
+    assert variable_along_trial(complete_campaign, one, "speed_m_s") == pytest.approx(
+        steady.speed_m_s
+    )
+    assert variable_along_trial(complete_campaign, one, "sway_speed_m_s") == pytest.approx(
+        0, abs=1e-9
+    )
+    assert variable_along_trial(complete_campaign, one, "yaw_rate_rad_s") == pytest.approx(
         -steady.speed_m_s / steady.radius_m
     )
 
 
-def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_force(whole):
-    forces = {name: dict(entry) for name, entry in whole.mismatch_detail["forces"].items()}
+def test_a_trial_along_which_the_filter_ran_away_is_left_out_of_the_missing_force(
+    complete_campaign,
+):
+    forces = {
+        name: dict(entry) for name, entry in complete_campaign.mismatch_detail["forces"].items()
+    }
     lost = next(iter(forces))
     forces[lost] |= {k: [None] * len(forces[lost]["time_s"]) for k in ("surge_N", "sway_N")}
-    rest = replace(whole, mismatch_detail=whole.mismatch_detail | {"forces": forces})
-    assert set(missing_forces(rest)) == set(missing_forces(whole)) - {lost}
+    rest = replace(
+        complete_campaign, mismatch_detail=complete_campaign.mismatch_detail | {"forces": forces}
+    )
+    assert set(missing_forces(rest)) == set(missing_forces(complete_campaign)) - {lost}
     for name in ("mismatch_dependence", "mismatch_map"):
         assert extract_points(figures.draw(name, rest))
 
 
-def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, whole):
+def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, complete_campaign):
     for folder in ("a", "b"):
         paths = (tmp_path / folder / "fig6.png", tmp_path / folder / "fig6.pdf")
-        figures.draw_file("fig6", whole, *paths)
+        figures.draw_file("fig6", complete_campaign, *paths)
     for name in ("fig6.png", "fig6.pdf"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert b"CreationDate" not in (tmp_path / "a" / "fig6.pdf").read_bytes()
@@ -280,7 +308,7 @@ def test_files_are_the_same_bytes_every_time_and_carry_their_words(tmp_path, who
         assert image.text["Title"] == figures.title("fig6")
         assert "Comment" not in image.text
     figures.draw_file(
-        "mismatch_map", campaign(powers=(75,)), tmp_path / "n.png", tmp_path / "n.pdf"
+        "mismatch_map", exact_campaign(powers=(75,)), tmp_path / "n.png", tmp_path / "n.pdf"
     )
     with Image.open(tmp_path / "n.png") as image:
         assert "mismatch_detail.json" in image.text["Comment"]
@@ -318,23 +346,33 @@ def test_averages_stand_where_their_frames_are():
     assert (std < 0.3).all()
 
 
-def test_errors_below_the_detector_accuracy_are_hollow(whole):
-    one = {**whole.geometry["estimates"][0], "share": 0.0002, "detectable": False, "gain": 1e5}
-    small = Campaign(**{**whole.__dict__, "geometry": {**whole.geometry, "estimates": [one]}})
+def test_errors_below_the_detector_accuracy_are_hollow(complete_campaign):
+    one = {
+        **complete_campaign.geometry["estimates"][0],
+        "share": 0.0002,
+        "detectable": False,
+        "gain": 1e5,
+    }
+    small = Campaign(
+        **{
+            **complete_campaign.__dict__,
+            "geometry": {**complete_campaign.geometry, "estimates": [one]},
+        }
+    )
     fills = {
         name: figures.draw("geometry", given).axes[2].patches[0].get_facecolor()[:3]
-        for name, given in {"seen": whole, "small": small}.items()
+        for name, given in {"seen": complete_campaign, "small": small}.items()
     }
     assert fills["small"] == (1.0, 1.0, 1.0)
     assert fills["seen"] != fills["small"]
-    assert "0.02 %" in texts(figures.draw("geometry", small))
+    assert "0.02 %" in texts_of_figure(figures.draw("geometry", small))
 
 
-def test_a_figure_is_written_as_csv_with_the_data_of_each_trial(tmp_path, whole):
-    figures.draw_file("paths", whole, tmp_path / "paths.png", tmp_path / "paths.pdf")
+def test_a_figure_is_written_as_csv_with_the_data_of_each_trial(tmp_path, complete_campaign):
+    figures.draw_file("paths", complete_campaign, tmp_path / "paths.png", tmp_path / "paths.pdf")
     with (tmp_path / "paths.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["trial_id"] == "T02"]
-    track = whole.tracks["T02"]
+    track = complete_campaign.tracks["T02"]
     assert [float(row["x"]) for row in rows] == pytest.approx(track.x_m.tolist(), rel=1e-4)
     assert {(row["kind"], row["series"], row["y_label"]) for row in rows} == {
         ("line", "measured", "y (m)")
@@ -377,26 +415,31 @@ def test_extraction_gives_arrows_in_units_of_the_data():
     assert {(p.kind, p.colour, p.artist) for p in found} == {("line", "#d55e00", 0)}
 
 
-def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals(whole):
-    figure = figures.draw("mismatch_laws", whole)
+def test_the_law_of_a_cause_is_drawn_with_its_band_through_its_partial_residuals(complete_campaign):
+    figure = figures.draw("mismatch_laws", complete_campaign)
     found = extract_points(figure)
-    assert "linear yaw damping" in texts(figure)
+    assert "linear yaw damping" in texts_of_figure(figure)
     law = [(p.x, p.y) for p in found if p.series == "estimate"]
     assert law == [(-1, 0.02), (0, 0), (1, -0.02)]
     assert [(p.low, p.high) for p in found if p.kind == "band"] == [
         (0.018, 0.022), (0, 0), (-0.022, -0.018),
     ]  # fmt: skip
     dots = [p for p in found if p.kind == "points"]
-    assert {p.trial_id for p in dots} == set(whole.tracks)
+    assert {p.trial_id for p in dots} == set(complete_campaign.tracks)
     assert [p.y for p in dots] == pytest.approx([-0.02 * p.x for p in dots], rel=1e-4, abs=1e-6)
 
 
 @pytest.mark.parametrize(
     "law", [None, {}, {"x": [0, 1]}, {"x": [0.0, 1.0], "y": [1.0, 2.0], "variable": "depth_m"}]
 )
-def test_an_incomplete_law_is_left_out_or_drawn_without_band(whole, law):
-    cause = {**whole.mismatch["causes"][0], "law": law}
-    other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "causes": [cause]}})
+def test_an_incomplete_law_is_left_out_or_drawn_without_band(complete_campaign, law):
+    cause = {**complete_campaign.mismatch["causes"][0], "law": law}
+    other = Campaign(
+        **{
+            **complete_campaign.__dict__,
+            "mismatch": {**complete_campaign.mismatch, "causes": [cause]},
+        }
+    )
     figure = figures.draw("mismatch_laws", other)
     figure.canvas.draw()
     drawn = law is not None and "y" in law
@@ -404,10 +447,15 @@ def test_an_incomplete_law_is_left_out_or_drawn_without_band(whole, law):
     assert drawn or "no law" in figure.texts[1].get_text()
 
 
-def test_candidates_are_shown_with_their_probabilities(whole):
+def test_candidates_are_shown_with_their_probabilities(complete_campaign):
     given = {"linear_yaw_damping": 0.97, "stall": 0.02}
-    other = Campaign(**{**whole.__dict__, "mismatch": {**whole.mismatch, "probabilities": given},
-                        "mismatch_detail": None})  # fmt: skip
+    other = Campaign(
+        **{
+            **complete_campaign.__dict__,
+            "mismatch": {**complete_campaign.mismatch, "probabilities": given},
+            "mismatch_detail": None,
+        }
+    )
     found = extract_points(figures.draw("mismatch_candidates", other))
     assert [(p.y, p.x) for p in found if p.kind == "bar"] == [
         ("linear yaw damping", 0.97), ("stall", 0.02),

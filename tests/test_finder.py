@@ -12,7 +12,7 @@ import pytest
 from bluekoi import smoothing
 from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.data import Flapping
-from bluekoi.engine import Named
+from bluekoi.engine import NamedCause
 from bluekoi.errors import InputError
 from bluekoi.files import to_json_types
 from bluekoi.fitting import (
@@ -43,22 +43,22 @@ from bluekoi.stages.layout import Layout
 from bluekoi.stages.mismatch import (
     CLOCK_STD_SHARE,
     STATED_FREQUENCY_STD_SHARE,
-    with_clock,
-    with_delay,
-    with_motor_start,
-    with_nose_distance,
-    with_rigid_lengths,
+    with_clock_measurement,
+    with_delay_measurement,
+    with_motor_start_measurement,
+    with_nose_distances,
+    with_rigid_length_measurement,
 )
 from bluekoi.study import Study
 from bluekoi.study.data_split import held_out_trials
 from bluekoi.tuning import downsampled, trial_series, tune
 from bluekoi.tuning.identify import profiles
-from measured import Measured, measured
-from studies import bare_design
+from measured_studies import MeasuredStudy, measure_design
+from small_studies import published_model_design
 
 
 def test_demo_names_the_fin_and_the_damping_hidden_beside_it(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
     result = to_json_types(mismatch_json(found, m.study, m.series))
@@ -73,7 +73,7 @@ def test_demo_names_the_fin_and_the_damping_hidden_beside_it(
 
 
 def test_the_verdict_is_the_kind_of_the_first_cause() -> None:
-    clock, stall = Named("clock_error", 0.8, {}), Named("stall", 0.99, {})
+    clock, stall = NamedCause("clock_error", 0.8, {}), NamedCause("stall", 0.99, {})
     kernel = compiled(plates())
     assert verdict_of(kernel, [clock, stall], 0.1) == "measurement"
     assert verdict_of(kernel, [stall, clock], 0.1) == "physics"
@@ -81,7 +81,9 @@ def test_the_verdict_is_the_kind_of_the_first_cause() -> None:
     assert verdict_of(kernel, [], 0.1) == "none"
 
 
-def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, MismatchResult]) -> None:
+def test_demo_predicts_trials_that_were_not_fitted(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
     m, found = demo
     held = to_json_types(mismatch_json(found, m.study, m.series))["held_out"]
     assert held["extended"]["path_rmse_m"] < 0.2 * held["baseline"]["path_rmse_m"]
@@ -93,7 +95,7 @@ def test_demo_predicts_trials_that_were_not_fitted(demo: tuple[Measured, Mismatc
 
 
 def test_demo_locates_where_the_fin_and_the_damping_push(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
     where = to_json_types(mismatch_json(found, m.study, m.series))["where"]
@@ -102,7 +104,9 @@ def test_demo_locates_where_the_fin_and_the_damping_push(
     assert where[0]["share"] > 0.4
 
 
-def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, MismatchResult]) -> None:
+def test_force_of_an_addition_is_what_its_law_gives(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
     """N = -N_r r of a damping switched on, in yaw alone."""
     m, found = demo
     kernel, few = compiled(plates()), downsampled(m.series)[:4]
@@ -117,7 +121,7 @@ def test_force_of_an_addition_is_what_its_law_gives(demo: tuple[Measured, Mismat
         assert np.abs(force[:, :2]).max() < 2e-4
 
 
-def test_demo_details_are_complete(demo: tuple[Measured, MismatchResult]) -> None:
+def test_demo_details_are_complete(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, found = demo
     result = to_json_types(details_json(found))
     assert set(result["forces"]) == {s.name for s in m.series}
@@ -127,24 +131,29 @@ def test_demo_details_are_complete(demo: tuple[Measured, MismatchResult]) -> Non
 
 
 @pytest.fixture(scope="module")
-def bare(tmp_path_factory: pytest.TempPathFactory) -> Measured:
-    return measured(bare_design(seed=31), tmp_path_factory.mktemp("bare"))
+def published_model_study(tmp_path_factory: pytest.TempPathFactory) -> MeasuredStudy:
+    return measure_design(published_model_design(seed=31), tmp_path_factory.mktemp("bare"))
 
 
-def test_nothing_hidden_is_none(bare: Measured) -> None:
-    m = bare
+def test_nothing_hidden_is_none(published_model_study: MeasuredStudy) -> None:
+    m = published_model_study
     found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
     result = to_json_types(mismatch_json(found, m.study, m.series))
     assert result["verdict"] == "none"
     assert result["causes"] == []
 
 
-def test_a_camera_displaced_in_one_trial_is_found(bare: Measured) -> None:
+def test_a_camera_displaced_in_one_trial_is_found(published_model_study: MeasuredStudy) -> None:
     """From the middle of one trial on all is seen 9 mm away, as by a camera that was pushed."""
-    displaced_series = [one if k != 3 else _displaced(one, np.array([0.008, -0.004]))
-               for k, one in enumerate(bare.series)]  # fmt: skip
-    found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
-    result = to_json_types(mismatch_json(found, bare.study, displaced_series))
+    displaced_series = [one if k != 3 else _displaced_pose(one, np.array([0.008, -0.004]))
+               for k, one in enumerate(published_model_study.series)]  # fmt: skip
+    found = find_mismatch(
+        published_model_study.study,
+        displaced_series,
+        published_model_study.steady,
+        progress=lambda _: None,
+    )
+    result = to_json_types(mismatch_json(found, published_model_study.study, displaced_series))
     assert result["verdict"] == "measurement"
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
@@ -156,13 +165,20 @@ def test_a_camera_displaced_in_one_trial_is_found(bare: Measured) -> None:
     assert displaced_series[3].name not in result["held_out"]["trials"]
 
 
-def test_displacements_in_several_trials_are_one_camera_s(bare: Measured) -> None:
+def test_displacements_in_several_trials_are_one_camera_s(
+    published_model_study: MeasuredStudy,
+) -> None:
     """Each in its own direction: the stated size is that of the most certain one."""
     sizes = {1: (0.006, -0.003), 4: (-0.004, 0.006), 6: (0.001, 0.007)}
-    displaced_series = [_displaced(one, np.array(sizes[k])) if k in sizes else one
-               for k, one in enumerate(bare.series)]  # fmt: skip
-    found = find_mismatch(bare.study, displaced_series, bare.steady, progress=lambda _: None)
-    result = to_json_types(mismatch_json(found, bare.study, displaced_series))
+    displaced_series = [_displaced_pose(one, np.array(sizes[k])) if k in sizes else one
+               for k, one in enumerate(published_model_study.series)]  # fmt: skip
+    found = find_mismatch(
+        published_model_study.study,
+        displaced_series,
+        published_model_study.steady,
+        progress=lambda _: None,
+    )
+    result = to_json_types(mismatch_json(found, published_model_study.study, displaced_series))
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
     off = [np.hypot(size["dx"]["value"] - x, size["dy"]["value"] - y) for x, y in sizes.values()]
@@ -171,9 +187,11 @@ def test_displacements_in_several_trials_are_one_camera_s(bare: Measured) -> Non
     assert not {displaced_series[k].name for k in sizes} & set(result["held_out"]["trials"])
 
 
-def test_displacements_are_found_where_and_when_they_are(bare: Measured) -> None:
-    kernel, few = compiled(plates()), downsampled(bare.series)
-    few[2] = _displaced(few[2], np.array([-0.005, 0.006]))
+def test_displacements_are_found_where_and_when_they_are(
+    published_model_study: MeasuredStudy,
+) -> None:
+    kernel, few = compiled(plates()), downsampled(published_model_study.series)
+    few[2] = _displaced_pose(few[2], np.array([-0.005, 0.006]))
     tuned = tune(few)
     found = detect_displacements(kernel, few, tuned.trial_values(kernel, few), tuned.noise)
     assert [d.trial for d in found] == [few[2].name]
@@ -191,9 +209,11 @@ def test_the_next_trial_asks_what_two_sets_of_causes_disagree_on() -> None:
     assert disagreement([], []) == "whether anything else acts"
 
 
-def test_keypoints_that_drift_in_one_trial_are_reported(bare: Measured) -> None:
+def test_keypoints_that_drift_in_one_trial_are_reported(
+    published_model_study: MeasuredStudy,
+) -> None:
     """By 8 cm, as 40 px would: the verdict alone is clean, or names a wrong cause."""
-    kernel, few = compiled(plates()), downsampled(bare.series)
+    kernel, few = compiled(plates()), downsampled(published_model_study.series)
     tuned = tune(few)
     assert drifting_trial(kernel, few, tuned.trial_values(kernel, few), tuned.noise) is None
     since = few[3].times - few[3].times[0]
@@ -218,14 +238,14 @@ def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None
     assert rate == pytest.approx(0.05, abs=0.012)
 
 
-def _displaced(one: Series, by: np.ndarray) -> Series:
+def _displaced_pose(one: Series, by: np.ndarray) -> Series:
     seen = one.seen.copy()
     seen[len(seen) // 2 :, :2] += by
     return replace(one, seen=seen)
 
 
 def test_a_lag_begins_each_stretch_where_the_filter_had_it(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
     kernel, base = compiled(plates()), found.baseline.base.copy()
@@ -238,7 +258,9 @@ def test_a_lag_begins_each_stretch_where_the_filter_had_it(
     assert np.any(np.abs(second.mean[states]) > 1e-4)
 
 
-def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, MismatchResult]) -> None:
+def test_held_out_trials_follow_the_roles_of_a_study(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
     m, _ = demo
     given = [t.model_copy(update={"role": "held_out" if t.trial_id == "T06" else "fit"})
              for t in m.study.trials]  # fmt: skip
@@ -246,7 +268,7 @@ def test_held_out_trials_follow_the_roles_of_a_study(demo: tuple[Measured, Misma
     assert held_out_trials(study, [t.trial_id for t in given]) == ["T06"]
 
 
-def test_folds_never_part_a_condition(demo: tuple[Measured, MismatchResult]) -> None:
+def test_folds_never_part_a_condition(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, _ = demo
     parts = condition_folds(m.series)
     where = {c: {k for k, part in enumerate(parts) for i in part if m.series[i].condition == c}
@@ -261,22 +283,22 @@ def test_missing_trials_are_a_fault(tmp_path: Path) -> None:
     from bluekoi.study import load_study
     from bluekoi.synthetic.campaign import write_study_files
 
-    write_study_files(bare_design(), tmp_path, source="keypoints/{}.csv", fps=30.0)
+    write_study_files(published_model_design(), tmp_path, source="keypoints/{}.csv", fps=30.0)
     with pytest.raises(InputError, match="no trial with a track"):
         campaign_series(Campaign(load_study(tmp_path)))
 
 
 def test_without_lengths_nothing_is_measured_of_the_camera(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, _ = demo
     for geometry in ({}, {"scale": 1.02, "windows": None}):
-        series = with_rigid_lengths(m.series, geometry, m.study.setup)
+        series = with_rigid_length_measurement(m.series, geometry, m.study.setup)
         assert all(s.shared is None for s in series)
 
 
 def test_only_placed_keypoints_are_seen_from_the_nose(
-    demo: tuple[Measured, MismatchResult], tmp_path: Path
+    demo: tuple[MeasuredStudy, MismatchResult], tmp_path: Path
 ) -> None:
     """Where lengths were placed, the nose is what was seen; files and dots were measured."""
     m, _ = demo
@@ -289,7 +311,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
         for one in m.series:
             layout.detection(one.name).parent.mkdir(parents=True, exist_ok=True)
             layout.detection(one.name).write_text(json.dumps({"source": source}))
-        series = with_nose_distance(m.series, study, layout)
+        series = with_nose_distances(m.series, study, layout)
         return np.array([s.constants[slots.index("ahead")] for s in series])
 
     assert not ahead(m.study, "deeplabcut").any()
@@ -300,7 +322,7 @@ def test_only_placed_keypoints_are_seen_from_the_nose(
 
 
 def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
     few = [s for s in downsampled(m.series) if s.name not in found.held_out]
@@ -310,7 +332,7 @@ def test_profiles_of_a_model_that_lacks_something_have_their_top_at_the_fit(
         assert np.all(np.diff(profile.lost[profile.values < best]) < 0)
 
 
-def test_the_sentence_says_on_which_trials(demo: tuple[Measured, MismatchResult]) -> None:
+def test_the_sentence_says_on_which_trials(demo: tuple[MeasuredStudy, MismatchResult]) -> None:
     m, found = demo
     causes = mismatch_json(found, m.study, m.series)["causes"]
     assert "on held-out trials the path error falls" in verdict_sentence(found, causes, [])
@@ -318,7 +340,9 @@ def test_the_sentence_says_on_which_trials(demo: tuple[Measured, MismatchResult]
     assert "on the fitted trials (none could be held out)" in verdict_sentence(small, causes, [])
 
 
-def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, MismatchResult]) -> None:
+def test_nothing_is_said_where_nothing_is_determined(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
     _, found = demo
     wide = replace(found.baseline, cov=1e6 * found.baseline.cov)
     blind = replace(found, verdict="none", baseline=wide)
@@ -328,19 +352,21 @@ def test_nothing_is_said_where_nothing_is_determined(demo: tuple[Measured, Misma
     )
 
 
-def _late(one: Series, frames: int, rng: np.random.Generator) -> Series:
+def _late_recording(one: Series, frames: int, rng: np.random.Generator) -> Series:
     """A trial whose film began so many frames before the robot did."""
     still = np.repeat(one.seen[:1], frames, axis=0)
     still += rng.normal(size=still.shape) * np.sqrt(np.einsum("nii->ni", one.noise[:frames]))
     return replace(one, seen=np.concatenate([still, one.seen[:-frames]]))
 
 
-def test_a_late_start_is_reported_with_its_delay(bare: Measured) -> None:
+def test_a_late_start_is_reported_with_its_delay(published_model_study: MeasuredStudy) -> None:
     """0.8 s: far from where a single start of the fit would lead."""
     rng = np.random.default_rng(5)
-    late = [_late(one, 24, rng) for one in bare.series[::2]]
-    found = find_mismatch(bare.study, late, bare.steady, progress=lambda _: None)
-    result = to_json_types(mismatch_json(found, bare.study, late))
+    late = [_late_recording(one, 24, rng) for one in published_model_study.series[::2]]
+    found = find_mismatch(
+        published_model_study.study, late, published_model_study.steady, progress=lambda _: None
+    )
+    result = to_json_types(mismatch_json(found, published_model_study.study, late))
     assert "time_offset" in {c["name"] for c in result["causes"]}
     assert "motor_spin_up" not in {c["name"] for c in result["causes"]}
     offset = next(c for c in result["causes"] if c["name"] == "time_offset")
@@ -348,7 +374,9 @@ def test_a_late_start_is_reported_with_its_delay(bare: Measured) -> None:
     assert delay["value"] == pytest.approx(0.8, abs=0.03)
 
 
-def test_noise_is_left_where_the_filter_runs_away(demo: tuple[Measured, MismatchResult]) -> None:
+def test_noise_is_left_where_the_filter_runs_away(
+    demo: tuple[MeasuredStudy, MismatchResult],
+) -> None:
     m, found = demo
     kernel, few, baseline = compiled(plates()), downsampled(m.series)[:3], found.baseline
     wild = [v.copy() for v in baseline.trial_values(kernel, few)]
@@ -369,7 +397,7 @@ def test_a_tail_beat_off_by_another_share_in_each_trial_is_no_wrong_clock() -> N
             s.name: Flapping(4.0, 0.0, source, video_hz=4.0 * (1 + k), video_hz_std=0.002)
             for s, k in zip(series, ratios, strict=True)
         }
-        return [s.evidence["clock_ratio"] for s in with_clock(series, beats)]
+        return [s.evidence["clock_ratio"] for s in with_clock_measurement(series, beats)]
 
     for ratio, std in clock_ratios([-0.025] * 9):
         assert (ratio, std) == pytest.approx((-0.025, CLOCK_STD_SHARE), rel=0.02)
@@ -388,44 +416,53 @@ def test_what_motor_logs_show_of_their_start_is_one_measurement_shared_by_the_tr
     series = [Series(f"T{i}", "", "", none, none, none, none, none, none, none) for i in range(8)]
     beats = {s.name: Flapping(4.0, 0.0, "motor_log", lost_time_s=0.07 + 0.02 * (i % 2),
                               drift_per_s=0.0) for i, s in enumerate(series)}  # fmt: skip
-    shown = with_motor_start(series, beats, fitted=8)
+    shown = with_motor_start_measurement(series, beats, fitted=8)
     value, std = np.array([s.evidence["lost_time"] for s in shown]).T
     assert value == pytest.approx(0.08)
     assert np.sum(std**-2.0) ** -0.5 == pytest.approx(np.hypot(0.2 * 0.08, 0.005), rel=0.05)
     assert shown[0].evidence["frequency_drift"] == pytest.approx((0.0, 3e-4 * 8**0.5))
     without = {s.name: Flapping(4.0, 0.0, "flap_hz") for s in series}
-    assert with_motor_start(series, without, fitted=8) == series
+    assert with_motor_start_measurement(series, without, fitted=8) == series
 
 
 def test_a_recording_that_starts_before_the_motor_is_fitted_from_the_motors_start(
-    bare: Measured,
+    published_model_study: MeasuredStudy,
 ) -> None:
-    one = bare.study.trials[0]
-    found = read(bare.study.paths(one)[0], one, {})
-    setup = bare.study.setup
+    one = published_model_study.study.trials[0]
+    found = read(published_model_study.study.paths(one)[0], one, {})
+    setup = published_model_study.study.setup
     positions = map_keypoints(pool_camera(setup), found, setup.robot.keypoint_depth_m)
     pose = rigid_pose(positions, setup.robot, one.head_length_m)
-    late = replace(bare.flapping[one.trial_id], start_s=0.5)
+    late = replace(published_model_study.flapping[one.trial_id], start_s=0.5)
     series = trial_series(one, setup, pose, smoothing.smooth(pose, late.flap_hz), late)
     assert series.times[0] == pytest.approx(0.5, abs=0.05)
     assert series.constants[plates().constants.index("t_start")] == 0.5
 
 
-def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Measured) -> None:
+def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(
+    published_model_study: MeasuredStudy,
+) -> None:
     """Lags of a log 0.25 s ahead: one auxiliary measurement of one parameter."""
-    half = bare.series[::2]
+    half = published_model_study.series[::2]
     hz = {s.name: float(s.inputs[-1, 1]) for s in half}
     beats = {
-        name: replace(bare.flapping[name], flap_hz=f, agrees=True, beat_lag_std_rad=0.03,
-                      beat_lag_rad=float(np.angle(np.exp(1j * (0.7 - 2 * np.pi * f * 0.25)))))
+        name: replace(
+            published_model_study.flapping[name],
+            flap_hz=f,
+            agrees=True,
+            beat_lag_std_rad=0.03,
+            beat_lag_rad=float(np.angle(np.exp(1j * (0.7 - 2 * np.pi * f * 0.25)))),
+        )
         for name, f in hz.items()
-    }  # fmt: skip
-    series = with_delay(half, beats, fitted=len(half))
+    }
+    series = with_delay_measurement(half, beats, fitted=len(half))
     values = np.array([s.evidence["delay"] for s in series])
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)
-    found = find_mismatch(bare.study, series, bare.steady, progress=lambda _: None)
-    wrote = to_json_types(mismatch_json(found, bare.study, series))
+    found = find_mismatch(
+        published_model_study.study, series, published_model_study.steady, progress=lambda _: None
+    )
+    wrote = to_json_types(mismatch_json(found, published_model_study.study, series))
     assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
     size = wrote["causes"][0]["parameters"]["log_lead"]
     assert size["value"] == pytest.approx(0.25, abs=0.02)
@@ -433,7 +470,7 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(bare: Meas
 
 
 def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     m, found = demo
     test = [s for s in m.series if s.name in found.held_out]
@@ -453,13 +490,13 @@ def test_a_frame_that_was_hardly_seen_is_no_error_of_the_path(
     assert stated == pytest.approx(clean, rel=0.01)
 
 
-def first_seen(series: Series) -> np.ndarray:
+def first_seen_position(series: Series) -> np.ndarray:
     """Where the keypoint was seen first (2,)."""
     return series.seen[np.isfinite(series.seen[:, 0])][0, :2]
 
 
 def test_a_homography_may_shrink_positions_by_what_the_uncorrected_depth_costs(
-    demo: tuple[Measured, MismatchResult],
+    demo: tuple[MeasuredStudy, MismatchResult],
 ) -> None:
     """Keypoints 4 cm deep, camera at 1.5 m: 2 % nearer the middle; nothing with a matrix."""
     m, found = demo

@@ -21,22 +21,22 @@ from bluekoi.fitting import (
 from bluekoi.fitting.gram import set_whitened_products
 from bluekoi.fitting.linear import linearised, log_likelihood, log_likelihood_gradient
 from bluekoi.integrate import compiled
-from one_mass import SYSTEM
+from mass_model import SYSTEM
 
 STEP_S = 0.05
-WHITE = 0.004
+WHITE_STD = 0.004
 
 
-def a_series(seen: np.ndarray, step_s: float = STEP_S) -> Series:
+def make_series(seen: np.ndarray, step_s: float = STEP_S) -> Series:
     n = len(seen)
     return Series(
         name="T", group="g", condition="c", times=step_s * np.arange(n), inputs=np.zeros((n, 1)),
-        constants=np.zeros(0), seen=seen[:, None], noise=np.full((n, 1, 1), WHITE**2),
+        constants=np.zeros(0), seen=seen[:, None], noise=np.full((n, 1, 1), WHITE_STD**2),
         mean=np.zeros(4), cov=np.diag([0.01**2, 0.02**2, 0.0, 0.0]),
     )  # fmt: skip
 
 
-def lasting(sigma: float, tau: float, times: np.ndarray) -> np.ndarray:
+def first_order_covariance(sigma: float, tau: float, times: np.ndarray) -> np.ndarray:
     """Covariance of a first-order process: sigma^2 exp(-|t - t'| / tau)."""
     return sigma**2 * np.exp(-np.abs(times[:, None] - times) / tau)
 
@@ -47,10 +47,10 @@ def test_lasting_errors_have_the_exact_likelihood(step_s: float) -> None:
     kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
     times = step_s * np.arange(40)
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
-    cov = lasting(0.01, 0.2, times) + WHITE**2 * np.eye(40)
+    cov = first_order_covariance(0.01, 0.2, times) + WHITE_STD**2 * np.eye(40)
     cov += 0.01**2 + 0.02**2 * np.outer(times, times)
     seen = rng.multivariate_normal(np.zeros(40), cov)
-    found = filter_series(kernel, a_series(seen, step_s), values, noise)
+    found = filter_series(kernel, make_series(seen, step_s), values, noise)
     exact = multivariate_normal(np.zeros(40), cov).logpdf(seen)
     assert found.log_likelihood == pytest.approx(exact, abs=0.02)
 
@@ -60,9 +60,9 @@ def test_whitened_errors_are_white() -> None:
     kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.0})
     noise = Noise(np.array([0.0, 0.01]), np.array([0.3, 0.2]), np.ones(1))
     n = 4000
-    root = np.linalg.cholesky(lasting(0.01, 0.2, STEP_S * np.arange(n)))
-    seen = root @ rng.standard_normal(n) + WHITE * rng.standard_normal(n)
-    e = filter_series(kernel, a_series(seen), values, noise).innovations[:, 0]
+    root = np.linalg.cholesky(first_order_covariance(0.01, 0.2, STEP_S * np.arange(n)))
+    seen = root @ rng.standard_normal(n) + WHITE_STD * rng.standard_normal(n)
+    e = filter_series(kernel, make_series(seen), values, noise).innovations[:, 0]
     assert np.std(e) == pytest.approx(1, abs=0.03)
     assert abs(np.mean(e[1:] * e[:-1])) < 0.04
 
@@ -71,7 +71,7 @@ def test_fit_noise_finds_force_error_and_white_noise() -> None:
     rng = np.random.default_rng(3)
     kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
     n, true = 400, Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
-    trials = [a_series(_pushed(rng, n, true)) for _ in range(12)]
+    trials = [make_series(_randomly_pushed(rng, n, true)) for _ in range(12)]
     first = Noise(np.array([0.15, 0.004]), np.array([0.5, 0.3]), np.full(1, 2.0))
     found = fit_noise(kernel, trials, [values] * 12, first, rounds=20).noise
 
@@ -90,7 +90,7 @@ def test_likelihood_around_a_path_is_that_of_a_new_pass() -> None:
     rng = np.random.default_rng(4)
     kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
-    trials = [a_series(_pushed(rng, 100, path)) for _ in range(3)]
+    trials = [make_series(_randomly_pushed(rng, 100, path)) for _ in range(3)]
     trials[1].seen[20:30] = np.nan
     linear = linearised(kernel, trials, [values] * 3, path)
 
@@ -110,7 +110,7 @@ def test_slopes_of_the_likelihood_are_its_differences() -> None:
     rng = np.random.default_rng(14)
     kernel, values = compiled(SYSTEM), SYSTEM.values({"c": 0.5})
     path = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
-    trials = [a_series(_pushed(rng, n, path)) for n in (60, 100, 80)]
+    trials = [make_series(_randomly_pushed(rng, n, path)) for n in (60, 100, 80)]
     trials[1].seen[20:30] = np.nan
     linear = linearised(kernel, trials, [values] * 3, path)
     numbers = np.array([0.07, 0.009, 0.4, 0.2, 1.2])
@@ -153,7 +153,7 @@ def test_what_is_plausible_beforehand_counts_once_for_all_trials() -> None:
     known = replace(SYSTEM.coefficients[0], spread=0.2)
     system = replace(SYSTEM, coefficients=(known,))
     kernel = compiled(system)
-    unseen = [replace(a_series(np.full(20, np.nan)), name=str(k)) for k in range(5)]
+    unseen = [replace(make_series(np.full(20, np.nan)), name=str(k)) for k in range(5)]
     noise = Noise(np.array([0.05, 0.012]), np.array([0.5, 0.15]), np.ones(1))
     found = fit(kernel, unseen, system.values({}), [Free("c")], noise, start={"c": 0.8})
     assert found.values[0] == pytest.approx(known.start, abs=1e-3 * 0.2)
@@ -164,7 +164,7 @@ def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     rng = np.random.default_rng(5)
     true = Noise(np.array([0.05, 0.0]), np.array([0.5, 0.15]), np.ones(1))
     kernel = compiled(SYSTEM)
-    trials = [replace(a_series(_pushed(rng, 200, true)), name=str(k)) for k in range(6)]
+    trials = [replace(make_series(_randomly_pushed(rng, 200, true)), name=str(k)) for k in range(6)]
     base, free = SYSTEM.values({}), [Free("c")]
     held = filter_all(kernel, trials, [base] * 6, true)
     exact = fit(kernel, trials, base, free, true, tolerance=1e-6, predictor=held)
@@ -177,14 +177,14 @@ def test_a_fit_takes_its_last_step_and_reports_its_gain() -> None:
     assert abs(rough.normal.gradient.sum()) < 0.02 / std
 
 
-def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
+def _randomly_pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
     fine = 10
     dt = STEP_S / fine
     keep = np.exp(-dt / noise.tau)
     g, e = noise.disturbance * rng.standard_normal(2)
     x, v, seen = 0.0, 0.0, np.empty(n)
     for k in range(n):
-        seen[k] = x + e + WHITE * rng.standard_normal()
+        seen[k] = x + e + WHITE_STD * rng.standard_normal()
         for _ in range(fine):
             x, v = x + dt * v, v + dt * (g - 0.5 * v)
             g, e = keep * np.array([g, e]) + noise.disturbance * np.sqrt(
@@ -195,18 +195,18 @@ def _pushed(rng: np.random.Generator, n: int, noise: Noise) -> np.ndarray:
 
 def test_block_averaging_does_not_bias_a_curve() -> None:
     times = np.arange(0, 6, 1 / 30)
-    one = replace(a_series(0.2 * times**2, 1 / 30))
+    one = replace(make_series(0.2 * times**2, 1 / 30))
     few = block_averaged(one)
     assert 55 < len(few.times) < 65
     assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=1e-12)
     assert few.times[0] == 0
-    assert few.noise[1:-1, 0, 0] == pytest.approx(WHITE**2 / 3)
+    assert few.noise[1:-1, 0, 0] == pytest.approx(WHITE_STD**2 / 3)
 
 
 def test_no_block_reaches_over_frames_that_are_absent() -> None:
     """Six rows missing: a block over them lay 2 mm off its curve, as if displaced."""
     times = np.delete(np.arange(0, 6, 1 / 30), range(60, 66))
-    one = replace(a_series(0.2 * times**2, 1 / 30), times=times)
+    one = replace(make_series(0.2 * times**2, 1 / 30), times=times)
     few = block_averaged(one)
     assert few.seen[:, 0] == pytest.approx(0.2 * few.times**2, abs=3e-4)
     assert not np.any((few.times > times[59] + 1e-9) & (few.times < times[60] - 1e-9))
@@ -215,7 +215,7 @@ def test_no_block_reaches_over_frames_that_are_absent() -> None:
 def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
     seen = np.ones(180)
     seen[60:75] = np.nan
-    one = a_series(seen, 1 / 30)
+    one = make_series(seen, 1 / 30)
     few = block_averaged(one, constant=(0,))
     assert np.isnan(few.seen[:, 0]).sum() in (4, 5)
     assert np.sum(1 / few.noise[:, 0, 0]) == pytest.approx(np.sum(1 / one.noise[:, 0, 0]))
@@ -224,14 +224,14 @@ def test_thinning_keeps_gaps_and_spreads_what_is_constant() -> None:
 def test_a_constant_observation_is_as_certain_with_the_first_frame_unseen() -> None:
     seen = np.ones(180)
     seen[0] = np.nan
-    one = a_series(seen, 1 / 30)
+    one = make_series(seen, 1 / 30)
     one.noise[0] = np.eye(1)
     few = block_averaged(one, constant=(0,))
     assert few.noise[-1, 0, 0] == pytest.approx(one.noise[-1, 0, 0] * len(few.times) / 180)
 
 
 def test_thinning_leaves_slow_series_alone() -> None:
-    one = a_series(np.ones(100), 0.1)
+    one = make_series(np.ones(100), 0.1)
     assert block_averaged(one) is one
 
 

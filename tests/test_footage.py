@@ -17,12 +17,12 @@ from bluekoi.footage import frames, open_recording
 from bluekoi.footage.frame_reading import evenly_spaced_frames
 from bluekoi.footage.gopro_chapters import sort_chapters
 
-SIZE = (160, 96)
+FRAME_SIZE_PX = (160, 96)
 
 
-def picture(number: int) -> np.ndarray:
+def numbered_picture(number: int) -> np.ndarray:
     """A picture whose mean tells its number, with a bright top left corner."""
-    image = np.full(SIZE[::-1], 40 + 4 * number, np.uint8)
+    image = np.full(FRAME_SIZE_PX[::-1], 40 + 4 * number, np.uint8)
     image[:24, :40] = 235
     return image
 
@@ -39,19 +39,19 @@ def write_video(
     options = {"movflags": "faststart"} if front else {}
     with av.open(str(path), "w", format="mp4", options=options) as out:
         stream = out.add_stream(codec, rate=Fraction(30000, 1001))
-        stream.width, stream.height, stream.pix_fmt = *SIZE, pix_fmt
+        stream.width, stream.height, stream.pix_fmt = *FRAME_SIZE_PX, pix_fmt
         stream.codec_context.time_base = Fraction(1, 30000)
         stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "0"}
         stream.codec_context.gop_size = 5
         for number, time in enumerate(times):
-            frame = av.VideoFrame.from_ndarray(picture(number), format="gray")
+            frame = av.VideoFrame.from_ndarray(numbered_picture(number), format="gray")
             frame.pts, frame.time_base = time, Fraction(1, 30000)
             out.mux(stream.encode(frame))
         out.mux(stream.encode(None))
     return path
 
 
-def patched(path: Path, name: bytes, offset: int, content: bytes) -> Path:
+def patched_box(path: Path, name: bytes, offset: int, content: bytes) -> Path:
     """The file with bytes after the first box `name` replaced."""
     data = bytearray(path.read_bytes())
     at = data.index(name) + 4 + offset
@@ -60,26 +60,26 @@ def patched(path: Path, name: bytes, offset: int, content: bytes) -> Path:
     return path
 
 
-def stored(image: np.ndarray) -> np.ndarray:
+def stored_luma(image: np.ndarray) -> np.ndarray:
     """Luma of limited range that a grey picture becomes in the file."""
     return 16 + image.astype(float) * 219 / 255
 
 
-def numbers(recording) -> list[int]:
+def frame_numbers(recording) -> list[int]:
     grey = [(float(np.median(frame.luma)) - 16) * 255 / 219 for frame in frames(recording)]
     return [round((value - 40) / 4) for value in grey]
 
 
-STEADY = [1001 * i for i in range(24)]
+STEADY_TIMES = [1001 * i for i in range(24)]
 
 
 def test_timestamps_are_those_of_the_container(tmp_path):
-    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)])
     times = [frame.time_s for frame in frames(recording)]
     assert recording.nominal_fps == pytest.approx(30000 / 1001)
     assert recording.frames_declared == recording.frames_present == 24
     np.testing.assert_allclose(times, np.arange(24) * 1001 / 30000, atol=1e-9)
-    assert numbers(recording) == list(range(24))
+    assert frame_numbers(recording) == list(range(24))
 
 
 def test_variable_rate_keeps_each_frames_own_time(tmp_path):
@@ -91,13 +91,13 @@ def test_variable_rate_keeps_each_frames_own_time(tmp_path):
 
 
 def test_given_rate_overrides_the_timestamps(tmp_path):
-    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)], fps=120.0)
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)], fps=120.0)
     assert [f.time_s for f in frames(recording)][:3] == pytest.approx([0, 1 / 120, 2 / 120])
     assert any("replaces" in remark for remark in recording.remarks)
 
 
 def test_part_of_a_recording(tmp_path):
-    path = write_video(tmp_path / "a.mp4", STEADY)
+    path = write_video(tmp_path / "a.mp4", STEADY_TIMES)
     recording = open_recording([path], start_s=0.2, end_s=0.4)
     times = [frame.time_s for frame in frames(recording)]
     assert min(times) >= 0.2
@@ -107,12 +107,12 @@ def test_part_of_a_recording(tmp_path):
 
 def test_start_after_the_end_is_a_fault(tmp_path):
     with pytest.raises(InputError, match="start_s"):
-        open_recording([write_video(tmp_path / "a.mp4", STEADY)], start_s=60.0)
+        open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)], start_s=60.0)
 
 
 def test_chapters_are_joined_without_losing_time(tmp_path):
-    late = write_video(tmp_path / "GX020042.MP4", STEADY)
-    early = write_video(tmp_path / "GX010042.MP4", STEADY[:10])
+    late = write_video(tmp_path / "GX020042.MP4", STEADY_TIMES)
+    early = write_video(tmp_path / "GX010042.MP4", STEADY_TIMES[:10])
     recording = open_recording([late, early])
     times = np.array([frame.time_s for frame in frames(recording)])
     assert [path.name for path in recording.paths] == ["GX010042.MP4", "GX020042.MP4"]
@@ -141,7 +141,7 @@ def test_order_is_by_chapter_and_old_names_count(tmp_path):
 
 
 def test_a_further_chapter_beside_it_is_remarked(tmp_path):
-    path = write_video(tmp_path / "GX010042.MP4", STEADY[:5])
+    path = write_video(tmp_path / "GX010042.MP4", STEADY_TIMES[:5])
     (tmp_path / "GX020042.MP4").write_bytes(b"x")
     (tmp_path / "GL010042.LRV").write_bytes(b"x")
     remarks = open_recording([path]).remarks
@@ -153,18 +153,18 @@ def test_rotation_flag_is_applied_and_reported(tmp_path, degrees):
     cos, sin = {90: (0, 1), 180: (-1, 0), 270: (0, -1)}[degrees]
     one = 1 << 16
     matrix = struct.pack(">9i", cos * one, sin * one, 0, -sin * one, cos * one, 0, 0, 0, 1 << 30)
-    path = patched(write_video(tmp_path / "r.mp4", STEADY[:6]), b"tkhd", 40, matrix)
+    path = patched_box(write_video(tmp_path / "r.mp4", STEADY_TIMES[:6]), b"tkhd", 40, matrix)
     recording = open_recording([path])
     shown = next(iter(frames(recording))).luma
-    turned = np.rot90(picture(0), -degrees // 90)
+    turned = np.rot90(numbered_picture(0), -degrees // 90)
     assert shown.shape == turned.shape == recording.size_px[::-1]
-    assert np.mean(np.abs(shown - stored(turned))) < 3
+    assert np.mean(np.abs(shown - stored_luma(turned))) < 3
     assert any("turn of" in remark for remark in recording.remarks)
     assert any("camera matrix" in remark for remark in recording.remarks) == (degrees != 180)
 
 
 def test_ten_bit_hevc_arrives_as_eight(tmp_path):
-    path = write_video(tmp_path / "h.mp4", STEADY[:6], codec="libx265", pix_fmt="yuv420p10le")
+    path = write_video(tmp_path / "h.mp4", STEADY_TIMES[:6], codec="libx265", pix_fmt="yuv420p10le")
     recording = open_recording([path])
     frame = next(iter(frames(recording)))
     assert recording.codec == "hevc"
@@ -173,19 +173,19 @@ def test_ten_bit_hevc_arrives_as_eight(tmp_path):
     assert lit.mean() == pytest.approx((235 - 40) * 219 / 255, abs=3)
     with av.open(str(path)) as container:
         plane = next(container.decode(video=0)).planes[0]
-    wide = np.frombuffer(plane, "<u2").reshape(plane.height, -1)[:, : SIZE[0]]
+    wide = np.frombuffer(plane, "<u2").reshape(plane.height, -1)[:, : FRAME_SIZE_PX[0]]
     np.testing.assert_array_equal(frame.luma, wide // 4)
 
 
 def test_colour_only_when_asked(tmp_path):
-    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY[:4])])
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES[:4])])
     assert next(iter(frames(recording))).bgr is None
-    assert next(iter(frames(recording, colour=True))).bgr.shape == (*SIZE[::-1], 3)
+    assert next(iter(frames(recording, colour=True))).bgr.shape == (*FRAME_SIZE_PX[::-1], 3)
 
 
 @pytest.mark.parametrize("degrees", [0, 90])
 def test_colours_can_be_reduced_by_the_decoder(tmp_path, degrees):
-    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY[:2])])
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES[:2])])
     recording = replace(recording, rotation_deg=degrees)
     whole = next(iter(frames(recording, colour=True))).bgr
     size = (whole.shape[1] // 4, whole.shape[0] // 4)
@@ -196,7 +196,7 @@ def test_colours_can_be_reduced_by_the_decoder(tmp_path, degrees):
 
 
 def test_spread_gives_a_few_frames_from_everywhere(tmp_path):
-    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY)])
+    recording = open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)])
     few = list(evenly_spaced_frames(recording, 3))
     assert [frame.time_s for frame in few] == pytest.approx(
         [0.0, 10 * 1001 / 30000, 20 * 1001 / 30000]
@@ -209,17 +209,19 @@ def test_reordered_pictures_come_in_their_order(tmp_path, codec):
     path = tmp_path / "b.mp4"
     with av.open(str(path), "w", format="mp4") as out:
         stream = out.add_stream(codec, rate=Fraction(30000, 1001))
-        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        stream.width, stream.height, stream.pix_fmt = *FRAME_SIZE_PX, "yuv420p"
         stream.bit_rate = 8_000_000
         stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "2"}
         for number in range(24):
-            out.mux(stream.encode(av.VideoFrame.from_ndarray(picture(number), format="gray")))
+            out.mux(
+                stream.encode(av.VideoFrame.from_ndarray(numbered_picture(number), format="gray"))
+            )
         out.mux(stream.encode(None))
-    assert numbers(open_recording([path])) == list(range(24))
+    assert frame_numbers(open_recording([path])) == list(range(24))
 
 
 def test_the_first_of_a_few_frames_is_the_first_picture(tmp_path):
-    path = write_video(tmp_path / "a.mp4", STEADY)
+    path = write_video(tmp_path / "a.mp4", STEADY_TIMES)
     recording = open_recording([path])
     decoded = next(iter(frames(recording))).luma
     assert recording.first_luma is not None
@@ -248,7 +250,7 @@ def test_true_variable_rate_and_its_constant_twin(recordings):
 
 
 def test_a_film_gives_all_frames_after_a_few_and_again(tmp_path):
-    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
+    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)]))
     few = [frame.time_s for frame in film.evenly_spaced(3)]
     first = [(frame.time_s, int(frame.luma.sum())) for frame in film]
     second = [(frame.time_s, int(frame.luma.sum())) for frame in film]

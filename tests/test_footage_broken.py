@@ -8,8 +8,8 @@ from types import SimpleNamespace
 import av
 import numpy as np
 import pytest
-from gopro_files import with_lens_mode
-from test_footage import SIZE, STEADY, patched, picture, write_video
+from gopro_files import video_with_lens_mode
+from test_footage import FRAME_SIZE_PX, STEADY_TIMES, numbered_picture, patched_box, write_video
 
 from bluekoi.errors import InputError
 from bluekoi.footage import encode_h264, frames, open_recording
@@ -18,7 +18,7 @@ from bluekoi.study import Trial
 
 
 def test_cut_file_gives_its_readable_frames(tmp_path):
-    path = write_video(tmp_path / "cut.mp4", STEADY)
+    path = write_video(tmp_path / "cut.mp4", STEADY_TIMES)
     data = path.read_bytes()
     path.write_bytes(data[: len(data) - 300])
     recording = open_recording([path])
@@ -29,7 +29,7 @@ def test_cut_file_gives_its_readable_frames(tmp_path):
 
 
 def test_file_without_index_names_the_rescue(tmp_path):
-    path = write_video(tmp_path / "dead.mp4", STEADY, front=False)
+    path = write_video(tmp_path / "dead.mp4", STEADY_TIMES, front=False)
     data = path.read_bytes()
     path.write_bytes(data[: data.rindex(b"moov") - 4])
     with pytest.raises(InputError, match="untrunc"):
@@ -54,7 +54,7 @@ def test_what_is_no_video_is_reported(tmp_path, content, message):
 
 
 def test_a_codec_that_nobody_knows_is_reported(tmp_path):
-    path = write_video(tmp_path / "odd.mp4", STEADY[:4])
+    path = write_video(tmp_path / "odd.mp4", STEADY_TIMES[:4])
     data = path.read_bytes()
     assert b"avc1" in data
     path.write_bytes(data.replace(b"avc1", b"qqz9"))
@@ -69,8 +69,8 @@ def test_missing_file(tmp_path):
 
 @pytest.mark.parametrize(("letter", "refused"), [(b"S", True), (b"H", True), (b"W", False)])
 def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
-    path = write_video(tmp_path / "s.mp4", STEADY[:4], front=False)
-    with_lens_mode(path, letter)
+    path = write_video(tmp_path / "s.mp4", STEADY_TIMES[:4], front=False)
+    video_with_lens_mode(path, letter)
     if refused:
         with pytest.raises(InputError, match=r"SuperView|HyperView"):
             open_recording([path])
@@ -79,10 +79,10 @@ def test_stretched_lens_modes_are_refused(tmp_path, letter, refused):
 
 
 def test_trimmed_file_is_remarked(tmp_path):
-    path = write_video(tmp_path / "t.mp4", STEADY)
+    path = write_video(tmp_path / "t.mp4", STEADY_TIMES)
     scale = av.open(str(path)).streams.video[0].time_base.denominator
     start = struct.pack(">i", scale * 10 * 1001 // 30000)
-    recording = open_recording([patched(path, b"elst", 12, start)])
+    recording = open_recording([patched_box(path, b"elst", 12, start)])
     assert any("trimmed" in remark for remark in recording.remarks)
     assert 13 <= len(list(frames(recording))) <= 15
 
@@ -104,18 +104,18 @@ def test_pictures_lost_in_the_midst_are_remarked():
 
 def test_failed_overlay_leaves_nothing(tmp_path):
     def broken():
-        yield picture(0)
+        yield numbered_picture(0)
         raise RuntimeError("stop")
 
     with pytest.raises(RuntimeError, match="stop"):
-        encode_h264(tmp_path / "o.mp4", broken(), fps=30, size=SIZE)
+        encode_h264(tmp_path / "o.mp4", broken(), fps=30, size=FRAME_SIZE_PX)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_few_frames_of_a_trimmed_film_leave_the_rest_as_it_was(tmp_path):
-    path = write_video(tmp_path / "t.mp4", STEADY)
+    path = write_video(tmp_path / "t.mp4", STEADY_TIMES)
     scale = av.open(str(path)).streams.video[0].time_base.denominator
-    patched(path, b"elst", 12, struct.pack(">i", scale * 10 * 1001 // 30000))
+    patched_box(path, b"elst", 12, struct.pack(">i", scale * 10 * 1001 // 30000))
     recording = open_recording([path])
     plain = [frame.time_s for frame in frames(recording)]
     film = frames(recording)

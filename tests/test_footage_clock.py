@@ -7,8 +7,8 @@ from fractions import Fraction
 import av
 import numpy as np
 import pytest
-from gopro_files import payload, with_lens_mode
-from test_footage import SIZE, numbers, picture, write_video
+from gopro_files import gpmf_payload, video_with_lens_mode
+from test_footage import FRAME_SIZE_PX, frame_numbers, numbered_picture, write_video
 
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
@@ -16,7 +16,7 @@ from bluekoi.footage import gopro_telemetry as reported
 from bluekoi.footage.gopro_telemetry import camera_seconds_per_footage_second
 
 
-class Entry:
+class IndexEntry:
     """An entry of a track's index, as the container gives it."""
 
     def __init__(self, pos: int, size: int) -> None:
@@ -24,19 +24,19 @@ class Entry:
 
 
 def test_the_cameras_clock_is_read_from_each_sensors_stream(tmp_path):
-    body = payload({"Accelerometer": 80_577, "Gyroscope": 80_600})
+    body = gpmf_payload({"Accelerometer": 80_577, "Gyroscope": 80_600})
     (tmp_path / "p.bin").write_bytes(b"xx" + body + b"more")
-    found = reported._sensor_timestamps(tmp_path / "p.bin", Entry(2, len(body)))
+    found = reported._sensor_timestamps(tmp_path / "p.bin", IndexEntry(2, len(body)))
     assert found == {"Accelerometer": 80_577, "Gyroscope": 80_600}
-    assert reported._sensor_timestamps(tmp_path / "p.bin", Entry(0, 2**30)) == {}
-    assert reported._sensor_timestamps(tmp_path / "p.bin", Entry(2, 9)) == {}
+    assert reported._sensor_timestamps(tmp_path / "p.bin", IndexEntry(0, 2**30)) == {}
+    assert reported._sensor_timestamps(tmp_path / "p.bin", IndexEntry(2, 9)) == {}
 
 
 @pytest.mark.parametrize(("ran", "refused"), [(1.0003, False), (None, False), (10.0, True)])
 def test_a_time_lapse_is_refused_unless_its_rate_is_given(tmp_path, monkeypatch, ran, refused):
     frames_at = [1001 * i for i in range(6)]
     path = write_video(tmp_path / "GX010001.MP4", frames_at, front=False)
-    with_lens_mode(path, b"L")
+    video_with_lens_mode(path, b"L")
     monkeypatch.setattr(
         "bluekoi.footage.recording.camera_seconds_per_footage_second", lambda _: ran
     )
@@ -70,14 +70,16 @@ def test_rates_are_exact(tmp_path, rate, codec):
     path = tmp_path / "r.mp4"
     with av.open(str(path), "w", format="mp4") as out:
         stream = out.add_stream(codec, rate=rate)
-        stream.width, stream.height, stream.pix_fmt = *SIZE, "yuv420p"
+        stream.width, stream.height, stream.pix_fmt = *FRAME_SIZE_PX, "yuv420p"
         stream.bit_rate = 8_000_000
         stream.options = {"x265-params": "log-level=none"} if "265" in codec else {"bf": "0"}
         for number in range(12):
-            out.mux(stream.encode(av.VideoFrame.from_ndarray(picture(number), format="gray")))
+            out.mux(
+                stream.encode(av.VideoFrame.from_ndarray(numbered_picture(number), format="gray"))
+            )
         out.mux(stream.encode(None))
     recording = open_recording([path])
     times = [frame.time_s for frame in frames(recording)]
     assert recording.nominal_fps == pytest.approx(float(rate), rel=1e-9)
     np.testing.assert_allclose(times, np.arange(12) / float(rate), atol=2e-5)
-    assert numbers(recording) == list(range(12))
+    assert frame_numbers(recording) == list(range(12))

@@ -9,7 +9,7 @@ import pytest
 from bluekoi.errors import InputError
 from bluekoi.footage import frames, open_recording
 from bluekoi.preparation.input_check import file_findings
-from bluekoi.stages.freshness import states_of
+from bluekoi.stages.freshness import file_states
 from bluekoi.study import Setup, Study, missing_files
 from bluekoi.study.image_files import expand_source
 
@@ -40,7 +40,7 @@ def test_a_folder_is_all_of_its_pictures(folder):
 
 def test_what_is_not_there_stays_a_path_to_complain_of(folder):
     (folder / "trials.csv").write_text(HEADER + "A,T2/*.png,50,0,0.12,30\n")
-    study = Study.model_construct(root=folder, setup=None, trials=tuple(trials_of(folder)))
+    study = Study.model_construct(root=folder, setup=None, trials=tuple(trials_of_folder(folder)))
     assert ["T2/*.png" in str(one) for one in missing_files(study)] == [True]
 
 
@@ -74,10 +74,10 @@ def test_what_cannot_be_opened_is_refused(folder, name, fps, text):
 
 def test_the_state_of_many_pictures_changes_with_one_of_them(folder):
     paths = expand_source(folder, "T1/frame_*.png") * 2
-    before = states_of(paths)
+    before = file_states(paths)
     cv2.imwrite(str(paths[3]), np.full((60, 80), 99, np.uint8))
     assert len(before) == 1
-    assert states_of(paths) != before
+    assert file_states(paths) != before
 
 
 def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
@@ -86,7 +86,7 @@ def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
     names = ["pictures", str(folder / "T1/frame_*.png")]
     rows = [f"A{i},{name},50,0,0.12,30\n" for i, name in enumerate(names)]
     (other / "trials.csv").write_text(HEADER + "".join(rows))
-    study = Study.model_construct(root=other, setup=None, trials=tuple(trials_of(other)))
+    study = Study.model_construct(root=other, setup=None, trials=tuple(trials_of_folder(other)))
     assert missing_files(study) == []
     assert [len(study.paths(trial)) for trial in study.trials] == [13, 12]
 
@@ -94,7 +94,9 @@ def test_links_are_followed_and_absolute_paths_taken(folder, tmp_path_factory):
 def test_two_trials_of_the_same_pictures_are_reported_once(folder):
     rows = [f"{name},T1/frame_*.png,50,0,0.12,30\n" for name in "AB"]
     (folder / "trials.csv").write_text(HEADER + "".join(rows))
-    study = Study.model_construct(root=folder, setup=small_setup(), trials=tuple(trials_of(folder)))
+    study = Study.model_construct(
+        root=folder, setup=small_setup(), trials=tuple(trials_of_folder(folder))
+    )
     (found,) = file_findings(study)
     assert "frame_1.png, whole, as trial A has it" in found.found
 
@@ -107,7 +109,7 @@ def small_setup() -> Setup:
     return Setup.model_validate({"robot": robot, "camera": {"pool_corners_px": corners}})
 
 
-def trials_of(folder):
+def trials_of_folder(folder):
     from bluekoi.study.trials_csv import read_trials
 
     findings: list = []

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from test_footage import STEADY, write_video
+from test_footage import STEADY_TIMES, write_video
 
 from bluekoi.footage import frames, open_recording
 from bluekoi.footage.frame_reading import Film
@@ -15,7 +15,7 @@ from bluekoi.footage.prefetch import MIN_BUFFERED_ITEMS, Prefetcher
 from bluekoi.footage.recording import Recording
 
 
-class Source:
+class CountingSource:
     """Numbers up to a count, or to a error; knows how many it gave and whether it was closed."""
 
     def __init__(self, count: int, error: Exception | None = None) -> None:
@@ -37,7 +37,7 @@ class Source:
 
 @pytest.mark.parametrize("count", [0, 1, MIN_BUFFERED_ITEMS, 5 * MIN_BUFFERED_ITEMS])
 def test_all_come_in_order_and_then_the_end(count):
-    source = Source(count)
+    source = CountingSource(count)
     with Prefetcher(source) as made:
         assert list(made) == list(range(count))
         assert list(made) == []
@@ -45,7 +45,7 @@ def test_all_come_in_order_and_then_the_end(count):
 
 
 def test_no_more_is_made_than_there_is_room_for():
-    source = Source(1000)
+    source = CountingSource(1000)
     with Prefetcher(source) as made:
         assert next(made) == 0
         time.sleep(0.1)
@@ -55,7 +55,7 @@ def test_no_more_is_made_than_there_is_room_for():
 
 
 def test_a_fault_is_raised_in_its_place():
-    with Prefetcher(Source(3, OSError("card pulled"))) as made:
+    with Prefetcher(CountingSource(3, OSError("card pulled"))) as made:
         assert [next(made) for _ in range(3)] == [0, 1, 2]
         with pytest.raises(OSError, match="card pulled"):
             next(made)
@@ -63,7 +63,7 @@ def test_a_fault_is_raised_in_its_place():
 
 def test_leaving_early_ends_the_thread():
     before = threading.active_count()
-    source = Source(1000)
+    source = CountingSource(1000)
     made = Prefetcher(source)
     assert next(made) == 0
     assert threading.active_count() == before + 1
@@ -74,7 +74,7 @@ def test_leaving_early_ends_the_thread():
 
 
 def test_a_film_read_ahead_is_the_film(tmp_path):
-    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY)]))
+    film = frames(open_recording([write_video(tmp_path / "a.mp4", STEADY_TIMES)]))
     plain = [(frame.index, frame.time_s, int(frame.luma.sum())) for frame in film]
     few = [frame.time_s for frame in film.evenly_spaced(3)]
     with film.prefetched() as made:
@@ -90,7 +90,7 @@ def test_a_film_read_ahead_is_the_film(tmp_path):
     ("size_px", "room"), [((1920, 1080), 12), ((3840, 2160), MIN_BUFFERED_ITEMS)]
 )
 def test_as_many_are_made_ahead_as_their_memory_allows(monkeypatch, size_px, room):
-    source = Source(1000)
+    source = CountingSource(1000)
     monkeypatch.setattr(Film, "__iter__", lambda film: source)
     recording = Recording((), size_px, "h264", 1000, 1000, 30.0, (0.0,))
     with Film(recording).prefetched():

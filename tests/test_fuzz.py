@@ -1,4 +1,4 @@
-"""No file, however spoilt, ends in a traceback or a hang: a value or a InputError, within seconds.
+"""No corrupted file causes a traceback or a hang: it gives a value or an InputError in seconds.
 
 BLUEKOI_FUZZ sets how many cases each target gets; the long test makes 10,000 in all:
     pytest -m long tests/test_fuzz.py -o addopts=
@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 import pytest
 import yaml
-from fuzzing import absurd_numbers, spoilt_bytes, spoilt_table, spoilt_yaml
+from fuzzing import absurd_numbers, corrupted_bytes, corrupted_table, corrupted_yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -29,17 +29,17 @@ from bluekoi.errors import InputError
 from bluekoi.footage import encode_h264, frames, open_recording
 from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor import flapping_from_log
-from bluekoi.report.numbers import readable
+from bluekoi.report.numbers import readable_name
 from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.tracks import tracks
 from bluekoi.study import Trial, load_study, missing_files
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 CASES = int(os.environ.get("BLUEKOI_FUZZ", "40"))
-TARGETS = 7
-LONGEST_S = 20
+TARGET_COUNT = 7
+MAX_PROCESSOR_S = 20
 """Of the processor, so that other work on the machine makes no hang."""
-LONGEST_WAIT_S = 300
+MAX_WALL_S = 300
 """By the clock: a case that waits for something for ever."""
 checked = settings(
     max_examples=CASES,
@@ -61,7 +61,7 @@ def study(folder) -> Path:
 
 
 @pytest.fixture(scope="module")
-def compiled(study, folder) -> Path:
+def compiled_study(study, folder) -> Path:
     """The study, once the stages have run through it: compiling them is no hang."""
     results = folder / "sound"
     keypoints(study, results, "T09")
@@ -71,7 +71,7 @@ def compiled(study, folder) -> Path:
 
 
 @contextmanager
-def in_time() -> Iterator[None]:
+def within_time_limit() -> Iterator[None]:
     """A case that takes longer than it may ends in an error that names it a hang."""
 
     def late(*_: object) -> None:
@@ -79,8 +79,8 @@ def in_time() -> Iterator[None]:
 
     kinds = (signal.SIGALRM, signal.SIGPROF)
     before = [signal.signal(kind, late) for kind in kinds]
-    signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
-    signal.alarm(LONGEST_WAIT_S)
+    signal.setitimer(signal.ITIMER_PROF, MAX_PROCESSOR_S)
+    signal.alarm(MAX_WALL_S)
     try:
         yield
     finally:
@@ -90,10 +90,10 @@ def in_time() -> Iterator[None]:
             signal.signal(kind, handler)
 
 
-def value_or_fault(work: Callable[[], object]) -> str:
+def value_or_error_text(work: Callable[[], object]) -> str:
     """What the fault says, or nothing; anything else that is raised fails the test."""
     findings = []
-    with in_time():
+    with within_time_limit():
         try:
             work()
         except InputError as error:
@@ -102,7 +102,7 @@ def value_or_fault(work: Callable[[], object]) -> str:
     return "\n".join(map(str, findings))
 
 
-def of_study(folder: Path) -> None:
+def load_study_safely(folder: Path) -> None:
     """What the door does with a study; nothing that it lets in may lead out of the folder."""
     loaded = load_study(folder)
     missing_files(loaded)
@@ -118,12 +118,12 @@ def of_study(folder: Path) -> None:
 @given(data=st.data())
 def test_study_yaml(data, study, folder):
     whole = (study / "study.yaml").read_bytes()
-    spoilt = spoilt_yaml(yaml.safe_load(whole)) | spoilt_bytes(whole)
+    spoilt = corrupted_yaml(yaml.safe_load(whole)) | corrupted_bytes(whole)
     other = folder / "yaml"
     other.mkdir(exist_ok=True)
     (other / "trials.csv").write_bytes((study / "trials.csv").read_bytes())
     (other / "study.yaml").write_bytes(data.draw(spoilt))
-    said = value_or_fault(lambda: of_study(other))
+    said = value_or_error_text(lambda: load_study_safely(other))
     assert not said or "study.yaml" in said or "trials.csv" in said
 
 
@@ -134,9 +134,9 @@ def test_trials_csv(data, study, folder):
     other = folder / "csv"
     other.mkdir(exist_ok=True)
     (other / "study.yaml").write_bytes((study / "study.yaml").read_bytes())
-    spoilt = spoilt_table(whole.decode()) | spoilt_bytes(whole)
+    spoilt = corrupted_table(whole.decode()) | corrupted_bytes(whole)
     (other / "trials.csv").write_bytes(data.draw(spoilt))
-    said = value_or_fault(lambda: of_study(other))
+    said = value_or_error_text(lambda: load_study_safely(other))
     assert not said or "study.yaml" in said or "trials.csv" in said
 
 
@@ -151,8 +151,8 @@ def trial(name: str) -> Trial:
 def test_deeplabcut_csv(data, study, folder):
     whole = "\n".join((study / "keypoints/T09.csv").read_text().splitlines()[:20])
     path = folder / "dlc.csv"
-    path.write_bytes(data.draw(spoilt_table(whole) | spoilt_bytes(whole.encode())))
-    said = value_or_fault(lambda: read(path, trial("dlc.csv"), {}))
+    path.write_bytes(data.draw(corrupted_table(whole) | corrupted_bytes(whole.encode())))
+    said = value_or_error_text(lambda: read(path, trial("dlc.csv"), {}))
     assert not said or path.name in said
 
 
@@ -180,8 +180,8 @@ def h5_bytes(folder: Path) -> bytes:
 @given(data=st.data())
 def test_deeplabcut_h5(data, folder):
     path = folder / "dlc.h5"
-    path.write_bytes(data.draw(spoilt_bytes(h5_bytes(folder))))
-    said = value_or_fault(lambda: read(path, trial("dlc.h5"), {}))
+    path.write_bytes(data.draw(corrupted_bytes(h5_bytes(folder))))
+    said = value_or_error_text(lambda: read(path, trial("dlc.h5"), {}))
     assert not said or path.name in said
 
 
@@ -196,22 +196,24 @@ def test_the_h5_that_is_spoilt_is_sound_to_begin_with(folder):
 def test_motor_log(data, study, folder):
     whole = "\n".join((study / "motor/T09.csv").read_text().splitlines()[:200])
     path = folder / "motor.csv"
-    path.write_bytes(data.draw(spoilt_table(whole) | spoilt_bytes(whole.encode())))
-    said = value_or_fault(lambda: flapping_from_log(path))
+    path.write_bytes(data.draw(corrupted_table(whole) | corrupted_bytes(whole.encode())))
+    said = value_or_error_text(lambda: flapping_from_log(path))
     assert not said or path.name in said
 
 
 @settings(checked, max_examples=max(CASES // 6, 6))
 @given(data=st.data())
-def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, compiled, folder):
+def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, compiled_study, folder):
     """Through pose, smoothing and steady state: every error is reported as one of the file."""
     other, results = folder / "stages", folder / "results"
     if not other.exists():
-        shutil.copytree(compiled, other)
-    lines = "\n".join((compiled / "keypoints/T09.csv").read_text().splitlines()[:60])
-    spoilt = absurd_numbers(lines, header=3) | absurd_numbers(lines, header=3) | spoilt_table(lines)
+        shutil.copytree(compiled_study, other)
+    lines = "\n".join((compiled_study / "keypoints/T09.csv").read_text().splitlines()[:60])
+    spoilt = (
+        absurd_numbers(lines, header=3) | absurd_numbers(lines, header=3) | corrupted_table(lines)
+    )
     (other / "keypoints/T09.csv").write_bytes(data.draw(spoilt))
-    with in_time():
+    with within_time_limit():
         keypoints(other, results, "T09")
         tracks(other, results, "T09")
     reported = json.loads((results / "status/T09.json").read_text())
@@ -219,7 +221,7 @@ def test_stages_find_no_defect_of_ours_in_spoilt_keypoints(data, compiled, folde
     assert reported["ok"] or "T09" in reported["message"]
 
 
-CELLS = {
+CELL_VALUES = {
     "fps": ("1e-3", "1", "1000", "1e6"),
     "head_length_m": ("1e-6", "0.001", "5"),
     "head_angle_deg": ("-179", "180", "1e-9"),
@@ -232,14 +234,18 @@ CELLS = {
 
 
 @settings(checked, max_examples=max(CASES // 6, 6))
-@given(cells=st.fixed_dictionaries({}, optional={k: st.sampled_from(v) for k, v in CELLS.items()}))
-def test_stages_find_no_defect_of_ours_in_odd_rows(cells, compiled, folder):
+@given(
+    cells=st.fixed_dictionaries(
+        {}, optional={k: st.sampled_from(v) for k, v in CELL_VALUES.items()}
+    )
+)
+def test_stages_find_no_defect_of_ours_in_odd_rows(cells, compiled_study, folder):
     """Numbers that a row may hold by its types, and that no robot has."""
     other, results = folder / "rows", folder / "rows_results"
     if not other.exists():
-        shutil.copytree(compiled, other)
-    (other / "trials.csv").write_bytes((compiled / "trials.csv").read_bytes())
-    edit_rows(other, T09=cells)
+        shutil.copytree(compiled_study, other)
+    (other / "trials.csv").write_bytes((compiled_study / "trials.csv").read_bytes())
+    edit_trials_csv(other, T09=cells)
 
     def both() -> None:
         keypoints(other, results, "T09")
@@ -247,19 +253,19 @@ def test_stages_find_no_defect_of_ours_in_odd_rows(cells, compiled, folder):
         message = json.loads((results / "status/T09.json").read_text())["message"]
         assert "a defect of this program" not in message, message
 
-    said = value_or_fault(both)
+    said = value_or_error_text(both)
     assert not said or "trials.csv" in said
 
 
 @settings(checked, max_examples=max(CASES // 6, 6))
 @given(data=st.data())
-def test_stages_find_no_defect_of_ours_in_spoilt_studies(data, compiled, folder):
+def test_stages_find_no_defect_of_ours_in_spoilt_studies(data, compiled_study, folder):
     """What the door lets in can be calculated with, or is refused in words."""
     other, results = folder / "odd", folder / "odd_results"
     if not other.exists():
-        shutil.copytree(compiled, other)
-    content = yaml.safe_load((compiled / "study.yaml").read_text())
-    (other / "study.yaml").write_bytes(data.draw(spoilt_yaml(content)))
+        shutil.copytree(compiled_study, other)
+    content = yaml.safe_load((compiled_study / "study.yaml").read_text())
+    (other / "study.yaml").write_bytes(data.draw(corrupted_yaml(content)))
 
     def both() -> None:
         keypoints(other, results, "T09")
@@ -267,7 +273,7 @@ def test_stages_find_no_defect_of_ours_in_spoilt_studies(data, compiled, folder)
         message = json.loads((results / "status/T09.json").read_text())["message"]
         assert "a defect of this program" not in message, message
 
-    said = value_or_fault(both)
+    said = value_or_error_text(both)
     assert not said or str(other) in said
 
 
@@ -279,7 +285,7 @@ def mp4_bytes(folder: Path) -> bytes:
     return path.read_bytes()
 
 
-def looked_at(path: Path) -> None:
+def read_first_frames(path: Path) -> None:
     """Opened, and its first frames decoded."""
     recording = open_recording([path])
     for count, frame in enumerate(frames(recording)):
@@ -293,15 +299,15 @@ def looked_at(path: Path) -> None:
 def test_mp4_header(data, folder):
     whole = mp4_bytes(folder)
     path = folder / "film.mp4"
-    path.write_bytes(data.draw(spoilt_bytes(whole, within=1200) | spoilt_bytes(whole)))
-    said = value_or_fault(lambda: looked_at(path))
+    path.write_bytes(data.draw(corrupted_bytes(whole, within=1200) | corrupted_bytes(whole)))
+    said = value_or_error_text(lambda: read_first_frames(path))
     assert not said or path.name in said
 
 
 @checked
 @given(text=st.text(max_size=40))
 def test_words_for_the_page_are_never_an_error(text):
-    assert isinstance(readable(text), str)
+    assert isinstance(readable_name(text), str)
 
 
 def test_a_yaml_that_would_fill_the_memory_is_refused_in_time(study, folder):
@@ -312,7 +318,7 @@ def test_a_yaml_that_would_fill_the_memory_is_refused_in_time(study, folder):
     other.mkdir()
     (other / "trials.csv").write_bytes((study / "trials.csv").read_bytes())
     (other / "study.yaml").write_text("\n".join(bomb) + "\npool: *a9\n")
-    assert value_or_fault(lambda: load_study(other))
+    assert value_or_error_text(lambda: load_study(other))
 
 
 def test_names_in_a_study_cannot_reach_shell_page_or_other_folders(study, folder):
@@ -324,14 +330,14 @@ def test_names_in_a_study_cannot_reach_shell_page_or_other_folders(study, folder
         cells = row.split(",")
         cells[0] = f'"{name}"'
         (other / "trials.csv").write_text(f"{head}\n{','.join(cells)}\n")
-        said = value_or_fault(lambda: load_study(other))
+        said = value_or_error_text(lambda: load_study(other))
         assert name == "T1\n" or "trial_id" in said or "row" in said
 
 
 @pytest.mark.long
 def test_ten_thousand_cases():
     """Each target in a process of its own, so that a crash of a library is reported too."""
-    each = -(-10_000 // TARGETS)
+    each = -(-10_000 // TARGET_COUNT)
     run = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", __file__],
         env={**os.environ, "BLUEKOI_FUZZ": str(each)},

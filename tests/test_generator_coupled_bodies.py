@@ -24,13 +24,22 @@ from validation.generators.coupled_bodies import (
     water,
     writing,
 )
-from validation.generators.coupled_bodies.camera import corners, draw_camera, posed
-from validation.generators.coupled_bodies.form import Hidden
-from validation.generators.coupled_bodies.ideal import PHYSICAL, sensitivity, sigmas
-from validation.generators.coupled_bodies.placing import Motion, placed
-from validation.generators.coupled_bodies.robots import KNOTS, Lanes, Robot, with_sizes
+from validation.generators.coupled_bodies.camera import draw_camera, pool_corners, with_fitted_pose
+from validation.generators.coupled_bodies.form import HiddenLaw
+from validation.generators.coupled_bodies.ideal import (
+    MOTION_STAGES,
+    detectability_sigmas,
+    sensitivity,
+)
+from validation.generators.coupled_bodies.placing import PlacedMotion, simulate_placed
+from validation.generators.coupled_bodies.robots import (
+    GUST_KNOTS,
+    ParallelTrials,
+    Robot,
+    with_strengths,
+)
 
-PAPER = Robot(mass=0.68, inertia=0.0095, core_share=0.85, body_length=0.331, head_length=0.12,
+PAPER_ROBOT = Robot(mass=0.68, inertia=0.0095, core_share=0.85, body_length=0.331, head_length=0.12,
               span=0.069, hinge_to_com=0.04, tail_length=0.066, depth=0.04, C_T=4.5e-3, C_D0=0.5,
               C_Da=4.0, C_La=3.14, C_Ma=0.1, C_Md=0.104)  # fmt: skip
 PHYSICS = {
@@ -45,73 +54,87 @@ MEASUREMENT = {"scale_error", "clock_error", "camera_shift", "uncorrected_refrac
 POOL = (3.6, 2.2, 0.4)
 
 
-def lanes(angles_deg, hertz=5.82, head=0.12) -> Lanes:
+def still_water_trials(angles_deg, hertz=5.82, head=0.12) -> ParallelTrials:
     """Trials in still water, without errors."""
     n = len(angles_deg)
     zero = np.zeros(n)
     angle = np.deg2rad(angles_deg)
-    coef = np.array([getattr(PAPER, name) for name in studies.COEFFICIENTS])
+    coef = np.array([getattr(PAPER_ROBOT, name) for name in studies.COEFFICIENTS])
     start = np.zeros((6, n))
     start[:2] = [[1.8], [1.1]]
-    return Lanes(power=zero + 100, command=angle, angle=angle, flap=zero + hertz, head=zero + head,
-                 start=start, coef=np.repeat(coef[:, None], n, 1), shaft=zero,
-                 wander=np.ones((3, 1, n)) * [[[0.0]], [[1.0]], [[0.0]]], mean=0j * zero,
-                 modes=np.zeros((6, 1, n)), gust=np.zeros((KNOTS, n), complex),
-                 size=np.zeros((0, n)))  # fmt: skip
+    return ParallelTrials(
+        power=zero + 100,
+        command=angle,
+        angle=angle,
+        flap=zero + hertz,
+        head=zero + head,
+        start=start,
+        coef=np.repeat(coef[:, None], n, 1),
+        shaft=zero,
+        wander=np.ones((3, 1, n)) * [[[0.0]], [[1.0]], [[0.0]]],
+        mean=0j * zero,
+        modes=np.zeros((6, 1, n)),
+        gust=np.zeros((GUST_KNOTS, n), complex),
+        size=np.zeros((0, n)),
+    )
 
 
-def law(cause: str, name: str, size: float, **shape: float) -> Hidden:
+def law_of(cause: str, name: str, size: float, **shape: float) -> HiddenLaw:
     form = next(f for f in plan.CATALOGUE if (f.cause, f.name) == (cause, name))
     pool = {"pool_length_m": POOL[0], "pool_width_m": POOL[1]}
-    return Hidden(form, size, pool | {k: v[0] for k, v in form.ranges.items()} | shape)
+    return HiddenLaw(form, size, pool | {k: v[0] for k, v in form.ranges.items()} | shape)
 
 
-def swim(trials: Lanes, laws: list[Hidden], seconds: float, robot: Robot = PAPER, **kw):
-    trials = with_sizes(trials, [h.strength for h in laws])
-    return articulated.swim(trials, robot, laws, seconds, **kw)
+def simulate(
+    trials: ParallelTrials, laws: list[HiddenLaw], seconds: float, robot: Robot = PAPER_ROBOT, **kw
+):
+    trials = with_strengths(trials, [h.strength for h in laws])
+    return articulated.simulate_motion(trials, robot, laws, seconds, **kw)
 
 
-def published(state, phi, hertz, area, arm):
+def published_rates(state, phi, hertz, area, arm):
     """Rates of the published equations (1) to (8), written out in world axes."""
     _, _, th, vx, vy, r = state
     v = vx + 1j * vy
     q, along, alpha = 500 * area * abs(v) ** 2, v / abs(v), th - np.angle(v)
-    T = PAPER.C_T * 500 * area * hertz**2 * np.exp(1j * (th + phi))
-    L = q * PAPER.C_La * np.sin(2 * alpha) * along * 1j
-    D = -q * (PAPER.C_D0 + PAPER.C_Da * (1 - np.cos(2 * alpha))) * along
+    T = PAPER_ROBOT.C_T * 500 * area * hertz**2 * np.exp(1j * (th + phi))
+    L = q * PAPER_ROBOT.C_La * np.sin(2 * alpha) * along * 1j
+    D = -q * (PAPER_ROBOT.C_D0 + PAPER_ROBOT.C_Da * (1 - np.cos(2 * alpha))) * along
     N = ((L + D) * np.conj(1j * np.exp(1j * th))).real
-    M = q * PAPER.C_Ma * np.sin(2 * alpha) - PAPER.C_Md * r * abs(r)
-    a = (T + L + D) / PAPER.mass
-    return [vx, vy, r, a.real, a.imag, (M + N * arm) / PAPER.inertia]
+    M = q * PAPER_ROBOT.C_Ma * np.sin(2 * alpha) - PAPER_ROBOT.C_Md * r * abs(r)
+    a = (T + L + D) / PAPER_ROBOT.mass
+    return [vx, vy, r, a.real, a.imag, (M + N * arm) / PAPER_ROBOT.inertia]
 
 
 @pytest.mark.parametrize("head", [0.12, 0.175])
 def test_rates_of_a_null_are_those_of_the_published_equations(head):
     state = np.array([0.3, 0.2, 0.7, 0.31, 0.12, -0.4])
     full = np.concatenate([state, [0, 0]])[:, None]
-    found = articulated.rates(0.0, full, lanes([30.0], head=head), PAPER)[:6, 0]
+    found = articulated.rates(0.0, full, still_water_trials([30.0], head=head), PAPER_ROBOT)[:6, 0]
     arm = head + 0.04 - (0.331 + head - 0.12) / 4
-    want = published(state, np.deg2rad(30), 5.82, head * 0.069, arm)
+    want = published_rates(state, np.deg2rad(30), 5.82, head * 0.069, arm)
     np.testing.assert_allclose(found, want, rtol=1e-5)
 
 
 def test_straight_speed_and_instability_are_those_of_the_paper():
-    end = swim(lanes([0.0]), [], 8).states[-1]
+    end = simulate(still_water_trials([0.0]), [], 8).states[-1]
     assert np.hypot(end[3, 0], end[4, 0]) == pytest.approx(0.552, abs=1e-3)
-    assert articulated.growth_rate(lanes([0.0]), PAPER, []) == pytest.approx(3.6, abs=0.1)
+    assert articulated.growth_rate(still_water_trials([0.0]), PAPER_ROBOT, []) == pytest.approx(
+        3.6, abs=0.1
+    )
 
 
 def test_a_robot_without_thrust_stays_at_rest():
-    states = swim(lanes([30.0, 0.0], hertz=0.0), [], 3).states
+    states = simulate(still_water_trials([30.0, 0.0], hertz=0.0), [], 3).states
     np.testing.assert_allclose(states[-1], states[0], atol=1e-12)
 
 
 def test_a_hinge_that_turns_at_rest_turns_the_two_bodies_against_each_other():
     """Constraint of the hinge: I_head theta' + I_core (theta + phi)' = 0, place kept."""
-    lag = law("servo_lag", "first_order", 1.0, tau_s=0.1)
-    trial = with_sizes(lanes([40.0], hertz=0.0), [1.0])
+    lag = law_of("servo_lag", "first_order", 1.0, tau_s=0.1)
+    trial = with_strengths(still_water_trials([40.0], hertz=0.0), [1.0])
     trial.coef[:] = 0.0
-    film = swim(trial, [lag], 1.5)
+    film = simulate(trial, [lag], 1.5)
     phi, _ = articulated.head_angle(trial, [lag], film.times)
     theta = film.states[:, 2, 0]
     np.testing.assert_allclose(0.15 * theta + 0.85 * (theta + phi[:, 0]), 0, atol=1e-4)
@@ -119,22 +142,29 @@ def test_a_hinge_that_turns_at_rest_turns_the_two_bodies_against_each_other():
 
 
 def test_integration_is_of_fourth_order():
-    trial = lanes([30.0])
+    trial = still_water_trials([30.0])
     trial.start[3:6] = np.array([0.25, 0.25, -0.6])[:, None]
 
     def end(step):
-        return swim(trial, [], 0.4, step=step).states[-1, :6, 0]
+        return simulate(trial, [], 0.4, step=step).states[-1, :6, 0]
 
     fine = end(1 / 640)
     ratio = np.linalg.norm(end(1 / 80) - fine) / np.linalg.norm(end(1 / 160) - fine)
     assert 13 < ratio < 20
 
 
-ODD = {"trim_moment", "port_starboard_asymmetry", "head_angle_offset", "uniform_current",
-       "pool_gyre", "wall_effect", "unexplained"}  # fmt: skip
+LEFT_RIGHT_ASYMMETRIC_CAUSES = {
+    "trim_moment",
+    "port_starboard_asymmetry",
+    "head_angle_offset",
+    "uniform_current",
+    "pool_gyre",
+    "wall_effect",
+    "unexplained",
+}
 
 
-def states(count: int) -> np.ndarray:
+def random_states(count: int) -> np.ndarray:
     """Random motions near one wall, without memories."""
     rng = np.random.default_rng(6)
     out = np.zeros((8, count))
@@ -145,38 +175,40 @@ def states(count: int) -> np.ndarray:
 
 def rates(state, angle_deg, hidden):
     """Rates 0.2 s after the start of trials with a longer head."""
-    many = with_sizes(lanes([angle_deg] * state.shape[1], head=0.16), [h.strength for h in hidden])
+    many = with_strengths(
+        still_water_trials([angle_deg] * state.shape[1], head=0.16), [h.strength for h in hidden]
+    )
     many.start[2] = 0.0
-    return articulated.rates(0.2, state, many, PAPER, hidden)
+    return articulated.rates(0.2, state, many, PAPER_ROBOT, hidden)
 
 
 def test_even_laws_are_mirror_symmetric():
     mirror = np.array([1, -1, -1, 1, -1, -1])[:, None]
-    one = states(20)
+    one = random_states(20)
     other = one * [[1], [-1], [-1], [1], [-1], [-1], [1], [1]]
     for form in plan.CATALOGUE:
-        if form.cause in ODD or form.stage not in PHYSICAL:
+        if form.cause in LEFT_RIGHT_ASYMMETRIC_CAUSES or form.stage not in MOTION_STAGES:
             continue
-        hidden = [law(form.cause, form.name, (form.low * form.high) ** 0.5)]
+        hidden = [law_of(form.cause, form.name, (form.low * form.high) ** 0.5)]
         here, there = rates(one, 25.0, hidden), rates(other, -25.0, hidden)
         np.testing.assert_allclose(there[:6], mirror * here[:6], atol=1e-9, err_msg=form.name)
 
 
 def test_a_mirrored_robot_swims_mirrored():
-    out = swim(lanes([25.0, -25.0]), [], 3.0).states
+    out = simulate(still_water_trials([25.0, -25.0]), [], 3.0).states
     np.testing.assert_allclose(out[:, [2, 5], 0], -out[:, [2, 5], 1], atol=1e-9)
     assert out[-1, 5, 0] < -0.1  # positive phi turns clockwise
 
 
 def test_a_law_of_strength_zero_gives_the_null_and_another_one_does_not():
-    state = states(20)
+    state = random_states(20)
     null = rates(state, 30.0, [])
     for form in plan.CATALOGUE:
-        if form.stage not in PHYSICAL or form.stage == "sink":
+        if form.stage not in MOTION_STAGES or form.stage == "sink":
             continue
-        none = rates(state, 30.0, [law(form.cause, form.name, 0.0)])
+        none = rates(state, 30.0, [law_of(form.cause, form.name, 0.0)])
         np.testing.assert_allclose(none[:6], null[:6], atol=1e-12)
-        some = rates(state, 30.0, [law(form.cause, form.name, form.high / 2)])
+        some = rates(state, 30.0, [law_of(form.cause, form.name, form.high / 2)])
         assert np.abs(some - null)[2:].max() > 1e-3, form.name
 
 
@@ -187,9 +219,9 @@ def test_passive_forces_take_energy_from_the_robot():
     for cause in ("viscous_drag", "wave_drag", "coulomb_friction", "crossflow_drag",
                   "linear_yaw_damping", "wake_reentry"):  # fmt: skip
         for form in (f for f in plan.CATALOGUE if f.cause == cause):
-            hidden = law(cause, form.name, form.high / 10)
-            many = with_sizes(lanes([20.0] * 50), [hidden.strength])
-            c = articulated.moment(0.0, state, many, PAPER, [hidden])
+            hidden = law_of(cause, form.name, form.high / 10)
+            many = with_strengths(still_water_trials([20.0] * 50), [hidden.strength])
+            c = articulated.instantaneous_state(0.0, state, many, PAPER_ROBOT, [hidden])
             F, N = form.law(c, many.size[0], hidden.shape)
             assert np.all((F * np.conj(c.v)).real + N * c.r < 1e-12), form.name
 
@@ -198,12 +230,12 @@ def test_forces_have_the_values_computed_by_hand():
     """u = 0.3 m/s, w = 0.1 m/s, r = 0.5 /s on a straight robot along x."""
     state = np.zeros((8, 1))
     state[:6, 0] = 1.8, 1.1, 0.0, 0.3, 0.1, 0.5
-    trial = lanes([0.0])
-    c = articulated.moment(0.0, state, trial, PAPER, [])
+    trial = still_water_trials([0.0])
+    c = articulated.instantaneous_state(0.0, state, trial, PAPER_ROBOT, [])
     one = np.ones(1)
 
     def force(cause, name, **shape):
-        hidden = law(cause, name, 1.0, **shape)
+        hidden = law_of(cause, name, 1.0, **shape)
         return hidden.form.law(c, one, hidden.shape)
 
     F, N = force("tail_fin_lift", "forward", back=0.8)
@@ -225,14 +257,14 @@ def test_forces_have_the_values_computed_by_hand():
 
 def test_water_has_no_divergence_and_the_stated_strength():
     rng = np.random.default_rng(3)
-    sea = water.Sea(0.0, 1e-3, 1.0)
-    modes = water.draw_modes(rng, sea, 4000)
+    sea = water.WaterMotion(0.0, 1e-3, 1.0)
+    modes = water.draw_fourier_modes(rng, sea, 4000)
     at, d = np.full(4000, 1.0 + 0.7j), 1e-7
-    here = water.eddies(modes, at, 0.0)
+    here = water.eddy_velocity(modes, at, 0.0)
     assert here.real.std() == pytest.approx(1e-3, rel=0.05)
     assert here.imag.std() == pytest.approx(1e-3, rel=0.05)
-    spread = ((water.eddies(modes, at + d, 0.0) - here).real
-              + (water.eddies(modes, at + 1j * d, 0.0) - here).imag) / d  # fmt: skip
+    spread = ((water.eddy_velocity(modes, at + d, 0.0) - here).real
+              + (water.eddy_velocity(modes, at + 1j * d, 0.0) - here).imag) / d  # fmt: skip
     assert np.abs(spread).max() < 1e-6
 
 
@@ -241,16 +273,16 @@ def test_gyres_have_their_strength_as_greatest_speed_or_at_half_the_width():
     c = type("C", (), {"x": x, "t": 0.0})
     for form in place_laws.FORMS:
         if form.cause == "pool_gyre" and form.name in ("lamb_oseen", "scully"):
-            v = form.law(c, 0.01, law("pool_gyre", form.name, 1).shape)
+            v = form.law(c, 0.01, law_of("pool_gyre", form.name, 1).shape)
             assert np.abs(v).max() == pytest.approx(0.01, rel=0.01)
-    solid = law("pool_gyre", "solid", 1)
+    solid = law_of("pool_gyre", "solid", 1)
     c.x = np.array([POOL[0] / 2 + 1j * POOL[1]])
     assert solid.form.law(c, 0.01, solid.shape)[0] == pytest.approx(-0.01)
 
 
 def test_tables_of_the_plate_are_the_published_law():
     alpha = np.random.default_rng(1).uniform(-np.pi, np.pi, 500)
-    found = polars.look_up(polars.flat_plate(), alpha)
+    found = polars.interpolate_polar(polars.flat_plate(), alpha)
     want = [np.sin(2 * alpha), 1 - np.cos(2 * alpha), np.sin(2 * alpha)]
     np.testing.assert_allclose(found, want, atol=1e-6)
 
@@ -259,20 +291,20 @@ def test_every_cause_of_the_contract_has_three_forms_and_comes_in_its_turn():
     forms = {}
     for form in plan.CATALOGUE:
         forms.setdefault(form.cause, set()).add(form.name)
-    assert set(forms) - {plan.UNLISTED} == PHYSICS | MEASUREMENT
+    assert set(forms) - {plan.UNLISTED_NAME} == PHYSICS | MEASUREMENT
     assert all(len(names) >= 3 for names in forms.values())
-    assert all(f.variable for f in plan.CATALOGUE if f.cause == plan.UNLISTED)
-    drawn = {name for index in range(60) for name in plan.causes(5, index)}
-    assert drawn == set(forms) - {plan.FIN}
+    assert all(f.variable for f in plan.CATALOGUE if f.cause == plan.UNLISTED_NAME)
+    drawn = {name for index in range(60) for name in plan.hidden_causes(5, index)}
+    assert drawn == set(forms) - {plan.FIN_CAUSE}
     rng = np.random.default_rng(0)
     for cause, names in forms.items():
         assert {plan.draw_forms(rng, [cause])[0].name for _ in range(150)} == names
 
 
 def test_shares_of_kinds_fins_and_short_studies_hold_in_each_twenty():
-    kinds = [plan.kind(3, i) for i in range(40)]
+    kinds = [plan.study_kind(3, i) for i in range(40)]
     names = [k.name for k in kinds]
-    assert {n: names.count(n) / 2 for n in plan.KINDS} == plan.KINDS
+    assert {n: names.count(n) / 2 for n in plan.KIND_COUNTS} == plan.KIND_COUNTS
     assert sum(k.fin for k in kinds) == 20
     assert sum(k.few for k in kinds) == 8
 
@@ -290,7 +322,7 @@ def test_the_way_back_through_surface_and_lens_is_exact(seed):
     sine = np.hypot(ray[:, 0], ray[:, 1]) / np.linalg.norm(ray, axis=1)
     below = np.abs(at - top[:, 0] - 1j * top[:, 1])
     np.testing.assert_allclose(sine, 1.333 * below / np.hypot(below, 0.2), rtol=1e-6)
-    again = posed(camera, POOL, 0.05, camera.project(corners(POOL, 0.05)))
+    again = with_fitted_pose(camera, POOL, 0.05, camera.project(pool_corners(POOL, 0.05)))
     np.testing.assert_allclose(again.place, camera.place, atol=1e-6)
 
 
@@ -311,7 +343,7 @@ def test_the_lenses_are_those_of_opencv():
 
 def test_tracking_errors_have_the_stated_size_and_memory():
     tracker = tracking.Tracker(0.5, 0.2, 0.1, 0, 0, 0)
-    noise = tracking.errors(np.random.default_rng(0), tracker, np.arange(200) / 30, 400)
+    noise = tracking.correlated_errors(np.random.default_rng(0), tracker, np.arange(200) / 30, 400)
     assert noise.var() == pytest.approx(0.5**2 + 0.2**2, rel=0.03)
     lag = np.sqrt(3) / 30 / 0.1
     want = 0.25 * (1 + lag) * np.exp(-lag)
@@ -331,49 +363,53 @@ def test_detections_have_gaps_and_swaps_of_low_likelihood():
 def test_log_wraps_and_has_its_dead_zone():
     sensor = writing.Potentiometer(20.0, "empty", 0.0, 0.0)
     turns = np.arange(400) * 0.0125
-    angles = writing.readings(np.random.default_rng(0), sensor, turns)
+    angles = writing.logged_angles(np.random.default_rng(0), sensor, turns)
     dead = (360 * turns) % 360 > 340
     assert np.array_equal(np.isnan(angles), dead)
     np.testing.assert_allclose(angles[~dead], (360 * turns[~dead]) % 360, atol=1e-9)
 
 
-def _short() -> tuple:
+def _shorten_trials() -> tuple:
     rng = np.random.default_rng(8)
-    setup = studies.draw_setup(rng, plan.Kind("single", fin=False, few=True), [])
+    setup = studies.draw_setup(rng, plan.StudyKind("single", fin=False, few=True), [])
     start = setup.lanes.start.copy()
     start[:2] = [[setup.pool[0] / 2], [setup.pool[1] / 2]]
     return rng, setup, replace(setup.lanes, start=start)
 
 
 def test_sigma_grows_with_the_strength_and_knows_the_error_of_the_servo():
-    rng, setup, trials = _short()
+    rng, setup, trials = _shorten_trials()
     found = []
     for size in (1.0, 2.0):
-        laws = [law("viscous_drag", "linear", 4e-4 * size),
-                law("head_angle_offset", "constant", 1e-3 * size)]  # fmt: skip
-        sized = strength.sized(trials, laws)
-        film = articulated.swim(sized, setup.robot, laws, 4.0)
-        motion = Motion(sized, film, np.full(9, 4.0))
+        laws = [law_of("viscous_drag", "linear", 4e-4 * size),
+                law_of("head_angle_offset", "constant", 1e-3 * size)]  # fmt: skip
+        sized = strength.with_law_strengths(trials, laws)
+        film = articulated.simulate_motion(sized, setup.robot, laws, 4.0)
+        motion = PlacedMotion(sized, film, np.full(9, 4.0))
         seen = sensitivity(setup, motion, laws)
-        found.append(sigmas(rng, setup, motion, laws, seen=seen))
+        found.append(detectability_sigmas(rng, setup, motion, laws, seen=seen))
     np.testing.assert_allclose(found[1] / found[0], 2.0, rtol=0.2)
     assert 0 < found[0][1] <= 1.02 * 1e-3 / np.deg2rad(0.3) * 3
 
 
 def test_a_fault_of_strength_zero_shows_the_null_and_another_one_does_not():
-    _, setup, trials = _short()
-    film = articulated.swim(strength.sized(trials, []), setup.robot, [], 5.0)
-    motion = Motion(trials, film, np.full(9, 4.0))
+    _, setup, trials = _shorten_trials()
+    film = articulated.simulate_motion(
+        strength.with_law_strengths(trials, []), setup.robot, [], 5.0
+    )
+    motion = PlacedMotion(trials, film, np.full(9, 4.0))
     times, turns = np.arange(1200) * 0.005, np.arange(1200) * 0.005 * 4
 
     def shown(size, form):
-        laws = [Hidden(form, size, dict.fromkeys(form.ranges, 1.0))]
-        own = replace(motion, lanes=strength.sized(trials, laws))
+        laws = [HiddenLaw(form, size, dict.fromkeys(form.ranges, 1.0))]
+        own = replace(motion, lanes=strength.with_law_strengths(trials, laws))
         own_setup = replace(setup, tracker=tracking.Tracker(1e-9, 1e-9, 0.1, 0, 0, 0))
-        content = studies.Content(own_setup, own, laws, np.zeros(1))
-        said = studies.stated(setup.scene, setup.robot, laws)
-        film = [studies.filmed(np.random.default_rng(1), content, k, times, turns)[:100, :, :2]
-                for k in range(9)]  # fmt: skip
+        content = studies.StudyContent(own_setup, own, laws, np.zeros(1))
+        said = studies.stated_setup(setup.scene, setup.robot, laws)
+        film = [
+            studies.film_detections(np.random.default_rng(1), content, k, times, turns)[:100, :, :2]
+            for k in range(9)
+        ]
         stated = [*said.pool, *said.matrix.ravel(), *said.distortion, said.index, *said.marks.flat]
         return np.concatenate([*[f.ravel() for f in film], stated])
 
@@ -384,34 +420,34 @@ def test_a_fault_of_strength_zero_shows_the_null_and_another_one_does_not():
 
 
 def test_fins_make_straight_swimming_stable():
-    rng, setup, _ = _short()
-    for form in (f for f in plan.CATALOGUE if f.cause == plan.FIN):
+    rng, setup, _ = _shorten_trials()
+    for form in (f for f in plan.CATALOGUE if f.cause == plan.FIN_CAUSE):
         fin = strength.draw_fin(rng, setup.lanes, setup.robot, form, setup.pool)
-        assert strength.stability(setup.lanes, setup.robot, [fin]) < 0
-        assert strength.stability(setup.lanes, setup.robot, []) > 0.5
+        assert strength.straight_growth_rate(setup.lanes, setup.robot, [fin]) < 0
+        assert strength.straight_growth_rate(setup.lanes, setup.robot, []) > 0.5
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def generated_studies(tmp_path_factory):
     """A null and a study with a hidden drag; nine trials each."""
     folder = tmp_path_factory.mktemp("tank")
-    few = [i for i in range(40) if plan.kind(9, i).few and not plan.kind(9, i).fin]
+    few = [i for i in range(40) if plan.study_kind(9, i).few and not plan.study_kind(9, i).fin]
     drag = next(f for f in plan.CATALOGUE if f.cause == "viscous_drag")
     return folder, [
         generate(9, i, folder, forms=f) for i, f in zip(few, ([], [drag]), strict=False)
     ]
 
 
-def test_files_are_accepted_by_the_tool(made):
-    folder, truths = made
+def test_files_are_accepted_by_the_tool(generated_studies):
+    folder, truths = generated_studies
     for truth in truths:
         done = CliRunner().invoke(main, ["check", str(folder / "studies" / truth["study"])])
         assert done.exit_code == 0, done.output
         assert "nothing wrong" in done.output
 
 
-def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(made):
-    folder, truths = made
+def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(generated_studies):
+    folder, truths = generated_studies
     for truth, hidden in zip(truths, ([], ["viscous_drag"]), strict=True):
         path = folder / "truth" / f"{truth['study']}.json"
         assert json.loads(path.read_text()) == json.loads(json.dumps(truth))
@@ -423,8 +459,8 @@ def test_truths_have_the_keys_of_the_scores_and_sigma_in_range(made):
         assert len(trials) == truth["trials"] + 1 == 10
 
 
-def test_a_series_is_reproduced(made, tmp_path):
-    folder, truths = made
+def test_a_series_is_reproduced(generated_studies, tmp_path):
+    folder, truths = generated_studies
     generate(9, truths[0]["index"], tmp_path, forms=[])
     name = truths[0]["study"]
     files = list((tmp_path / "studies" / name).rglob("*.*"))
@@ -434,9 +470,15 @@ def test_a_series_is_reproduced(made, tmp_path):
 
 
 def test_trials_begin_from_rest_last_four_seconds_and_stay_in_the_pool():
-    rng, setup, trials = _short()
-    motion = placed(rng, strength.sized(trials, []), setup.robot, [], pool=setup.pool,
-                    wanted=setup.wanted)  # fmt: skip
+    rng, setup, trials = _shorten_trials()
+    motion = simulate_placed(
+        rng,
+        strength.with_law_strengths(trials, []),
+        setup.robot,
+        [],
+        pool=setup.pool,
+        wanted=setup.wanted,
+    )
     length, width, _ = setup.pool
     for k, end in enumerate(motion.ends):
         x, y = motion.film.at(np.linspace(0, end, 50))[:, :2, k].T

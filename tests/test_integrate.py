@@ -15,13 +15,13 @@ from bluekoi.integrate.branchless import exponential, power
 from bluekoi.integrate.inlining import InlinedCode, inlined
 from bluekoi.integrate.writing import source
 from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates
+from paper_robot import PAPER_SETUP
 from pendulum import PENDULUM
-from robots import SETUP
 
 TIMES = np.arange(241) / 30
 
 
-def run(
+def simulate_first_lane(
     system: System,
     values: np.ndarray,
     inputs: np.ndarray,
@@ -48,8 +48,10 @@ def run(
     return states[0, :, :, 0]
 
 
-def swinging(values: np.ndarray, push: np.ndarray, step_s: float = 1 / 60) -> np.ndarray:
-    return run(PENDULUM, values, push[:, None], np.array([9.81]), start=(0.4, 0.0), step_s=step_s)
+def swinging_pendulum(values: np.ndarray, push: np.ndarray, step_s: float = 1 / 60) -> np.ndarray:
+    return simulate_first_lane(
+        PENDULUM, values, push[:, None], np.array([9.81]), start=(0.4, 0.0), step_s=step_s
+    )
 
 
 def exact_pendulum(c: float, k: float, push: np.ndarray) -> np.ndarray:
@@ -65,7 +67,7 @@ def exact_pendulum(c: float, k: float, push: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("k", [0.0, 0.2])
 def test_any_system_with_inputs_that_run_and_forces_that_know_the_time(k: float) -> None:
     push = 0.5 * np.sin(3.0 * TIMES)
-    found = swinging(np.array([0.1, k]), push)[-1]
+    found = swinging_pendulum(np.array([0.1, k]), push)[-1]
     assert found == pytest.approx(exact_pendulum(0.1, k, push), abs=2e-6)
 
 
@@ -79,10 +81,17 @@ def test_a_gap_in_one_trial_takes_small_steps_there_and_changes_no_other() -> No
         times=np.array([TIMES, late]), inputs=np.array([push, push])[:, :, None],
         keep_states=True,
     )[1]  # fmt: skip
-    alone = swinging(np.array([0.1, 0.2]), push)
+    alone = swinging_pendulum(np.array([0.1, 0.2]), push)
     assert np.array_equal(both[0, :, :, 0], alone)
-    fine = run(PENDULUM, np.array([0.1, 0.2]), push[:, None], np.array([9.81]), start=(0.4, 0.0),
-               times=late, step_s=1e-3)  # fmt: skip
+    fine = simulate_first_lane(
+        PENDULUM,
+        np.array([0.1, 0.2]),
+        push[:, None],
+        np.array([9.81]),
+        start=(0.4, 0.0),
+        times=late,
+        step_s=1e-3,
+    )
     assert both[1, -1, :, 0] == pytest.approx(fine[-1], abs=2e-6)
 
 
@@ -91,42 +100,52 @@ def test_film_rates_need_no_more_steps_than_round_ones(frames_hz: float) -> None
     """Two steps a frame at 29.97/s, as at 30/s: the same error as steps of exactly that length."""
     times = np.arange(100) / frames_hz
     push = np.full(len(times), 0.3)[:, None]
-    ends = [run(PENDULUM, np.array([0.1, 0.2]), push, np.array([9.81]), start=(0.4, 0.0),
-                times=times, step_s=step) for step in (1 / 60, 0.5001 * 2 / 59.94)]  # fmt: skip
+    ends = [
+        simulate_first_lane(
+            PENDULUM,
+            np.array([0.1, 0.2]),
+            push,
+            np.array([9.81]),
+            start=(0.4, 0.0),
+            times=times,
+            step_s=step,
+        )
+        for step in (1 / 60, 0.5001 * 2 / 59.94)
+    ]
     assert np.array_equal(*ends)
 
 
 @pytest.mark.parametrize("k", [0.0, 0.2])
 def test_order_of_convergence_is_four_with_effects_and_without(k: float) -> None:
     push = np.full(len(TIMES), 0.3)
-    ends = [swinging(np.array([0.1, k]), push, 1 / n)[-1] for n in (30, 60, 120, 960)]
+    ends = [swinging_pendulum(np.array([0.1, k]), push, 1 / n)[-1] for n in (30, 60, 120, 960)]
     errors = [np.abs(end - ends[-1]).max() for end in ends[:3]]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all((orders > 3.7) & (orders < 4.6)), orders
 
 
-def command(power: int) -> tuple[np.ndarray, np.ndarray]:
+def turn_commands(power: int) -> tuple[np.ndarray, np.ndarray]:
     """Head angle and flapping frequency over time: a turn to one side, then to the other."""
     inputs = np.column_stack([
         np.radians(40) * np.tanh(2 * (TIMES - 4.0)),
         FLAP_HZ[power] * (1 - 0.3 * (TIMES > 6.0)),
     ])  # fmt: skip
-    return inputs, constants(SETUP, 0.12)
+    return inputs, constants(PAPER_SETUP, 0.12)
 
 
-def turning(effects: dict[str, dict[str, float]], start: Sequence[float]) -> np.ndarray:
-    inputs, fixed = command(75)
+def turning_robot(effects: dict[str, dict[str, float]], start: Sequence[float]) -> np.ndarray:
+    inputs, fixed = turn_commands(75)
     values = plates().values(TABLE_1[75], effects)
-    return run(plates(), values, inputs, fixed, start=start)
+    return simulate_first_lane(plates(), values, inputs, fixed, start=start)
 
 
-NOTHING = {"tail_fin_lift": {"lift_area": 1e-300}}
+EFFECT_OF_NO_SIZE = {"tail_fin_lift": {"lift_area": 1e-300}}
 """An effect that is on and does nothing: sends the integrator its general way."""
 
 
 def test_the_general_way_gives_what_the_fast_one_gives() -> None:
     start = (0.3, 0.4, 0.2, 0.1, 0.0, 0.0)
-    fast, general = turning({}, start), turning(NOTHING, start)
+    fast, general = turning_robot({}, start), turning_robot(EFFECT_OF_NO_SIZE, start)
     assert general[:, :6] == pytest.approx(fast[:, :6], abs=1e-11)
     assert np.abs(fast[-1]).max() > 0.5
 
@@ -134,33 +153,36 @@ def test_the_general_way_gives_what_the_fast_one_gives() -> None:
 def test_the_general_way_gives_what_the_way_with_random_forces_gives() -> None:
     pushed = (0.3, 0.4, 0.2, 0.1, 0.0, 0.0, 5e-3, -4e-3, 3e-4)
     random = {"disturbance": {"present": 1.0, "tau_surge": 0.7, "tau_sway": 0.7, "tau_yaw": 0.7}}
-    fast, general = turning(random, pushed), turning(random | NOTHING, pushed)
+    fast, general = turning_robot(random, pushed), turning_robot(random | EFFECT_OF_NO_SIZE, pushed)
     absent = plates().effect("tail_fin_lift").states  # followed by the general way alone
     both = [i for i, state in enumerate(plates().all_states) if state not in absent]
     assert general[:, both] == pytest.approx(fast[:, both], abs=1e-11)
-    still = turning({}, pushed[:6])
+    still = turning_robot({}, pushed[:6])
     assert np.abs(fast[-1, :6] - still[-1, :6]).max() > 1e-3
     assert fast[-1, 6] == pytest.approx(5e-3 * math.exp(-8 / 0.7), rel=1e-4)
 
 
 def test_effects_that_change_the_command_reach_what_is_held() -> None:
     """A head that is set off by 5 degrees turns like one that was commanded so."""
-    fixed, values = constants(SETUP, 0.12), TABLE_1[75]
+    fixed, values = constants(PAPER_SETUP, 0.12), TABLE_1[75]
     inputs = np.tile([math.radians(30), 4.02], (241, 1))
     off = plates().values(values, {"head_angle_offset": {"offset": math.radians(5)}})
-    set_off = run(plates(), off, inputs, fixed, start=[0.0] * 6)
+    set_off = simulate_first_lane(plates(), off, inputs, fixed, start=[0.0] * 6)
     inputs[:, 0] += math.radians(5)
-    reported = run(plates(), plates().values(values), inputs, fixed, start=[0.0] * 6)
+    reported = simulate_first_lane(
+        plates(), plates().values(values), inputs, fixed, start=[0.0] * 6
+    )
     assert set_off[:, :6] == pytest.approx(reported[:, :6], abs=1e-10)
 
 
 def test_accuracy_over_eight_seconds_of_a_schedule() -> None:
     """Below 0.1 mm and 0.05 degrees at 1/60 s, against the same at 1/1920 s."""
-    inputs, fixed = command(100)
+    inputs, fixed = turn_commands(100)
     values = plates().values(TABLE_1[100])
     start = (0.3, 0.4, 0.2, 0.0, 0.0, 0.0)
     coarse, fine = (
-        run(plates(), values, inputs, fixed, start=start, step_s=s) for s in (1 / 60, 1 / 1920)
+        simulate_first_lane(plates(), values, inputs, fixed, start=start, step_s=s)
+        for s in (1 / 60, 1 / 1920)
     )
     assert np.hypot(*(coarse - fine)[:, :2].T).max() < 1e-4
     assert np.abs(coarse - fine)[:, 2].max() < math.radians(0.05)
@@ -192,19 +214,19 @@ def test_a_function_that_asks_for_what_nobody_gives_is_named() -> None:
         source(replace(PENDULUM, stages=stages), general=False)
 
 
-def bent(x: float) -> float:
+def function_with_branch(x: float) -> float:
     return x if x > 0 else -x
 
 
-def helped(x: float, zero: float) -> tuple[float, float]:
-    twice = 2.0 * bent(x + 1.0)
+def function_with_helper(x: float, zero: float) -> tuple[float, float]:
+    twice = 2.0 * function_with_branch(x + 1.0)
     return twice + zero * x, math.pi * zero
 
 
 def test_straight_lines_are_written_out_and_branches_called() -> None:
     lines = InlinedCode()
-    values = inlined(helped, ["a", "0.0"], lines)
-    assert list(lines.called.values()) == [bent]
+    values = inlined(function_with_helper, ["a", "0.0"], lines)
+    assert list(lines.called.values()) == [function_with_branch]
     (name,) = lines.called
     assert lines.written == [
         "given_1 = a + 1.0", f"out_2 = {name}(given_1)", "twice_3 = 2.0 * out_2",

@@ -12,12 +12,12 @@ from bluekoi.keypoints.outline.plane import Plane
 CORNERS = np.array([[10.0, 290.0], [390.0, 290.0], [390.0, 10.0], [10.0, 10.0]])
 
 
-def plane(px_per_bl: float) -> Plane:
+def make_plane(px_per_bl: float) -> Plane:
     nothing = np.zeros((2, 2, 2))
     return Plane(nothing, nothing, np.zeros((2, 2)), np.zeros((2, 2)), CORNERS, px_per_bl)
 
 
-def pictures(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)):
+def pictures_of_bodies(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)):
     """Five pictures of bodies that move from one to the next, on a noisy floor."""
     rng = np.random.default_rng(3)
     for k in range(5):
@@ -41,5 +41,5 @@ def pictures(bodies: int, contrast: int = 80, half_px: tuple[int, int] = (40, 7)
     ids=["too small", "no contrast", "another size", "several bodies", "another shape"],
 )
 def test_the_reason_names_size_contrast_number_or_shape(seen, px_per_bl, words):
-    text = absence_reason(list(pictures(*seen)), plane(px_per_bl), 1.0)
+    text = absence_reason(list(pictures_of_bodies(*seen)), make_plane(px_per_bl), 1.0)
     assert all(word in text for word in words), text

@@ -14,7 +14,7 @@ from bluekoi.study import Setup
 CORNERS = ((60.0, 420.0), (580.0, 420.0), (580.0, 100.0), (60.0, 100.0))
 
 
-def plane() -> Plane:
+def make_plane() -> Plane:
     """A pool of 2.6 x 1.6 m seen straight from above at 200 px per m."""
     robot = {
         "mass_kg": 1, "yaw_inertia_kg_m2": 0.005, "body_length_m": 0.3, "head_length_m": 0.12,
@@ -23,7 +23,7 @@ def plane() -> Plane:
     return swimming_plane(Setup(robot=robot, camera={"pool_corners_px": CORNERS}))
 
 
-def pool(move: np.ndarray | None = None) -> np.ndarray:
+def pool_picture(move: np.ndarray | None = None) -> np.ndarray:
     """Picture of a tiled pool with a wall, moved by an affine matrix (2, 3)."""
     image = np.full((520, 680), 90.0, np.float32)
     image[100:421, 60:581] = 190.0
@@ -33,7 +33,7 @@ def pool(move: np.ndarray | None = None) -> np.ndarray:
     return image if move is None else cv2.warpAffine(image, move, image.shape[::-1])
 
 
-def film(pictures: list[np.ndarray], noise: float = 3.0) -> list[Frame]:
+def noisy_frames(pictures: list[np.ndarray], noise: float = 3.0) -> list[Frame]:
     """Frames with noise that is one pattern shifted about, as a sensor's readout may give."""
     rng = np.random.default_rng(1)
     grain = rng.normal(0.0, noise, pictures[0].shape)
@@ -42,7 +42,7 @@ def film(pictures: list[np.ndarray], noise: float = 3.0) -> list[Frame]:
     return [Frame(i, 0.5 * i, image) for i, image in enumerate(noisy)]
 
 
-def turned(degrees: float, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+def rotation_and_shift(degrees: float, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     move = cv2.getRotationMatrix2D((340.0, 260.0), degrees, 1.0)
     move[:, 2] += shift
     return move
@@ -50,25 +50,30 @@ def turned(degrees: float, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarra
 
 @pytest.mark.parametrize("noise", [0.5, 3.0, 8.0])
 def test_a_still_camera_is_not_said_to_move(noise):
-    assert camera_remarks(film([pool()] * 6, noise), plane()) == ()
+    assert camera_remarks(noisy_frames([pool_picture()] * 6, noise), make_plane()) == ()
 
 
 def test_shifts_are_found_to_a_tenth_of_a_pixel():
-    moved = film([pool(), pool(turned(0.0, (3.3, -1.6)))])
-    found = corner_shifts(moved, plane())
+    moved = noisy_frames([pool_picture(), pool_picture(rotation_and_shift(0.0, (3.3, -1.6)))])
+    found = corner_shifts(moved, make_plane())
     np.testing.assert_allclose(found[1], np.tile([3.3, -1.6], (4, 1)), atol=0.1)
 
 
-@pytest.mark.parametrize("move", [turned(0.0, (1.5, 0.5)), turned(0.4)])
+@pytest.mark.parametrize("move", [rotation_and_shift(0.0, (1.5, 0.5)), rotation_and_shift(0.4)])
 def test_a_sudden_motion_is_reported_with_its_time(move):
-    reported = camera_remarks(film([pool()] * 3 + [pool(move)] * 3), plane())
+    reported = camera_remarks(
+        noisy_frames([pool_picture()] * 3 + [pool_picture(move)] * 3), make_plane()
+    )
     assert len(reported) == 1
     assert "the camera moved by about" in reported[0]
     assert "between 1.00 s and 1.50 s" in reported[0]
 
 
 def test_a_slow_drift_is_reported_as_stabilisation():
-    reported = camera_remarks(film([pool(turned(0.0, (0.45 * i, 0.0))) for i in range(6)]), plane())
+    reported = camera_remarks(
+        noisy_frames([pool_picture(rotation_and_shift(0.0, (0.45 * i, 0.0))) for i in range(6)]),
+        make_plane(),
+    )
     assert len(reported) == 1
     assert "drifts by about 2." in reported[0]
 

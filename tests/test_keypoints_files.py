@@ -15,10 +15,10 @@ from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, source_module, source_names
 from bluekoi.keypoints.files.noise import white_noise_px
 from bluekoi.study import Trial
-from whole_files import read_whole
+from keypoint_files import read_all_parts
 
 
-def trial(**changes) -> Trial:
+def make_trial(**changes) -> Trial:
     values = {
         "trial_id": "T01", "source": "k.csv", "power_pct": 50, "head_angle_deg": 0,
         "head_length_m": 0.12, "fps": 30.0,
@@ -26,7 +26,7 @@ def trial(**changes) -> Trial:
     return Trial(**(values | changes))
 
 
-def table(parts=PARTS, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
+def keypoint_rows(parts=PARTS, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
     coords = ["x", "y", "likelihood"] if likelihood else ["x", "y"]
     head = [["scorer", *["s"] * len(parts) * len(coords)]]
     if who:
@@ -41,7 +41,7 @@ def table(parts=PARTS, rows=4, *, who=None, likelihood=True) -> list[list[str]]:
     return head + body
 
 
-def save(path: Path, rows: list[list[str]]) -> Path:
+def write_csv(path: Path, rows: list[list[str]]) -> Path:
     path.write_text("\n".join(",".join(row) for row in rows) + "\n", encoding="utf-8")
     return path
 
@@ -54,7 +54,7 @@ def test_sources_are_the_modules_of_the_folder():
 
 
 def test_plain_csv(tmp_path):
-    found = deeplabcut.read(save(tmp_path / "k.csv", table()), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k.csv", keypoint_rows()), make_trial())
     assert found.names == PARTS
     assert found.time_s == pytest.approx(np.arange(4) / 30)
     assert found.part("core_center")[3] == pytest.approx([23, 2])
@@ -62,91 +62,91 @@ def test_plain_csv(tmp_path):
 
 
 def test_columns_are_found_by_name_in_any_order(tmp_path):
-    rows = table()
+    rows = keypoint_rows()
     order = [0, *np.random.default_rng(1).permutation(np.arange(1, len(rows[0])))]
-    shuffled = save(tmp_path / "s.csv", [[row[i] for i in order] for row in rows])
-    plain = save(tmp_path / "p.csv", rows)
-    a, b = deeplabcut.read(shuffled, trial()), deeplabcut.read(plain, trial())
+    shuffled = write_csv(tmp_path / "s.csv", [[row[i] for i in order] for row in rows])
+    plain = write_csv(tmp_path / "p.csv", rows)
+    a, b = deeplabcut.read(shuffled, make_trial()), deeplabcut.read(plain, make_trial())
     np.testing.assert_array_equal(a.xy_px, b.xy_px)
 
 
 def test_first_row_without_values_is_kept(tmp_path):
-    rows = table()
+    rows = keypoint_rows()
     rows[3] = ["0", *[""] * (len(rows[0]) - 1)]
-    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert len(found.time_s) == 4
     assert np.isnan(found.xy_px[0]).all()
     assert np.all(found.likelihood[0] == 0)
 
 
 def test_missing_position_has_no_likelihood_whatever_the_file_says(tmp_path):
-    rows = table()
+    rows = keypoint_rows()
     rows[4][1:4] = ["", "", "1.0"]
     rows[5][1:4] = ["0.0", "0.0", "0.0"]
-    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert found.likelihood[1, 0] == 0.0
     assert np.isnan(found.xy_px[2, 0]).all()
 
 
 def test_likelihoods_in_percent_are_reported_with_their_row(tmp_path):
-    rows = table()
+    rows = keypoint_rows()
     rows[4][3] = "92"
     with pytest.raises(InputError, match=r"row 5: found a likelihood of 92; expected 0 to 1"):
-        deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+        deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
 
 
 def test_labels_without_likelihood_and_picture_paths(tmp_path):
-    rows = table(likelihood=False)
+    rows = keypoint_rows(likelihood=False)
     for i, row in enumerate(rows[3:]):
         row[0] = f"labeled-data/v/img{10 * i:04d}.png"
-    found = deeplabcut.read(save(tmp_path / "CollectedData_x.csv", rows), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "CollectedData_x.csv", rows), make_trial())
     assert found.time_s == pytest.approx(np.arange(4) * 10 / 30)
     assert np.all(found.likelihood == 1.0)
 
 
 def test_of_several_animals_the_one_with_the_parts_is_taken(tmp_path):
-    ours, other = table(who="fish"), table(("nose", "tail"), who="toy")
+    ours, other = keypoint_rows(who="fish"), keypoint_rows(("nose", "tail"), who="toy")
     rows = [a + b[1:] for a, b in zip(ours, other, strict=True)]
-    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert found.names == PARTS
-    assert read_whole(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
+    assert read_all_parts(tmp_path / "k.csv", 30).names[-1] == "toy/tail"
 
 
 def test_of_two_robots_the_one_seen_most_is_taken_and_reported(tmp_path):
-    ours, other = table(who="fish"), table(who="toy")
+    ours, other = keypoint_rows(who="fish"), keypoint_rows(who="toy")
     for row in other[4:6]:
         row[1:] = [""] * (len(row) - 1)
     rows = [a + b[1:] for a, b in zip(other, ours, strict=True)]
-    found = deeplabcut.read(save(tmp_path / "k.csv", rows), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k.csv", rows), make_trial())
     assert np.isfinite(found.xy_px).all()
     assert any("toy" in remark for remark in found.remarks)
 
 
 def test_body_parts_are_mapped_names_with_spaces_too(tmp_path):
     names = ("Nose tip", "hinge", "Butt/Proximal Tail", "tail_base", "tail_tip")
-    path = save(tmp_path / "k.csv", table(names))
+    path = write_csv(tmp_path / "k.csv", keypoint_rows(names))
     mapped = {"head_tip": "Nose tip", "core_center": "Butt/Proximal Tail"}
-    assert deeplabcut.read(path, trial(), mapped).names == PARTS
+    assert deeplabcut.read(path, make_trial(), mapped).names == PARTS
     with pytest.raises(InputError, match="no head_tip"):
-        deeplabcut.read(path, trial())
+        deeplabcut.read(path, make_trial())
 
 
 def test_parts_that_are_not_needed_may_be_missing(tmp_path):
-    path = save(tmp_path / "k.csv", table(("head_tip", "core_center", "tail_base")))
-    assert deeplabcut.read(path, trial()).names == ("head_tip", "core_center", "tail_base")
+    path = write_csv(tmp_path / "k.csv", keypoint_rows(("head_tip", "core_center", "tail_base")))
+    assert deeplabcut.read(path, make_trial()).names == ("head_tip", "core_center", "tail_base")
 
 
 def test_filtered_files_are_reported(tmp_path):
-    found = deeplabcut.read(save(tmp_path / "k_filtered.csv", table()), trial())
+    found = deeplabcut.read(write_csv(tmp_path / "k_filtered.csv", keypoint_rows()), make_trial())
     assert any("filtered" in remark for remark in found.remarks)
 
 
 def test_part_of_the_recording(tmp_path):
-    path = save(tmp_path / "k.csv", table(rows=60))
-    found = deeplabcut.read(path, trial(start_s=0.5, end_s=1.0))
+    path = write_csv(tmp_path / "k.csv", keypoint_rows(rows=60))
+    found = deeplabcut.read(path, make_trial(start_s=0.5, end_s=1.0))
     assert found.time_s[[0, -1]] == pytest.approx([0.5, 1.0])
     with pytest.raises(InputError, match="no frame in that part"):
-        deeplabcut.read(path, trial(start_s=50.0))
+        deeplabcut.read(path, make_trial(start_s=50.0))
 
 
 @pytest.mark.parametrize(
@@ -167,9 +167,9 @@ def test_part_of_the_recording(tmp_path):
     ],
 )
 def test_wrong_files_are_reported_with_the_place(tmp_path, change, message):
-    path = save(tmp_path / "k.csv", change(table()))
+    path = write_csv(tmp_path / "k.csv", change(keypoint_rows()))
     with pytest.raises(InputError, match=message) as caught:
-        deeplabcut.read(path, trial())
+        deeplabcut.read(path, make_trial())
     assert "k.csv" in str(caught.value)
 
 
@@ -181,7 +181,7 @@ def test_any_text_is_read_or_a_fault(tmp_path, text):
     path = tmp_path / "f.csv"
     path.write_text("scorer,s,s\n" + text, encoding="utf-8", newline="")
     with pytest.raises(InputError, match=r"f\.csv"):
-        deeplabcut.read(path, trial())
+        deeplabcut.read(path, make_trial())
 
 
 def test_what_is_written_is_read_back(tmp_path):
@@ -194,7 +194,7 @@ def test_what_is_written_is_read_back(tmp_path):
     time_s = np.cumsum(rng.uniform(0.02, 0.05, 20))
     given_points = Keypoints(time_s, PARTS, xy, likelihood, cov)
     deeplabcut.write(tmp_path / "T01.csv", given_points)
-    found = deeplabcut.read(tmp_path / "T01.csv", trial())
+    found = deeplabcut.read(tmp_path / "T01.csv", make_trial())
     assert (tmp_path / "T01.cov.csv").is_file()
     np.testing.assert_allclose(found.xy_px, xy, rtol=1e-5)
     np.testing.assert_allclose(found.cov_px2, cov, rtol=1e-6)
@@ -226,7 +226,7 @@ FILES = [
 @pytest.mark.recordings
 @pytest.mark.parametrize(("name", "frames", "parts"), FILES)
 def test_other_peoples_files_read_whole(recordings, name, frames, parts):
-    found = read_whole(recordings / name, 30.0)
+    found = read_all_parts(recordings / name, 30.0)
     assert found.xy_px.shape == (frames, parts, 2)
     assert np.all(found.likelihood[np.isnan(found.xy_px[..., 0])] == 0)
 
@@ -234,7 +234,7 @@ def test_other_peoples_files_read_whole(recordings, name, frames, parts):
 @pytest.mark.recordings
 def test_blank_first_row_of_a_real_file_is_kept(recordings):
     name = "dlc_csv/ethome_openfield_dlc_inference_example_missingdata.csv"
-    found = read_whole(recordings / name, 30.0)
+    found = read_all_parts(recordings / name, 30.0)
     assert found.time_s[0] == 0.0
     assert np.isnan(found.part("snout")[0]).all()
     assert np.isfinite(found.part("leftear")[0]).all()
@@ -243,7 +243,7 @@ def test_blank_first_row_of_a_real_file_is_kept(recordings):
 @pytest.mark.recordings
 def test_zebrafish_files_read(recordings):
     files = sorted((recordings / "zebrafish_kinematics" / "dlc").glob("*.csv"))
-    found = [read_whole(path, 1000.0) for path in files]
+    found = [read_all_parts(path, 1000.0) for path in files]
     assert len(found) == 7
     assert all(one.names == ("TS", "S1", "S2", "T1", "T2", "T3", "T4") for one in found)
 
@@ -253,7 +253,7 @@ def test_a_sleap_project_names_reader_and_export_where_it_cannot_be_read(tmp_pat
     path = tmp_path / "fish.slp"
     path.write_bytes(b"x")
     with pytest.raises(InputError, match=r"pip install sleap-io.*Export Analysis HDF5"):
-        read_whole(path, 30.0)
+        read_all_parts(path, 30.0)
 
 
 def test_a_sleap_project_is_read_through_sleaps_own_reader(tmp_path):
@@ -269,7 +269,7 @@ def test_a_sleap_project_is_read_through_sleaps_own_reader(tmp_path):
     ]  # fmt: skip
     path = tmp_path / "fish.slp"
     sleap_io.Labels(videos=[video], skeletons=[skeleton], labeled_frames=frames).save(str(path))
-    found = read_whole(path, 30.0)
+    found = read_all_parts(path, 30.0)
     assert found.names == ("nose", "hinge")
     np.testing.assert_allclose(found.xy_px, points, atol=1e-4)
     np.testing.assert_allclose(found.likelihood, 0.8, atol=1e-6)

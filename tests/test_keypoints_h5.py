@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_keypoints_files import trial
+from test_keypoints_files import make_trial
 
 from bluekoi.data import PARTS
 from bluekoi.errors import InputError
 from bluekoi.keypoints import deeplabcut, sleap
 from bluekoi.keypoints.files.pickle_literals import NotLiteral, parse_literal
-from whole_files import read_whole
+from keypoint_files import read_all_parts
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n" + b"\0" * 90, b"scorer\n"])
@@ -25,10 +25,10 @@ def test_damaged_h5_is_a_fault(tmp_path, content):
     path = tmp_path / "k.h5"
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"k\.h5"):
-        deeplabcut.read(path, trial())
+        deeplabcut.read(path, make_trial())
 
 
-def fixed_h5(path: Path, **changes) -> Path:
+def write_fixed_h5(path: Path, **changes) -> Path:
     """A DataFrame in pandas' fixed format, as DeepLabCut's older files are."""
     names = {"scorer": ["s"], "bodyparts": list(PARTS), "coords": ["x", "y", "likelihood"]}
     codes = {
@@ -52,24 +52,24 @@ def fixed_h5(path: Path, **changes) -> Path:
 def test_fixed_h5(tmp_path):
     values = np.arange(90, dtype=float).reshape(6, 15)
     values[:, 2::3] = 0.5
-    found = deeplabcut.read(fixed_h5(tmp_path / "k.h5", values=values), trial())
+    found = deeplabcut.read(write_fixed_h5(tmp_path / "k.h5", values=values), make_trial())
     assert found.names == PARTS
     assert found.xy_px[2, 1] == pytest.approx(values[2, 3:5])
 
 
 def test_links_out_of_an_h5_are_refused(tmp_path):
     link = h5py.ExternalLink("/etc/other.h5", "/values")
-    path = fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
+    path = write_fixed_h5(tmp_path / "k.h5", more={"block0_values": link})
     with pytest.raises(InputError, match="link to elsewhere"):
-        deeplabcut.read(path, trial())
+        deeplabcut.read(path, make_trial())
 
 
-class Evil:
+class MaliciousPickle:
     def __reduce__(self):
         return (Path.touch, (Path("unpickled"),))
 
 
-def table_h5(path: Path, names: bytes) -> Path:
+def write_table_h5(path: Path, names: bytes) -> Path:
     rows = np.zeros(4, dtype=[("index", "<i8"), ("values_block_0", "<f8", (15,))])
     rows["index"] = np.arange(4)
     rows["values_block_0"] = np.arange(15) / 20
@@ -85,13 +85,13 @@ def table_h5(path: Path, names: bytes) -> Path:
 def test_column_names_of_a_table_are_read_not_unpickled(tmp_path, protocol, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = [("s", p, c) for p in PARTS for c in ("x", "y", "likelihood")]
-    good = table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
-    assert deeplabcut.read(good, trial()).names == PARTS
-    bad = table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], Evil()], 0))
+    good = write_table_h5(tmp_path / "k.h5", pickle.dumps(names, 0))
+    assert deeplabcut.read(good, make_trial()).names == PARTS
+    bad = write_table_h5(tmp_path / "e.h5", pickle.dumps([*names[:-1], MaliciousPickle()], 0))
     with pytest.raises(InputError, match="no readable h5"):
-        deeplabcut.read(bad, trial())
+        deeplabcut.read(bad, make_trial())
     with pytest.raises(NotLiteral):
-        parse_literal(pickle.dumps(Evil(), protocol))
+        parse_literal(pickle.dumps(MaliciousPickle(), protocol))
     assert not (tmp_path / "unpickled").exists()
 
 
@@ -131,7 +131,7 @@ def test_any_bytes_are_a_literal_or_refused(content):
         assert isinstance(parse_literal(content), (str, int, float, list, tuple, dict, type(None)))
 
 
-def sleap_h5(path: Path, tracks: int = 1) -> Path:
+def write_sleap_h5(path: Path, tracks: int = 1) -> Path:
     values = np.arange(tracks * 2 * 5 * 7, dtype=float).reshape(tracks, 2, 5, 7)
     values[:1, :, 2, 3] = np.nan
     with h5py.File(path, "w") as file:
@@ -143,29 +143,29 @@ def sleap_h5(path: Path, tracks: int = 1) -> Path:
 
 
 def test_sleap_is_distinguished_from_deeplabcut(tmp_path):
-    path = sleap_h5(tmp_path / "a.analysis.h5")
-    found = deeplabcut.read(path, trial())
+    path = write_sleap_h5(tmp_path / "a.analysis.h5")
+    found = deeplabcut.read(path, make_trial())
     assert found.names == PARTS
     assert found.xy_px[4, 1] == pytest.approx([7 + 4, 35 + 7 + 4])
     assert found.likelihood[3, 2] == 0.0
-    np.testing.assert_array_equal(sleap.read(path, trial()).xy_px, found.xy_px)
+    np.testing.assert_array_equal(sleap.read(path, make_trial()).xy_px, found.xy_px)
 
 
 def test_sleap_of_two_tracks_takes_one_and_reports_it(tmp_path):
-    found = deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=2), trial())
+    found = deeplabcut.read(write_sleap_h5(tmp_path / "a.h5", tracks=2), make_trial())
     assert any("fish" in remark for remark in found.remarks)
 
 
 def test_sleap_without_a_track_is_reported(tmp_path):
     with pytest.raises(InputError, match="no tracked animal"):
-        deeplabcut.read(sleap_h5(tmp_path / "a.h5", tracks=0), trial())
+        deeplabcut.read(write_sleap_h5(tmp_path / "a.h5", tracks=0), make_trial())
 
 
 @pytest.mark.recordings
 def test_csv_and_h5_of_the_same_network_agree(recordings):
     folder = recordings / "openfield_mouse" / "predictions"
     stem = "m3v1mp4DLC_resnet50_openfieldAug20shuffle1_30000"
-    a = read_whole(folder / f"{stem}.csv", 30.0)
-    b = read_whole(folder / f"{stem}.h5", 30.0)
+    a = read_all_parts(folder / f"{stem}.csv", 30.0)
+    b = read_all_parts(folder / f"{stem}.h5", 30.0)
     assert a.names == b.names == ("snout", "leftear", "rightear", "tailbase")
     np.testing.assert_allclose(a.xy_px, b.xy_px)

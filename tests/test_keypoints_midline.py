@@ -15,16 +15,16 @@ from bluekoi.keypoints.midline.midline_fit import BendingTemplate, midline
 from bluekoi.keypoints.midline.track import Fit, Track
 from bluekoi.study import Setup, Trial
 
-SIZE = (420, 300)
+PICTURE_SIZE_PX = (420, 300)
 WHOLE, HEAD, CORE = 0.25, 0.3, 0.45
 """Tail, head and centre of mass behind the nose, in body lengths."""
-LONG = pytest.mark.long
+long_test = pytest.mark.long
 
 
 def fish_setup(body_px: float, body_length_m: float, *, start_px=None, **detection):
     """Setup and trial of a picture of `SIZE` whose body is so many px and m long."""
     scale = body_length_m / body_px
-    length, width = (side * scale for side in SIZE)
+    length, width = (side * scale for side in PICTURE_SIZE_PX)
     robot = {
         "mass_kg": 100 * body_length_m**3,
         "yaw_inertia_kg_m2": 5 * body_length_m**5,
@@ -35,7 +35,7 @@ def fish_setup(body_px: float, body_length_m: float, *, start_px=None, **detecti
         "tail_length_m": WHOLE * body_length_m,
         "keypoint_depth_m": 0.0,
     }
-    corners = ((0, SIZE[1]), SIZE, (SIZE[0], 0), (0, 0))
+    corners = ((0, PICTURE_SIZE_PX[1]), PICTURE_SIZE_PX, (PICTURE_SIZE_PX[0], 0), (0, 0))
     setup = Setup(
         pool={"length_m": length, "width_m": width, "depth_m": width},
         robot=robot,
@@ -51,7 +51,7 @@ def fish_setup(body_px: float, body_length_m: float, *, start_px=None, **detecti
     return setup, trial
 
 
-def swimming(count: int, whole_px: float, centre=(210.0, 150.0), phase: float = 0.0):
+def swimming_poses(count: int, whole_px: float, centre=(210.0, 150.0), phase: float = 0.0):
     """Poses (count, 8) px of a body that swims a circle and beats its tail."""
     at = np.arange(count) / 12 + phase
     angle, radius = 0.05 * np.arange(count) + phase, 0.9 * whole_px
@@ -62,46 +62,46 @@ def swimming(count: int, whole_px: float, centre=(210.0, 150.0), phase: float = 
     return np.column_stack([place, angle + np.pi / 2, *bends, rest])
 
 
-def drawn(poses: np.ndarray, whole_px: float, *, finer: int = 4) -> np.ndarray:
+def draw_bodies(poses: np.ndarray, whole_px: float, *, finer: int = 4) -> np.ndarray:
     """Picture (height, width) of dark tapered bodies along midlines, without noise."""
-    image = np.full((SIZE[1] * finer, SIZE[0] * finer), 180.0, np.float32)
+    image = np.full((PICTURE_SIZE_PX[1] * finer, PICTURE_SIZE_PX[0] * finer), 180.0, np.float32)
     arc = np.linspace(0, 1, 160)
     half = whole_px * np.minimum(0.085 * (1 - 0.85 * arc), np.minimum(arc, 1 - arc))
     for pose in poses:
         line, _ = midline(pose, whole_px, arc)
         for (u, v), size in zip((line + 0.5) * finer - 0.5, half * finer, strict=True):
             cv2.circle(image, (round(u), round(v)), max(1, round(size)), 60.0, -1)
-    small = cv2.resize(image, SIZE, interpolation=cv2.INTER_AREA)
+    small = cv2.resize(image, PICTURE_SIZE_PX, interpolation=cv2.INTER_AREA)
     return cv2.GaussianBlur(small, (0, 0), 0.7)
 
 
-def film_of(paths: list[np.ndarray], whole_px: float, noise: float = 4.0) -> list[Frame]:
+def film_of_paths(paths: list[np.ndarray], whole_px: float, noise: float = 4.0) -> list[Frame]:
     """Frames of bodies with poses (count, 8) each."""
     rng = np.random.default_rng(1)
     film = []
     for i in range(len(paths[0])):
-        image = drawn(np.array([path[i] for path in paths]), whole_px)
+        image = draw_bodies(np.array([path[i] for path in paths]), whole_px)
         noisy = np.clip(image + rng.normal(0, noise, image.shape), 0, 255).round()
         film.append(Frame(i, i / 50, noisy.astype(np.uint8)))
     return film
 
 
-def truth_of(path: np.ndarray, whole_px: float) -> np.ndarray:
+def true_keypoints(path: np.ndarray, whole_px: float) -> np.ndarray:
     """Keypoints (count, 5, 2) px."""
     arc = np.array([0.0, HEAD, CORE, 1.0, 1.0 + WHOLE]) / (1 + WHOLE)
     return np.array([midline(pose, whole_px, arc)[0] for pose in path])
 
 
-def errors(found: Keypoints, truth: np.ndarray) -> np.ndarray:
+def keypoint_errors(found: Keypoints, truth: np.ndarray) -> np.ndarray:
     return np.linalg.norm(found.xy_px - truth, axis=2)
 
 
 @pytest.mark.parametrize("whole_px", [41.0, 80.0])
 def test_a_bending_body_is_found_along_its_midline_with_the_right_deviations(whole_px):
-    path = swimming(80, whole_px)
-    film, truth = film_of([path], whole_px), truth_of(path, whole_px)
+    path = swimming_poses(80, whole_px)
+    film, truth = film_of_paths([path], whole_px), true_keypoints(path, whole_px)
     found = silhouette.detect(lambda: film, *fish_setup(whole_px / (1 + WHOLE), 0.1))
-    off = errors(found, truth)
+    off = keypoint_errors(found, truth)
     assert np.mean(found.likelihood >= 0.6) > 0.97
     assert np.all(np.median(off, axis=0)[:3] < 0.3)
     assert np.all(np.median(off, axis=0) < 0.02 * whole_px)
@@ -111,7 +111,7 @@ def test_a_bending_body_is_found_along_its_midline_with_the_right_deviations(who
     assert np.all(np.sqrt(pull.mean(axis=0)) > 0.4)
 
 
-def crossing(count: int, whole_px: float) -> list[np.ndarray]:
+def crossing_paths(count: int, whole_px: float) -> list[np.ndarray]:
     """Two bodies that swim towards each other and cross."""
     ahead = np.linspace(-95, 95, count)
     beat = 2 * np.pi * np.arange(count) / 12
@@ -126,37 +126,39 @@ def crossing(count: int, whole_px: float) -> list[np.ndarray]:
 @pytest.mark.parametrize("which", [0, 1])
 def test_the_body_at_the_first_position_is_followed_and_never_silently_exchanged(which):
     """Issue 31, several bodies: an uncertain stretch has a low likelihood."""
-    paths = crossing(70, 50.0)
-    film, truth = film_of(paths, 50.0), truth_of(paths[which], 50.0)
+    paths = crossing_paths(70, 50.0)
+    film, truth = film_of_paths(paths, 50.0), true_keypoints(paths[which], 50.0)
     setup, trial = fish_setup(40.0, 0.1, start_px=paths[which][0, :2], body="bending")
     found = silhouette.detect(lambda: film, setup, trial)
-    off = errors(found, truth)
+    off = keypoint_errors(found, truth)
     assert np.median(off[:20]) < 1.0
     assert np.mean(found.likelihood[:20] >= 0.6) > 0.9
     assert not np.any((off > 12.5) & (found.likelihood >= 0.6))
 
 
 def test_one_body_alone_is_not_doubted():
-    path = swimming(50, 50.0)
-    film = film_of([path], 50.0)
+    path = swimming_poses(50, 50.0)
+    film = film_of_paths([path], 50.0)
     found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
     assert found.remarks == ()
 
 
-def along_the_edge(count: int, whole_px: float) -> np.ndarray:
+def path_along_edge(count: int, whole_px: float) -> np.ndarray:
     """Poses (count, 8) px of a body that swims along the lower edge, its tail beating beyond it."""
     beat = 2 * np.pi * np.arange(count) / 12
-    place = np.column_stack([np.linspace(330, 90, count), SIZE[1] - 7 + 2 * np.cos(beat / 5)])
+    place = np.column_stack(
+        [np.linspace(330, 90, count), PICTURE_SIZE_PX[1] - 7 + 2 * np.cos(beat / 5)]
+    )
     bends = [0.6 * np.sin(beat), 0.3 * np.sin(beat - 0.9), 0.12 * np.sin(beat - 1.8)]
     return np.column_stack([place, np.full(count, np.pi), *bends, np.zeros((count, 2))])
 
 
 def test_points_just_outside_the_picture_are_likely_if_their_part_of_the_body_is_seen():
     """Issue 31, point 2: real fish swim along the edge, and a nose or tail leaves the picture."""
-    path = along_the_edge(90, 50.0)
-    film, truth = film_of([path], 50.0), truth_of(path, 50.0)
+    path = path_along_edge(90, 50.0)
+    film, truth = film_of_paths([path], 50.0), true_keypoints(path, 50.0)
     found = silhouette.detect(lambda: film, *fish_setup(40.0, 0.1, body="bending"))
-    off, below = errors(found, truth), truth[..., 1] - (SIZE[1] - 1)
+    off, below = keypoint_errors(found, truth), truth[..., 1] - (PICTURE_SIZE_PX[1] - 1)
     likely = found.likelihood >= 0.6
     assert np.mean(likely[below < 0]) > 0.9
     assert np.any(likely & (below > 0))
@@ -164,14 +166,14 @@ def test_points_just_outside_the_picture_are_likely_if_their_part_of_the_body_is
     assert not np.any(likely & (below > 0.2 * 50))
 
 
-def fit_at(x_bl: float, *, heading: float = 0.0, support: float = 0.95) -> Fit:
+def make_fit(x_bl: float, *, heading: float = 0.0, support: float = 0.95) -> Fit:
     """A fit at a place, in body lengths, with the same support of all parts."""
     seen = [*np.full(4, support), 1.0, 1.0, 1.0, 1.0]
     pose = np.array([x_bl, 0.0, heading, *np.zeros(5)])
     return Fit(pose, np.eye(8), np.eye(8), np.array(seen))
 
 
-def unsure_frames(fits: list[Fit | None]) -> list[int]:
+def doubted_frames(fits: list[Fit | None]) -> list[int]:
     """Frames in which a body alone, one body length long, is doubted."""
     shape, track = BendingTemplate(1.0, 0.1, np.zeros((56, 17)), 0.0), Track()
     for i, one in enumerate(fits):
@@ -181,15 +183,15 @@ def unsure_frames(fits: list[Fit | None]) -> list[int]:
 
 
 def test_a_body_alone_that_jumps_while_poorly_seen_is_doubted_until_found_four_times():
-    there = [fit_at(0.0), fit_at(0.05), fit_at(0.9, support=0.3)]
-    assert unsure_frames([*there, fit_at(0.1), fit_at(0.15)]) == [2]
-    assert unsure_frames([*there, *[fit_at(0.9)] * 5]) == [2, 3, 4]
-    assert unsure_frames([*there, None, *[fit_at(0.9)] * 5]) == [2, 4, 5, 6]
+    there = [make_fit(0.0), make_fit(0.05), make_fit(0.9, support=0.3)]
+    assert doubted_frames([*there, make_fit(0.1), make_fit(0.15)]) == [2]
+    assert doubted_frames([*there, *[make_fit(0.9)] * 5]) == [2, 3, 4]
+    assert doubted_frames([*there, None, *[make_fit(0.9)] * 5]) == [2, 4, 5, 6]
 
 
 def test_a_body_alone_that_turns_suddenly_while_well_seen_is_not_doubted():
-    turning = [fit_at(0.1 * i, heading=1.5 * i) for i in range(5)]
-    assert unsure_frames(turning) == []
+    turning = [make_fit(0.1 * i, heading=1.5 * i) for i in range(5)]
+    assert doubted_frames(turning) == []
 
 
 @pytest.mark.parametrize(
@@ -202,15 +204,15 @@ def test_a_body_alone_that_turns_suddenly_while_well_seen_is_not_doubted():
 )
 def test_no_robot_found_says_the_likely_reason_with_numbers_and_a_remedy(body_px, whole_px, said):
     """Issue 31, point 5."""
-    paths = [swimming(20, whole_px)] if whole_px else [np.full((20, 8), -500.0)]
-    film = film_of(paths, max(whole_px, 1.0))
+    paths = [swimming_poses(20, whole_px)] if whole_px else [np.full((20, 8), -500.0)]
+    film = film_of_paths(paths, max(whole_px, 1.0))
     found = silhouette.detect(lambda: film, *fish_setup(body_px, 0.1, body="rigid"))
     assert np.all(found.likelihood == 0.0)
     assert any(remark.startswith("No robot was found: ") and said in remark
                for remark in found.remarks)  # fmt: skip
 
 
-COLUMNS = ["xHead", "yHead", "xBody", "yBody", "xTail", "yTail"]
+TRACK_COLUMNS = ["xHead", "yHead", "xBody", "yBody", "xTail", "yTail"]
 FISH_PX, TAIL_SHARE = 41.0, 0.25
 
 
@@ -222,12 +224,12 @@ def real_fish(folder) -> tuple[np.ndarray, np.ndarray]:
         pictures.append(read[1][..., 1])
     rows = np.genfromtxt(folder / "tracking.txt", names=True)
     places = np.full((14, len(pictures), 3, 2), np.nan)
-    values = np.column_stack([rows[name] for name in COLUMNS]).reshape(-1, 3, 2)
+    values = np.column_stack([rows[name] for name in TRACK_COLUMNS]).reshape(-1, 3, 2)
     places[rows["id"].astype(int), rows["imageNumber"].astype(int)] = values
     return np.array(pictures), places
 
 
-def from_segment(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
+def distance_from_body(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
     """Distance (height, width) px from a body's head, middle and tail, its tail carried on."""
     v, u = np.indices(shape)
     line = np.concatenate([body, [2 * body[2] - body[1]]])
@@ -240,7 +242,7 @@ def from_segment(shape: tuple[int, int], body: np.ndarray) -> np.ndarray:
     return nearest
 
 
-def alone(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
+def film_of_one_fish(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
     """The film with all other fish painted over."""
     rng = np.random.default_rng(which)
     empty = np.median(pictures[::4], axis=0)
@@ -252,11 +254,11 @@ def alone(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
         values[~seen] = np.interp(frames[~seen], frames[seen], values[seen])
     film = []
     for i, picture in enumerate(pictures):
-        own = from_segment(shape, full[which, i])
+        own = distance_from_body(shape, full[which, i])
         other = np.full(shape, np.inf)
         for body in np.delete(full[:, i], which, axis=0):
             if np.hypot(*(body[1] - full[which, i, 1])) < 120:
-                other = np.minimum(other, from_segment(shape, body))
+                other = np.minimum(other, distance_from_body(shape, body))
         dark = cv2.dilate((empty - picture > 25).astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
         gone = (dark & (own > 28)) | ((other < 16) & (other < own) & (own > 3))
         painted = np.where(gone, empty + rng.normal(0, 4.5, shape), picture)
@@ -264,7 +266,7 @@ def alone(pictures: np.ndarray, places: np.ndarray, which: int) -> list[Frame]:
     return film
 
 
-def real_setup(shape: tuple[int, int], whole_m: float):
+def real_fish_setup(shape: tuple[int, int], whole_m: float):
     """Setup and trial of the fish film, its fish stated as so many metres long."""
     setup, trial = fish_setup(FISH_PX * (1 - TAIL_SHARE), whole_m * (1 - TAIL_SHARE))
     scale = whole_m / FISH_PX
@@ -283,7 +285,10 @@ def real_setup(shape: tuple[int, int], whole_m: float):
 @pytest.mark.recordings
 @pytest.mark.parametrize(
     ("which", "whole_m"),
-    [(5, 0.005), *(pytest.param(*one, marks=LONG) for one in ((9, 0.016), (10, 0.4), (11, 5.0)))],
+    [
+        (5, 0.005),
+        *(pytest.param(*one, marks=long_test) for one in ((9, 0.016), (10, 0.4), (11, 5.0))),
+    ],
 )
 def test_a_real_fish_alone_is_found_in_nearly_all_frames(recordings, which, whole_m):
     """Issue 31, points 1 and 2: 97 % found, 90 % of these likely, none wrong at 0.9.
@@ -291,8 +296,8 @@ def test_a_real_fish_alone_is_found_in_nearly_all_frames(recordings, which, whol
     Source: FastTrack's film of 14 fish and its places; a frame counts where FastTrack has one.
     """
     pictures, places = real_fish(recordings / "fish_film")
-    film = alone(pictures, places, which)
-    found = silhouette.detect(lambda: film, *real_setup(pictures.shape[1:], whole_m))
+    film = film_of_one_fish(pictures, places, which)
+    found = silhouette.detect(lambda: film, *real_fish_setup(pictures.shape[1:], whole_m))
     head = found.xy_px[:, :2].mean(axis=1)
     off = np.linalg.norm(head - places[which, :, 0], axis=1)
     known = np.isfinite(places[which, :, 0, 0])

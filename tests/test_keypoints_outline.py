@@ -8,7 +8,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from test_keypoints_silhouette import STRAIGHT, setup_of, trial_of
+from test_keypoints_silhouette import STRAIGHT, setup_of_design, trial_of_plan
 
 from bluekoi.camera import pool_camera, pool_to_pixels
 from bluekoi.data import Frame
@@ -61,7 +61,7 @@ def test_plane_agrees_with_independent_optics():
     design = conditions_design(CONDITIONS_BY_NAME["middle"])
     trial = solve_trial(design, STRAIGHT)
     truth = frame_truth(design, trial)
-    plane = swimming_plane(setup_of(design))
+    plane = swimming_plane(setup_of_design(design))
     m, px = (truth[k].reshape(-1, 2) for k in ("keypoints_m", "keypoints_px"))
     length_m = design.tank.robot.body_length_m
     assert np.abs(plane.pixels(m / length_m) - px).max() < 0.06
@@ -73,7 +73,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     design = replace(
         conditions_design(CONDITIONS_BY_NAME["middle"]), camera=gopro_like_camera(lens)
     )
-    setup = setup_of(design)
+    setup = setup_of_design(design)
     x, y = np.meshgrid(np.linspace(0.03, 2.55, 41), np.linspace(0.02, 1.57, 29))
     places = np.column_stack([x.ravel(), y.ravel()])
     plane = swimming_plane(setup)
@@ -85,7 +85,7 @@ def test_the_plane_is_as_near_as_it_says_whatever_the_lens(lens):
     assert np.abs(plane.body_lengths(seen) * length_m - places).max() < 2e-4
 
 
-def bar() -> tuple[np.ndarray, np.ndarray]:
+def dark_bar_picture() -> tuple[np.ndarray, np.ndarray]:
     """Luma and floor of a dark bar 4 px wide, 40 px long to the right of (60, 60)."""
     floor = np.full((120, 200), 180, np.uint8)
     luma = floor.copy()
@@ -94,14 +94,14 @@ def bar() -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_a_tail_is_seen_to_end_where_it_does():
-    found = tail_length.py_func(bar(), np.array([60.0, 60.0]), 0.0, 38.0, 60.0)
+    found = tail_length.py_func(dark_bar_picture(), np.array([60.0, 60.0]), 0.0, 38.0, 60.0)
     assert found == pytest.approx(40.0, abs=1.0)
 
 
 @pytest.mark.parametrize("back", [0.0, np.pi, np.pi / 2])
 @pytest.mark.parametrize("base", [(-30, 40), (199, 60), (60, 119), (np.nan, 60), (15, 60)])
 def test_a_tail_at_the_pictures_border_has_no_length_and_reads_nothing_beyond(base, back):
-    found = tail_length.py_func(bar(), np.array(base, dtype=float), back, 38.0, 60.0)
+    found = tail_length.py_func(dark_bar_picture(), np.array(base, dtype=float), back, 38.0, 60.0)
     assert np.isnan(found)
 
 
@@ -148,7 +148,7 @@ def test_resting_body_is_bridged():
 
 def test_template_learns_the_half_widths_and_keeps_the_nose_at_the_heads_length():
     design = conditions_design(CONDITIONS_BY_NAME["middle"])
-    setup, trial = setup_of(design), trial_of(design.plans[1])
+    setup, trial = setup_of_design(design), trial_of_plan(design.plans[1])
     start = initial_template(setup.robot, trial, 0.103, 60.0)
     visible = start.visible_stations()
     shift = np.full((4, len(visible)), np.nan)

@@ -15,15 +15,15 @@ from bluekoi.keypoints import markers, silhouette
 from bluekoi.study import Setup, Trial
 from bluekoi.synthetic.conditions import CONDITIONS_BY_NAME
 from bluekoi.synthetic.design import conditions_design
-from bluekoi.synthetic.film import render_frames
+from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import camera_at, frame_truth, solve_trial
 
-RIGID = (0, 1, 2)
+RIGID_KEYPOINTS = (0, 1, 2)
 STRAIGHT, LEFT, RIGHT = "T01", "T02", "T03"
 
 
-def setup_of(design, **detection) -> Setup:
+def setup_of_design(design, **detection) -> Setup:
     camera, tank = camera_at(design, -1.0), design.tank
     (fx, fy), (cx, cy) = camera.focal_px, camera.middle_px
     robot = {name: getattr(tank.robot, name) for name in tank.robot.__dataclass_fields__}
@@ -40,7 +40,7 @@ def setup_of(design, **detection) -> Setup:
     )
 
 
-def trial_of(plan) -> Trial:
+def trial_of_plan(plan) -> Trial:
     return Trial(
         trial_id=plan.trial_id,
         source="v.mp4",
@@ -51,7 +51,9 @@ def trial_of(plan) -> Trial:
 
 
 @lru_cache(maxsize=3)
-def rendered(step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False):
+def rendered_trial(
+    step: str, name: str, *, seconds: float = 2.4, every: int = 4, colour: bool = False
+):
     """Frames, setup, trial and true keypoints (frames, 5, 2) of one rendered trial."""
     design = conditions_design(CONDITIONS_BY_NAME[step], longest_s=seconds)
     trial = solve_trial(design, name)
@@ -59,18 +61,18 @@ def rendered(step: str, name: str, *, seconds: float = 2.4, every: int = 4, colo
     thinned = replace(trial, time_s=trial.time_s[::every])
     film = []
     for i, planes in zip(number, render_frames(design, thinned), strict=True):
-        bgr = _bgr(planes) if colour else None
+        bgr = _planes_to_bgr(planes) if colour else None
         film.append(Frame(i, float(trial.time_s[i]), planes.luma, bgr))
     truth = frame_truth(design, thinned)["keypoints_px"]
-    return film, setup_of(design), trial_of(trial.plan), truth
+    return film, setup_of_design(design), trial_of_plan(trial.plan), truth
 
 
-def _bgr(planes) -> np.ndarray:
+def _planes_to_bgr(planes) -> np.ndarray:
     full = [cv2.resize(c, planes.luma.shape[::-1]) for c in planes.chroma]
     return cv2.cvtColor(np.stack([planes.luma, full[1], full[0]], axis=2), cv2.COLOR_YCrCb2BGR)
 
 
-def errors(found, truth) -> np.ndarray:
+def keypoint_errors(found, truth) -> np.ndarray:
     return np.linalg.norm(found.xy_px - truth, axis=2)
 
 
@@ -83,11 +85,11 @@ def pulls(found, truth) -> np.ndarray:
 
 @pytest.mark.parametrize("name", [STRAIGHT, LEFT, RIGHT])
 def test_middle_step_is_found_to_a_third_of_a_pixel(name):
-    film, setup, trial, truth = rendered("middle", name)
+    film, setup, trial, truth = rendered_trial("middle", name)
     found = silhouette.detect(lambda: film, setup, trial)
-    off = errors(found, truth)
+    off = keypoint_errors(found, truth)
     assert found.names == PARTS
-    assert np.all(np.median(off, axis=0)[list(RIGID)] <= 0.3)
+    assert np.all(np.median(off, axis=0)[list(RIGID_KEYPOINTS)] <= 0.3)
     assert off.max() < 3.0
     assert np.mean(found.likelihood > 0.9) > 0.97
     assert np.all(np.median(off, axis=0) < 0.5)
@@ -97,7 +99,7 @@ def test_middle_step_is_found_to_a_third_of_a_pixel(name):
 @pytest.mark.parametrize("name", [STRAIGHT, LEFT])
 def test_the_whole_length_is_seen_to_a_quarter_of_a_percent(name, stated):
     """Where the pool is stated too short, all is seen too short by the same share."""
-    film, setup, trial, _ = rendered("middle", name)
+    film, setup, trial, _ = rendered_trial("middle", name)
     pool = {k: getattr(setup.pool, k) * stated for k in ("length_m", "width_m")}
     wrong = setup.model_copy(update={"pool": setup.pool.model_copy(update=pool)})
     found = silhouette.detect(lambda: film, wrong, trial)
@@ -110,7 +112,9 @@ ROBOT_LENGTHS = ("body_length_m", "head_length_m", "head_span_m", "hinge_to_com_
                  "tail_length_m", "keypoint_depth_m")  # fmt: skip
 
 
-def declared(setup: Setup, trial: Trial, body_length_m: float) -> tuple[Setup, Trial]:
+def with_stated_body_length(
+    setup: Setup, trial: Trial, body_length_m: float
+) -> tuple[Setup, Trial]:
     """The same setup and trial with all lengths scaled to a body length."""
     scale = body_length_m / setup.robot.body_length_m
     pool = {name: scale * getattr(setup.pool, name) for name in LENGTHS}
@@ -126,27 +130,27 @@ def declared(setup: Setup, trial: Trial, body_length_m: float) -> tuple[Setup, T
 @pytest.mark.parametrize("body_length_m", [0.005, 0.05, 5.0])
 def test_detection_does_not_depend_on_the_metric_scale_that_a_study_declares(body_length_m):
     """Issue 31, point 1: same pixels, same result, from 5 mm to 5 m."""
-    film, setup, trial, _ = rendered("middle", LEFT, seconds=1.2)
+    film, setup, trial, _ = rendered_trial("middle", LEFT, seconds=1.2)
     usual = silhouette.detect(lambda: film, setup, trial)
-    found = silhouette.detect(lambda: film, *declared(setup, trial, body_length_m))
+    found = silhouette.detect(lambda: film, *with_stated_body_length(setup, trial, body_length_m))
     for name in ("xy_px", "likelihood", "cov_px2"):
         np.testing.assert_allclose(getattr(found, name), getattr(usual, name), rtol=1e-9)
 
 
 def test_a_second_robot_in_the_picture_is_reported():
     """The film laid over itself turned by half a turn: two dark bodies of one shape."""
-    film, setup, trial, truth = rendered("middle", LEFT)
+    film, setup, trial, truth = rendered_trial("middle", LEFT)
     both = [replace(f, luma=np.minimum(f.luma, f.luma[::-1, ::-1])) for f in film]
     found = silhouette.detect(lambda: both, setup, trial)
     assert sum("second body of the robot's shape" in remark for remark in found.remarks) == 1
     turned = np.array(film[0].luma.shape[::-1]) - 1 - truth
-    off = np.minimum(errors(found, truth), errors(found, turned))
+    off = np.minimum(keypoint_errors(found, truth), keypoint_errors(found, turned))
     assert np.nanmedian(off) < 1.0  # it is one of the two that is followed
 
 
 @pytest.mark.parametrize("step", ["middle", "second_body", "hand"])
 def test_one_robot_is_not_taken_for_two(step):
-    film, setup, trial, _ = rendered(step, LEFT)
+    film, setup, trial, _ = rendered_trial(step, LEFT)
     found = silhouette.detect(lambda: film, setup, trial)
     assert not any("second body" in remark for remark in found.remarks)
 
@@ -154,30 +158,30 @@ def test_one_robot_is_not_taken_for_two(step):
 def test_stated_covariances_have_the_right_width():
     square = []
     for name in (STRAIGHT, LEFT, RIGHT):
-        film, setup, trial, truth = rendered("middle", name)
+        film, setup, trial, truth = rendered_trial("middle", name)
         square.append(pulls(silhouette.detect(lambda f=film: f, setup, trial), truth) ** 2)
     width = np.sqrt(np.mean(square, axis=0))
     assert np.all((width > 0.75) & (width < 1.25))
-    assert np.sqrt(np.mean(width[list(RIGID)] ** 2)) == pytest.approx(1.0, abs=0.2)
+    assert np.sqrt(np.mean(width[list(RIGID_KEYPOINTS)] ** 2)) == pytest.approx(1.0, abs=0.2)
 
 
 def test_a_straight_robot_is_learned_in_moving_light():
     """Parts of it alone stand out; head and tail are distinguished, nothing wrong is believed."""
-    film, setup, trial, truth = rendered("hard", STRAIGHT, every=3)
+    film, setup, trial, truth = rendered_trial("hard", STRAIGHT, every=3)
     found = silhouette.detect(lambda: film, setup, trial)
-    off = errors(found, truth)
+    off = keypoint_errors(found, truth)
     seen = np.isfinite(off[:, 1])
     assert seen.mean() > 0.4
-    assert np.all(np.median(off[seen], axis=0)[list(RIGID)] < 2.0)
+    assert np.all(np.median(off[seen], axis=0)[list(RIGID_KEYPOINTS)] < 2.0)
     axis, right = (points[seen, 0] - points[seen, 3] for points in (found.xy_px, truth))
     assert np.all(np.sum(axis * right, axis=1) > 0)
     assert not np.any((off > 5.0) & (found.likelihood > 0.9))
 
 
 def test_a_tail_smeared_by_the_exposure_says_so():
-    film, setup, trial, truth = rendered("blur", STRAIGHT)
+    film, setup, trial, truth = rendered_trial("blur", STRAIGHT)
     found = silhouette.detect(lambda: film, setup, trial)
-    sharp, setup, trial, sharp_truth = rendered("middle", STRAIGHT)
+    sharp, setup, trial, sharp_truth = rendered_trial("middle", STRAIGHT)
     clear = silhouette.detect(lambda: sharp, setup, trial)
     believed = found.likelihood[:, 4] > 0.9
     assert 0.6 < pulls(found, truth)[4] < 1.6
@@ -192,23 +196,23 @@ def test_a_tail_smeared_by_the_exposure_says_so():
     [("hand", STRAIGHT), ("second_body", LEFT), ("occluder", LEFT), ("leaving", STRAIGHT)],
 )
 def test_things_in_the_way_never_make_a_confident_wrong_point(step, name):
-    film, setup, trial, truth = rendered(step, name)
+    film, setup, trial, truth = rendered_trial(step, name)
     found = silhouette.detect(lambda: film, setup, trial)
-    wrong = (errors(found, truth) > 5.0) & (found.likelihood > 0.9)
+    wrong = (keypoint_errors(found, truth) > 5.0) & (found.likelihood > 0.9)
     assert wrong.sum() == 0
     assert np.mean(found.likelihood[:, 2] > 0.5) > 0.6
 
 
 def test_a_robot_that_never_moves_is_found_and_reported():
-    film, setup, trial, truth = rendered("middle", LEFT)
+    film, setup, trial, truth = rendered_trial("middle", LEFT)
     still = [replace(frame, luma=film[0].luma) for frame in film[:6]]
     found = silhouette.detect(lambda: still, setup, trial)
     assert any("hardly left its place" in remark for remark in found.remarks)
-    assert np.all(errors(found, truth[:1])[:, :3] < 5.0)
+    assert np.all(keypoint_errors(found, truth[:1])[:, :3] < 5.0)
 
 
 def test_an_empty_pool_has_no_robot():
-    film, setup, trial, _ = rendered("middle", LEFT)
+    film, setup, trial, _ = rendered_trial("middle", LEFT)
     empty = np.quantile([frame.luma for frame in film], 0.9, axis=0)
     rng = np.random.default_rng(0)
     noisy = [
@@ -221,34 +225,34 @@ def test_an_empty_pool_has_no_robot():
 
 
 def test_a_nudged_camera_is_reported_and_a_still_one_is_not():
-    film, setup, trial, _ = rendered("nudged", STRAIGHT)
+    film, setup, trial, _ = rendered_trial("nudged", STRAIGHT)
     found = silhouette.detect(lambda: film, setup, trial)
     assert any("the camera moved by about" in remark for remark in found.remarks)
-    still, setup, trial, _ = rendered("middle", STRAIGHT)
+    still, setup, trial, _ = rendered_trial("middle", STRAIGHT)
     plain = silhouette.detect(lambda: still, setup, trial)
     assert not any("camera" in remark for remark in plain.remarks)
 
 
 def test_no_frames_is_a_fault():
-    _, setup, trial, _ = rendered("middle", LEFT)
+    _, setup, trial, _ = rendered_trial("middle", LEFT)
     with pytest.raises(InputError, match="no frames"):
         silhouette.detect(list, setup, trial)
 
 
 def test_a_brighter_robot_is_found_as_well():
-    film, setup, trial, truth = rendered("calm", LEFT)
+    film, setup, trial, truth = rendered_trial("calm", LEFT)
     bright = [replace(frame, luma=255 - frame.luma) for frame in film]
     found = silhouette.detect(lambda: bright, setup, trial)
-    assert np.all(np.median(errors(found, truth), axis=0)[list(RIGID)] <= 1.0)
+    assert np.all(np.median(keypoint_errors(found, truth), axis=0)[list(RIGID_KEYPOINTS)] <= 1.0)
 
 
 def test_markers_are_found_by_hue():
-    film, setup, trial, truth = rendered("markers", LEFT, seconds=1.0, colour=True)
+    film, setup, trial, truth = rendered_trial("markers", LEFT, seconds=1.0, colour=True)
     hues = {"head_tip": 2, "hinge": 50, "core_center": 128, "tail_base": 306, "tail_tip": 29}
     detection = setup.detection.model_copy(update={"marker_hues_deg": hues})
     setup = setup.model_copy(update={"detection": detection})
     found = markers.detect(lambda: film, setup, trial)
-    off = errors(found, truth)
+    off = keypoint_errors(found, truth)
     assert np.all(np.nanmedian(off, axis=0) < 0.6)
     assert not np.any((off > 5) & (found.likelihood > 0.9))
     with pytest.raises(InputError, match="colour frames"):
@@ -256,6 +260,6 @@ def test_markers_are_found_by_hue():
 
 
 def test_markers_need_hues():
-    film, setup, trial, _ = rendered("middle", LEFT)
+    film, setup, trial, _ = rendered_trial("middle", LEFT)
     with pytest.raises(InputError, match="marker_hues_deg"):
         markers.detect(lambda: film, setup, trial)

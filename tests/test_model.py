@@ -16,17 +16,19 @@ from bluekoi.model import FLAP_HZ, TABLE_1, constants, plates, simulate, steady_
 from bluekoi.model.plates import DYNAMICS
 from bluekoi.observation import constant_names
 from bluekoi.tuning import growth_per_s
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
-FIN = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
+FIN_PARAMETERS = {"tail_fin_lift": {"lift_area": 0.012, "arm": 0.15}}
 
 
-def plain_equations(t: float, s: np.ndarray, power: int, phi: float) -> list[float]:
+def published_rates(t: float, s: np.ndarray, power: int, phi: float) -> list[float]:
     """Eq. 8 with Table I at a power."""
-    return plain_law(t, s, TABLE_1[power], phi, FLAP_HZ[power])
+    return published_rates_in_world_axes(t, s, TABLE_1[power], phi, FLAP_HZ[power])
 
 
-def plain_law(t: float, s: np.ndarray, c: Mapping[str, float], phi: float, f: float) -> list[float]:
+def published_rates_in_world_axes(
+    t: float, s: np.ndarray, c: Mapping[str, float], phi: float, f: float
+) -> list[float]:
     """Eq. 8 in world axes and complex numbers, as printed; A, l of the 1x head."""
     rho, A = 1000.0, 0.12 * 0.069
     l, m, I = 0.12 + 0.04 - 0.331 / 4, 0.68, 0.0095
@@ -51,9 +53,9 @@ def plain_law(t: float, s: np.ndarray, c: Mapping[str, float], phi: float, f: fl
 @pytest.mark.parametrize("power", [50, 75, 100])
 def test_compiled_model_follows_the_printed_equations(power: int) -> None:
     phi = math.radians(45)
-    run = simulate(TABLE_1[power], setup=SETUP, head_length_m=0.12, head_angle_rad=phi,
+    run = simulate(TABLE_1[power], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=phi,
                    flap_hz=FLAP_HZ[power], duration_s=8.0)  # fmt: skip
-    exact = solve_ivp(plain_equations, (0, 8), [0, 0, -phi, 0, 0, 0], args=(power, phi),
+    exact = solve_ivp(published_rates, (0, 8), [0, 0, -phi, 0, 0, 0], args=(power, phi),
                       method="DOP853", rtol=1e-10, atol=1e-12, t_eval=[8.0])  # fmt: skip
     assert np.abs(run.state[-1, :2] - exact.y[:2, 0]).max() < 1e-4
     assert abs(run.state[-1, 2] - exact.y[2, 0]) < math.radians(0.05)
@@ -61,7 +63,7 @@ def test_compiled_model_follows_the_printed_equations(power: int) -> None:
 
 def test_order_of_convergence_is_four() -> None:
     def end(dt: float) -> np.ndarray:
-        return simulate(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=0.6,
+        return simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.6,
                         flap_hz=4.02, duration_s=4.0, dt_s=dt, start=(0, 0, 0, 0.1, 0, 0)
                         ).state[-1]  # fmt: skip
 
@@ -72,7 +74,7 @@ def test_order_of_convergence_is_four() -> None:
 
 def test_audit_1_terminal_speeds_in_the_unit_reading() -> None:
     speeds = [
-        steady_turn(TABLE_1[p], setup=SETUP, head_length_m=0.12, head_angle_rad=0.0,
+        steady_turn(TABLE_1[p], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
                     flap_hz=FLAP_HZ[p])[0] for p in (50, 75, 100)]  # fmt: skip
     assert speeds == pytest.approx([0.225, 0.381, 0.552], abs=0.001)
 
@@ -80,43 +82,50 @@ def test_audit_1_terminal_speeds_in_the_unit_reading() -> None:
 def test_audit_1_as_printed_the_speed_would_be_17_5_m_s() -> None:
     assert 5.82 * math.sqrt(4.5 / 0.5) == pytest.approx(17.5, abs=0.05)
     printed = TABLE_1[100] | {"C_T": 4.5}
-    speed, _ = steady_turn(printed, setup=SETUP, head_length_m=0.12, head_angle_rad=0.0,
+    speed, _ = steady_turn(printed, setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
                            flap_hz=5.82)  # fmt: skip
     assert speed == pytest.approx(17.46, abs=0.1)
 
 
 def test_audit_3_one_coefficient_set_makes_the_radius_independent_of_power() -> None:
     radii = [
-        steady_turn(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=math.radians(45),
-                    flap_hz=f)[1] for f in FLAP_HZ.values()]  # fmt: skip
+        steady_turn(
+            TABLE_1[75],
+            setup=PAPER_SETUP,
+            head_length_m=0.12,
+            head_angle_rad=math.radians(45),
+            flap_hz=f,
+        )[1]
+        for f in FLAP_HZ.values()
+    ]
     assert np.ptp(radii) / np.mean(radii) < 1e-3
     assert 0.36 < np.mean(radii) < 1.0
 
 
 def test_audit_5_straight_swimming_is_unstable_and_a_fin_steadies_it() -> None:
-    growth = {p: growth_per_s(TABLE_1[p], setup=SETUP, flap_hz=FLAP_HZ[p]) for p in (50, 100)}
+    growth = {p: growth_per_s(TABLE_1[p], setup=PAPER_SETUP, flap_hz=FLAP_HZ[p]) for p in (50, 100)}
     assert growth[100] == pytest.approx(3.6, abs=0.2)
     assert growth[50] == pytest.approx(1.5, abs=0.1)
-    assert growth_per_s(TABLE_1[100], setup=SETUP, flap_hz=5.82, effects=FIN) < 0
+    assert growth_per_s(TABLE_1[100], setup=PAPER_SETUP, flap_hz=5.82, effects=FIN_PARAMETERS) < 0
 
 
 def test_turns_mirror() -> None:
     runs = [
-        simulate(TABLE_1[75], setup=SETUP, head_length_m=0.12, head_angle_rad=s * 0.5,
-                 flap_hz=4.0, duration_s=4.0, effects=FIN) for s in (1, -1)]  # fmt: skip
+        simulate(TABLE_1[75], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=s * 0.5,
+                 flap_hz=4.0, duration_s=4.0, effects=FIN_PARAMETERS) for s in (1, -1)]  # fmt: skip
     assert runs[0].state[:, 0] == pytest.approx(runs[1].state[:, 0], abs=1e-9)
     assert runs[0].state[:, 1] == pytest.approx(-runs[1].state[:, 1], abs=1e-9)
     assert runs[0].state[-1, 5] < 0
 
 
 def test_straight_head_swims_exactly_straight() -> None:
-    run = simulate(TABLE_1[100], setup=SETUP, head_length_m=0.12, head_angle_rad=0.0,
+    run = simulate(TABLE_1[100], setup=PAPER_SETUP, head_length_m=0.12, head_angle_rad=0.0,
                    flap_hz=5.82, duration_s=8.0)  # fmt: skip
     assert np.all(run.state[:, 1] == 0)
 
 
 def test_longer_head_has_the_contract_s_arm() -> None:
-    values = constants(SETUP, 0.175)
+    values = constants(PAPER_SETUP, 0.175)
     assert values[3] == pytest.approx(0.175 + 0.04 - (0.331 + 0.055) / 4)
     assert values[1] == pytest.approx(0.175 * 0.069)
 
@@ -128,9 +137,9 @@ def test_no_equation_of_motion_depends_on_how_the_robot_is_seen() -> None:
 
 
 def test_a_swim_is_simulated_without_a_camera() -> None:
-    tank = SimpleNamespace(robot=SETUP.robot, pool=SETUP.pool, water=SETUP.water)
+    tank = SimpleNamespace(robot=PAPER_SETUP.robot, pool=PAPER_SETUP.pool, water=PAPER_SETUP.water)
     with_camera, without = (
         simulate(TABLE_1[75], setup=setup, head_length_m=0.12, head_angle_rad=0.5,
-                 flap_hz=4.0, duration_s=2.0) for setup in (SETUP, tank)
+                 flap_hz=4.0, duration_s=2.0) for setup in (PAPER_SETUP, tank)
     )  # fmt: skip
     assert np.array_equal(with_camera.state, without.state)

@@ -91,7 +91,7 @@ def test_spin_up_gives_the_final_rate_and_shows_over_time(tmp_path):
     assert any("spins up" in remark for remark in found.remarks)
 
 
-def log_of(path, t, hz_of_t, *, rest_deg=40.0, seed=9):
+def log_of_frequency(path, t, hz_of_t, *, rest_deg=40.0, seed=9):
     """A log of a shaft that rests at `rest_deg` and turns at hz(t), read to half a degree."""
     turns = np.concatenate([[0.0], np.cumsum(0.5 * (hz_of_t[1:] + hz_of_t[:-1]) * np.diff(t))])
     read = rest_deg + 360 * turns + np.random.default_rng(seed).normal(0, 0.5, len(t))
@@ -113,7 +113,7 @@ def test_a_log_shows_when_the_motor_starts_and_what_its_spin_up_costs(
         "ramp": z,
         "s-curve": z * z * (3 - 2 * z),
     }[form]
-    found = log_of(tmp_path, t, hz * rate)
+    found = log_of_frequency(tmp_path, t, hz * rate)
     assert found.start_s == pytest.approx(lead, abs=0.06)
     assert found.start_s + found.lost_time_s == pytest.approx(lead + lost, abs=0.005)
     assert found.drift_per_s == pytest.approx(0.0, abs=2e-4)
@@ -121,7 +121,7 @@ def test_a_log_shows_when_the_motor_starts_and_what_its_spin_up_costs(
 
 def test_a_log_shows_the_drift_of_the_frequency(tmp_path):
     t = np.arange(0, 8, 0.005)
-    found = log_of(tmp_path, t, 4.0 * (1 - 0.004 * t))
+    found = log_of_frequency(tmp_path, t, 4.0 * (1 - 0.004 * t))
     assert found.drift_per_s == pytest.approx(-0.004, rel=0.05)
     assert found.lost_time_s == pytest.approx(0.0, abs=0.002)
 
@@ -201,13 +201,17 @@ def test_rows_without_numbers_are_left_out(tmp_path):
     assert "3 rows" in remarks[0]
 
 
-def beating(rng, hz, *, frames=180, fps=30000 / 1001, amplitude=0.35, noise=0.02, jitter=0.0):
+def positions_with_tail_beat(
+    rng, hz, *, frames=180, fps=30000 / 1001, amplitude=0.35, noise=0.02, jitter=0.0
+):
     """Positions of a robot that turns slowly and beats its tail."""
     t = np.arange(frames) / fps + jitter * rng.uniform(-0.3, 0.3, frames) / fps
-    return with_tail(t, amplitude * np.sin(2 * np.pi * hz * t + 0.7) + rng.normal(0, noise, frames))
+    return positions_with_tail_angles(
+        t, amplitude * np.sin(2 * np.pi * hz * t + 0.7) + rng.normal(0, noise, frames)
+    )
 
 
-def with_tail(t, tail):
+def positions_with_tail_angles(t, tail):
     """Positions of a robot that turns slowly, with its tail at these angles."""
     frames, course = len(t), 0.4 * t
     core = np.column_stack([1 + 0.2 * t, 0.8 + 0 * t])
@@ -222,13 +226,17 @@ def with_tail(t, tail):
 @pytest.mark.parametrize("hz", [2.37, 5.82, 11.0])
 @pytest.mark.parametrize("guess", [float("nan"), 1.05])
 def test_tail_beat_in_the_video(hz, guess):
-    found, std = tail_beat_from_video(beating(np.random.default_rng(9), hz), guess * hz)
+    found, std = tail_beat_from_video(
+        positions_with_tail_beat(np.random.default_rng(9), hz), guess * hz
+    )
     assert abs(found - hz) < 4 * std
     assert std < 0.003 * hz
 
 
 def test_tail_beat_above_half_the_frame_rate_is_found_from_a_guess():
-    found, std = tail_beat_from_video(beating(np.random.default_rng(10), 18.2, jitter=1.0), 18.0)
+    found, std = tail_beat_from_video(
+        positions_with_tail_beat(np.random.default_rng(10), 18.2, jitter=1.0), 18.0
+    )
     assert abs(found - 18.2) < 4 * std
 
 
@@ -237,16 +245,18 @@ def test_tail_beat_deviation_has_the_right_width():
     pulls = []
     for _ in range(30):
         hz = rng.uniform(2, 6)
-        found, std = tail_beat_from_video(beating(rng, hz, frames=120, noise=0.08), hz)
+        found, std = tail_beat_from_video(
+            positions_with_tail_beat(rng, hz, frames=120, noise=0.08), hz
+        )
         pulls.append((found - hz) / std)
     assert 0.7 < np.sqrt(np.mean(np.square(pulls))) < 1.4
 
 
 def test_no_beat_is_nan():
-    quiet = beating(np.random.default_rng(12), 3.0, amplitude=0.0)
+    quiet = positions_with_tail_beat(np.random.default_rng(12), 3.0, amplitude=0.0)
     assert np.isnan(tail_beat_from_video(quiet, 3.0)).all()
     assert np.isnan(
-        tail_beat_from_video(beating(np.random.default_rng(1), 3.0, frames=8), 3.0)
+        tail_beat_from_video(positions_with_tail_beat(np.random.default_rng(1), 3.0, frames=8), 3.0)
     ).all()
 
 
@@ -254,7 +264,7 @@ def test_tail_beat_follows_the_motor_through_spin_up():
     t = np.linspace(0, 6, 200)
     hz = 4.0 * (1 - np.exp(-t / 0.5))
     motor = Flapping(4.0, 0.001, "motor_log", t, hz)
-    seen = beating(np.random.default_rng(13), 4.0)
+    seen = positions_with_tail_beat(np.random.default_rng(13), 4.0)
     turns = np.interp(
         seen.time_s, t, np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * 6 / 199)])
     )
@@ -281,7 +291,7 @@ def test_clocks_that_disagree_are_named_with_their_ratio():
 @pytest.mark.parametrize("factor", [1 / 8, 1 / 4, 1 / 2, 29.97 / 50, 1.0, 1.02, 2.0, 4.0, 8.0])
 @pytest.mark.parametrize("hz", [1.9, 5.8])
 def test_a_frame_rate_stated_too_high_by_a_factor_shows_in_the_ratio_of_the_clocks(factor, hz):
-    seen = beating(np.random.default_rng(14), hz, frames=240)
+    seen = positions_with_tail_beat(np.random.default_rng(14), hz, frames=240)
     motor = Flapping(hz, 1e-4 * hz, "motor_log")
     ratio, std = clock_ratio(replace(seen, time_s=seen.time_s / factor), motor)
     assert ratio == pytest.approx(factor, rel=1e-3)
@@ -293,7 +303,7 @@ def test_the_ratio_of_the_clocks_is_found_through_spin_up():
     hz = 4.0 * (1 - np.exp(-t / 0.5))
     turns = np.concatenate([[0], np.cumsum(0.5 * (hz[1:] + hz[:-1]) * np.diff(t))])
     video = np.arange(230) / 29.97
-    beat = with_tail(video, 0.35 * np.sin(2 * np.pi * np.interp(video, t, turns)))
+    beat = positions_with_tail_angles(video, 0.35 * np.sin(2 * np.pi * np.interp(video, t, turns)))
     ratio, _ = clock_ratio(replace(beat, time_s=video / 4), Flapping(4.0, 1e-3, "log", t, hz))
     assert ratio == pytest.approx(4.0, rel=0.004)
 
@@ -301,23 +311,23 @@ def test_the_ratio_of_the_clocks_is_found_through_spin_up():
 def test_a_strong_harmonic_is_not_taken_for_the_beat():
     t = np.arange(240) / 29.97
     tail = 0.3 * np.sin(2 * np.pi * 2.4 * t) + 0.2 * np.sin(2 * np.pi * 4.8 * t)
-    seen = with_tail(t, tail + np.random.default_rng(15).normal(0, 0.02, len(t)))
+    seen = positions_with_tail_angles(t, tail + np.random.default_rng(15).normal(0, 0.02, len(t)))
     assert clock_ratio(seen, Flapping(2.4, 1e-3, "motor_log"))[0] == pytest.approx(1.0, rel=1e-3)
 
 
-def of_ratio(value):
+def flapping_with_ratio(value):
     return Flapping(4.0, 0.001, "motor_log", ratio=value, agrees=abs(value - 1) < 0.01)
 
 
 def test_trials_agree_on_a_ratio_only_by_majority():
-    four = [of_ratio(4.001), of_ratio(3.998), of_ratio(4.0)]
+    four = [flapping_with_ratio(4.001), flapping_with_ratio(3.998), flapping_with_ratio(4.0)]
     assert common_clock_ratio(four)[0] == pytest.approx(4.0, abs=1e-3)
-    assert common_clock_ratio([*four, of_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
-    assert common_clock_ratio([of_ratio(4.0), of_ratio(1.0)]) is None
-    assert common_clock_ratio([of_ratio(4.0), of_ratio(float("nan"))]) is None
-    assert has_other_clock(of_ratio(1.0), (4.0, 0.001))
-    assert not has_other_clock(of_ratio(4.0), (4.0, 0.001))
-    assert has_other_clock(of_ratio(4.0), None)
+    assert common_clock_ratio([*four, flapping_with_ratio(1.0)])[0] == pytest.approx(4.0, abs=1e-3)
+    assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(1.0)]) is None
+    assert common_clock_ratio([flapping_with_ratio(4.0), flapping_with_ratio(float("nan"))]) is None
+    assert has_other_clock(flapping_with_ratio(1.0), (4.0, 0.001))
+    assert not has_other_clock(flapping_with_ratio(4.0), (4.0, 0.001))
+    assert has_other_clock(flapping_with_ratio(4.0), None)
 
 
 def test_given_frequency():
@@ -337,7 +347,9 @@ def test_a_log_ahead_of_the_video_shows_in_the_phase_of_the_beat(tmp_path, delay
         flapping = flapping_from_log(write_log(tmp_path / f"{k}.csv", log_s, angle))
         video = np.arange(180) / 29.97
         beat = 0.3 * np.cos(first + 2 * np.pi * hz * video - 0.7)
-        lag, std = tail_beat_lag(with_tail(video, beat + 0.02 * rng.standard_normal(180)), flapping)
+        lag, std = tail_beat_lag(
+            positions_with_tail_angles(video, beat + 0.02 * rng.standard_normal(180)), flapping
+        )
         assert std < 0.05
         assert wrap_angle(lag - (0.7 - 2 * np.pi * hz * delay_s)) == pytest.approx(0, abs=5 * std)
         reported.append((flapping.flap_hz, lag, std))

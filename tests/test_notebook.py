@@ -14,13 +14,13 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.steady import steady
 from bluekoi.stages.tracks import tracks
 from bluekoi.stages.tuning import tuning
-from studies import small_study
+from small_studies import small_study
 
 NOTEBOOK = Path(__file__).resolve().parents[1] / "docs/notebook.ipynb"
 
 
 @pytest.fixture
-def analysed(tmp_path: Path) -> Path:
+def analysed_demo(tmp_path: Path) -> Path:
     """A folder with studies/demo and results/demo, the latter without a search."""
     study, results = small_study(tmp_path / "studies/demo"), tmp_path / "results/demo"
     for trial in bluekoi.load_study(study).trials:
@@ -31,8 +31,8 @@ def analysed(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_notebook_runs_to_its_figures(analysed, monkeypatch, capsys):
-    monkeypatch.chdir(analysed)
+def test_the_notebook_runs_to_its_figures(analysed_demo, monkeypatch, capsys):
+    monkeypatch.chdir(analysed_demo)
     mpl.use("Agg")
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     texts = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]

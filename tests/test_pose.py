@@ -20,14 +20,16 @@ ROBOT = Robot(
 HEAD_M = 0.12
 
 
-def truth(n: int = 300, turns: float = 1.5, phi: float = 0.5) -> np.ndarray:
+def circle_poses(n: int = 300, turns: float = 1.5, phi: float = 0.5) -> np.ndarray:
     """A circle: x, y, heading, head angle (frames, 4)."""
     psi = 2 + np.linspace(0, 2 * np.pi * turns, n)
     x, y = 1.3 + 0.5 * np.sin(psi), 0.8 - 0.5 * np.cos(psi)
     return np.column_stack([x, y, psi, np.full(n, phi)])
 
 
-def positions(pose: np.ndarray, std_m: float = 0.0, *, scale: float = 1.0, stated=True, seed=1):
+def keypoint_positions(
+    pose: np.ndarray, std_m: float = 0.0, *, scale: float = 1.0, stated=True, seed=1
+):
     core = np.column_stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])])
     theta = pose[:, 2] - pose[:, 3]
     head = np.column_stack([np.cos(theta), np.sin(theta)])
@@ -43,13 +45,13 @@ def positions(pose: np.ndarray, std_m: float = 0.0, *, scale: float = 1.0, state
     return Positions(np.arange(len(pose)) / 30, PARTS, xy, cov, np.ones(shape))
 
 
-def changed(given: Positions, **fields) -> Positions:
+def changed_frames(given: Positions, **fields) -> Positions:
     return Positions(**{**given.__dict__, **fields})
 
 
 def test_exact_circle_comes_back_unwrapped():
-    expected = truth()
-    pose = rigid_pose(positions(expected), ROBOT, HEAD_M)
+    expected = circle_poses()
+    pose = rigid_pose(keypoint_positions(expected), ROBOT, HEAD_M)
     offset = pose.values[0, 2] - expected[0, 2]
     assert np.isclose(offset % (2 * np.pi), 0, atol=1e-9) or np.isclose(
         offset % (2 * np.pi), 2 * np.pi, atol=1e-9
@@ -63,12 +65,12 @@ def test_frames_turned_end_for_end_do_not_wind_the_heading(turns):
     """One, two and four together, exactly and by a little less or more than half a turn: all the
     other frames keep their heading (one of -3.14 and back by -3.13 had added a whole turn).
     """
-    expected = truth(turns=turns)
+    expected = circle_poses(turns=turns)
     flipped = [40, 100, 101, 170, 171, 172, 173, 250]
     off = np.array([3.10, 3.18, 3.10, np.pi, np.pi, np.pi, np.pi, -3.10])
     shown = expected.copy()
     shown[flipped, 2] += off
-    pose = rigid_pose(positions(shown, 1e-4), ROBOT, HEAD_M)
+    pose = rigid_pose(keypoint_positions(shown, 1e-4), ROBOT, HEAD_M)
     others = np.setdiff1d(np.arange(len(expected)), flipped)
     error = pose.values[others, 2] - expected[others, 2]
     assert np.ptp(error) < 0.05
@@ -149,16 +151,16 @@ def test_unwrapping_bears_few_frames_and_unknown_variances():
 
 @pytest.mark.parametrize("phi", [-2.0, -0.7, 0.0, 0.7, 2.0])
 def test_head_angle_is_core_minus_head(phi):
-    pose = rigid_pose(positions(truth(phi=phi)), ROBOT, HEAD_M)
+    pose = rigid_pose(keypoint_positions(circle_poses(phi=phi)), ROBOT, HEAD_M)
     assert np.allclose(pose.values[:, 3], phi, atol=1e-9)
 
 
 @pytest.mark.parametrize("stated", [True, False])
 def test_pulls_have_unit_width(stated):
-    expected = truth(n=1500)
+    expected = circle_poses(n=1500)
     pulls = []
     for seed in range(4):
-        given = positions(expected, 0.0012, stated=stated, seed=seed)
+        given = keypoint_positions(expected, 0.0012, stated=stated, seed=seed)
         pose = rigid_pose(given, ROBOT, HEAD_M)
         miss = pose.values - expected
         miss[:, 2] = (miss[:, 2] + np.pi) % (2 * np.pi) - np.pi
@@ -169,30 +171,32 @@ def test_pulls_have_unit_width(stated):
 
 
 def test_whole_covariance_has_the_right_shape():
-    expected = truth(n=4000, turns=0.0)
-    pose = rigid_pose(positions(expected, 0.001), ROBOT, HEAD_M)
+    expected = circle_poses(n=4000, turns=0.0)
+    pose = rigid_pose(keypoint_positions(expected, 0.001), ROBOT, HEAD_M)
     found = np.cov((pose.values - expected).T)
     root = np.linalg.inv(np.linalg.cholesky(pose.cov.mean(axis=0)))
     assert np.allclose(root @ found @ root.T, np.eye(4), atol=0.12)
 
 
 def test_unstated_noise_is_found_part_by_part():
-    given = positions(truth(n=2000), 0.0005)
+    given = keypoint_positions(circle_poses(n=2000), 0.0005)
     rng = np.random.default_rng(8)
     noisy = given.xy_m.copy()
     noisy[:, 2] += rng.normal(0, 0.003, noisy[:, 2].shape)
-    unknown = changed(given, xy_m=noisy, cov_m2=np.full_like(given.cov_m2, np.nan))
+    unknown = changed_frames(given, xy_m=noisy, cov_m2=np.full_like(given.cov_m2, np.nan))
     poor = rigid_pose(
-        changed(unknown, cov_m2=np.zeros_like(noisy)[..., None] + np.eye(2) * 1e-6), ROBOT, HEAD_M
+        changed_frames(unknown, cov_m2=np.zeros_like(noisy)[..., None] + np.eye(2) * 1e-6),
+        ROBOT,
+        HEAD_M,
     )
     pose = rigid_pose(unknown, ROBOT, HEAD_M)
-    error = np.std(pose.values[:, :2] - truth(n=2000)[:, :2])
-    assert error < 0.6 * np.std(poor.values[:, :2] - truth(n=2000)[:, :2])
+    error = np.std(pose.values[:, :2] - circle_poses(n=2000)[:, :2])
+    assert error < 0.6 * np.std(poor.values[:, :2] - circle_poses(n=2000)[:, :2])
 
 
 def test_scale_error_does_not_bend_the_angles():
-    expected = truth()
-    pose = rigid_pose(positions(expected, scale=1.03), ROBOT, HEAD_M)
+    expected = circle_poses()
+    pose = rigid_pose(keypoint_positions(expected, scale=1.03), ROBOT, HEAD_M)
     assert np.allclose(pose.values[:, 3], expected[:, 3], atol=1e-9)
     assert np.allclose(pose.values[:, :2], 1.03 * expected[:, :2], atol=1e-9)
     assert any("hinge to head_tip measures 123.6 mm" in remark for remark in pose.remarks)
@@ -200,31 +204,31 @@ def test_scale_error_does_not_bend_the_angles():
 
 @pytest.mark.parametrize("lost", ["hinge", "core_center", "tail_base"])
 def test_a_part_missing_for_a_while_changes_nothing(lost):
-    expected, given = truth(), positions(truth())
+    expected, given = circle_poses(), keypoint_positions(circle_poses())
     likelihood = given.likelihood.copy()
     likelihood[100:200, PARTS.index(lost)] = 0.3
-    pose = rigid_pose(changed(given, likelihood=likelihood), ROBOT, HEAD_M)
+    pose = rigid_pose(changed_frames(given, likelihood=likelihood), ROBOT, HEAD_M)
     assert np.allclose(pose.values[:, [0, 1, 3]], expected[:, [0, 1, 3]], atol=1e-9)
     assert np.all(np.isfinite(pose.cov))
 
 
 def test_a_core_centre_never_seen_follows_from_the_robot():
-    given = positions(truth(), scale=1.02)
+    given = keypoint_positions(circle_poses(), scale=1.02)
     keep = [0, 1, 3]
     names = tuple(PARTS[i] for i in keep)
     fewer = Positions(
         given.time_s, names, given.xy_m[:, keep], given.cov_m2[:, keep], given.likelihood[:, keep]
     )
     pose = rigid_pose(fewer, ROBOT, HEAD_M)
-    assert np.allclose(pose.values[:, :2], 1.02 * truth()[:, :2], atol=1e-9)
+    assert np.allclose(pose.values[:, :2], 1.02 * circle_poses()[:, :2], atol=1e-9)
 
 
 def test_frames_without_enough_points_are_nan_and_counted():
-    given = positions(truth())
+    given = keypoint_positions(circle_poses())
     xy = given.xy_m.copy()
     xy[10:15, 0] = np.nan
     xy[20:22, 1:3] = np.nan
-    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     lost = np.r_[10:15, 20:22]
     assert np.isnan(pose.values[lost]).all()
     assert np.isfinite(np.delete(pose.values, lost, axis=0)).all()
@@ -233,10 +237,10 @@ def test_frames_without_enough_points_are_nan_and_counted():
 
 @pytest.mark.parametrize("part", ["hinge", "core_center", "tail_base"])
 def test_a_confident_wrong_point_is_left_out(part):
-    expected, given = truth(), positions(truth(), 0.0005)
+    expected, given = circle_poses(), keypoint_positions(circle_poses(), 0.0005)
     xy = given.xy_m.copy()
     xy[50:60, PARTS.index(part)] += [0.05, -0.04]
-    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     assert np.abs(pose.values[50:60, :2] - expected[50:60, :2]).max() < 0.004
     assert any("left out in 10 frames" in remark for remark in pose.remarks)
 
@@ -244,13 +248,13 @@ def test_a_confident_wrong_point_is_left_out(part):
 @pytest.mark.parametrize("stated", [True, False])
 @pytest.mark.parametrize("offset_m", [0.008, -0.014])
 def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(offset_m, stated):
-    expected = truth(phi=0.0)
-    given = positions(expected, 0.0012, stated=stated)
+    expected = circle_poses(phi=0.0)
+    given = keypoint_positions(expected, 0.0012, stated=stated)
     psi = expected[:, 2]
     beside = offset_m * np.column_stack([-np.sin(psi), np.cos(psi)])
     xy = given.xy_m.copy()
     xy[:, PARTS.index("core_center")] += beside
-    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     bend = np.unwrap(pose.values[:, 2]) - psi
     bend -= 2 * np.pi * np.round(np.median(bend) / (2 * np.pi))
     # least squares turn the axis of hinge, core centre and tail base (40, 0 and -171 mm) by
@@ -262,18 +266,18 @@ def test_a_point_always_marked_beside_its_place_bends_all_frames_alike(offset_m,
 
 
 def test_a_point_that_wanders_is_not_taken_for_one_beside_its_place():
-    expected = truth()
-    given = positions(expected, 0.0012)
+    expected = circle_poses()
+    given = keypoint_positions(expected, 0.0012)
     xy = given.xy_m.copy()
     xy[:, PARTS.index("core_center")] += np.random.default_rng(3).normal(0, 0.02, (300, 2))
-    pose = rigid_pose(changed(given, xy_m=xy), ROBOT, HEAD_M)
+    pose = rigid_pose(changed_frames(given, xy_m=xy), ROBOT, HEAD_M)
     assert not any("marked in the wrong place" in r for r in pose.remarks)
     assert any("left out" in r for r in pose.remarks)
 
 
 def test_a_trial_without_a_head_is_a_fault():
-    given = positions(truth(n=50))
+    given = keypoint_positions(circle_poses(n=50))
     likelihood = given.likelihood.copy()
     likelihood[:, 0] = 0.1
     with pytest.raises(InputError, match=r"head_tip in 0.*of 50 frames.*bodyparts"):
-        rigid_pose(changed(given, likelihood=likelihood), ROBOT, HEAD_M)
+        rigid_pose(changed_frames(given, likelihood=likelihood), ROBOT, HEAD_M)

@@ -14,9 +14,9 @@ from bluekoi.study import load_study
 from bluekoi.study.setup import Detection
 from bluekoi.workflow.plan import Plan
 from bluekoi.workflow.stage_call import stage_names
-from studies import small_study
+from small_studies import small_study
 
-COMPILED = """
+COMPILED_FUNCTIONS_SCRIPT = """
 import json, sys
 from dataclasses import replace
 from numba.core.dispatcher import Dispatcher
@@ -27,7 +27,7 @@ from bluekoi.study import Setup, Trial
 from bluekoi.synthetic.campaign import study_contents
 from bluekoi.synthetic.conditions import Conditions
 from bluekoi.synthetic.design import demo_design
-from bluekoi.synthetic.film import render_frames
+from bluekoi.synthetic.footage import render_frames
 from bluekoi.synthetic.trial import solve_trial
 
 def compiled():
@@ -58,8 +58,12 @@ def test_what_a_stage_loads_ahead_can_be_loaded(stage):
 
 
 def test_what_is_preloaded_is_all_that_the_detector_compiles():
-    run = subprocess.run([sys.executable, "-c", COMPILED], capture_output=True, text=True,
-                         check=True)  # fmt: skip
+    run = subprocess.run(
+        [sys.executable, "-c", COMPILED_FUNCTIONS_SCRIPT],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     before, after = json.loads(run.stdout)
     assert sum(before.values()) >= 10
     assert after == before

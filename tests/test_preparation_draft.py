@@ -11,7 +11,7 @@ from bluekoi.preparation.draft import read_draft, save_draft
 from bluekoi.preparation.draft_check import draft_findings, draft_study
 from bluekoi.study import load_study
 
-COMMENTED = """# pool in the cellar
+COMMENTED_YAML = """# pool in the cellar
 pool:
   length_m: 2.6   # measured twice
   # the short side
@@ -37,18 +37,18 @@ camera:
   # at the rim
   pool_corners_height_m: 0.0
 """
-TRIALS = "source,trial_id,power_pct,head_angle_deg,head_length_m,fps\nT1.csv,T1,50,0,0.12,30\n"
+TRIALS_CSV = "source,trial_id,power_pct,head_angle_deg,head_length_m,fps\nT1.csv,T1,50,0,0.12,30\n"
 
 
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "study.yaml").write_text(COMMENTED, encoding="utf-8")
-    (tmp_path / "trials.csv").write_text(TRIALS, encoding="utf-8")
+    (tmp_path / "study.yaml").write_text(COMMENTED_YAML, encoding="utf-8")
+    (tmp_path / "trials.csv").write_text(TRIALS_CSV, encoding="utf-8")
     (tmp_path / "T1.csv").write_text("scorer\n", encoding="utf-8")
     return tmp_path
 
 
-def with_values(draft, **changes):
+def with_study_values(draft, **changes):
     values = {k: v for k, v in draft.values.items() if changes.get(k.replace(".", "__"), v)}
     return replace(
         draft, values=values | {k.replace("__", "."): v for k, v in changes.items() if v}
@@ -58,14 +58,14 @@ def with_values(draft, **changes):
 def test_a_draft_saved_unchanged_changes_no_byte(folder):
     draft, done = save_draft(read_draft(folder), folder)
     assert done == []
-    assert (folder / "study.yaml").read_text() == COMMENTED
-    assert (folder / "trials.csv").read_text() == TRIALS
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
+    assert (folder / "trials.csv").read_text() == TRIALS_CSV
     assert draft.values["camera.pool_corners_px"].startswith("[[255.3, 939.7], [1607.7, 946.4]")
     assert not (folder / ".backup").exists()
 
 
 def test_values_are_changed_with_every_comment_kept(folder):
-    draft = with_values(
+    draft = with_study_values(
         read_draft(folder), pool__length_m="2.5", robot__keypoint_depth_m="",
         camera__pool_corners_px="[[250, 939], [1607.7, 946.4], [1623.7, 115.9], [256.2, 93.7]]",
         camera__pool_corners_height_m="0.02",
@@ -73,7 +73,7 @@ def test_values_are_changed_with_every_comment_kept(folder):
     saved, done = save_draft(draft, folder)
     text = (folder / "study.yaml").read_text()
     assert done == ["study.yaml changed"]
-    for line in COMMENTED.splitlines():
+    for line in COMMENTED_YAML.splitlines():
         comment = line.partition("#")[2]
         assert comment in text, comment
     assert "length_m: 2.5   # measured twice" in text
@@ -86,17 +86,17 @@ def test_values_are_changed_with_every_comment_kept(folder):
 
 
 def test_what_is_replaced_is_kept_beside(folder):
-    save_draft(with_values(read_draft(folder), pool__length_m="2.5"), folder)
+    save_draft(with_study_values(read_draft(folder), pool__length_m="2.5"), folder)
     (kept,) = (folder / ".backup").iterdir()
-    assert kept.read_text() == COMMENTED
+    assert kept.read_text() == COMMENTED_YAML
 
 
 def test_a_file_changed_by_others_is_not_overwritten(folder):
-    draft = with_values(read_draft(folder), pool__length_m="2.5")
-    (folder / "trials.csv").write_text(TRIALS.replace("50", "60"), encoding="utf-8")
+    draft = with_study_values(read_draft(folder), pool__length_m="2.5")
+    (folder / "trials.csv").write_text(TRIALS_CSV.replace("50", "60"), encoding="utf-8")
     with pytest.raises(InputError, match="changed by another program"):
         save_draft(draft, folder)
-    assert (folder / "study.yaml").read_text() == COMMENTED
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
 
 
 def test_a_file_that_cannot_be_read_is_refused_and_left(folder):
@@ -110,7 +110,9 @@ def test_a_file_that_cannot_be_read_is_refused_and_left(folder):
 
 
 def test_an_unknown_key_stays_and_is_reported(folder):
-    (folder / "study.yaml").write_text(COMMENTED.replace("mass_kg", "mas_kg"), encoding="utf-8")
+    (folder / "study.yaml").write_text(
+        COMMENTED_YAML.replace("mass_kg", "mas_kg"), encoding="utf-8"
+    )
     draft = read_draft(folder)
     texts = [f.text for f in draft_findings(draft, folder)]
     assert any("robot.mas_kg" in text and "Did you mean 'mass_kg'?" in text for text in texts)
@@ -120,7 +122,7 @@ def test_an_unknown_key_stays_and_is_reported(folder):
 
 
 def test_findings_stand_beside_their_fields(folder):
-    draft = with_values(
+    draft = with_study_values(
         read_draft(folder), pool__length_m="2,6", camera__pool_corners_px="[[1, 2]]"
     )
     rows = [{**draft.rows[0], "power_pct": "half"}, {**draft.rows[0], "trial_id": "T2",
@@ -129,11 +131,11 @@ def test_findings_stand_beside_their_fields(folder):
     assert {"pool.length_m", "camera.pool_corners_px"} <= {f.key for f in found}
     places = {(f.row, f.column) for f in found if f.row is not None}
     assert {(0, "power_pct"), (1, "source"), (1, "motor_log")} <= places
-    assert (folder / "study.yaml").read_text() == COMMENTED
+    assert (folder / "study.yaml").read_text() == COMMENTED_YAML
 
 
 def test_an_incomplete_draft_is_no_study_and_says_so_in_the_words_of_its_file(folder):
-    draft = with_values(read_draft(folder), robot__mass_kg="")
+    draft = with_study_values(read_draft(folder), robot__mass_kg="")
     with pytest.raises(InputError, match=r"^study\.yaml: robot\.mass_kg: found nothing") as refused:
         draft_study(draft, folder)
     assert str(refused.value).count("\n") == 0
@@ -155,7 +157,7 @@ def test_a_folder_without_study_is_pre_filled_and_saved_as_one(tmp_path):
     draft = read_draft(tmp_path)
     assert draft.rows[0]["power_pct"] == "50"
     assert "pool.length_m" not in draft.values
-    full = with_values(
+    full = with_study_values(
         draft, pool__length_m="2.6", pool__width_m="1.6", pool__depth_m="0.3",
         robot__mass_kg="0.68",
         robot__yaw_inertia_kg_m2="0.0095", robot__body_length_m="0.331",

@@ -15,19 +15,19 @@ from bluekoi.preparation.prefill import (
 from bluekoi.study.study_yaml import read_setup
 from bluekoi.study.trials_csv import read_trials
 
-LOG = "time_s,angle_deg\n0,0\n0.005,3\n"
+MOTOR_LOG = "time_s,angle_deg\n0,0\n0.005,3\n"
 
 
-def folder_with(tmp_path, names):
+def make_folder(tmp_path, names):
     for name in names:
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(LOG if name.endswith(".csv") else "", encoding="utf-8")
+        path.write_text(MOTOR_LOG if name.endswith(".csv") else "", encoding="utf-8")
     return tmp_path
 
 
 def test_files_are_distinguished_and_ordered_as_people_count(tmp_path):
-    folder = folder_with(tmp_path, [
+    folder = make_folder(tmp_path, [
         "videos/T10.mp4", "videos/T2.mp4", "motor/T2.csv", "notes.txt", ".hidden/T3.mp4",
         "results/report.html", "results/overlays/T2.mp4", "tracked/T2.h5",
     ])  # fmt: skip
@@ -40,7 +40,7 @@ def test_files_are_distinguished_and_ordered_as_people_count(tmp_path):
 
 def test_rows_have_source_log_and_condition_where_they_are_known(tmp_path):
     names = ["p50_phi-20.mp4", "70pct.mov", "logs/motor_70pct.csv", "a/T1.mp4", "b/T1.mp4"]
-    rows = trial_rows(study_files(folder_with(tmp_path, names)), 0.12)
+    rows = trial_rows(study_files(make_folder(tmp_path, names)), 0.12)
     found = {row["source"]: row for row in rows}
     assert found["p50_phi-20.mp4"]["power_pct"] == "50"
     assert found["p50_phi-20.mp4"]["head_angle_deg"] == "-20"
@@ -52,7 +52,7 @@ def test_rows_have_source_log_and_condition_where_they_are_known(tmp_path):
 
 def test_chapters_of_one_recording_make_one_row(tmp_path):
     names = ["GX020007.MP4", "GX010007.MP4", "GX010008.MP4"]
-    rows = trial_rows(study_files(folder_with(tmp_path, names)))
+    rows = trial_rows(study_files(make_folder(tmp_path, names)))
     assert [row["source"] for row in rows] == ["GX010007.MP4;GX020007.MP4", "GX010008.MP4"]
 
 
@@ -92,6 +92,6 @@ def test_the_blank_study_lacks_only_what_must_be_measured(tmp_path):
 
 def test_a_folder_of_many_pictures_is_a_recording_and_one_of_few_is_not(tmp_path):
     names = [f"T1/{i}.png" for i in range(60)] + [f"board/{i}.jpg" for i in range(20)]
-    found = study_files(folder_with(tmp_path, names))
+    found = study_files(make_folder(tmp_path, names))
     assert found.pictures == ("T1/",)
     assert [(r["trial_id"], r["source"]) for r in trial_rows(found)] == [("T1", "T1/")]

@@ -27,7 +27,7 @@ ROBOT = {"mass_kg": "0.68", "yaw_inertia_kg_m2": "0.0095", "body_length_m": "0.3
          "head_length_m": "0.12", "head_span_m": "0.069", "hinge_to_com_m": "0.04",
          "tail_length_m": "0.066"}  # fmt: skip
 CORNERS = [[60.0, 300.0], [580.0, 300.0], [580.0, 60.0], [60.0, 60.0]]
-VALUES = {"pool.length_m": "2.6", "pool.width_m": "1.2", "pool.depth_m": "0.3",
+DRAFT_VALUES = {"pool.length_m": "2.6", "pool.width_m": "1.2", "pool.depth_m": "0.3",
           "camera.pool_corners_px": json.dumps(CORNERS),
           **{f"robot.{key}": value for key, value in ROBOT.items()}}  # fmt: skip
 
@@ -40,16 +40,16 @@ def pool_frames(count: int = 24):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def study_folder(tmp_path_factory):
     made = tmp_path_factory.mktemp("study")
     encode_h264(made / "p50_phi20.mp4", iter(pool_frames()), fps=30, size=(640, 360))
     return made
 
 
 @pytest.fixture(scope="module")
-def server(folder):
+def server(study_folder):
     words = ["python", "-c", "print('[1/2] tracks'); print('[2/2] report')"]
-    made = SetupServer(folder, folder / "out", words)
+    made = SetupServer(study_folder, study_folder / "out", words)
     thread = threading.Thread(target=made.serve, daemon=True)
     thread.start()
     yield made
@@ -57,7 +57,7 @@ def server(folder):
     thread.join(10)
 
 
-def call(server, name, content=None, *, headers=None, path=None):
+def send_request(server, name, content=None, *, headers=None, path=None):
     connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
     body = None if content is None else json.dumps(content)
     given = {"Content-Type": "application/json"} if body else {}
@@ -86,7 +86,7 @@ def call(server, name, content=None, *, headers=None, path=None):
     ],
 )
 def test_who_has_no_business_here_is_refused(server, headers, path, status):
-    assert call(server, "state", headers=headers, path=path)[0] == status
+    assert send_request(server, "state", headers=headers, path=path)[0] == status
 
 
 def test_only_this_machine_is_served_and_the_token_is_long(server):
@@ -95,29 +95,29 @@ def test_only_this_machine_is_served_and_the_token_is_long(server):
 
 
 def test_own_pages_are_served_and_no_file_outside_of_them(server):
-    status, page = call(server, "")
+    status, page = send_request(server, "")
     assert status == 200
     assert b"page/main.js" in page
     assert b"http" not in page.replace(b"http://www.w3.org", b"")
     for name in ("page/..%2fserver.py", "page/%2e%2e/server.py", "results/..%2fstudy.yaml"):
-        assert call(server, name)[0] in (403, 404)
+        assert send_request(server, name)[0] in (403, 404)
 
 
-def test_the_state_of_a_folder_of_videos(server, folder):
-    status, state = call(server, "state")
+def test_the_state_of_a_folder_of_videos(server, study_folder):
+    status, state = send_request(server, "state")
     assert status == 200
-    assert state["files"]["videos"] == list(study_files(folder).videos) == ["p50_phi20.mp4"]
+    assert state["files"]["videos"] == list(study_files(study_folder).videos) == ["p50_phi20.mp4"]
     assert state["draft"]["rows"][0]["head_angle_deg"] == "20"
     assert {"pool.length_m", "robot.mass_kg"} <= {one["key"] for one in state["findings"]}
 
 
 def test_a_frame_and_the_edges_in_it(server):
-    status, picture = call(server, "frame.jpg?source=p50_phi20.mp4&share=0.5")
+    status, picture = send_request(server, "frame.jpg?source=p50_phi20.mp4&share=0.5")
     assert status == 200
     assert cv2.imdecode(np.frombuffer(picture, np.uint8), 0).shape == (360, 640)
     moved = [[u + 2, v - 1.5] for u, v in CORNERS]
-    values = VALUES | {"camera.pool_corners_px": json.dumps(moved)}
-    status, found = call(
+    values = DRAFT_VALUES | {"camera.pool_corners_px": json.dumps(moved)}
+    status, found = send_request(
         server, "corners", {"values": values, "source": "p50_phi20.mp4", "share": 0.5}
     )
     assert status == 200
@@ -127,7 +127,7 @@ def test_a_frame_and_the_edges_in_it(server):
 
 @pytest.mark.parametrize("source", ["../secret.mp4", "gone.mp4", "", "/etc/passwd"])
 def test_what_is_no_video_is_refused_in_words(server, source):
-    status, text = call(server, f"frame.jpg?source={source}&share=0")
+    status, text = send_request(server, f"frame.jpg?source={source}&share=0")
     assert status == 400
     assert b"expected" in text
 
@@ -135,7 +135,7 @@ def test_what_is_no_video_is_refused_in_words(server, source):
 def test_the_outline_is_to_scale(server):
     place = {"x_px": 320, "y_px": 180, "toward_x_px": 420, "toward_y_px": 180,
              "head_angle_deg": 30, "head_length_m": 0}  # fmt: skip
-    status, found = call(server, "outline", {"values": VALUES, "place": place})
+    status, found = send_request(server, "outline", {"values": DRAFT_VALUES, "place": place})
     assert status == 200
     (nose, hinge), (_, base) = np.array(found["head"]), np.array(found["core"])
     scale = 520 / 2.6
@@ -147,15 +147,17 @@ def test_the_outline_is_to_scale(server):
 def test_the_preview_says_why_nothing_is_found(server):
     row = {"trial_id": "A", "source": "p50_phi20.mp4", "power_pct": "50", "head_angle_deg": "0",
            "head_length_m": "0.12"}  # fmt: skip
-    status, _ = call(server, "preview", {"values": VALUES, "rows": [row], "trial_id": "A"})
+    status, _ = send_request(
+        server, "preview", {"values": DRAFT_VALUES, "rows": [row], "trial_id": "A"}
+    )
     assert status == 200
-    job = until(server, "job?name=preview%20A", lambda job: job["state"] in ("done", "failed"))
+    job = poll_job(server, "job?name=preview%20A", lambda job: job["state"] in ("done", "failed"))
     assert job["state"] == "done", job
     assert job["result"]["found"] == 0
     assert "nothing differs from the background" in job["result"]["remarks"][0]
 
 
-def test_the_preview_names_a_head_angle_of_the_wrong_sign(folder, monkeypatch):
+def test_the_preview_names_a_head_angle_of_the_wrong_sign(study_folder, monkeypatch):
     class Detector:
         @staticmethod
         def detect(frames, setup, trial):
@@ -168,7 +170,7 @@ def test_the_preview_names_a_head_angle_of_the_wrong_sign(folder, monkeypatch):
                         ("30", "does not fit the stated lengths"), ("-20", None)):  # fmt: skip
         row = {"trial_id": "S", "source": "p50_phi20.mp4", "power_pct": "50",
                "head_angle_deg": angle, "head_length_m": "0.12"}  # fmt: skip
-        study = draft_study(Draft(VALUES, [row]), folder)
+        study = draft_study(Draft(DRAFT_VALUES, [row]), study_folder)
         remarks = preview_trial(study, "S").remarks
         assert (said in remarks[0]) if said else remarks == ()
 
@@ -183,38 +185,40 @@ def test_a_run_from_the_page_is_that_of_the_command(tmp_path):
     assert "no such folder" in missing.stderr
 
 
-def test_a_lens_taken_from_a_file(server, folder):
-    (folder / "camera.yaml").write_text(
+def test_a_lens_taken_from_a_file(server, study_folder):
+    (study_folder / "camera.yaml").write_text(
         "camera:\n  model: fisheye\n  image_size_px: [640, 360]\n"
         "  matrix: [[400, 0, 320], [0, 400, 180], [0, 0, 1]]\n  distortion: [0.1, 0, 0, 0]\n",
         encoding="utf-8",
     )
-    call(server, "calibrate", {"files": "camera.yaml", "pattern": "9x6", "square_mm": 25})
-    job = until(server, "job?name=calibration", lambda job: job["state"] in ("done", "failed"))
+    send_request(server, "calibrate", {"files": "camera.yaml", "pattern": "9x6", "square_mm": 25})
+    job = poll_job(server, "job?name=calibration", lambda job: job["state"] in ("done", "failed"))
     assert job["result"]["values"]["camera.model"] == "fisheye"
-    call(server, "calibrate", {"files": "board/*.jpg", "pattern": "9x6", "square_mm": 25})
-    job = until(server, "job?name=calibration", lambda job: job["state"] in ("done", "failed"))
+    send_request(server, "calibrate", {"files": "board/*.jpg", "pattern": "9x6", "square_mm": 25})
+    job = poll_job(server, "job?name=calibration", lambda job: job["state"] in ("done", "failed"))
     assert "no such file" in job["error"]
 
 
-def test_saved_checked_run_and_followed(server, folder):
+def test_saved_checked_run_and_followed(server, study_folder):
     row = {"trial_id": "A", "source": "p50_phi20.mp4", "power_pct": "50", "head_angle_deg": "0"}
-    revision = call(server, "state")[1]["draft"]["revision"]
-    draft = {"values": VALUES, "rows": [row], "revision": revision}
-    found = call(server, "check", {**draft, "files": True})[1]["findings"]
+    revision = send_request(server, "state")[1]["draft"]["revision"]
+    draft = {"values": DRAFT_VALUES, "rows": [row], "revision": revision}
+    found = send_request(server, "check", {**draft, "files": True})[1]["findings"]
     assert [(one["row"], one["column"]) for one in found] == [(0, "head_length_m")]
-    assert not (folder / "study.yaml").exists()
+    assert not (study_folder / "study.yaml").exists()
     draft["rows"] = [row | {"head_length_m": "0.12"}]
-    status, saved = call(server, "save", draft)
+    status, saved = send_request(server, "save", draft)
     assert (status, saved["done"], saved["findings"]) == (
         200, ["study.yaml saved", "trials.csv saved"], [],
     )  # fmt: skip
-    (folder / "trials.csv").write_text("", encoding="utf-8")
-    status, refused = call(server, "save", {**draft, "revision": saved["draft"]["revision"]})
+    (study_folder / "trials.csv").write_text("", encoding="utf-8")
+    status, refused = send_request(
+        server, "save", {**draft, "revision": saved["draft"]["revision"]}
+    )
     assert status == 400
     assert "changed by another program" in refused["error"]
-    call(server, "start", {})
-    state = until(server, "run", lambda state: not state["running"])
+    send_request(server, "start", {})
+    state = poll_job(server, "run", lambda state: not state["running"])
     assert (state["exit_code"], state["lines"][-1]) == (0, "[2/2] report")
     assert not state["report"]
 
@@ -228,10 +232,10 @@ def test_a_broken_request_ends_in_words(server, body):
     connection.close()
 
 
-def until(server, name, true, patience_s: float = 100.0):
+def poll_job(server, name, true, patience_s: float = 100.0):
     end = time.monotonic() + patience_s
     while time.monotonic() < end:
-        state = call(server, name)[1]
+        state = send_request(server, name)[1]
         if true(state):
             return state
         time.sleep(0.1)

@@ -24,16 +24,16 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 pytestmark = pytest.mark.recordings
 
 
-def searched(name: str, folder: Path, **options) -> Explanation:
+def search_recording(name: str, folder: Path, **options) -> Explanation:
     model = load_model(EXAMPLES / name / "model.py")
     return explain(model, read_trials(model, folder), **options)
 
 
-def names(found: Explanation) -> set[str]:
+def named_causes(found: Explanation) -> set[str]:
     return {c.name for c in found.named}
 
 
-def low_passed(values: np.ndarray, hz: float) -> np.ndarray:
+def low_pass(values: np.ndarray, hz: float) -> np.ndarray:
     return filtfilt(*butter(4, hz / 500.0), values)
 
 
@@ -42,28 +42,28 @@ def test_the_drive_is_held_back_by_dry_friction_and_an_offset(recordings):
     t, x, force = table.to_numpy().T
     model = load_model(EXAMPLES / "drive" / "model.py")
     found = explain(model, [Trial("drive", t, {"position": x}, {"motor": force})])
-    assert names(found) == {"coulomb_friction", "offset"}
+    assert named_causes(found) == {"coulomb_friction", "offset"}
     assert found.unexplained < 0.5
     number = {n.label: n.value for n in found.numbers}
-    v = np.gradient(low_passed(x, 50.0), t)
+    v = np.gradient(low_pass(x, 50.0), t)
     friction = number["coulomb_friction.F_c"] * v / np.hypot(v, number["coulomb_friction.v_s"])
     modelled = (number["M"] * np.gradient(v, t) + number["F_v"] * v + friction
                 - number["offset.F_0"])  # fmt: skip
-    error, whole = (low_passed(f, 20.0)[200:-200] for f in (force - modelled, force))
+    error, whole = (low_pass(f, 20.0)[200:-200] for f in (force - modelled, force))
     assert np.linalg.norm(error) < 0.048 * np.linalg.norm(whole)
 
 
 def test_the_pendulum_is_stopped_by_viscous_friction(recordings):
-    found = searched("pendulum", recordings / "pendulum")
-    assert names(found) == {"viscous_friction", "rate_scale", "zero_error"}
+    found = search_recording("pendulum", recordings / "pendulum")
+    assert named_causes(found) == {"viscous_friction", "rate_scale", "zero_error"}
     number = {n.label: n.value for n in found.numbers}
     assert number["rate_scale.k"] == pytest.approx(-0.044, abs=0.006)
     assert found.held_out.extended["angle_rmse"] < 0.0118  # published for viscous friction
 
 
 def test_spindowns_are_damped_by_the_square_and_read_by_a_gyro_off_zero(recordings):
-    found = searched("yaw_coastdown", recordings / "yaw_coastdown")
-    assert names(found) == {"quadratic_yaw_damping", "gyro_bias"}
+    found = search_recording("yaw_coastdown", recordings / "yaw_coastdown")
+    assert named_causes(found) == {"quadratic_yaw_damping", "gyro_bias"}
     number = {n.label: n for n in found.numbers}
     bias = number["gyro_bias.b"]
     compass = [t.evidence["compass"][0] for t in found.prepared.trials]
@@ -73,17 +73,17 @@ def test_spindowns_are_damped_by_the_square_and_read_by_a_gyro_off_zero(recordin
 
 @pytest.mark.long
 def test_a_ship_fitted_to_zigzags_turns_in_circles(recordings):
-    found = searched("ship_zigzag", recordings / "ship_zigzag")
-    assert names(found) >= {"speed_loss", "slipstream"}
+    found = search_recording("ship_zigzag", recordings / "ship_zigzag")
+    assert named_causes(found) >= {"speed_loss", "slipstream"}
     assert found.held_out.extended["path_rmse"] < 0.17 < found.held_out.baseline["path_rmse"]
-    predicted = predict(found, [circle(1.0), circle(-1.0)], known_s=5.0)
+    predicted = predict(found, [ship_turn(1.0), ship_turn(-1.0)], known_s=5.0)
     for run in predicted.runs["extended", "start from the first seconds"]:
         assert np.isfinite(run.simulated).all()
         assert 2.0 < run.measures["advance_m"] / 7.0 < 5.0
         assert 2.0 < run.measures["tactical_diameter_m"] / 7.0 < 5.0
 
 
-def circle(side: float) -> Trial:
+def ship_turn(side: float) -> Trial:
     """A ship of 7 m that is put into a turn of 10 m radius by 35 degrees of rudder."""
     t = np.arange(0.0, 120.0, 0.5)
     turned = np.maximum(t - 15.0, 0.0)
@@ -96,8 +96,8 @@ def circle(side: float) -> Trial:
 
 
 def test_balls_are_held_back_by_air_and_seen_in_perspective(recordings):
-    found = searched("ball_drops", recordings / "ball_drops")
-    assert names(found) == {"air_drag", "perspective"}
+    found = search_recording("ball_drops", recordings / "ball_drops")
+    assert named_causes(found) == {"air_drag", "perspective"}
     number = {n.label: n.value for n in found.numbers}
     assert 0.25 < number["air_drag.C"] < 0.5
     runs = predict_left_out(found, known_s=2.0).runs["extended", "start from the first seconds"]

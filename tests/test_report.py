@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exact_campaign import campaign, searched
+from exact_campaign import campaign_with_damping_found, exact_campaign
 
 from bluekoi import figures
 from bluekoi.camera.plane_camera import homography_camera
 from bluekoi.campaign import Campaign
 from bluekoi.report.findings import verdict, warnings
 from bluekoi.report.media import clips
-from bluekoi.report.numbers import number, percent, value_with_interval
+from bluekoi.report.numbers import format_number, format_percent, value_with_interval
 from bluekoi.report.page import write_report
 
-VOID = {"meta", "link", "img", "input", "br", "rect", "polyline"}
+VOID_ELEMENTS = {"meta", "link", "img", "input", "br", "rect", "polyline"}
 
 
 class Page(HTMLParser):
@@ -39,11 +39,11 @@ class Page(HTMLParser):
         self.ids += [found["id"]] if "id" in found else []
         self.links += [found[k] for k in ("href", "src") if found.get(k)]
         self.heads += [tag] if re.fullmatch("h[1-6]", tag) else []
-        if tag not in VOID:
+        if tag not in VOID_ELEMENTS:
             self.open.append(tag)
 
     def handle_startendtag(self, tag, attrs):
-        if tag not in VOID:
+        if tag not in VOID_ELEMENTS:
             self.errors.append(tag)
 
     def handle_endtag(self, tag):
@@ -55,22 +55,24 @@ def figure_texts() -> dict[str, tuple[str, str]]:
     return {name: (figures.title(name), figures.caption(name)) for name in figures.figure_names()}
 
 
-def write(base: Campaign, folder: Path) -> str:
+def write_page(base: Campaign, folder: Path) -> str:
     path = folder / "report.html"
     write_report(base, figure_texts(), folder / "figures", folder / "overlays", path)
     return path.read_text(encoding="utf-8")
 
 
 @pytest.fixture
-def found() -> Campaign:
-    return searched(campaign())
+def campaign_with_causes() -> Campaign:
+    return campaign_with_damping_found(exact_campaign())
 
 
-def test_the_page_is_well_formed_and_needs_no_network(tmp_path, found):
+def test_the_page_is_well_formed_and_needs_no_network(tmp_path, campaign_with_causes):
     for name in ("fig3", "paths"):
         draw = tmp_path / "figures" / name
-        figures.draw_file(name, found, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
-    text = write(found, tmp_path)
+        figures.draw_file(
+            name, campaign_with_causes, draw.with_suffix(".png"), draw.with_suffix(".pdf")
+        )
+    text = write_page(campaign_with_causes, tmp_path)
     page = Page(text)
     assert not page.errors
     assert not page.open
@@ -93,7 +95,7 @@ def test_the_page_is_well_formed_and_needs_no_network(tmp_path, found):
 
 def test_all_text_is_escaped(tmp_path):
     evil = "<script>alert(1)</script><img src=x onerror=alert(2)>"
-    base = campaign(powers=(75,))
+    base = exact_campaign(powers=(75,))
     study = base.study.model_copy(update={"root": Path(f"x/{evil.replace('/', '')}")})
     first, *rest = study.trials
     statuses = {
@@ -104,7 +106,7 @@ def test_all_text_is_escaped(tmp_path):
          "parameters": {evil: {"value": 1.0, "std": 0.1, "unit": evil}}}]}  # fmt: skip
     tracks = {trial.trial_id: base.tracks[trial.trial_id] for trial in rest}
     given = {**base.__dict__, "study": study, "tracks": tracks}
-    text = write(Campaign(**{**given, "statuses": statuses, "mismatch": mismatch}), tmp_path)
+    text = write_page(Campaign(**{**given, "statuses": statuses, "mismatch": mismatch}), tmp_path)
     assert "<script>alert" not in text
     assert "<img src=x" not in text
     assert "&lt;script&gt;alert(1)" in text
@@ -112,89 +114,95 @@ def test_all_text_is_escaped(tmp_path):
 
 
 def test_excluded_trials_are_named_with_the_reason(tmp_path):
-    base = campaign(powers=(75,))
+    base = exact_campaign(powers=(75,))
     gone = base.study.trials[1].trial_id
     tracks = {k: v for k, v in base.tracks.items() if k != gone}
     statuses = {gone: {"ok": False, "message": "videos/T02.mp4: found 0 bytes; expected a video."}}
-    text = write(Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path)
+    text = write_page(
+        Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path
+    )
     assert f'<a href="#trial-{gone}">{gone}</a>: videos/T02.mp4: found 0 bytes' in text
     assert "All trials were analysed" not in text
     assert f"{len(base.study.trials) - 1} of {len(base.study.trials)} trials analysed" in text
 
 
-def test_names_and_variables_are_written_in_words(tmp_path, found):
+def test_names_and_variables_are_written_in_words(tmp_path, campaign_with_causes):
     mismatch = {
-        **found.mismatch,
+        **campaign_with_causes.mismatch,
         "sentence": "Missing physics: linear_yaw_damping and a_thing.",
         "where": [{"channel": "yaw", "variable": "sway_speed_m_s", "share": 0.5, "trials": []}],
         "next_trial": {"power_pct": 50, "why": "here tail_fin_lift and crossflow_drag part most"},
     }
-    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
+    text = write_page(Campaign(**{**campaign_with_causes.__dict__, "mismatch": mismatch}), tmp_path)
     assert "Missing physics: linear yaw damping and a_thing." in text
     assert "sway speed, positive to the left (m/s)" in text
     assert "here tail fin lift and crossflow drag part most" in text
     assert "linear yaw damping: N_r (N m s)" in text
 
 
-def test_no_condition_is_suggested_for_a_difference_below_the_noise(tmp_path, found):
+def test_no_condition_is_suggested_for_a_difference_below_the_noise(tmp_path, campaign_with_causes):
     why = "no trial of 4 s separates a from b: they differ by at most 0.2 mm, the noise is 1.1 mm"
     proposed = {"power_pct": 50, "head_angle_deg": 30.0, "why": why, "above_noise": False}
-    mismatch = {**found.mismatch, "next_trial": proposed}
-    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
+    mismatch = {**campaign_with_causes.mismatch, "next_trial": proposed}
+    text = write_page(Campaign(**{**campaign_with_causes.__dict__, "mismatch": mismatch}), tmp_path)
     assert "N" + why[1:] in text
     assert "30 degrees head angle" not in text
 
 
-def test_a_diverged_model_is_reported_as_diverging(tmp_path, found):
+def test_a_diverged_model_is_reported_as_diverging(tmp_path, campaign_with_causes):
     errors = {"path_rmse_m": 3.9e10, "radius_error_pct": 27342.0, "speed_error_pct": None}
-    mismatch = {**found.mismatch, "verdict": "none", "held_out": {
+    mismatch = {**campaign_with_causes.mismatch, "verdict": "none", "held_out": {
         "trials": ["T02"], "baseline": errors, "extended": errors,
         "noise_floor_path_rmse_m": 2.9e28}}  # fmt: skip
-    base = Campaign(**{**found.__dict__, "mismatch": mismatch})
+    base = Campaign(**{**campaign_with_causes.__dict__, "mismatch": mismatch})
     draw = tmp_path / "figures/mismatch_held_out"
     figures.draw_file("mismatch_held_out", base, draw.with_suffix(".png"), draw.with_suffix(".pdf"))
-    text = write(base, tmp_path)
+    text = write_page(base, tmp_path)
     assert text.count("<td>diverges</td>") == 4
     assert "× 10" not in text[text.index("<h3>Errors on held-out") : text.index("Held out:")]
 
 
-def test_a_fit_that_determines_no_coefficient_gives_a_warning(found):
-    (scale,) = warnings(found)  # its rigid lengths are 1.5 % off, and no cause says why
+def test_a_fit_that_determines_no_coefficient_gives_a_warning(campaign_with_causes):
+    (scale,) = warnings(
+        campaign_with_causes
+    )  # its rigid lengths are 1.5 % off, and no cause says why
     assert "rigid lengths come out -1.5" in scale
-    found = Campaign(**{**found.__dict__, "geometry": None})
-    assert warnings(found) == []
-    cells = found.coefficients["joint"]["coefficients"]
+    campaign_with_causes = Campaign(**{**campaign_with_causes.__dict__, "geometry": None})
+    assert warnings(campaign_with_causes) == []
+    cells = campaign_with_causes.coefficients["joint"]["coefficients"]
     open_ = {name: {**cell, "determined": False} for name, cell in cells.items()}
-    coefficients = {**found.coefficients, "joint": {"coefficients": open_}}
-    unsure = Campaign(**{**found.__dict__, "coefficients": coefficients})
+    coefficients = {**campaign_with_causes.coefficients, "joint": {"coefficients": open_}}
+    unsure = Campaign(**{**campaign_with_causes.__dict__, "coefficients": coefficients})
     assert "determine none of the model's coefficients" in warnings(unsure)[0]
 
 
-def test_a_camera_without_calibration_is_a_warning_once_with_its_error(found):
+def test_a_camera_without_calibration_is_a_warning_once_with_its_error(campaign_with_causes):
     corners = np.array([[370.0, 970], [1600, 925], [1580, 170], [340, 210]])
     pool = np.array([[0.0, 0, 0], [2.6, 0, 0], [2.6, 1.6, 0], [0, 1.6, 0]])
     camera = homography_camera(corners, pool, 1.333, 0.04, (1920, 1080))
     statuses = {name: {"ok": True, "remarks": ["1 frame rejected", *camera.remarks]}
                 for name in ("T01", "T02")}  # fmt: skip
-    base = Campaign(**{**found.__dict__, "geometry": None, "statuses": statuses})
+    base = Campaign(**{**campaign_with_causes.__dict__, "geometry": None, "statuses": statuses})
     (warning,) = warnings(base)
     assert warning == camera.remarks[0]
     assert " mm from an action camera's distortion: calibrate the camera" in warning
 
 
 def test_files_of_excluded_trials_are_named_from_the_study_folder(tmp_path):
-    base = campaign(powers=(75,))
+    base = exact_campaign(powers=(75,))
     gone = base.study.trials[0].trial_id
     tracks = {k: v for k, v in base.tracks.items() if k != gone}
     message = f"{base.study.root}/videos/T01.mp4: found an empty file"
     statuses = {gone: {"ok": False, "message": message}}
-    text = write(Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path)
+    text = write_page(
+        Campaign(**{**base.__dict__, "tracks": tracks, "statuses": statuses}), tmp_path
+    )
     assert f">{gone}</a>: videos/T01.mp4: found an empty file" in text
     assert str(base.study.root) + "/videos" not in text
 
 
-def test_the_page_contains_every_result(tmp_path, found):
-    text = write(found, tmp_path)
+def test_the_page_contains_every_result(tmp_path, campaign_with_causes):
+    text = write_page(campaign_with_causes, tmp_path)
     assert "linear yaw damping" in text
     assert "N_r = 0.0200 ± 0.0020 N m s (95 % intervals)" in text
     assert "0.552 m/s" in text
@@ -213,8 +221,8 @@ def test_the_page_contains_every_result(tmp_path, found):
     assert 'data-key="1e99">straight' in text
 
 
-def test_table_2_is_compared_with_the_published_one(tmp_path, found):
-    text = write(found, tmp_path)
+def test_table_2_is_compared_with_the_published_one(tmp_path, campaign_with_causes):
+    text = write_page(campaign_with_causes, tmp_path)
     row = text[text.index("50 %, 45°, 1.5x head") :].split("</tr>")[0]
     assert [re.sub("<.*?>", "", c) for c in re.findall("<td>.*?</td>", row)] == [
         "predicted",
@@ -227,7 +235,7 @@ def test_table_2_is_compared_with_the_published_one(tmp_path, found):
 
 @pytest.mark.parametrize("kind", ["none", "physics", "measurement", "unexplained"])
 def test_verdicts_in_words(kind):
-    said = verdict(Campaign(**{**campaign().__dict__, "mismatch": {"verdict": kind}}))
+    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": {"verdict": kind}}))
     assert said["kind"] == kind
     assert (
         said["heading"]
@@ -246,29 +254,29 @@ def test_a_measurement_error_beside_missing_physics_has_its_own_heading():
         {"name": "lens_error", "kind": "measurement"},
     ]
     found = {"verdict": "physics", "causes": causes}
-    said = verdict(Campaign(**{**campaign().__dict__, "mismatch": found}))
+    said = verdict(Campaign(**{**exact_campaign().__dict__, "mismatch": found}))
     assert said["heading"] == "Missing physics: tail fin lift; Measurement error: lens error"
 
 
 def test_a_run_without_search_or_fit_is_reported_as_such(tmp_path):
-    text = write(Campaign(study=campaign(powers=(75,)).study), tmp_path)
+    text = write_page(Campaign(study=exact_campaign(powers=(75,)).study), tmp_path)
     assert "did not search for causes" in text
     assert "no fitted coefficients" in text
     assert "not run yet" in text
     assert not Page(text).errors
 
 
-def test_videos_are_embedded_while_they_are_small(tmp_path, found, monkeypatch):
+def test_videos_are_embedded_while_they_are_small(tmp_path, campaign_with_causes, monkeypatch):
     folder = tmp_path / "overlays"
     folder.mkdir()
     for name, size in (("T01", 900), ("T02", 5000), ("T03", 900), ("T04", 300)):
         (folder / f"{name}.mp4").write_bytes(bytes(range(256)) * (size // 256))
     monkeypatch.setattr("bluekoi.report.media.MAX_CLIP_BYTES", 2000)
     monkeypatch.setattr("bluekoi.report.media.MAX_ALL_CLIPS_BYTES", 1200)
-    shown = clips(folder, tmp_path, found)
+    shown = clips(folder, tmp_path, campaign_with_causes)
     assert [bool(clip.data) for clip in shown.values()] == [True, False, False, True]
     assert base64.b64decode(shown["T01"].data) == (folder / "T01.mp4").read_bytes()
-    text = write(found, tmp_path)
+    text = write_page(campaign_with_causes, tmp_path)
     assert 'id="clip-T01"' in text
     assert 'href="overlays/T02.mp4"' in text
 
@@ -291,25 +299,30 @@ def test_values_have_the_digits_that_their_uncertainty_justifies(value, std, tex
 
 
 def test_numbers_for_people():
-    assert [number(v) for v in (0.60049, 2.37, 5, 1.2e-4, -1234.5, 0)] == [
+    assert [format_number(v) for v in (0.60049, 2.37, 5, 1.2e-4, -1234.5, 0)] == [
         "0.600", "2.37", "5.00", "1.20 × 10⁻⁴", "-1234", "0",
     ]  # fmt: skip
-    assert [percent(v) for v in (2.774, -9.96, None)] == ["+2.8 %", "-10.0 %", "–"]
+    assert [format_percent(v) for v in (2.774, -9.96, None)] == ["+2.8 %", "-10.0 %", "–"]
 
 
-def test_the_same_campaign_gives_the_same_page(tmp_path, found):
-    assert write(found, tmp_path) == write(found, tmp_path)
+def test_the_same_campaign_gives_the_same_page(tmp_path, campaign_with_causes):
+    assert write_page(campaign_with_causes, tmp_path) == write_page(campaign_with_causes, tmp_path)
 
 
-def test_optional_results_of_the_search_are_shown(tmp_path, found):
+def test_optional_results_of_the_search_are_shown(tmp_path, campaign_with_causes):
     mismatch = {
-        **found.mismatch,
+        **campaign_with_causes.mismatch,
         "warnings": ["The clock of trial T02 disagrees with its motor log: check fps."],
         "probabilities": {"stall": 0.04, "linear_yaw_damping": 0.96},
-        "held_out": {**found.mismatch["held_out"], "baseline_fitted_to": "trajectories"},
-        "causes": [{**found.mismatch["causes"][0], "credible_set": ["added_mass", "stall"]}],
+        "held_out": {
+            **campaign_with_causes.mismatch["held_out"],
+            "baseline_fitted_to": "trajectories",
+        },
+        "causes": [
+            {**campaign_with_causes.mismatch["causes"][0], "credible_set": ["added_mass", "stall"]}
+        ],
     }
-    text = write(Campaign(**{**found.__dict__, "mismatch": mismatch}), tmp_path)
+    text = write_page(Campaign(**{**campaign_with_causes.__dict__, "mismatch": mismatch}), tmp_path)
     assert text.index("The clock of trial T02 disagrees") < text.index("trials analysed</span>")
     assert text.index(">0.960<") < text.index(">0.040<")
     assert "added mass, stall: the data do not distinguish" in text

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from bluekoi.report import identifiability, tables
-from bluekoi.report.page import page
+from bluekoi.report.page import report_html
 
 
 @pytest.fixture
 def campaign():
-    given = exact.coefficients()
+    given = exact.coefficients_json()
     cell = given["joint"]["coefficients"]["C_T"]
     best = cell["value"]
     cell |= {"interval_95": [0.9 * best, 1.1 * best], "naive_std": 0.01 * best}
@@ -24,7 +24,7 @@ def campaign():
         "profiles": {"C_T": {"values": [1.1 * best, 0.9 * best], "lost": [3.0, 6.0],
                              "lower": 0.95 * best, "upper": None}},
     }  # fmt: skip
-    return exact.campaign(coefficients=given)
+    return exact.exact_campaign(coefficients=given)
 
 
 def test_spectrum_marks_what_is_not_determined(campaign) -> None:
@@ -81,7 +81,7 @@ def test_joint_table_has_the_interval_over_trials_and_the_naive_one(campaign) ->
 
 
 def test_page_shows_both_and_does_without(campaign) -> None:
-    text = page(campaign, [], {})
+    text = report_html(campaign, [], {})
     assert "Profile likelihood of C_T" in text
     assert "unbounded" in text
-    assert "Profile likelihood of" not in page(exact.campaign(), [], {})
+    assert "Profile likelihood of" not in report_html(exact.exact_campaign(), [], {})

@@ -22,14 +22,25 @@ from bluekoi.mismatch.rigid_lengths import effects_on_lengths, length_measuremen
 from bluekoi.model import plates
 
 SYSTEM = plates()
-ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
-VIEW = {"L_pool": 2.6, "W_pool": 1.6, "x_cam": 1.3, "y_cam": 0.8, "bend": -0.05, "x_lens": 1.3,
-        "y_lens": 0.8, "Q_lens": 2.33, "ax_lens": 0.0, "ay_lens": 0.0, "ahead": 0.0}  # fmt: skip
-LENGTHS = (0.12, 0.04, 0.16)
+CAMERA_ERRORS = ("scale_error", "lens_error", "uncorrected_refraction", "sinking")
+VIEW_CONSTANTS = {
+    "L_pool": 2.6,
+    "W_pool": 1.6,
+    "x_cam": 1.3,
+    "y_cam": 0.8,
+    "bend": -0.05,
+    "x_lens": 1.3,
+    "y_lens": 0.8,
+    "Q_lens": 2.33,
+    "ax_lens": 0.0,
+    "ay_lens": 0.0,
+    "ahead": 0.0,
+}
+LENGTHS_M = (0.12, 0.04, 0.16)
 LABEL_STD_M, TRIAL_STD, NOISE_M = 0.0007, 0.001, 0.0006
 
 
-def swum(rng: np.random.Generator, trials: int = 16, frames: int = 150) -> Distances:
+def simulated_lengths(rng: np.random.Generator, trials: int = 16, frames: int = 150) -> Distances:
     """Right lengths along circles all over the pool, labelled to 0.7 mm, in trials whose scale
     varies by 0.1 %, with noise.
     """
@@ -42,7 +53,7 @@ def swum(rng: np.random.Generator, trials: int = 16, frames: int = 150) -> Dista
         place = middle + 0.45 * np.column_stack([np.sin(turned), -np.cos(turned)])
         along = np.column_stack([np.cos(turned), np.sin(turned)])
         scale, ahead = rng.normal(0, TRIAL_STD), np.zeros((frames, 2))
-        for pair, length in enumerate(LENGTHS):
+        for pair, length in enumerate(LENGTHS_M):
             front, back = place - ahead, place - ahead - length * along
             ahead = ahead + length * along
             noise = rng.normal(0, NOISE_M, frames)
@@ -57,12 +68,12 @@ def swum(rng: np.random.Generator, trials: int = 16, frames: int = 150) -> Dista
     return Distances(**{name: np.concatenate(parts) for name, parts in rows.items()})
 
 
-def with_error(distances: Distances, error: str, values: dict[str, float]) -> Distances:
+def lengths_with_error(distances: Distances, error: str, values: dict[str, float]) -> Distances:
     """The lengths as a camera with an error sees them, by the effect's own displacement of ends."""
     effect = SYSTEM.effect(error)
     known = {p.argument: p.start if i >= effect.strengths else 0.0
              for i, p in enumerate(effect.parameters)}  # fmt: skip
-    known |= VIEW | {"cpsi": 0.0, "spsi": 0.0} | values
+    known |= VIEW_CONSTANTS | {"cpsi": 0.0, "spsi": 0.0} | values
     names = effect.hooks["observe"].__code__.co_varnames[
         : effect.hooks["observe"].__code__.co_argcount
     ]
@@ -76,15 +87,17 @@ def with_error(distances: Distances, error: str, values: dict[str, float]) -> Di
     return replace(distances, excess_m=distances.excess_m + grown)
 
 
-def measured(distances: Distances, *, trials: int = 16) -> SharedMeasurement:
+def length_measurement_of(distances: Distances, *, trials: int = 16) -> SharedMeasurement:
     found = length_measurement(
-        SYSTEM, VIEW, window_means(distances), trials=trials, depth_given=True
+        SYSTEM, VIEW_CONSTANTS, window_means(distances), trials=trials, depth_given=True
     )
     assert found is not None
     return found
 
 
-def estimate(found: SharedMeasurement, error: str) -> tuple[np.ndarray, np.ndarray, float]:
+def estimated_strengths(
+    found: SharedMeasurement, error: str
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Strengths of one error alone by least squares, their deviations, and the misfit left."""
     start = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
                       for n in found.parameters])  # fmt: skip
@@ -111,21 +124,29 @@ def is_strength(name: str) -> bool:
 def test_lengths_measure_each_error_of_the_camera_within_their_deviation(
     error: str, values: dict[str, float]
 ) -> None:
-    found = measured(with_error(swum(np.random.default_rng(5)), error, values))
+    found = length_measurement_of(
+        lengths_with_error(simulated_lengths(np.random.default_rng(5)), error, values)
+    )
     strengths = SYSTEM.effect(error).parameters[: SYSTEM.effect(error).strengths]
     truth = np.array([values.get(p.argument, 0.0) for p in strengths])
-    value, std, misfit = estimate(found, error)
+    value, std, misfit = estimated_strengths(found, error)
     assert np.all(np.abs(value - truth) < 3.5 * std)
     assert np.max(np.abs(truth) / std) > 5
     alike = {"scale_error", "uncorrected_refraction"}  # the same but for the edges of the picture
-    others = [estimate(found, e)[2] for e in ERRORS if e != error and not {e, error} <= alike]
+    others = [
+        estimated_strengths(found, e)[2]
+        for e in CAMERA_ERRORS
+        if e != error and not {e, error} <= alike
+    ]
     assert misfit < min(others) - 10
 
 
 def test_right_lengths_speak_for_no_error_and_their_misfit_is_chi_squared() -> None:
     misfits, sizes = [], []
     for seed in range(20):
-        found = measured(swum(np.random.default_rng(100 + seed), trials=10))
+        found = length_measurement_of(
+            simulated_lengths(np.random.default_rng(100 + seed), trials=10)
+        )
         start = np.array([0.0 if is_strength(n) else SYSTEM.parameters[SYSTEM.slot[n]].start
                           for n in found.parameters])  # fmt: skip
         errors = found.errors(start)
@@ -137,24 +158,26 @@ def test_right_lengths_speak_for_no_error_and_their_misfit_is_chi_squared() -> N
 
 def test_a_label_that_is_off_is_not_taken_for_an_error_of_scale() -> None:
     """Six millimetres on one pair: with a scale of its own the pair would say 5 %."""
-    right = swum(np.random.default_rng(8))
+    right = simulated_lengths(np.random.default_rng(8))
     off = replace(right, excess_m=right.excess_m + np.where(right.pair == 0, 0.006, 0.0))
-    value, std, _ = estimate(measured(off), "scale_error")
+    value, std, _ = estimated_strengths(length_measurement_of(off), "scale_error")
     assert abs(value[0]) < 3.5 * std[0]
 
 
 def test_effects_whose_displacement_varies_over_the_picture_stretch_lengths() -> None:
-    assert {e.name for e in effects_on_lengths(SYSTEM)} == set(ERRORS)
+    assert {e.name for e in effects_on_lengths(SYSTEM)} == set(CAMERA_ERRORS)
 
 
 def test_few_lengths_are_no_measurement() -> None:
-    few = swum(np.random.default_rng(1), trials=1, frames=40)
-    found = length_measurement(SYSTEM, VIEW, window_means(few), trials=1, depth_given=True)
+    few = simulated_lengths(np.random.default_rng(1), trials=1, frames=40)
+    found = length_measurement(
+        SYSTEM, VIEW_CONSTANTS, window_means(few), trials=1, depth_given=True
+    )
     assert found is None
 
 
 def test_windows_keep_mean_and_information_and_survive_json() -> None:
-    right = swum(np.random.default_rng(2))
+    right = simulated_lengths(np.random.default_rng(2))
     windows = window_means(right)
     again = windows_from_columns(to_json_types(windows_to_columns(windows)))
     assert len(windows.excess_m) == 16 * 3 * 10
@@ -164,13 +187,15 @@ def test_windows_keep_mean_and_information_and_survive_json() -> None:
 
 
 def test_windows_of_many_trials_grow_longer() -> None:
-    many = swum(np.random.default_rng(2), trials=250)
+    many = simulated_lengths(np.random.default_rng(2), trials=250)
     assert len(window_means(many).excess_m) <= MAX_LENGTH_WINDOWS
 
 
 def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> None:
     kernel = compiled(plates())
-    found = measured(with_error(swum(np.random.default_rng(5)), "scale_error", {"k": 0.02}))
+    found = length_measurement_of(
+        lengths_with_error(simulated_lengths(np.random.default_rng(5)), "scale_error", {"k": 0.02})
+    )
     n, states = len(kernel.system.observations), len(kernel.system.all_states)
     series = [Series(name, "", "", np.zeros(1), np.zeros((1, len(kernel.system.inputs))),
                      np.zeros(len(kernel.system.constants)), np.zeros((1, n)), np.eye(n)[None],
@@ -186,5 +211,5 @@ def test_a_shared_measurement_counts_once_and_has_the_slopes_of_its_errors() -> 
         g.sum(axis=0)[0] - 0.5 * step * H.sum(axis=0)[0, 0], rel=1e-4
     )
     best = g.sum(axis=0)[0] / H.sum(axis=0)[0, 0]
-    assert best == pytest.approx(estimate(found, "scale_error")[0][0], rel=1e-3)
+    assert best == pytest.approx(estimated_strengths(found, "scale_error")[0][0], rel=1e-3)
     assert not g[:, 1].any()

@@ -24,18 +24,23 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("chromium") is None, reason="chromium is not installed"),
 ]
 TRIALS = ("T01", "T04")
-CLICKS = {"(0,0)": (258, 938), "(L,0)": (1605, 943), "(L,W)": (1620, 119), "(0,W)": (253, 97)}
+CORNER_CLICKS = {
+    "(0,0)": (258, 938),
+    "(L,0)": (1605, 943),
+    "(L,W)": (1620, 119),
+    "(0,W)": (253, 97),
+}
 ROBOT = {"body_length_m": 0.331, "head_length_m": 0.12, "head_span_m": 0.069, "mass_kg": 0.68,
          "hinge_to_com_m": 0.04, "tail_length_m": 0.066, "yaw_inertia_kg_m2": 0.0095}  # fmt: skip
-TYPE = """((id, text) => { const e = document.getElementById(id); e.focus(); e.value = text;
+TYPE_SCRIPT = """((id, text) => { const e = document.getElementById(id); e.focus(); e.value = text;
   e.dispatchEvent(new Event("input", {bubbles: true})); })"""
-PLACE = """((label) => { const e = [...document.querySelectorAll(".handle")]
+PLACE_SCRIPT = """((label) => { const e = [...document.querySelectorAll(".handle")]
   .find((one) => one.dataset.label === label && one.getClientRects().length);
   e.scrollIntoView({block: "center"}); const f = e.closest(".frame"), r = e.getBoundingClientRect();
   const q = f.getBoundingClientRect();
   return [r.left + r.width / 2, r.top + r.height / 2, q.left, q.top,
     q.width / f.querySelector("img").naturalWidth]; })"""
-PASTE = """((text) => {
+PASTE_SCRIPT = """((text) => {
   const i = document.querySelector("input[data-row='0'][data-column=power_pct]");
   i.focus(); const d = new DataTransfer(); d.setData("text/plain", text);
   i.dispatchEvent(new ClipboardEvent("paste", {clipboardData: d, bubbles: true, cancelable: true}));
@@ -61,7 +66,7 @@ class Page:
             time.sleep(0.1)
 
     def type(self, name: str, text: object) -> None:
-        self.tab.evaluate(f"{TYPE}({json.dumps(name)}, {json.dumps(str(text))})")
+        self.tab.evaluate(f"{TYPE_SCRIPT}({json.dumps(name)}, {json.dumps(str(text))})")
 
     def step(self, name: str) -> None:
         self.tab.evaluate(f"location.hash = '{name}'")
@@ -74,7 +79,7 @@ class Page:
         self.tab.evaluate(f"document.getElementById({json.dumps(name)}).click()")
 
     def drag(self, label: str, to_px: tuple[float, float]) -> None:
-        x, y, left, top, scale = self.tab.evaluate(f"{PLACE}({json.dumps(label)})")
+        x, y, left, top, scale = self.tab.evaluate(f"{PLACE_SCRIPT}({json.dumps(label)})")
         end = (left + (to_px[0] + 0.5) * scale, top + (to_px[1] + 0.5) * scale)
         for kind, (u, v) in (("mousePressed", (x, y)), ("mouseMoved", end), ("mouseReleased", end)):
             self.tab.call("Input.dispatchMouseEvent", type=kind, x=u, y=v, button="left",
@@ -110,7 +115,7 @@ def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
             page.type(f"pool.{name}", value)
         page.until("document.getElementById('pool.depth_m-error').textContent.includes('number')")
         page.type("pool.depth_m", 0.3)
-        for label, at in CLICKS.items():
+        for label, at in CORNER_CLICKS.items():
             page.drag(f"Corner {label}", at)
         page.fitted()
         page.click("pool-use")
@@ -122,7 +127,7 @@ def test_from_a_folder_of_videos_to_a_saved_study(videos, tmp_path):
         for angles, seen in (("0 -30", "with head_angle_deg 30 the robot is found"), ("0 30", "")):
             page.step("trials")
             cells = "\n".join(f"50\t{angle}" for angle in angles.split())
-            page.tab.evaluate(f"{PASTE}({json.dumps(cells)})")
+            page.tab.evaluate(f"{PASTE_SCRIPT}({json.dumps(cells)})")
             page.until("!document.querySelector('#trials-table [aria-invalid=true]')")
             page.step("preview")
             page.click("preview-all")
@@ -190,7 +195,9 @@ def test_why_nothing_is_found_stands_beside_the_video(tmp_path):
     try:
         for name, value in (("length_m", 2.6), ("width_m", 1.2), ("depth_m", 0.3)):
             page.type(f"pool.{name}", value)
-        for label, at in zip(CLICKS, ((60, 300), (580, 300), (580, 60), (60, 60)), strict=True):
+        for label, at in zip(
+            CORNER_CLICKS, ((60, 300), (580, 300), (580, 60), (60, 60)), strict=True
+        ):
             page.drag(f"Corner {label}", at)
         page.step("robot")
         page.until("document.getElementById('robot-said').textContent.startsWith("

@@ -18,17 +18,17 @@ from bluekoi.smoothing.linear_gaussian import LinearGaussianModel, Mask, Smoothe
 from bluekoi.smoothing.motion import heading_matrices, planar_matrices, planar_measurement
 from bluekoi.smoothing.nominal_motion import rough_speed, steady_motion
 from bluekoi.smoothing.quasi_newton import minimise
-from motions import Seen, circle, observe, startup, times
+from exact_motions import CameraConditions, circle, frame_times, observed_pose, start_from_rest
 
 NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 1e-5])
 PLANAR_NOISE = np.array([0.8, 1e-3, 5e-2, 2.0, 0.3, 1e-5, 2e-6])
 
 
-def chain_of(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
+def planar_model(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     """A planar chain with a lively noise, gaps among its measurements."""
     hz = 2.37 if recoil else 0.0
-    truth = circle(times(60))
-    pose = observe(truth, np.random.default_rng(1), Seen(gap_s=(0.8, 1.1)))
+    truth = circle(frame_times(60))
+    pose = observed_pose(truth, np.random.default_rng(1), CameraConditions(gap_s=(0.8, 1.1)))
     dt = np.diff(pose.time_s, prepend=pose.time_s[0])
     course = np.column_stack([np.exp(-pose.time_s), np.tile([0.7, 1e-4], (60, 1))])
     F, Q = planar_matrices(PLANAR_NOISE, dt, hz, course, truth.heading)
@@ -40,7 +40,7 @@ def chain_of(recoil: bool) -> tuple[LinearGaussianModel, np.ndarray]:
     return LinearGaussianModel(F, Q, H, pose.cov[:, :2, :2], z, np.zeros(d), P0), used
 
 
-def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
+def filterpy_smoother(model: LinearGaussianModel, used: Mask) -> SmoothedStates:
     """The same by filterpy's own smoother, for chains whose process noise is not singular.
 
     Source: Rauch, Tung, Striebel, AIAA Journal 3 (1965) 1445, eqs. 3.28 to 3.31.
@@ -57,10 +57,10 @@ def rauch_tung_striebel(model: LinearGaussianModel, used: Mask) -> SmoothedState
 
 @pytest.mark.parametrize("recoil", [True, False])
 def test_twin_is_filterpy(recoil):
-    chain, used = chain_of(recoil)
+    chain, used = planar_model(recoil)
     ours, theirs, mixed = (
         kalman_numba.compiled_filter_and_smooth(chain, used),
-        rauch_tung_striebel(chain, used),
+        filterpy_smoother(chain, used),
         filter_and_smooth(chain, used),
     )
     scale = np.sqrt(np.einsum("nii->ni", theirs.P))
@@ -71,7 +71,7 @@ def test_twin_is_filterpy(recoil):
 
 def test_likelihood_is_that_of_the_joint_normal():
     """-2 log N(z; 0, C) with C built from the chain without any filter."""
-    chain, used = chain_of(recoil=False)
+    chain, used = planar_model(recoil=False)
     n, d = 8, 6
     step = np.zeros((n * d, n * d))
     cov = np.zeros((n * d, n * d))
@@ -100,7 +100,7 @@ def test_likelihood_is_that_of_the_joint_normal():
 
 def test_motion_without_process_noise_is_smoothed():
     """filterpy's own smoother inverts a singular matrix here."""
-    chain, used = chain_of(recoil=True)
+    chain, used = planar_model(recoil=True)
     exact = LinearGaussianModel(
         chain.F, 1e-22 * chain.Q, chain.H, chain.R, chain.z, chain.x0, chain.P0
     )
@@ -138,8 +138,8 @@ def test_a_steady_turn_is_exact_over_one_step():
 
 def test_a_start_against_quadratic_drag_needs_no_process_noise():
     """v = v_inf tanh(t / tau) has a' = -(2 tanh(t / tau) / tau) a: pace tanh, time tau / 2."""
-    t = times(200)
-    truth = startup(t, final=0.38, tau=0.9, heading=0.0)
+    t = frame_times(200)
+    truth = start_from_rest(t, final=0.38, tau=0.9, heading=0.0)
     dt = np.diff(t, prepend=t[0])
     pace = np.append(0.0, np.diff(np.log(np.cosh(t / 0.9))) * 0.9 / dt[1:])
     course = np.column_stack([np.zeros(200), np.maximum(pace, 1e-9), np.zeros(200)])
@@ -166,8 +166,10 @@ def test_noise_of_surge_and_sway_turns_with_the_body():
 
 
 def test_rough_speed_follows_a_start_and_no_tail_beat():
-    truth = startup(times(150))
-    pose = observe(truth, np.random.default_rng(4), Seen(hz=5.82, gap_s=(2.0, 2.3)))
+    truth = start_from_rest(frame_times(150))
+    pose = observed_pose(
+        truth, np.random.default_rng(4), CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
+    )
     grid = filter_grid(pose.time_s, 5.82)
     found = rough_speed(grid.on_nodes(pose.values[:, :2]), grid.on_nodes(pose.cov[:, :2, :2]), grid)
     assert np.abs(found[grid.frame] - truth.speed).max() < 0.08
@@ -175,8 +177,8 @@ def test_rough_speed_follows_a_start_and_no_tail_beat():
 
 def test_errors_that_last_are_correlated_as_stated():
     """cov(e_j, e_k) = variance exp(-|t_j - t_k| / T), through the chain's own matrices."""
-    chain, _ = chain_of(recoil=False)
-    dt = np.diff(times(60), prepend=0.0)
+    chain, _ = planar_model(recoil=False)
+    dt = np.diff(frame_times(60), prepend=0.0)
     longer = with_coloured_noise(chain, dt, 4e-6, 0.1)
     assert longer.H.shape == (60, 2, 8)
     assert longer.H[5, 0] @ np.array([1, 0, 0, 0, 0, 0, 3, 0]) == 4

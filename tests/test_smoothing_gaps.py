@@ -12,13 +12,13 @@ from bluekoi.smoothing import smooth, smooth_with_noise_ratio
 from bluekoi.smoothing.gaps import true_runs, with_calibrated_gaps
 from bluekoi.smoothing.kalman_numba import compiled_filter_and_smooth
 from bluekoi.smoothing.linear_gaussian import LinearGaussianModel
-from motions import Seen, circle, observe, times, wandering
-from whole_files import read_whole
+from exact_motions import CameraConditions, circle, frame_times, observed_pose, random_turn
+from keypoint_files import read_all_parts
 
 PX_M, FPS = 1e-3, 50.0
 """Of fish_film any scale will do; its frame rate is assumed."""
 LARVA_M_PER_PX = 0.0222e-3
-LONG = pytest.mark.long
+long_test = pytest.mark.long
 
 
 def film_fish(recordings) -> list[Pose]:
@@ -30,7 +30,7 @@ def film_fish(recordings) -> list[Pose]:
     fish = [table[table[:, 0] == i] for i in np.unique(table[:, 0])]
     cov = np.diag([(0.3 * PX_M) ** 2] * 2 + [0.1**2, 1e-4])
     return [
-        pose_of(rows[:, 1] / FPS, PX_M * rows[:, 2:4] * [1, -1], rows[:, 4], cov)
+        make_pose(rows[:, 1] / FPS, PX_M * rows[:, 2:4] * [1, -1], rows[:, 4], cov)
         for rows in fish
         if len(rows) > 150
     ]
@@ -41,21 +41,21 @@ def larvae(recordings) -> list[Pose]:
     cov = np.diag([(1e-5) ** 2] * 2 + [1e-3, 1e-4])
     poses = []
     for path in sorted((recordings / "zebrafish_kinematics" / "dlc").glob("*.csv")):
-        found = read_whole(path, 1000.0)
+        found = read_all_parts(path, 1000.0)
         at = [found.names.index(name) for name in ("TS", "S2")]
         snout, middle = (LARVA_M_PER_PX * found.xy_px[:, k] for k in at)
         heading = np.unwrap(np.arctan2(*(snout - middle).T[::-1]))
-        poses.append(pose_of(found.time_s, middle, heading, cov))
+        poses.append(make_pose(found.time_s, middle, heading, cov))
         poses[-1].values[found.likelihood[:, at].min(axis=1) < 0.6] = np.nan
     return poses
 
 
-def pose_of(time_s, xy_m, heading, cov) -> Pose:
+def make_pose(time_s, xy_m, heading, cov) -> Pose:
     values = np.column_stack([xy_m, np.unwrap(heading), np.zeros(len(xy_m))])
     return Pose(time_s, values, np.tile(cov, (len(values), 1, 1)))
 
 
-def hidden(pose: Pose, gap: int, offset: int) -> np.ndarray:
+def hidden_frames(pose: Pose, gap: int, offset: int) -> np.ndarray:
     """Frames hidden in runs of `gap`, at least 25 frames and two gaps apart."""
     n = len(pose.time_s)
     out = np.zeros(n, bool)
@@ -66,7 +66,7 @@ def hidden(pose: Pose, gap: int, offset: int) -> np.ndarray:
 
 def normalised_errors(pose: Pose, gap: int, offset: int) -> np.ndarray:
     """Measured minus interpolated positions over their joint deviation, all hidden frames."""
-    away = hidden(pose, gap, offset)
+    away = hidden_frames(pose, gap, offset)
     values = np.where(away[:, None], np.nan, pose.values)
     track, (shown, _) = smooth_with_noise_ratio(Pose(pose.time_s, values, pose.cov), 0.0)
     errors = pose.values[:, :2] - np.column_stack([track.x_m, track.y_m])
@@ -76,8 +76,10 @@ def normalised_errors(pose: Pose, gap: int, offset: int) -> np.ndarray:
 
 
 @pytest.mark.recordings
-@pytest.mark.parametrize("gap", [5, pytest.param(10, marks=LONG), pytest.param(20, marks=LONG)])
-@pytest.mark.parametrize("source", [pytest.param(film_fish, marks=LONG), larvae])
+@pytest.mark.parametrize(
+    "gap", [5, pytest.param(10, marks=long_test), pytest.param(20, marks=long_test)]
+)
+@pytest.mark.parametrize("source", [pytest.param(film_fish, marks=long_test), larvae])
 def test_deviations_over_gaps_hold_on_filmed_fish(recordings, source, gap):
     offsets = (0, 11) if source is film_fish else (0, 7, 14, 21)
     poses = source(recordings)
@@ -88,12 +90,14 @@ def test_deviations_over_gaps_hold_on_filmed_fish(recordings, source, gap):
     assert 0.93 < np.mean(np.abs(errors) < 2) < 0.97
 
 
-@pytest.mark.parametrize("make", [lambda t, _: circle(t), wandering])
+@pytest.mark.parametrize("make", [lambda t, _: circle(t), random_turn])
 def test_deviations_over_gaps_hold_on_known_motions(make):
     pulls = []
     for seed in range(8):
-        truth = make(times(150), np.random.default_rng([51, seed]))
-        pose = observe(truth, np.random.default_rng([52, seed]), Seen(5.82, gap_s=(2.0, 2.5)))
+        truth = make(frame_times(150), np.random.default_rng([51, seed]))
+        pose = observed_pose(
+            truth, np.random.default_rng([52, seed]), CameraConditions(5.82, gap_s=(2.0, 2.5))
+        )
         track = smooth(pose, 5.82)
         at = np.isnan(pose.values[:, 0])
         pulls.append((track.x_m - truth.xy[:, 0])[at] / track.x_m_std[at])
@@ -101,7 +105,7 @@ def test_deviations_over_gaps_hold_on_known_motions(make):
     assert 0.5 < np.sqrt(np.mean(np.square(pulls))) < 1.4
 
 
-def random_walk(std: float, rng: np.random.Generator) -> LinearGaussianModel:
+def random_walk_model(std: float, rng: np.random.Generator) -> LinearGaussianModel:
     """A chain that states steps of deviation 1 where the measured walk has steps of `std`."""
     n, one = 400, np.ones((400, 1, 1))
     z = np.cumsum(rng.normal(0, std, n))[:, None] + rng.normal(0, 0.1, (n, 1))
@@ -114,7 +118,7 @@ def test_the_variance_over_a_gap_becomes_that_of_the_motion(std):
     used[100:110], used[300] = False, False
     ratios = []
     for seed in range(5):
-        chain = random_walk(std, np.random.default_rng([53, seed]))
+        chain = random_walk_model(std, np.random.default_rng([53, seed]))
         state = compiled_filter_and_smooth(chain, used)
         calibrated = with_calibrated_gaps(chain, used, state, 1)
         outside = np.arange(400) // 10 != 10

@@ -13,7 +13,7 @@ import pytest
 from bluekoi.data import Pose, Positions
 from bluekoi.motor import tail_beat_from_video
 from bluekoi.smoothing import smooth
-from whole_files import read_whole
+from keypoint_files import read_all_parts
 
 MM_PER_PX = 0.0222
 LARVAE = ("01128", "01129", "01130", "01137", "01140", "01146", "01149")
@@ -28,7 +28,7 @@ def larva(request, recordings):
         result = {k: v.strip() for k, v in next(csv.DictReader(lines)).items()}
     with (folder / "kin_results" / f"{name}_all_ms.csv").open() as lines:
         start = next(int(r["orig.ms"]) for r in csv.DictReader(lines) if r["move.ms"] == "0")
-    found = read_whole(next((folder / "dlc").glob(f"{name}DLC*.csv")), 1000.0)
+    found = read_all_parts(next((folder / "dlc").glob(f"{name}DLC*.csv")), 1000.0)
     return found, MM_PER_PX * found.xy_px, start, result
 
 

@@ -10,24 +10,34 @@ from bluekoi.errors import InputError
 from bluekoi.motor import flapping_from_stated_frequency
 from bluekoi.smoothing import smooth
 from bluekoi.steady import fit_circle, fit_plateau, read_steady, steady_state, write_steady
-from motions import Seen, circle, line, observe, rest, spiral, startup, times, turning_start
+from exact_motions import (
+    CameraConditions,
+    at_rest,
+    circle,
+    frame_times,
+    observed_pose,
+    spiral,
+    start_from_rest,
+    start_into_circle,
+    straight_line,
+)
 
-SEEN = Seen(hz=5.82, gap_s=(2.0, 2.3))
+CONDITIONS = CameraConditions(hz=5.82, gap_s=(2.0, 2.3))
 
 
-def state_of(truth, head_deg=0.0, seed=1) -> Steady:
-    track = smooth(observe(truth, np.random.default_rng(seed), SEEN), SEEN.hz)
+def steady_state_of(truth, head_deg=0.0, seed=1) -> Steady:
+    track = smooth(observed_pose(truth, np.random.default_rng(seed), CONDITIONS), CONDITIONS.hz)
     return steady_state(track, flapping_from_stated_frequency(5.82), np.radians(head_deg))
 
 
-def arc(radius, degrees, n=60, center=(1.0, 0.5)):
+def circle_arc(radius, degrees, n=60, center=(1.0, 0.5)):
     a = np.radians(np.linspace(0, degrees, n)) + 0.4
     return np.array(center) + radius * np.column_stack([np.cos(a), np.sin(a)])
 
 
 @pytest.mark.parametrize("degrees", [15, 60, 180, 350])
 def test_circle_of_exact_points(degrees):
-    found = fit_circle(arc(0.6, degrees), np.zeros((60, 60)))
+    found = fit_circle(circle_arc(0.6, degrees), np.zeros((60, 60)))
     assert found.radius_m == pytest.approx(0.6, abs=1e-9)
     assert found.center_m == pytest.approx([1.0, 0.5], abs=1e-9)
     assert np.abs(found.residual_m).max() < 1e-9
@@ -35,7 +45,7 @@ def test_circle_of_exact_points(degrees):
 
 def test_circle_minimises_the_geometric_distance():
     rng = np.random.default_rng(3)
-    xy = arc(0.6, 120) + rng.normal(0, 0.01, (60, 2))
+    xy = circle_arc(0.6, 120) + rng.normal(0, 0.01, (60, 2))
     found = fit_circle(xy, 1e-4 * np.eye(60))
     least = np.sum(found.residual_m**2)
     for step in 1e-3 * np.vstack([np.eye(3), -np.eye(3)]):
@@ -58,7 +68,7 @@ def test_radius_deviation_with_errors_that_are_alike_from_frame_to_frame():
 
 
 def test_plateau_of_a_start_up():
-    t = times(120)
+    t = frame_times(120)
     rng = np.random.default_rng(5)
     speed = 0.4 * np.tanh(t / 0.7) + rng.normal(0, 0.004, len(t))
     found = fit_plateau(t, speed, 0.004**2 * np.eye(len(t)))
@@ -69,7 +79,7 @@ def test_plateau_of_a_start_up():
 
 
 def test_straight_run_from_rest():
-    found = state_of(startup(times(150)))
+    found = steady_state_of(start_from_rest(frame_times(150)))
     assert found.quality == "straight"
     assert found.speed_m_s == pytest.approx(0.38, rel=0.005)
     assert abs(found.speed_m_s - 0.38) < 4 * found.speed_std_m_s
@@ -80,10 +90,10 @@ def test_straight_run_from_rest():
 
 @pytest.mark.parametrize("mirrored", [1, -1])
 def test_turn_from_rest_either_way(mirrored):
-    truth = turning_start(times(180))
-    pose = observe(truth, np.random.default_rng(6), SEEN)
+    truth = start_into_circle(frame_times(180))
+    pose = observed_pose(truth, np.random.default_rng(6), CONDITIONS)
     values = pose.values * np.array([1.0, mirrored, mirrored, 1.0])
-    track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
+    track = smooth(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
     found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert found.quality == "good"
     assert found.turn == mirrored
@@ -96,7 +106,7 @@ def test_turn_from_rest_either_way(mirrored):
 def test_stated_deviations_of_speed_and_radius():
     speed, radius = [], []
     for seed in range(12):
-        found = state_of(circle(times(100)), 30.0, seed)
+        found = steady_state_of(circle(frame_times(100)), 30.0, seed)
         speed.append((found.speed_m_s - 0.35) / found.speed_std_m_s)
         radius.append((found.radius_m - 0.5) / found.radius_std_m)
     assert 0.3 < np.sqrt(np.mean(np.square(speed))) < 1.4
@@ -104,7 +114,7 @@ def test_stated_deviations_of_speed_and_radius():
 
 
 def test_too_short_an_arc_is_named():
-    found = state_of(circle(times(60), radius=3.0), 30.0)
+    found = steady_state_of(circle(frame_times(60), radius=3.0), 30.0)
     assert found.quality == "short_arc"
     assert "film for longer" in found.reason
     assert found.radius_std_m > 0
@@ -130,45 +140,45 @@ def test_a_longer_stretch_at_a_wider_tolerance_where_the_strictest_leaves_too_sh
 
 
 def test_a_turn_that_tightens_is_not_steady():
-    found = state_of(spiral(times(120), growth=0.1), 30.0)
+    found = steady_state_of(spiral(frame_times(120), growth=0.1), 30.0)
     assert found.quality == "not_steady"
     assert "still change" in found.reason
 
 
 def test_a_recording_that_ends_in_the_start_up():
-    found = state_of(startup(times(70), tau=2.5))
+    found = steady_state_of(start_from_rest(frame_times(70), tau=2.5))
     assert found.quality == "not_steady"
     assert "film for longer" in found.reason
     assert abs(found.speed_m_s - 0.38) < 3 * found.speed_std_m_s
 
 
 def test_a_straight_head_that_turns_gets_its_circle():
-    found = state_of(circle(times(120), radius=0.9), 0.0)
+    found = steady_state_of(circle(frame_times(120), radius=0.9), 0.0)
     assert found.quality == "good"
     assert found.radius_m == pytest.approx(0.9, rel=0.01)
 
 
 def test_a_robot_that_stays_where_it_is():
-    found = state_of(rest(times(60)))
+    found = steady_state_of(at_rest(frame_times(60)))
     assert found.quality == "no_data"
     assert "did it start" in found.reason
 
 
 def test_water_that_moves_shows_against_speed_over_yaw_rate():
-    truth = circle(times(150))
-    pose = observe(truth, np.random.default_rng(7), SEEN)
+    truth = circle(frame_times(150))
+    pose = observed_pose(truth, np.random.default_rng(7), CONDITIONS)
     values = pose.values.copy()
     values[:, 2] *= 1.15
-    track = smooth(type(pose)(pose.time_s, values, pose.cov), SEEN.hz)
+    track = smooth(type(pose)(pose.time_s, values, pose.cov), CONDITIONS.hz)
     found = steady_state(track, flapping_from_stated_frequency(5.82), np.radians(30))
     assert "the water may move" in found.reason
 
 
 def test_table_comes_back(tmp_path):
     rows = {
-        "T01": state_of(line(times(60))),
-        "T02": state_of(circle(times(90)), 30.0),
-        "T03": state_of(rest(times(30))),
+        "T01": steady_state_of(straight_line(frame_times(60))),
+        "T02": steady_state_of(circle(frame_times(90)), 30.0),
+        "T03": steady_state_of(at_rest(frame_times(30))),
     }
     path = tmp_path / "steady.csv"
     write_steady(path, rows)
@@ -194,7 +204,7 @@ def test_broken_tables_are_reported(tmp_path):
         read_steady(path)
     with pytest.raises(InputError, match="unreadable"):
         read_steady(tmp_path / "none.csv")
-    write_steady(path, {"T01": state_of(line(times(60)))})
+    write_steady(path, {"T01": steady_state_of(straight_line(frame_times(60)))})
     path.write_text(path.read_text().replace("5.82", "fast"))
     with pytest.raises(InputError, match="row 2"):
         read_steady(path)

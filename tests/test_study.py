@@ -1,4 +1,4 @@
-"""The door: every fault of a study at once, each with file, place, found, expected and remedy."""
+"""Checks of a study: all errors at once, each with file, place, found, expected and remedy."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ SETUP = {
     },
 }
 HEADER = "trial_id,source,power_pct,head_angle_deg,head_length_m,fps,motor_log,start_s,end_s,role"
-ROW = "T01,keypoints/T01.csv,100,30,0.12,29.97,,,,"
+TRIAL_ROW = "T01,keypoints/T01.csv,100,30,0.12,29.97,,,,"
 
 
-def changed(**sections):
+def changed_setup(**sections):
     """SETUP with sections updated; a value of None deletes the key."""
     content = yaml.safe_load(yaml.safe_dump(SETUP))
     for name, update in sections.items():
@@ -47,7 +47,7 @@ def changed(**sections):
     return content
 
 
-def write(folder: Path, content=None, rows=(ROW,), header=HEADER) -> Path:
+def write_study(folder: Path, content=None, rows=(TRIAL_ROW,), header=HEADER) -> Path:
     folder.mkdir(exist_ok=True)
     text = content if isinstance(content, str) else yaml.safe_dump(content or SETUP)
     (folder / "study.yaml").write_text(text)
@@ -55,19 +55,19 @@ def write(folder: Path, content=None, rows=(ROW,), header=HEADER) -> Path:
     return folder
 
 
-def findings(folder: Path):
+def findings_of(folder: Path):
     with pytest.raises(InputError) as caught:
         load_study(folder)
     return caught.value.findings
 
 
-def only(folder: Path):
-    (finding,) = findings(folder)
+def only_finding(folder: Path):
+    (finding,) = findings_of(folder)
     return finding
 
 
 def test_a_good_study_is_read_with_its_defaults(tmp_path):
-    study = load_study(write(tmp_path / "s"))
+    study = load_study(write_study(tmp_path / "s"))
     trial = study.trial("T01")
     assert study.setup.water.refractive_index == 1.333
     assert study.setup.robot.keypoint_depth_m == 0.04
@@ -87,9 +87,9 @@ def test_derived_geometry_by_hand():
 
 
 def test_all_faults_of_both_files_come_at_once(tmp_path):
-    content = changed(robot={"mas_kg": 0.68, "mass_kg": None}, pool={"width_m": "wide"})
+    content = changed_setup(robot={"mas_kg": 0.68, "mass_kg": None}, pool={"width_m": "wide"})
     rows = ["T01,keypoints/T01.csv,100,30,0.12,,,,,", "T02,../x.csv,abc,30,0.12,30,,,,"]
-    found = findings(write(tmp_path / "s", content, rows))
+    found = findings_of(write_study(tmp_path / "s", content, rows))
     text = "\n".join(str(finding) for finding in found)
     assert len(found) == 5
     assert "robot.mas_kg: found an unknown key" in text
@@ -155,14 +155,14 @@ def test_all_faults_of_both_files_come_at_once(tmp_path):
     ],
 )
 def test_a_wrong_value_is_named_with_its_place(tmp_path, section, update, where, expected):
-    finding = only(write(tmp_path / "s", changed(**{section: update})))
+    finding = only_finding(write_study(tmp_path / "s", changed_setup(**{section: update})))
     assert finding.file.endswith("study.yaml")
     assert finding.where == where
     assert expected in str(finding)
 
 
 def test_a_misspelt_section_names_the_nearest(tmp_path):
-    found = findings(write(tmp_path / "s", {**SETUP, "watr": {}}))
+    found = findings_of(write_study(tmp_path / "s", {**SETUP, "watr": {}}))
     assert "watr: found an unknown key; expected a known key. Did you mean 'water'?" in str(
         found[0]
     )
@@ -184,15 +184,15 @@ def test_a_misspelt_section_names_the_nearest(tmp_path):
 def test_unreadable_yaml_is_one_message(tmp_path, text, expected):
     (folder := tmp_path / "s").mkdir()
     (folder / "study.yaml").write_text(text)
-    (folder / "trials.csv").write_text(f"{HEADER}\n{ROW}\n")
-    assert expected in str(only(folder))
+    (folder / "trials.csv").write_text(f"{HEADER}\n{TRIAL_ROW}\n")
+    assert expected in str(only_finding(folder))
 
 
 def test_yaml_that_doubles_itself_is_refused_quickly(tmp_path):
     bomb = "a0: &a0 [x, x]\n" + "".join(
         f"a{i}: &a{i} [*a{i - 1}, *a{i - 1}]\n" for i in range(1, 60)
     )
-    found = findings(write(tmp_path / "s", bomb))
+    found = findings_of(write_study(tmp_path / "s", bomb))
     assert all(len(str(finding)) < 500 for finding in found)
     assert any("an unknown key" in str(finding) for finding in found)
 
@@ -214,17 +214,17 @@ def test_yaml_that_doubles_itself_is_refused_quickly(tmp_path):
         (["T01,k.csv,100,30,0.12,30,,3,2,"], "row 2 (T01), end_s", "end_s must come after start_s"),
         (["T01,k.csv,100,30,0.12,30,,,,train"], "row 2 (T01), role", "'fit' or 'held_out'"),
         (["T01,k.csv,100,30,0.12,,,,,"], "row 2 (T01), fps", "fps is required"),
-        ([ROW.rsplit(",", 1)[0] + ",held_out"], "role", "one or more to fit"),
+        ([TRIAL_ROW.rsplit(",", 1)[0] + ",held_out"], "role", "one or more to fit"),
         (["T01,k.csv,100,30,0.12,0,,,,"], "row 2 (T01), fps", "greater than 0"),
         (["T01,k.csv,100,300,0.12,30,,,,"], "row 2 (T01), head_angle_deg", "less than or equal"),
         (["T01,k.csv,100,30"], "row 2", "10 cells, as the header"),
-        ([ROW, "", ROW.replace("T01,", "t01,", 1)], "trial_id", "each trial_id once"),
+        ([TRIAL_ROW, "", TRIAL_ROW.replace("T01,", "t01,", 1)], "trial_id", "each trial_id once"),
         (["", "", "T09,k.csv,x,30,0.12,30,,,,"], "row 4 (T09), power_pct", "valid number"),
         ([], "", "a header and a row a trial"),
     ],
 )
 def test_a_wrong_row_is_named_with_its_line(tmp_path, rows, where, expected):
-    finding = findings(write(tmp_path / "s", rows=rows))[0]
+    finding = findings_of(write_study(tmp_path / "s", rows=rows))[0]
     assert finding.file.endswith("trials.csv")
     assert finding.where == where
     assert expected in str(finding)
@@ -240,25 +240,25 @@ def test_a_wrong_row_is_named_with_its_line(tmp_path, rows, where, expected):
     ],
 )
 def test_a_wrong_header_is_named(tmp_path, header, expected):
-    found = findings(write(tmp_path / "s", header=header))
+    found = findings_of(write_study(tmp_path / "s", header=header))
     assert any(expected in str(finding) for finding in found)
     assert found[0].where == "row 1"
 
 
 def test_an_empty_or_missing_trials_file(tmp_path):
-    folder = write(tmp_path / "s")
+    folder = write_study(tmp_path / "s")
     (folder / "trials.csv").write_text("")
-    assert "an empty file" in str(only(folder))
+    assert "an empty file" in str(only_finding(folder))
     (folder / "trials.csv").write_bytes(b"\xff\xfe\x00trial_id")
-    assert "no readable csv" in str(only(folder))
+    assert "no readable csv" in str(only_finding(folder))
     (folder / "trials.csv").unlink()
-    assert "no such file" in str(only(folder))
-    assert "no such folder" in str(only(tmp_path / "nowhere"))
-    assert "found a file" in str(only(folder / "study.yaml"))
+    assert "no such file" in str(only_finding(folder))
+    assert "no such folder" in str(only_finding(tmp_path / "nowhere"))
+    assert "found a file" in str(only_finding(folder / "study.yaml"))
 
 
 def test_missing_files_are_named_by_trial(tmp_path):
-    study = load_study(write(tmp_path / "s"))
+    study = load_study(write_study(tmp_path / "s"))
     (finding,) = missing_files(study)
     assert finding.where == "trial T01"
     assert "keypoints/T01.csv" in finding.found
@@ -268,7 +268,7 @@ def test_missing_files_are_named_by_trial(tmp_path):
 
 
 def test_an_unknown_trial_names_the_nearest(tmp_path):
-    study = load_study(write(tmp_path / "s"))
+    study = load_study(write_study(tmp_path / "s"))
     with pytest.raises(InputError, match="Did you mean 'T01'"):
         study.trial("T1")
 
@@ -302,7 +302,7 @@ def test_any_bytes_are_a_fault_and_never_another_error(tmp_path, yaml_bytes, csv
         load_study(tmp_path)
 
 
-VALUES = st.recursive(
+JSON_VALUES = st.recursive(
     st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=6), inner),
     max_leaves=6,
@@ -317,11 +317,11 @@ VALUES = st.recursive(
 )
 @given(section=st.sampled_from(["pool", "water", "robot", "camera", "bodyparts"]), data=st.data())
 def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
-    content = changed()
+    content = changed_setup()
     fields = {"water": {"density_kg_m3": 1.0}, "bodyparts": {"hinge": "h"}, **content}[section]
     key = data.draw(st.sampled_from(sorted(fields)))
-    content.setdefault(section, {})[key] = data.draw(VALUES)
-    write(tmp_path, yaml.safe_dump(content, allow_unicode=True))
+    content.setdefault(section, {})[key] = data.draw(JSON_VALUES)
+    write_study(tmp_path, yaml.safe_dump(content, allow_unicode=True))
     try:
         sound = load_study(tmp_path).setup.robot.mass_kg > 0
     except InputError as caught:
@@ -332,9 +332,9 @@ def test_any_value_under_any_key_is_read_or_a_fault(tmp_path, section, data):
 
 @pytest.mark.parametrize("key", ["body_length_m", "tail_length_m"])
 def test_a_length_whose_powers_are_no_numbers_is_read_or_a_fault(tmp_path, key):
-    content = changed()
+    content = changed_setup()
     content["robot"][key] = 1e200
-    write(tmp_path, yaml.safe_dump(content, allow_unicode=True))
+    write_study(tmp_path, yaml.safe_dump(content, allow_unicode=True))
     if key == "body_length_m":
         with pytest.raises(InputError, match="a robot shorter than the pool"):
             load_study(tmp_path)
@@ -343,7 +343,7 @@ def test_a_length_whose_powers_are_no_numbers_is_read_or_a_fault(tmp_path, key):
 
 
 def test_one_trial_is_read_without_checking_the_others(tmp_path):
-    study = write(tmp_path / "s", rows=(ROW, "T02,x.csv,full,30,0.12,29.97,,,,"))
+    study = write_study(tmp_path / "s", rows=(TRIAL_ROW, "T02,x.csv,full,30,0.12,29.97,,,,"))
     assert [t.trial_id for t in load_study(study, only="T01").trials] == ["T01"]
     with pytest.raises(InputError, match=r"row 3 \(T02\), power_pct"):
         load_study(study, only="T02")
@@ -352,6 +352,6 @@ def test_one_trial_is_read_without_checking_the_others(tmp_path):
 
 
 def test_one_trial_named_twice_is_reported_where_it_alone_is_read(tmp_path):
-    study = write(tmp_path / "s", rows=(ROW, ROW))
+    study = write_study(tmp_path / "s", rows=(TRIAL_ROW, TRIAL_ROW))
     with pytest.raises(InputError, match=r"'T01' 2 times \(rows 2, 3\)"):
         load_study(study, only="T01")

@@ -23,7 +23,7 @@ from bluekoi.synthetic.optics import (
 POOL = (2.6, 1.6)
 
 
-def some_points(depth_m: float, count: int = 200) -> np.ndarray:
+def random_points(depth_m: float, count: int = 200) -> np.ndarray:
     rng = np.random.default_rng(3)
     x, y = rng.uniform(0, POOL[0], count), rng.uniform(0, POOL[1], count)
     return np.column_stack([x, y, np.full(count, -depth_m)])
@@ -31,7 +31,7 @@ def some_points(depth_m: float, count: int = 200) -> np.ndarray:
 
 @pytest.mark.parametrize("depth_m", [1e-6, 0.04, 0.3, 5.0])
 def test_light_obeys_snell_at_the_surface(depth_m: float) -> None:
-    camera, points = gopro_like_camera(), some_points(depth_m)
+    camera, points = gopro_like_camera(), random_points(depth_m)
     surface = surface_point(camera, points)
     up = np.array(camera.centre_m) - surface
     down = surface - points
@@ -50,7 +50,7 @@ def test_a_point_right_below_the_camera_is_not_bent() -> None:
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 @pytest.mark.parametrize("depth_m", [0.0, 0.04, 0.3])
 def test_pixel_and_back(lens: str, depth_m: float) -> None:
-    camera, points = gopro_like_camera(lens), some_points(depth_m)
+    camera, points = gopro_like_camera(lens), random_points(depth_m)
     back = to_pool(camera, project(camera, points), depth_m)
     assert np.abs(back - points[:, :2]).max() < 1e-9
 
@@ -58,7 +58,7 @@ def test_pixel_and_back(lens: str, depth_m: float) -> None:
 @pytest.mark.parametrize("lens", ["pinhole", "fisheye"])
 def test_lens_agrees_with_opencv_above_water(lens: str) -> None:
     camera = gopro_like_camera(lens)
-    points = some_points(-0.1)
+    points = random_points(-0.1)
     rotation = np.array(camera.rotation)
     shift = -rotation @ np.array(camera.centre_m)
     turn = cv2.Rodrigues(rotation)[0]
@@ -79,7 +79,7 @@ def test_image_is_upright_and_not_mirrored() -> None:
 
 
 def test_a_larger_picture_shows_the_same_field() -> None:
-    camera, points = gopro_like_camera(), some_points(0.04)
+    camera, points = gopro_like_camera(), random_points(0.04)
     large = project(resized_camera(camera, (3840, 2160)), points)
     assert np.allclose((large + 0.5) / 2 - 0.5, project(camera, points), atol=1e-9)
 

@@ -10,13 +10,15 @@ from bluekoi.synthetic.design import FLAP_HZ
 from bluekoi.synthetic.eddies import draw_eddies, water_velocity
 from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, aerodynamic_arm, published_model_tank
 from bluekoi.synthetic.tank import simulate, steady_turn
-from studies import TABLE_1
+from small_studies import TABLE_1
 
-BARE = published_model_tank(Tank())
-STILL = Tank(recoil=None)
+PUBLISHED_TANK = published_model_tank(Tank())
+TANK_WITHOUT_RECOIL = Tank(recoil=None)
 
 
-def turning(tank: Tank, power: int, angle_deg: float, head_m: float = 0.12) -> tuple[float, float]:
+def simulated_turn(
+    tank: Tank, power: int, angle_deg: float, head_m: float = 0.12
+) -> tuple[float, float]:
     return steady_turn(
         tank, TrialSettings(FLAP_HZ[power], math.radians(angle_deg), head_m), settle_s=12.0
     )
@@ -24,30 +26,30 @@ def turning(tank: Tank, power: int, angle_deg: float, head_m: float = 0.12) -> t
 
 @pytest.mark.parametrize(("power", "speed"), [(50, 0.225), (75, 0.381), (100, 0.552)])
 def test_paper_terminal_speeds_model_md_audit_1(power: int, speed: float) -> None:
-    tank = replace(BARE, coefficients=TABLE_1[power])
-    assert turning(tank, power, 0.0)[0] == pytest.approx(speed, abs=6e-4)
+    tank = replace(PUBLISHED_TANK, coefficients=TABLE_1[power])
+    assert simulated_turn(tank, power, 0.0)[0] == pytest.approx(speed, abs=6e-4)
 
 
 def test_straight_start_is_a_tanh() -> None:
-    c, robot = BARE.coefficients, BARE.robot
+    c, robot = PUBLISHED_TANK.coefficients, PUBLISHED_TANK.robot
     area = 0.12 * robot.head_span_m
     top = 5.82 * math.sqrt(c.C_T / c.C_D0)
     lag = robot.mass_kg / (0.5 * 1000 * area * c.C_D0 * top)
     time_s = np.linspace(0, 4, 41)
-    state = simulate(BARE, TrialSettings(5.82, 0.0, 0.12), 4.0).mean(time_s)
+    state = simulate(PUBLISHED_TANK, TrialSettings(5.82, 0.0, 0.12), 4.0).mean(time_s)
     assert np.allclose(state[:, 3], top * np.tanh(time_s / lag), atol=1e-8)
     assert np.allclose(state[:, 0], top * lag * np.log(np.cosh(time_s / lag)), atol=1e-8)
     assert np.abs(state[:, [1, 2, 4, 5]]).max() < 1e-12
 
 
 def test_radius_of_the_bare_model_does_not_depend_on_power_model_md_audit_3() -> None:
-    radii = [turning(BARE, power, 45.0)[1] for power in FLAP_HZ]
+    radii = [simulated_turn(PUBLISHED_TANK, power, 45.0)[1] for power in FLAP_HZ]
     assert np.ptp(radii) / np.mean(radii) < 1e-3
 
 
 def test_table_1_radii_lie_where_reported_model_md_audit_1() -> None:
     radii = [
-        turning(replace(BARE, coefficients=TABLE_1[power]), power, angle, head)[1]
+        simulated_turn(replace(PUBLISHED_TANK, coefficients=TABLE_1[power]), power, angle, head)[1]
         for power in FLAP_HZ
         for angle, head in ((30.0, 0.12), (45.0, 0.12), (45.0, 0.175))
     ]
@@ -57,8 +59,8 @@ def test_table_1_radii_lie_where_reported_model_md_audit_1() -> None:
 
 def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
     time_s = np.linspace(0, 3, 13)
-    left = simulate(STILL, TrialSettings(4.0, 0.5, 0.12), 3.0).mean(time_s)
-    right = simulate(STILL, TrialSettings(4.0, -0.5, 0.12), 3.0).mean(time_s)
+    left = simulate(TANK_WITHOUT_RECOIL, TrialSettings(4.0, 0.5, 0.12), 3.0).mean(time_s)
+    right = simulate(TANK_WITHOUT_RECOIL, TrialSettings(4.0, -0.5, 0.12), 3.0).mean(time_s)
     assert left[-1, 5] < -0.1
     sign = np.array([1, -1, -1, 1, -1, -1])
     start = np.array([0, 0, 0, 0, 0, 0])
@@ -68,28 +70,28 @@ def test_positive_head_angle_turns_clockwise_and_sides_mirror() -> None:
 def test_bare_model_cannot_swim_straight_but_the_fin_can_model_md_audit_5() -> None:
     time_s = np.linspace(3, 4, 11)
     run = TrialSettings(5.82, 1e-8, 0.12)
-    bare = np.abs(simulate(BARE, run, 4.0).mean(time_s)[:, 5])
+    bare = np.abs(simulate(PUBLISHED_TANK, run, 4.0).mean(time_s)[:, 5])
     growth = np.polyfit(time_s, np.log(bare), 1)[0]
     assert growth == pytest.approx(3.6, abs=0.3)
-    assert np.abs(simulate(STILL, run, 4.0).mean(time_s)[:, 5]).max() < 1e-3
+    assert np.abs(simulate(TANK_WITHOUT_RECOIL, run, 4.0).mean(time_s)[:, 5]).max() < 1e-3
 
 
 def test_default_radii_are_tight_and_independent_of_power() -> None:
-    radii = [turning(STILL, power, 30.0)[1] for power in FLAP_HZ]
+    radii = [simulated_turn(TANK_WITHOUT_RECOIL, power, 30.0)[1] for power in FLAP_HZ]
     assert min(radii) > 0.3
     assert max(radii) < 1.0
     assert np.ptp(radii) < 1e-3
 
 
 def test_linear_yaw_damping_spreads_the_radii_by_10_to_20_percent() -> None:
-    tank = replace(STILL, yaw_damping_n_m_s=0.03)
-    slow, fast = (turning(tank, power, 30.0)[1] for power in (50, 100))
+    tank = replace(TANK_WITHOUT_RECOIL, yaw_damping_n_m_s=0.03)
+    slow, fast = (simulated_turn(tank, power, 30.0)[1] for power in (50, 100))
     assert 1.10 < slow / fast < 1.20
 
 
 def test_geometry_of_the_aerodynamic_arm() -> None:
-    assert aerodynamic_arm(BARE.robot, 0.12) == pytest.approx(0.12 + 0.04 - 0.331 / 4)
-    assert aerodynamic_arm(BARE.robot, 0.175) == pytest.approx(0.215 - 0.386 / 4)
+    assert aerodynamic_arm(PUBLISHED_TANK.robot, 0.12) == pytest.approx(0.12 + 0.04 - 0.331 / 4)
+    assert aerodynamic_arm(PUBLISHED_TANK.robot, 0.175) == pytest.approx(0.215 - 0.386 / 4)
 
 
 def test_recoil_stays_small_and_starts_from_nothing() -> None:
@@ -118,6 +120,9 @@ def test_eddies_have_the_rms_asked_for_and_no_divergence() -> None:
 
 
 def test_fin_takes_power_out_of_a_sideways_drift() -> None:
-    strong = replace(STILL, fin=Fin(area_m2=0.05))
+    strong = replace(TANK_WITHOUT_RECOIL, fin=Fin(area_m2=0.05))
     run = TrialSettings(4.0, 0.4, 0.12)
-    assert steady_turn(strong, run, settle_s=10)[0] != steady_turn(STILL, run, settle_s=10)[0]
+    assert (
+        steady_turn(strong, run, settle_s=10)[0]
+        != steady_turn(TANK_WITHOUT_RECOIL, run, settle_s=10)[0]
+    )

@@ -24,14 +24,14 @@ from bluekoi.tuning import (
 )
 from bluekoi.tuning.joint import START_NOISE, Tuned
 from bluekoi.tuning.results import straight_swimming
-from campaigns import COEFFICIENTS, Errors, plans, sixteen
-from robots import SETUP
+from paper_robot import PAPER_SETUP
+from simulated_campaigns import COEFFICIENTS, ErrorModel, simulate_campaigns, trial_plans
 
 NAMES = tuple(COEFFICIENTS)
 TRUTH = np.array([COEFFICIENTS[n] for n in NAMES])
 
 
-def tuned(
+def tuned_at(
     values: np.ndarray, *, pull: float = 0.0, widths: float = 0.02, trials: int = 12
 ) -> Tuned:
     """A fit that ended at these values; the trials pull C_Da by `pull` of its deviations beyond."""
@@ -54,7 +54,7 @@ def tuned(
 def at_lower_bound(pull: float, **more: float) -> Tuned:
     values = TRUTH.copy()
     values[2] = {p.name: p for p in plates().parameters}["C_Da"].lower
-    return tuned(values, pull=pull, **more)
+    return tuned_at(values, pull=pull, **more)
 
 
 def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> None:
@@ -73,7 +73,7 @@ def test_a_number_at_its_bound_has_a_one_sided_interval_and_no_deviation() -> No
 
 def test_the_one_sided_interval_ends_where_it_would_without_the_bound() -> None:
     fit = at_lower_bound(0.5, widths=0.1)
-    free = replace(fit.fit.normal, gradient=tuned(TRUTH, widths=0.1).fit.normal.gradient)
+    free = replace(fit.fit.normal, gradient=tuned_at(TRUTH, widths=0.1).fit.normal.gradient)
     half = cluster_covariance(free).half_widths()[2]
     low, high = coefficient_cell(fit, 2)["interval_95"]
     assert high - low == pytest.approx(0.5 * 0.1 * TRUTH[2] + half, rel=1e-6)
@@ -87,7 +87,7 @@ def test_where_the_data_ask_for_more_than_the_bound_the_interval_is_unknown() ->
 
 
 def test_the_percentage_that_is_reported_is_that_of_the_interval() -> None:
-    wide = tuned(TRUTH, widths=2.0)
+    wide = tuned_at(TRUTH, widths=2.0)
     for row in coefficient_table(wide).values():
         low, high = row["interval_95"]
         assert not row["determined"]
@@ -102,12 +102,14 @@ def test_sizes_that_are_not_the_values_are_named() -> None:
     values = TRUTH.copy()
     values[4] = 0.001
     usual = {p.name: abs(p.start) for p in plates().parameters}["C_Ma"]
-    assert f"its usual size of {usual:g}" in coefficient_cell(tuned(values, widths=2.0), 4)["why"]
+    assert (
+        f"its usual size of {usual:g}" in coefficient_cell(tuned_at(values, widths=2.0), 4)["why"]
+    )
 
 
 def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
     """C_Da is in the sight of one trial of twelve, whose score of it is 0 by construction."""
-    fit = tuned(TRUTH)
+    fit = tuned_at(TRUTH)
     H, g = fit.fit.normal.hessian.copy(), fit.fit.normal.gradient.copy()
     H[1:, 2], H[1:, :, 2], g[:, 2] = 0.0, 0.0, 0.0
     spread = cluster_covariance(Normal(H, g, np.zeros(12)))
@@ -120,9 +122,11 @@ def test_a_number_that_hangs_on_one_trial_alone_is_not_judged() -> None:
 
 
 @pytest.fixture(scope="module")
-def one_turn() -> tuple[Study, list]:
-    wanted = plans((75,), ((30.0, 0.12),))
-    series = downsampled(sixteen(wanted, Errors(), np.random.default_rng(3), count=1)[0])
+def fit_with_one_turn() -> tuple[Study, list]:
+    wanted = trial_plans((75,), ((30.0, 0.12),))
+    series = downsampled(
+        simulate_campaigns(wanted, ErrorModel(), np.random.default_rng(3), count=1)[0]
+    )
     trials = [
         Trial(
             trial_id=p.name,
@@ -134,11 +138,13 @@ def one_turn() -> tuple[Study, list]:
         )
         for p in wanted
     ]
-    return Study(root=Path("one"), setup=SETUP, trials=tuple(trials)), series  # fmt: skip
+    return Study(root=Path("one"), setup=PAPER_SETUP, trials=tuple(trials)), series  # fmt: skip
 
 
-def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(one_turn) -> None:
-    study, series = one_turn
+def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(
+    fit_with_one_turn,
+) -> None:
+    study, series = fit_with_one_turn
     steps, _, _ = three_steps(study, series, {})
     joint = coefficient_table(tune(series))
     for cells in (joint, steps["75"]["coefficients"]):
@@ -151,8 +157,8 @@ def test_one_trial_determines_nothing_in_the_joint_fit_and_in_the_three_steps(on
     assert "C_T_upper_95_m2" in one
 
 
-def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
-    study, series = one_turn
+def test_one_turn_says_nothing_of_straight_swimming(fit_with_one_turn) -> None:
+    study, series = fit_with_one_turn
     joint = tune(series)
     steps = {"75": {"flap_hz": 3.4}}
     row = straight_swimming(study, steps, joint, np.tile(TRUTH, (3, 1)), series=series)
@@ -162,8 +168,8 @@ def test_one_turn_says_nothing_of_straight_swimming(one_turn) -> None:
 
 
 @pytest.fixture
-def shown():
-    given = exact.coefficients((75,))
+def shown_figures():
+    given = exact.coefficients_json((75,))
     fit = coefficient_table(at_lower_bound(-1.0, widths=0.1))
     given["joint"]["coefficients"] = fit
     given["paper_steps"]["75"]["coefficients"] = fit
@@ -172,26 +178,26 @@ def shown():
             "C_Da": {"values": [1.0, 2.0], "lost": [1.0, 3.0], "lower": None, "upper": 1.5}
         }
     }
-    return exact.campaign(powers=(75,), coefficients=given)
+    return exact.exact_campaign(powers=(75,), coefficients=given)
 
 
-def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown) -> None:
-    row = next(r for r in tables.joint_fit_rows(shown) if r.name == "C_Da")
+def test_the_report_says_at_its_bound_and_never_plus_minus_nothing(shown_figures) -> None:
+    row = next(r for r in tables.joint_fit_rows(shown_figures) if r.name == "C_Da")
     assert "(at its bound, 95 % limit " in row.cells[0]
     assert row.cells[1] == "–"
     assert row.marked
-    (power,) = tables.table_1(shown)
+    (power,) = tables.table_1(shown_figures)
     text, open_, why = power["cells"][2]
     assert "(at its bound, 95 % limit " in text
     assert open_
     assert "at its bound" in why
     assert not any("± 0.0000" in c[0] or c[0].endswith("± 0") for c in power["cells"])
-    (one,) = identifiability.profiles(shown)
+    (one,) = identifiability.profiles(shown_figures)
     assert one.interval.startswith("bound to 1.50")
 
 
-def test_table_1_shows_the_interval_that_stands_in_the_file(shown) -> None:
-    cells = shown.coefficients["paper_steps"]["75"]["coefficients"]
+def test_table_1_shows_the_interval_that_stands_in_the_file(shown_figures) -> None:
+    cells = shown_figures.coefficients["paper_steps"]["75"]["coefficients"]
     low, high = cells["C_T"]["interval_95"]
-    (power,) = tables.table_1(shown)
+    (power,) = tables.table_1(shown_figures)
     assert float(power["cells"][0][0].split(" ± ")[1]) == pytest.approx(0.5 * (high - low), rel=0.1)

@@ -11,39 +11,39 @@ from bluekoi.fitting import Free, Series, fit_paths
 from bluekoi.fitting.gram import set_products
 from bluekoi.integrate import compiled
 from bluekoi.model import FLAP_HZ, constants, plates, simulate
-from campaigns import COEFFICIENTS
-from robots import SETUP
+from paper_robot import PAPER_SETUP
+from simulated_campaigns import COEFFICIENTS
 
 NAMES = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
-STD = np.array([1e-3, 1e-3, 0.01, 0.1])
-START = np.array([0.01, -0.02, 0.03, 0.02, -0.01, 0.05])
+OBSERVATION_STDS = np.array([1e-3, 1e-3, 0.01, 0.1])
+START_VALUES = np.array([0.01, -0.02, 0.03, 0.02, -0.01, 0.05])
 
 
-def trial(number: int, rng: np.random.Generator, noise: float = 1.0) -> Series:
+def simulated_trial(number: int, rng: np.random.Generator, noise: float = 1.0) -> Series:
     power, angle = (50, 75, 100)[number % 3], np.radians((30.0, 20.0, -45.0)[number // 3])
     run = simulate(
         COEFFICIENTS,
-        setup=SETUP,
+        setup=PAPER_SETUP,
         head_length_m=0.12,
         head_angle_rad=angle,
         flap_hz=FLAP_HZ[power],
         duration_s=4.0,
         dt_s=1 / 30,
-        start=tuple(START),
+        start=tuple(START_VALUES),
     )
     n, count = len(run.time_s), len(plates().all_states)
     seen = np.column_stack([run.state[:, :2], run.heading_rad, np.full(n, angle)])
-    seen[:, :3] += noise * STD[:3] * rng.standard_normal((n, 3))
+    seen[:, :3] += noise * OBSERVATION_STDS[:3] * rng.standard_normal((n, 3))
     spread = np.array([0.02, 0.02, 0.05, 0.05, 0.05, 0.3] + [1e-6] * (count - 6))
     return Series(
         name=f"T{number}", group=str(power), condition="", times=run.time_s,
-        inputs=np.tile([angle, FLAP_HZ[power]], (n, 1)), constants=constants(SETUP, 0.12),
-        seen=seen, noise=np.tile(np.diag(STD**2), (n, 1, 1)), mean=np.zeros(count),
+        inputs=np.tile([angle, FLAP_HZ[power]], (n, 1)), constants=constants(PAPER_SETUP, 0.12),
+        seen=seen, noise=np.tile(np.diag(OBSERVATION_STDS**2), (n, 1, 1)), mean=np.zeros(count),
         cov=np.diag(spread**2),
     )  # fmt: skip
 
 
-def found(series: list[Series], **more):
+def fit_trials(series: list[Series], **more):
     start = {n: COEFFICIENTS[n] * f for n, f in zip(NAMES, (1.2, 0.8, 1.3, 0.8, 1.3, 0.8),
                                                     strict=True)}  # fmt: skip
     return fit_paths(compiled(plates()), series, plates().values({}), [Free(n) for n in NAMES],
@@ -51,12 +51,12 @@ def found(series: list[Series], **more):
 
 
 def test_exact_paths_give_back_coefficients_and_starts() -> None:
-    series = [trial(i, np.random.default_rng(0), noise=0.0) for i in range(9)]
+    series = [simulated_trial(i, np.random.default_rng(0), noise=0.0) for i in range(9)]
     wide = [replace(s, cov=s.cov * 1e4) for s in series]
-    result = found(wide)
+    result = fit_trials(wide)
     assert result.fit.outcome == "converged"
     assert result.fit.values == pytest.approx([COEFFICIENTS[n] for n in NAMES], rel=1e-4)
-    assert result.starts[:, :6] == pytest.approx(np.tile(START, (9, 1)), abs=1e-4)
+    assert result.starts[:, :6] == pytest.approx(np.tile(START_VALUES, (9, 1)), abs=1e-4)
 
 
 def test_stated_deviations_are_those_of_many_fits_to_white_noise() -> None:
@@ -64,12 +64,12 @@ def test_stated_deviations_are_those_of_many_fits_to_white_noise() -> None:
     truth = np.array([COEFFICIENTS[n] for n in NAMES])
     pulls = []
     for _ in range(12):
-        fit = found([trial(i, rng) for i in range(9)]).fit
+        fit = fit_trials([simulated_trial(i, rng) for i in range(9)]).fit
         pulls.append((fit.values - truth) / np.sqrt(np.diag(fit.naive_cov)))
     assert 0.75 < np.sqrt(np.mean(np.square(pulls))) < 1.25
 
 
-def shortened(series: Series, frames: int) -> Series:
+def shortened_trials(series: Series, frames: int) -> Series:
     gone = np.arange(frames)[:, None] % 7 == 3
     return replace(
         series,
@@ -82,13 +82,13 @@ def shortened(series: Series, frames: int) -> Series:
 
 
 def test_trials_of_unequal_length_and_missing_frames_are_no_matter() -> None:
-    series = [trial(i, np.random.default_rng(1), noise=0.0) for i in range(9)]
-    cut = [shortened(s, 80 + 4 * i) for i, s in enumerate(series)]
-    assert found(cut).fit.values == pytest.approx([COEFFICIENTS[n] for n in NAMES], rel=1e-3)
+    series = [simulated_trial(i, np.random.default_rng(1), noise=0.0) for i in range(9)]
+    cut = [shortened_trials(s, 80 + 4 * i) for i, s in enumerate(series)]
+    assert fit_trials(cut).fit.values == pytest.approx([COEFFICIENTS[n] for n in NAMES], rel=1e-3)
 
 
 def test_more_numbers_than_lanes_are_refused() -> None:
-    series = [trial(0, np.random.default_rng(1))]
+    series = [simulated_trial(0, np.random.default_rng(1))]
     free = [Free(p.name) for p in plates().parameters[:12]]
     with pytest.raises(ValueError, match="18 numbers a trial, at most 15"):
         fit_paths(compiled(plates()), series, plates().values({}), free)

@@ -7,7 +7,7 @@ import pytest
 
 from bluekoi.model import TABLE_1
 from bluekoi.tuning.stability import growth_per_s, stability_verdict
-from robots import SETUP
+from paper_robot import PAPER_SETUP
 
 
 def test_a_growth_that_all_draws_share_is_asserted_with_its_range() -> None:
@@ -40,4 +40,4 @@ def test_without_draws_the_fit_itself_speaks() -> None:
 
 def test_coefficients_that_run_away_have_no_eigenvalue() -> None:
     wild = TABLE_1[100] | {"C_D0": -5.0, "C_T": 0.2}
-    assert np.isnan(growth_per_s(wild, setup=SETUP, flap_hz=5.8))
+    assert np.isnan(growth_per_s(wild, setup=PAPER_SETUP, flap_hz=5.8))

@@ -25,19 +25,19 @@ from bluekoi.tuning.draws import response_to_bounded, sample_parameters
 from bluekoi.tuning.joint import START_NOISE
 from bluekoi.tuning.paper_steps import _fit_second_step, draws
 from bluekoi.tuning.two_step_covariance import step_sensitivity, with_step_covariance
-from campaigns import Errors, plans, sixteen
+from simulated_campaigns import ErrorModel, simulate_campaigns, trial_plans
 
 FRAMES = 20
-PLAN = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
+CONDITIONS = ((0.0, 0.12), (0.0, 0.12), (30.0, 0.12), (-30.0, 0.12), (45.0, 0.12))
 
 
-def given(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
+def fit_result(values: np.ndarray, names: list[str], normal: Normal, **more: object) -> Tuned:
     spread = cluster_covariance(normal, **more)  # type: ignore[arg-type]
     fit = Fit(tuple(Free(n) for n in names), values, normal, "", 1)
     return Tuned(fit, START_NOISE, spread.cov, plates().values({}), spread.df, spread.influence)
 
 
-def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
+def two_step_regression(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
     """Lines whose first number comes from 4 trials of its own, two others from 6; truth is 0."""
     X1, X2 = rng.standard_normal((4, FRAMES, 1)), rng.standard_normal((6, FRAMES, 3))
     X2[:, :, 0] += 2.0 * X2[:, :, 1]
@@ -48,8 +48,8 @@ def two_steps(rng: np.random.Generator) -> tuple[Tuned, Tuned, np.ndarray]:
     H = np.einsum("tnp,tnq->pq", X2, X2)
     sensitivity = -np.linalg.solve(H[1:, 1:], H[1:, :1])
     return (
-        given(second, ["C_La", "C_Ma"], equations(own, left2)),
-        given(first, ["C_D0"], equations(X1, left1)),
+        fit_result(second, ["C_La", "C_Ma"], normal_equations_of(own, left2)),
+        fit_result(first, ["C_D0"], normal_equations_of(X1, left1)),
         sensitivity,
     )
 
@@ -60,7 +60,7 @@ def least_squares(X: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return values, y - X @ values
 
 
-def equations(X: np.ndarray, left: np.ndarray) -> Normal:
+def normal_equations_of(X: np.ndarray, left: np.ndarray) -> Normal:
     H = np.einsum("tnp,tnq->tpq", X, X)
     return Normal(H, np.einsum("tnp,tn->tp", X, left), np.zeros(len(X)))
 
@@ -69,7 +69,7 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
     rng = np.random.default_rng(6)
     plain, whole = [], []
     for _ in range(500):
-        later, earlier, sensitivity = two_steps(rng)
+        later, earlier, sensitivity = two_step_regression(rng)
         whole_one = with_step_covariance(later, earlier, sensitivity)
         off = np.abs(later.fit.values)
         plain.append(off <= later.covariance.half_widths())
@@ -79,7 +79,7 @@ def test_intervals_of_a_step_hold_the_truth_if_the_earlier_step_is_carried_along
 
 
 def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() -> None:
-    later, earlier, sensitivity = two_steps(np.random.default_rng(7))
+    later, earlier, sensitivity = two_step_regression(np.random.default_rng(7))
     unknown = replace(earlier, df=np.zeros(1), influence=None)
     assert with_step_covariance(later, unknown, sensitivity).df[0] == 0.0
     nothing = with_step_covariance(later, earlier, 0.0 * sensitivity)
@@ -88,14 +88,18 @@ def test_what_cannot_be_judged_of_the_earlier_step_is_not_judged_of_the_later() 
 
 
 @pytest.fixture(scope="module")
-def steps() -> tuple[list[Series], Tuned, Tuned]:
-    few = downsampled(sixteen(plans((75,), PLAN), Errors(), np.random.default_rng(5), count=1)[0])
+def three_step_fit() -> tuple[list[Series], Tuned, Tuned]:
+    few = downsampled(
+        simulate_campaigns(
+            trial_plans((75,), CONDITIONS), ErrorModel(), np.random.default_rng(5), count=1
+        )[0]
+    )
     first = tune(few[:2], [Free("C_T"), Free("C_D0")], min_share=1.0)
     return few[2:], first, _fit_second_step(few[2:], first)
 
 
-def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> None:
-    turns, first, second = steps
+def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(three_step_fit) -> None:
+    turns, first, second = three_step_fit
     sensitivity = step_sensitivity(turns, second, first)
     change = 0.02 * first.fit.values[1]
 
@@ -116,14 +120,14 @@ def test_a_step_goes_along_with_the_earlier_one_as_refitting_it_shows(steps) -> 
     assert np.all(whole.std >= second.std)
 
 
-def test_no_variance_of_a_step_is_less_than_the_naive_one(steps) -> None:
-    _, first, second = steps
+def test_no_variance_of_a_step_is_less_than_the_naive_one(three_step_fit) -> None:
+    _, first, second = three_step_fit
     for one in (first, second):
         assert np.all(one.std >= 0.999 * np.sqrt(np.diag(one.fit.naive_cov)))
 
 
-def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(steps) -> None:
-    turns, first, second = steps
+def test_draws_of_a_step_go_along_with_those_of_the_earlier_one(three_step_fit) -> None:
+    turns, first, second = three_step_fit
     sensitivity = step_sensitivity(turns, second, first)
     tight = replace(second, cov=1e-12 * second.cov)
     found = draws((first, tight), sensitivity, np.random.default_rng(1))

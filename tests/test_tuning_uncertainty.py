@@ -19,7 +19,7 @@ TRUTH = np.array([1.0, -0.5, 0.3])
 FRAMES, MEMORY = 30, 8.0
 
 
-def fitted(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, Normal]:
+def fitted_line(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, Normal]:
     """Least squares of a line with three numbers to trials whose errors last."""
     keep = np.exp(-1 / MEMORY)
     X = rng.standard_normal((trials, 1, 3)) + 0.5 * rng.standard_normal((trials, FRAMES, 3))
@@ -33,12 +33,12 @@ def fitted(trials: int, rng: np.random.Generator) -> tuple[np.ndarray, Normal]:
     return values, Normal(H, g, np.zeros(trials))
 
 
-def shares(trials: int, count: int = 800) -> dict[str, np.ndarray]:
+def coverage_shares(trials: int, count: int = 800) -> dict[str, np.ndarray]:
     """Share of the intervals that hold the truth, by way and number."""
     rng = np.random.default_rng(trials)
     inside: dict[str, list[np.ndarray]] = {"disagreement": [], "jackknife": [], "naive": []}
     for _ in range(count):
-        values, normal = fitted(trials, rng)
+        values, normal = fitted_line(trials, rng)
         off = np.abs(values - TRUTH)
         inside["disagreement"].append(off <= cluster_covariance(normal).half_widths())
         inside["jackknife"].append(off <= 1.96 * np.sqrt(np.diag(cov_jackknife(normal))))
@@ -49,7 +49,7 @@ def shares(trials: int, count: int = 800) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("trials", [6, 12, 40])
 def test_95_percent_intervals_hold_the_truth_95_times_in_100(trials: int) -> None:
-    found = shares(trials)
+    found = coverage_shares(trials)
     assert np.all(np.abs(found["disagreement"] - 0.95) < 0.03), found
     assert np.all(found["naive"] < 0.85), "errors that last make the naive intervals too short"
 
@@ -69,7 +69,7 @@ def test_degrees_of_freedom_count_the_informative_trials() -> None:
 
 
 def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> None:
-    values, normal = fitted(12, np.random.default_rng(1))
+    values, normal = fitted_line(12, np.random.default_rng(1))
     moving = np.array([True, False, True])
     spread = cluster_covariance(normal, moving)
     alone = cluster_covariance(
@@ -82,15 +82,15 @@ def test_numbers_at_a_bound_have_no_variance_and_do_not_disturb_the_others() -> 
 
 
 def test_one_trial_falls_back_on_what_it_says_of_itself() -> None:
-    _, normal = fitted(12, np.random.default_rng(2))
+    _, normal = fitted_line(12, np.random.default_rng(2))
     one = Normal(normal.hessian[:1], normal.gradient[:1], np.zeros(1))
     assert cluster_covariance(one).cov == pytest.approx(np.linalg.inv(one.hessian[0]), rel=1e-6)
 
 
-SERVO = 0.5
+SERVO_STD = 0.5
 
 
-def with_an_error_of_each_trial(
+def fits_with_trial_errors(
     count: int, size: float
 ) -> list[tuple[np.ndarray, Normal, TrialRandomEffect]]:
     """Fits to 18 trials of which three tell most; each has an error of its own that the fit lacks.
@@ -116,16 +116,16 @@ def with_an_error_of_each_trial(
     return out
 
 
-@pytest.mark.parametrize("size", [0.0, SERVO])
+@pytest.mark.parametrize("size", [0.0, SERVO_STD])
 def test_the_error_that_each_trial_has_is_found_from_the_scores(size: float) -> None:
-    fits = with_an_error_of_each_trial(400, size)
+    fits = fits_with_trial_errors(400, size)
     found = np.mean([own.variance(normal.hessian) for _, normal, own in fits])
     assert found == pytest.approx(size**2, rel=0.12, abs=0.004)
 
 
 def test_variances_are_right_where_the_most_informative_trials_err_most() -> None:
     """Of the second number: three degrees of freedom as if all erred alike, really two."""
-    fits = with_an_error_of_each_trial(400, SERVO)
+    fits = fits_with_trial_errors(400, SERVO_STD)
     true = np.var([shift[1] for shift, _, _ in fits])
     alike = [cluster_covariance(normal) for _, normal, _ in fits]
     known = [cluster_covariance(normal, None, own) for _, normal, own in fits]
@@ -154,7 +154,7 @@ def test_widened_scores_have_the_covariance_expected() -> None:
 
 
 def test_an_error_that_is_not_there_changes_next_to_nothing() -> None:
-    for _, normal, own in with_an_error_of_each_trial(20, 0.0):
+    for _, normal, own in fits_with_trial_errors(20, 0.0):
         nothing = TrialRandomEffect(own.cross, own.fisher, 0.0 * own.score)
         same, white = cluster_covariance(normal, None, nothing), cluster_covariance(normal)
         assert same.cov == pytest.approx(white.cov)

@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from bluekoi.cli.watch import state_of_study
-from studies import edit_rows, small_study
+from bluekoi.cli.watch import study_file_states
+from small_studies import edit_trials_csv, small_study
 
 
 def wait_for(condition: Callable[[], bool], what: str, seconds: float = 400) -> None:
@@ -27,7 +27,7 @@ def wait_for(condition: Callable[[], bool], what: str, seconds: float = 400) -> 
 
 
 @contextmanager
-def watching_in(folder: Path) -> Iterator[subprocess.Popen[str]]:
+def run_watch(folder: Path) -> Iterator[subprocess.Popen[str]]:
     """`bluekoi watch study`, ended with the block."""
     words = [sys.executable, "-m", "bluekoi", "watch", "study", "--every", "0.3"]
     with subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True) as watching:
@@ -44,16 +44,16 @@ def test_a_new_trial_and_a_changed_row_are_analysed_and_the_end_is_clean(tmp_pat
     rows = (study / "trials.csv").read_text().splitlines()
     (study / "trials.csv").write_text("\n".join(rows[:-1]) + "\n")
     results = tmp_path / "results/study"
-    with watching_in(tmp_path) as watching:
+    with run_watch(tmp_path) as watching:
         wait_for((results / "report.html").is_file, "no first report")
         wait_for(lambda: "count: 1" in (results / "watch.js").read_text(), "no first state")
         assert "T11" not in (results / "steady.csv").read_text()
         shutil.copy(tmp_path / "all.csv", study / "trials.csv")
         wait_for(lambda: "count: 2" in (results / "watch.js").read_text(), "no second run")
         assert "T11" in (results / "steady.csv").read_text()
-        edit_rows(study, T10={"fps": "15"})
+        edit_trials_csv(study, T10={"fps": "15"})
         wait_for(lambda: "count: 3" in (results / "watch.js").read_text(), "no third run")
-        edit_rows(study, T10={"fps": "14"})
+        edit_trials_csv(study, T10={"fps": "14"})
         wait_for(lambda: "Analysing" in (results / "watch.js").read_text(), "no fourth run")
         time.sleep(2)
         watching.send_signal(signal.SIGINT)
@@ -71,7 +71,7 @@ def test_an_error_in_the_study_is_reported_and_the_next_change_waited_for(tmp_pa
     good = (study / "trials.csv").read_text()
     (study / "trials.csv").write_text("trial_id\n")
     results = tmp_path / "results/study"
-    with watching_in(tmp_path) as watching:
+    with run_watch(tmp_path) as watching:
         script = results / "watch.js"
         wait_for(lambda: script.is_file() and "see the terminal" in script.read_text(), "no error")
         (study / "trials.csv").write_text(good)
@@ -82,10 +82,10 @@ def test_an_error_in_the_study_is_reported_and_the_next_change_waited_for(tmp_pa
 
 def test_the_state_of_a_study_leaves_its_results_and_hidden_files_out(tmp_path):
     study = small_study(tmp_path / "study")
-    before = state_of_study(study, study / "results")
+    before = study_file_states(study, study / "results")
     (study / "results").mkdir()
     (study / "results/report.html").touch()
     (study / ".trials.csv.swp").touch()
-    assert state_of_study(study, study / "results") == before
+    assert study_file_states(study, study / "results") == before
     os.utime(study / "trials.csv", (1e9, 1e9))
-    assert state_of_study(study, study / "results") != before
+    assert study_file_states(study, study / "results") != before

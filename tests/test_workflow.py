@@ -1,4 +1,4 @@
-"""The Snakefile: what runs, what runs again, what a bad trial stops, what a person reads."""
+"""The Snakefile: which jobs run and run again, effects of a failed trial, and messages."""
 
 from __future__ import annotations
 
@@ -27,20 +27,26 @@ from bluekoi.integrate import kernel
 from bluekoi.stages.compiling import load_model, load_model_with_effects
 from bluekoi.workflow import plan as plan_module
 from bluekoi.workflow import provenance
-from bluekoi.workflow.begin import without_rate_limit
 from bluekoi.workflow.lock import acquire_lock, remove_stale_locks, remove_temporary_files
 from bluekoi.workflow.plan import figure_names, make_plan
-from bluekoi.workflow.progress import Hush, Progress, killed_by
-from bluekoi.workflow.remaining import Timing, duration, usual
+from bluekoi.workflow.progress import Progress, SnakemakeMessageFilter, signal_that_killed
+from bluekoi.workflow.remaining_time import Timing, duration_text, usual_durations_s
+from bluekoi.workflow.run_start import without_rate_limit
 from forked_snakemake import snakemake
-from studies import edit_rows, small_study
+from small_studies import edit_trials_csv, small_study
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = {"results": None, "demo_folder": "studies/demo", "overlays": "none"}
-AFTER_TRACKS = {"steady": 1, "tuning": 1, "mismatch": 1, "figure": len(figure_names()), "report": 1}
+JOBS_AFTER_TRACKS = {
+    "steady": 1,
+    "tuning": 1,
+    "mismatch": 1,
+    "figure": len(figure_names()),
+    "report": 1,
+}
 
 
-class Home:
+class WorkflowCopy:
     """The workflow and its package, with a small study and its results."""
 
     took_s = math.nan  # of the run that made the results
@@ -93,9 +99,9 @@ def test_two_loaders_share_the_kernels_of_the_model(load, general, monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory):
+def finished_workflow(tmp_path_factory):
     """A home whose study has been run, with what was said."""
-    home = Home(tmp_path_factory.mktemp("home"))
+    home = WorkflowCopy(tmp_path_factory.mktemp("home"))
     start = time.monotonic()
     run = home.snakemake()
     home.took_s = time.monotonic() - start
@@ -103,23 +109,23 @@ def done(tmp_path_factory):
     return home, run
 
 
-def copy_of(home: Home, root: Path) -> Home:
+def copy_workflow(workflow: WorkflowCopy, root: Path) -> WorkflowCopy:
     """A home with the same study, results and records of Snakemake's."""
-    fresh = Home.__new__(Home)
-    fresh.root = Path(shutil.copytree(home.root, root))
+    fresh = WorkflowCopy.__new__(WorkflowCopy)
+    fresh.root = Path(shutil.copytree(workflow.root, root))
     fresh.study = fresh.root / "study"
     return fresh
 
 
 @pytest.fixture
-def home(done, tmp_path):
+def workflow(finished_workflow, tmp_path):
     """A fresh copy of that home."""
-    return copy_of(done[0], tmp_path / "home")
+    return copy_workflow(finished_workflow[0], tmp_path / "home")
 
 
-def modified(home: Home, pattern: str) -> dict[str, int]:
+def modification_times(workflow: WorkflowCopy, pattern: str) -> dict[str, int]:
     """When each file of the results that matches a pattern was written, by name."""
-    found = (home.root / "results/study").glob(pattern)
+    found = (workflow.root / "results/study").glob(pattern)
     return {path.name: path.stat().st_mtime_ns for path in found}
 
 
@@ -127,8 +133,8 @@ def append(path: Path, text: str) -> None:
     path.write_text(path.read_text() + text)
 
 
-def test_a_study_runs_to_its_figures_and_says_little(done):
-    home, run = done
+def test_a_study_runs_to_its_figures_and_says_little(finished_workflow):
+    home, run = finished_workflow
     assert run.returncode == 0, run.stderr
     results = home.root / "results/study"
     tables = ("steady.csv", "coefficients.json", "table1.csv", "table2.csv")
@@ -148,142 +154,144 @@ def test_a_study_runs_to_its_figures_and_says_little(done):
         assert (results / "benchmarks" / f"{trial}.tsv").is_file()
 
 
-def test_nothing_runs_twice(home):
-    assert home.planned() == {}
-    assert "Everything is up to date." in home.snakemake().stderr
+def test_nothing_runs_twice(workflow):
+    assert workflow.planned() == {}
+    assert "Everything is up to date." in workflow.snakemake().stderr
 
 
-def test_the_code_of_one_figure_redraws_that_figure_alone(home):
-    append(home.root / "pipeline/bluekoi/figures/fig3.py", "\n# changed\n")
-    assert home.planned() == {"figure": 1, "report": 1}
+def test_the_code_of_one_figure_redraws_that_figure_alone(workflow):
+    append(workflow.root / "pipeline/bluekoi/figures/fig3.py", "\n# changed\n")
+    assert workflow.planned() == {"figure": 1, "report": 1}
 
 
-def test_the_code_of_the_page_makes_the_page_alone(home):
-    append(home.root / "pipeline/bluekoi/report/findings.py", "\n# changed\n")
-    assert home.planned() == {"report": 1}
+def test_the_code_of_the_page_makes_the_page_alone(workflow):
+    append(workflow.root / "pipeline/bluekoi/report/findings.py", "\n# changed\n")
+    assert workflow.planned() == {"report": 1}
 
 
-def test_the_code_of_the_distances_checks_them_again_and_searches(home):
-    append(home.root / "pipeline/bluekoi/camera/rigid_length_check.py", "\n# changed\n")
-    found = home.planned()
+def test_the_code_of_the_distances_checks_them_again_and_searches(workflow):
+    append(workflow.root / "pipeline/bluekoi/camera/rigid_length_check.py", "\n# changed\n")
+    found = workflow.planned()
     assert found["geometry"] == found["mismatch"] == 1
     assert "tracks" not in found
     assert "tuning" not in found
 
 
-def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(home):
-    append(home.root / "pipeline/bluekoi/camera/resection.py", "\n# changed\n")
-    found = home.planned()
+def test_the_code_of_the_pose_maps_again_but_detects_nothing_again(workflow):
+    append(workflow.root / "pipeline/bluekoi/camera/resection.py", "\n# changed\n")
+    found = workflow.planned()
     assert found["tracks"] == 3
     assert "keypoints" not in found
 
 
-def test_a_depth_that_is_not_given_is_reported_by_the_distances_before_the_tracks(home):
-    text = (home.study / "study.yaml").read_text()
-    (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
-    assert home.planned() == {"geometry": 1, "tracks": 3} | AFTER_TRACKS
+def test_a_depth_that_is_not_given_is_reported_by_the_distances_before_the_tracks(workflow):
+    text = (workflow.study / "study.yaml").read_text()
+    (workflow.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
+    assert workflow.planned() == {"geometry": 1, "tracks": 3} | JOBS_AFTER_TRACKS
 
 
-def test_the_code_of_a_stage_runs_it_and_what_follows_again(home):
-    append(home.root / "pipeline/bluekoi/smoothing/linear_gaussian.py", "\n# changed\n")
-    assert home.planned() == {"tracks": 3} | AFTER_TRACKS
+def test_the_code_of_a_stage_runs_it_and_what_follows_again(workflow):
+    append(workflow.root / "pipeline/bluekoi/smoothing/linear_gaussian.py", "\n# changed\n")
+    assert workflow.planned() == {"tracks": 3} | JOBS_AFTER_TRACKS
 
 
-def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(home):
-    edit_rows(home.study, T10={"head_length_m": "0.121"})
-    assert home.planned() == {"tracks": 1, "geometry": 1} | AFTER_TRACKS
+def test_a_changed_row_runs_its_trial_alone_and_what_depends_on_it(workflow):
+    edit_trials_csv(workflow.study, T10={"head_length_m": "0.121"})
+    assert workflow.planned() == {"tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
 
 
-def test_a_source_replaced_by_an_older_file_runs_its_trial_again(home):
-    path = home.study / "keypoints/T10.csv"
+def test_a_source_replaced_by_an_older_file_runs_its_trial_again(workflow):
+    path = workflow.study / "keypoints/T10.csv"
     path.write_text(path.read_text().replace("0.99", "0.98"))
     os.utime(path, (1e9, 1e9))
-    assert home.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | AFTER_TRACKS
+    assert workflow.planned() == {"keypoints": 1, "tracks": 1, "geometry": 1} | JOBS_AFTER_TRACKS
 
 
-def test_a_source_that_was_only_copied_again_runs_nothing_again(home):
-    os.utime(home.study / "keypoints/T10.csv")
-    os.utime(home.study / "motor/T11.csv")
-    assert home.planned() == {}
+def test_a_source_that_was_only_copied_again_runs_nothing_again(workflow):
+    os.utime(workflow.study / "keypoints/T10.csv")
+    os.utime(workflow.study / "motor/T11.csv")
+    assert workflow.planned() == {}
 
 
 @pytest.fixture(scope="module")
-def done_without_depth(done, tmp_path_factory):
+def finished_without_depth(finished_workflow, tmp_path_factory):
     """A home whose study states no depth, tracked again."""
-    home = copy_of(done[0], tmp_path_factory.mktemp("without_depth") / "home")
+    home = copy_workflow(finished_workflow[0], tmp_path_factory.mktemp("without_depth") / "home")
     text = (home.study / "study.yaml").read_text()
     (home.study / "study.yaml").write_text(re.sub(r" *keypoint_depth_m: .*\n", "", text))
     assert home.snakemake("--until", "steady").returncode == 0
     return home
 
 
-def test_rows_in_another_order_track_nothing_again(done_without_depth, tmp_path):
-    home = copy_of(done_without_depth, tmp_path / "home")
-    before = modified(home, "tracks/*.csv")
+def test_rows_in_another_order_track_nothing_again(finished_without_depth, tmp_path):
+    home = copy_workflow(finished_without_depth, tmp_path / "home")
+    before = modification_times(home, "tracks/*.csv")
     header, *rows = (home.study / "trials.csv").read_text().splitlines()
     (home.study / "trials.csv").write_text("\n".join([header, *rows[::-1]]) + "\n")
     assert "tracks is due" not in home.snakemake("--dry-run").stderr
     assert home.snakemake("--until", "steady").returncode == 0
-    assert modified(home, "tracks/*.csv") == before
+    assert modification_times(home, "tracks/*.csv") == before
 
 
 def test_without_a_depth_a_row_that_says_nothing_on_it_tracks_its_trial_alone(
-    done_without_depth, tmp_path
+    finished_without_depth, tmp_path
 ):
-    home = copy_of(done_without_depth, tmp_path / "home")
-    before = modified(home, "tracks/*.csv")
-    edit_rows(home.study, T10={"power_pct": "99"})
+    home = copy_workflow(finished_without_depth, tmp_path / "home")
+    before = modification_times(home, "tracks/*.csv")
+    edit_trials_csv(home.study, T10={"power_pct": "99"})
     assert home.snakemake("--until", "steady").returncode == 0
-    after = modified(home, "tracks/*.csv")
+    after = modification_times(home, "tracks/*.csv")
     assert {name for name in after if after[name] != before[name]} == {"T10.csv"}
 
 
-def test_a_dry_run_lists_the_trials_whose_results_were_damaged(home):
-    results = home.root / "results/study"
+def test_a_dry_run_lists_the_trials_whose_results_were_damaged(workflow):
+    results = workflow.root / "results/study"
     for name in ("tracks/T10.csv", "keypoints/T11.csv"):
         (results / name).unlink()
-    said = home.snakemake("--dry-run").stderr
+    said = workflow.snakemake("--dry-run").stderr
     assert "keypoints is due for 1: T11\n" in said
     assert "tracks is due for 2: T10, T11\n" in said
-    found = home.planned()
+    found = workflow.planned()
     assert found["keypoints"] == 1
     assert found["tracks"] == 2
     assert found["report"] == 1
 
 
-def test_another_role_does_not_track_again(home):
-    edit_rows(home.study, T10={"role": "held_out"})
-    found = home.planned()
+def test_another_role_does_not_track_again(workflow):
+    edit_trials_csv(workflow.study, T10={"role": "held_out"})
+    found = workflow.planned()
     assert "tracks" not in found
     assert found["tuning"] == 1
 
 
-def test_a_bad_trial_stops_only_itself_and_ends_the_run_with_a_word(home):
-    path = home.study / "keypoints/T10.csv"
+def test_a_bad_trial_stops_only_itself_and_ends_the_run_with_a_word(workflow):
+    path = workflow.study / "keypoints/T10.csv"
     path.write_text("")
-    run = home.snakemake()
+    run = workflow.snakemake()
     assert run.returncode == 1
     said = [line for line in run.stderr.splitlines() if line.startswith("T10")]
     assert len(said) == 1
     assert "keypoints/T10.csv: found an empty file" in said[0]
     assert "Traceback" not in run.stderr
-    results = home.root / "results/study"
+    results = workflow.root / "results/study"
     assert "T10" not in (results / "steady.csv").read_text()
     assert not (results / "tracks/T10.csv").exists()
     newest = (results / "status/T10.json").stat().st_mtime
     assert (results / "figures/fig3.png").stat().st_mtime > newest
 
 
-def test_a_result_that_was_deleted_comes_back(home):
-    track = home.root / "results/study/tracks/T10.csv"
+def test_a_result_that_was_deleted_comes_back(workflow):
+    track = workflow.root / "results/study/tracks/T10.csv"
     before = track.read_bytes()
     track.unlink()
-    assert home.snakemake("--until", "tracks").returncode == 0
+    assert workflow.snakemake("--until", "tracks").returncode == 0
     assert track.read_bytes() == before
 
 
-def test_trials_whose_results_are_gone_or_cut_short_are_due(done, tmp_path, monkeypatch):
-    shutil.copytree(done[0].root, tmp_path / "home")
+def test_trials_whose_results_are_gone_or_cut_short_are_due(
+    finished_workflow, tmp_path, monkeypatch
+):
+    shutil.copytree(finished_workflow[0].root, tmp_path / "home")
     monkeypatch.chdir(tmp_path / "home")
     monkeypatch.setattr(plan_module, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
     monkeypatch.setattr(provenance, "PACKAGE_FOLDER", tmp_path / "home/pipeline/bluekoi")
@@ -297,23 +305,25 @@ def test_trials_whose_results_are_gone_or_cut_short_are_due(done, tmp_path, monk
     assert again.due["keypoints"] == set()
 
 
-def test_results_that_cannot_be_written_are_reported_at_the_door(done, tmp_path, monkeypatch):
-    monkeypatch.chdir(done[0].root)
+def test_results_that_cannot_be_written_are_reported_at_the_door(
+    finished_workflow, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(finished_workflow[0].root)
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="a results folder that can be written to"):
         make_plan({**SETTINGS, "study": "study", "results": str(tmp_path / "file" / "below")})
 
 
-def test_snakemakes_own_report_has_captions_and_categories(home):
-    assert home.snakemake("--report", "own.html").returncode == 0
-    text = (home.root / "own.html").read_text()
+def test_snakemakes_own_report_has_captions_and_categories(workflow):
+    assert workflow.snakemake("--report", "own.html").returncode == 0
+    text = (workflow.root / "own.html").read_text()
     for words in ("The page", "Tables", "Figures", "Measured and simulated path of every trial"):
         assert words in text, words
     assert len(text) > 1_000_000  # figures and tables inside
 
 
-def test_the_workflow_lints_clean(done):
-    run = done[0].snakemake("--lint")
+def test_the_workflow_lints_clean(finished_workflow):
+    run = finished_workflow[0].snakemake("--lint")
     assert run.returncode == 0
     assert "in a good condition" in run.stderr
 
@@ -335,7 +345,7 @@ def test_time_left_before_the_long_jobs_is_what_they_took_the_last_time(tmp_path
     for name, s in (("tracks/T1", 5.0), ("tuning", 60.0), ("mismatch", 120.0)):
         (tmp_path / f"benchmarks/{name}.tsv").write_text(f"s\th:m:s\n{s}\t0:01\n")
     (tmp_path / "benchmarks/report.tsv").write_text("")
-    timing = Timing(usual(tmp_path))
+    timing = Timing(usual_durations_s(tmp_path))
     timing.expect({"tracks": 1, "tuning": 1, "mismatch": 1})
     timing.start(1, "tracks", 0.0)
     timing.finish(1, 10.0)
@@ -360,9 +370,9 @@ class Terminal(io.StringIO):
 def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     (tmp_path / "mismatch.log").write_text("baseline\nrefits with \x1b[31mstall\n")
     progress = Progress(tmp_path / "report.html", stream := Terminal())
-    progress.emit(record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
+    progress.emit(log_record(logging.INFO, "", event=LogEvent.RUN_INFO, stats={"mismatch": 1}))
     found = {"event": LogEvent.JOB_INFO, "jobid": 1, "rule_name": "mismatch"}
-    progress.emit(record(logging.INFO, "", **found, log=[str(tmp_path / "mismatch.log")]))
+    progress.emit(log_record(logging.INFO, "", **found, log=[str(tmp_path / "mismatch.log")]))
     deadline = time.monotonic() + 10
     while stream.getvalue().count("refits with ?[31mstall") < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -376,7 +386,7 @@ def test_a_long_stage_is_reported_with_the_last_line_of_its_log(tmp_path):
     ("s", "text"), [(1, "5 s"), (61, "65 s"), (100, "2 min"), (4800, "80 min")]
 )
 def test_times_are_said_as_a_person_does(s, text):
-    assert duration(s) == text
+    assert duration_text(s) == text
 
 
 def test_a_folder_at_work_is_held_and_let_go_with_the_process(tmp_path):
@@ -404,62 +414,64 @@ def test_half_written_files_of_a_killed_run_are_swept_up(tmp_path):
     assert [path.name for path in (tmp_path / "figures").iterdir()] == [".hidden"]
 
 
-def test_a_second_run_on_the_same_folder_is_refused_in_words(home):
-    handle = acquire_lock(home.root / "results/study")
-    run = home.snakemake()
+def test_a_second_run_on_the_same_folder_is_refused_in_words(workflow):
+    handle = acquire_lock(workflow.root / "results/study")
+    run = workflow.snakemake()
     handle.close()
     assert run.returncode == 1
     assert "another run at work in this folder" in run.stderr
     assert "Traceback" not in run.stderr
 
 
-def results_of(home: Home) -> dict[str, bytes]:
+def result_contents(workflow: WorkflowCopy) -> dict[str, bytes]:
     """Every result without dates in it, by name."""
-    root = home.root / "results/study"
+    root = workflow.root / "results/study"
     kinds = (".csv", ".json", ".png", ".pdf", ".html")
     kept = [path for path in root.rglob("*") if path.suffix in kinds]
     return {str(path.relative_to(root)): path.read_bytes() for path in kept}
 
 
-def started(home: Home) -> subprocess.Popen[bytes]:
+def started_jobs(workflow: WorkflowCopy) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        home.command(),
-        cwd=home.root,
-        env=home.environment(),
+        workflow.command(),
+        cwd=workflow.root,
+        env=workflow.environment(),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
 
 
-def forget_all(home: Home) -> None:
-    shutil.rmtree(home.root / "results")
-    shutil.rmtree(home.root / ".snakemake")
+def delete_records(workflow: WorkflowCopy) -> None:
+    shutil.rmtree(workflow.root / "results")
+    shutil.rmtree(workflow.root / ".snakemake")
 
 
 @pytest.mark.long
-def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(done, home):
+def test_killed_at_twenty_moments_and_started_again_the_results_are_the_same(
+    finished_workflow, workflow
+):
     """Each kill hits a run at work; one that ends before is compared and started again."""
-    undisturbed, rng, kills = results_of(done[0]), random.Random(7), 0
-    forget_all(home)
+    undisturbed, rng, kills = result_contents(finished_workflow[0]), random.Random(7), 0
+    delete_records(workflow)
     while kills < 20:
-        run = started(home)
+        run = started_jobs(workflow)
         try:
-            assert run.wait(rng.uniform(0.0, 0.4) * done[0].took_s) == 0
+            assert run.wait(rng.uniform(0.0, 0.4) * finished_workflow[0].took_s) == 0
         except subprocess.TimeoutExpired:
             os.killpg(run.pid, signal.SIGKILL)
             run.wait()
             kills += 1
             continue
-        assert results_of(home) == undisturbed
-        forget_all(home)
-    last = home.snakemake()
+        assert result_contents(workflow) == undisturbed
+        delete_records(workflow)
+    last = workflow.snakemake()
     assert last.returncode == 0, last.stderr
-    assert results_of(home) == undisturbed
-    assert not list((home.root / "results").rglob(".*-*"))
+    assert result_contents(workflow) == undisturbed
+    assert not list((workflow.root / "results").rglob(".*-*"))
 
 
-def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
+def wait_for_stage_process(run: subprocess.Popen[bytes], name: str) -> int:
     """Process id of a stage of a run, waited for."""
     deadline = time.monotonic() + 120
     while time.monotonic() < deadline:
@@ -474,7 +486,7 @@ def stage_at_work(run: subprocess.Popen[bytes], name: str) -> int:
 
 
 @pytest.fixture
-def heeding_ctrl_c() -> Iterator[None]:
+def with_default_sigint() -> Iterator[None]:
     """What a shell starts in the background ignores Ctrl-C, and so does all that it starts."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
@@ -482,24 +494,26 @@ def heeding_ctrl_c() -> Iterator[None]:
 
 
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
-def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(home, heeding_ctrl_c):
-    edit_rows(home.study, T10={"head_length_m": "0.121"})
+def test_ctrl_c_ends_the_run_in_words_with_130_and_it_goes_on_later(workflow, with_default_sigint):
+    edit_trials_csv(workflow.study, T10={"head_length_m": "0.121"})
     command = [sys.executable, "-m", "bluekoi", "run", "study", "--cores", "2"]
-    run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
+    run = subprocess.Popen(command, cwd=workflow.root, env=workflow.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
-    stage_at_work(run, "tracks")
+    wait_for_stage_process(run, "tracks")
     os.killpg(run.pid, signal.SIGINT)
     said = run.communicate(timeout=120)[1].decode()
     assert run.returncode == 130, said
     assert said.count("Interrupted. What is done is kept") == 1
     assert "Traceback" not in said
-    assert home.planned()["tracks"] == 1
+    assert workflow.planned()["tracks"] == 1
 
 
 @pytest.mark.parametrize("after_s", [1.2, 2.0, 2.6])
-def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, heeding_ctrl_c, after_s):
+def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(
+    workflow, with_default_sigint, after_s
+):
     command = [sys.executable, "-m", "bluekoi", "run", "study", "--cores", "2"]
-    run = subprocess.Popen(command, cwd=home.root, env=home.environment(),
+    run = subprocess.Popen(command, cwd=workflow.root, env=workflow.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
     time.sleep(after_s)
     os.killpg(run.pid, signal.SIGINT)
@@ -514,48 +528,50 @@ def test_ctrl_c_while_snakemake_starts_and_plans_ends_it_in_words(home, heeding_
 @pytest.mark.long
 @pytest.mark.skipif(not Path("/proc/self/cmdline").exists(), reason="no list of processes here")
 def test_a_worker_killed_for_memory_costs_its_own_trial_alone_and_only_till_the_next_run(
-    done, home
+    finished_workflow, workflow
 ):
-    forget_all(home)
-    run = subprocess.Popen(home.command(), cwd=home.root, env=home.environment(),
+    delete_records(workflow)
+    run = subprocess.Popen(workflow.command(), cwd=workflow.root, env=workflow.environment(),
                            stderr=subprocess.PIPE, start_new_session=True)  # fmt: skip
-    os.kill(stage_at_work(run, "tracks"), signal.SIGKILL)
+    os.kill(wait_for_stage_process(run, "tracks"), signal.SIGKILL)
     said = run.communicate(timeout=600)[1].decode()
     assert run.returncode == 1
     assert "killed from outside (SIGKILL), by a person or for want of memory" in said
     assert "Traceback" not in said
-    assert len(list((home.root / "results/study/tracks").glob("*.csv"))) == 2
-    assert not (home.root / "results/study/steady.csv").exists()
-    assert home.planned()["tracks"] == 1
-    assert home.snakemake().returncode == 0
-    assert results_of(home) == results_of(done[0])
+    assert len(list((workflow.root / "results/study/tracks").glob("*.csv"))) == 2
+    assert not (workflow.root / "results/study/steady.csv").exists()
+    assert workflow.planned()["tracks"] == 1
+    assert workflow.snakemake().returncode == 0
+    assert result_contents(workflow) == result_contents(finished_workflow[0])
 
 
-def record(level, message, **more):
+def log_record(level, message, **more):
     made = logging.LogRecord("snakemake.logging", level, "", 0, message, (), None)
     made.__dict__.update(more)
     return made
 
 
 def test_snakemake_keeps_its_own_words_until_the_run_begins(tmp_path):
-    hush = Hush(Progress(tmp_path / "report.html", io.StringIO()))
-    lint = record(logging.INFO, "your workflow is in a good condition")
+    hush = SnakemakeMessageFilter(Progress(tmp_path / "report.html", io.StringIO()))
+    lint = log_record(logging.INFO, "your workflow is in a good condition")
     assert hush.filter(lint)
-    assert not hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
-    assert not hush.filter(record(logging.INFO, "Select jobs to execute..."))
-    assert hush.filter(record(logging.ERROR, "MissingInputException"))
+    assert not hush.filter(log_record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
+    assert not hush.filter(log_record(logging.INFO, "Select jobs to execute..."))
+    assert hush.filter(log_record(logging.ERROR, "MissingInputException"))
 
 
 def test_a_run_interrupted_while_it_plans_is_reported_in_one_line_without_a_traceback(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    hush = Hush(progress)
-    hush.filter(record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
+    hush = SnakemakeMessageFilter(progress)
+    hush.filter(log_record(logging.INFO, "x", event=LogEvent.WORKFLOW_STARTED))
     loop = "Traceback (most recent call last):\nRuntimeError: Cannot close a running event loop"
-    assert hush.filter(record(logging.ERROR, loop))
-    stop = record(logging.ERROR, loop.replace("RuntimeError", "KeyboardInterrupt\n\nRuntimeError"))
+    assert hush.filter(log_record(logging.ERROR, loop))
+    stop = log_record(
+        logging.ERROR, loop.replace("RuntimeError", "KeyboardInterrupt\n\nRuntimeError")
+    )
     progress.emit(stop)
     assert not hush.filter(stop)
-    assert not hush.filter(record(logging.ERROR, loop))
+    assert not hush.filter(log_record(logging.ERROR, loop))
     assert stream.getvalue().count("Interrupted. What is done is kept") == 1
 
 
@@ -563,14 +579,14 @@ def test_a_stage_that_ends_in_an_error_shows_its_log(tmp_path):
     (tmp_path / "tuning.log").write_text("results: found no trial; expected one.\n")
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     found = {"event": LogEvent.JOB_ERROR, "rule_name": "tuning", "log": [tmp_path / "tuning.log"]}
-    progress.emit(record(logging.ERROR, "Error in rule", **found))
+    progress.emit(log_record(logging.ERROR, "Error in rule", **found))
     assert "found no trial; expected one." in stream.getvalue()
     assert "stage tuning" in stream.getvalue()
 
 
 def test_a_locked_folder_is_reported_with_its_cure(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    progress.emit(record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
+    progress.emit(log_record(logging.ERROR, "Error: Directory cannot be locked. Please make sure"))
     assert "snakemake --unlock" in stream.getvalue()
 
 
@@ -579,23 +595,23 @@ def test_a_locked_folder_is_reported_with_its_cure(tmp_path):
 )
 def test_a_killed_stage_is_reported_with_what_to_do(tmp_path, end):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
-    progress.emit(record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
+    progress.emit(log_record(logging.ERROR, f"Command 'python3' {end}", event=LogEvent.ERROR))
     assert "killed from outside (SIGKILL)" in stream.getvalue()
     assert "what is done is kept" in stream.getvalue()
 
 
 def test_a_stage_that_ends_by_itself_was_not_killed():
-    assert killed_by("Command 'python3' returned non-zero exit status 1.") == ""
-    assert killed_by("Command 'python3' returned non-zero exit status 255.") == ""
+    assert signal_that_killed("Command 'python3' returned non-zero exit status 1.") == ""
+    assert signal_that_killed("Command 'python3' returned non-zero exit status 255.") == ""
 
 
 def test_an_interrupted_run_says_so_once_and_blames_no_stage(tmp_path):
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     for _ in range(2):
         text = "Command 'python3' died with <Signals.SIGINT: 2>."
-        progress.emit(record(logging.ERROR, text, event=LogEvent.ERROR))
+        progress.emit(log_record(logging.ERROR, text, event=LogEvent.ERROR))
         found = {"event": LogEvent.JOB_ERROR, "rule_name": "tracks", "log": []}
-        progress.emit(record(logging.ERROR, "", **found))
+        progress.emit(log_record(logging.ERROR, "", **found))
     assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
 
 
@@ -603,7 +619,7 @@ def test_a_stage_that_a_library_ends_on_ctrl_c_is_not_blamed_either(tmp_path):
     (tmp_path / "geometry.log").write_text("SystemError: in a callback\nKeyboardInterrupt\n")
     progress = Progress(tmp_path / "report.html", stream := io.StringIO())
     found = {"rule_name": "geometry", "log": [tmp_path / "geometry.log"]}
-    progress.emit(record(logging.ERROR, "", event=LogEvent.JOB_ERROR, **found))
+    progress.emit(log_record(logging.ERROR, "", event=LogEvent.JOB_ERROR, **found))
     assert stream.getvalue() == ("Interrupted. What is done is kept; start again and it goes on.\n")
 
 

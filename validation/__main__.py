@@ -11,7 +11,7 @@ import click
 
 from bluekoi.cli import InputErrorGroup
 
-from . import report, running, scoring, sealing
+from . import report, scoring, sealing, study_runs
 
 FOLDER_ARGUMENT = click.argument("folder", type=click.Path(path_type=Path))
 FOLDERS_ARGUMENT = click.argument(
@@ -37,7 +37,7 @@ def make(generator: str, seed: int, count: int, first: int, folder: Path) -> Non
     generate = import_module(f"validation.generators.{generator}").generate
     for index in range(first, first + count):
         name = generate(seed, index, folder)["study"]
-        sealing.seal(folder, name)
+        sealing.seal_truth(folder, name)
         click.echo(name)
 
 
@@ -46,7 +46,7 @@ def make(generator: str, seed: int, count: int, first: int, folder: Path) -> Non
 @WORKERS_OPTION
 def measure(folder: Path, workers: int) -> None:
     """Measure every study of FOLDER up to its tracks."""
-    for line in running.measure_all(folder, workers):
+    for line in study_runs.measure_all(folder, workers):
         click.echo(line)
 
 
@@ -57,7 +57,7 @@ def measure(folder: Path, workers: int) -> None:
 @click.option("--only", default="", help="Only studies whose name contains this.")
 def find(folder: Path, workers: int, label: str, only: str) -> None:
     """Run the finder on every measured study of FOLDER."""
-    for line in running.analyse_all(folder, label, workers, only=only):
+    for line in study_runs.analyse_all(folder, label, workers, only=only):
         click.echo(line)
 
 
@@ -69,9 +69,9 @@ def score(folders: tuple[Path, ...], label: str, out: Path | None) -> None:
     """Score the verdicts under LABEL of all FOLDERS together."""
     studies = [s for folder in folders for s in scoring.score_all(folder, label)]
     result = scoring.summary(studies)
-    click.echo(scoring.text(result))
+    click.echo(scoring.summary_text(result))
     if out:
-        content = {"label": label, "summary": result, "studies": scoring.rows(studies)}
+        content = {"label": label, "summary": result, "studies": scoring.study_records(studies)}
         out.write_text(json.dumps(content, indent=1))
 
 
@@ -95,23 +95,23 @@ def record(folders: tuple[Path, ...], label: str, commit: str, date: str) -> Non
     """Write the verdicts under LABEL to validation/results and the tables into docs/evidence.md."""
     studies = [s for folder in folders for s in scoring.score_all(folder, label)]
     content = report.record(studies, finder=label, commit=commit, date=date)
-    for path in report.write(content):
+    for path in report.write_results(content):
         click.echo(path)
-    report.update()
+    report.update_evidence_page()
 
 
 @main.command()
 @FOLDER_ARGUMENT
 def discrepancy(folder: Path) -> None:
-    """Estimate the size of a cause's discrepancy (KAPPA) from the measured studies of FOLDER."""
-    from .discrepancy import relative_residuals, report  # noqa: PLC0415  compiles the model
+    """Estimate the finder's DISCREPANCY_SHARE from the measured studies of FOLDER."""
+    from .discrepancy import discrepancy_report, relative_residuals  # noqa: PLC0415  compiles the model
 
     values: dict[str, list[float]] = {}
-    for name in running.measured_names(folder):
+    for name in study_runs.measured_names(folder):
         found = relative_residuals(folder / "studies" / name, folder / "tracks" / name)
         for cause, own in found.items():
             values.setdefault(cause, []).extend(own)
-    click.echo(report(values))
+    click.echo(discrepancy_report(values))
 
 
 @main.command()
@@ -120,28 +120,34 @@ def drift(folders: tuple[Path, ...]) -> None:
     """Count drifting trials that are reported in the measured studies of FOLDERS, with and without
     a drift.
     """
-    from .drifts import report, reported  # noqa: PLC0415  compiles the model
+    from .drift_detection import detection_rate_report, drift_detections  # noqa: PLC0415  compiles the model
 
-    studies = [(folder, name) for folder in folders for name in running.measured_names(folder)]
-    click.echo(report([reported(f / "studies" / name, f / "tracks" / name) for f, name in studies]))
+    studies = [(folder, name) for folder in folders for name in study_runs.measured_names(folder)]
+    click.echo(
+        detection_rate_report(
+            [drift_detections(f / "studies" / name, f / "tracks" / name) for f, name in studies]
+        )
+    )
 
 
 @main.command()
 @FOLDERS_ARGUMENT
 def lengths(folders: tuple[Path, ...]) -> None:
     """Compare the rigid lengths in the measured studies of FOLDERS with right geometry."""
-    from .lengths import length_misfit, report  # noqa: PLC0415  loads the model
+    from .rigid_length_misfit import length_misfit, length_misfit_report  # noqa: PLC0415  loads the model
 
     rows = [
-        length_misfit(folder, name) for folder in folders for name in running.measured_names(folder)
+        length_misfit(folder, name)
+        for folder in folders
+        for name in study_runs.measured_names(folder)
     ]
-    click.echo(report([row for row in rows if row is not None]))
+    click.echo(length_misfit_report([row for row in rows if row is not None]))
 
 
 @main.command("report")
 def evidence_page() -> None:
     """Make the tables and the plot of docs/evidence.md from validation/results."""
-    report.update()
+    report.update_evidence_page()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""How much of a law a model with other functional forms leaves: the finder's `KAPPA`.
+"""How much of a law a model with other functional forms leaves: the finder's `DISCREPANCY_SHARE`.
 
 Each functional form of a cause is left out in turn. What the coefficients, the cause's strength and
 its remaining forms cannot represent of it, M v, is compared with residual terms of the state in the
@@ -21,9 +21,9 @@ import numpy as np
 from bluekoi.campaign import load_campaign
 from bluekoi.data import Float
 from bluekoi.engine.candidates import Candidate, strength_step
-from bluekoi.engine.expansion import Expansion, expanded
+from bluekoi.engine.expansion import Expansion, expand_about
 from bluekoi.engine.problem import Problem
-from bluekoi.engine.refit import fitted
+from bluekoi.engine.refit import fit_set
 from bluekoi.fitting import rms_forces
 from bluekoi.integrate import compiled
 from bluekoi.mismatch.robot_problem import robot_problem
@@ -41,15 +41,17 @@ def relative_residuals(study: Path, results: Path) -> dict[str, list[float]]:
     series = downsampled(campaign_series(campaign, campaign_flapping(campaign)))
     kernel, baseline = compiled(plates()), tune(series)
     problem = robot_problem(kernel, series, baseline, displaced=(), progress=lambda _: None)
-    model = fitted(problem, (), problem.noise, baseline.fit.by_label())
-    expansion = expanded(problem, model)
+    model = fit_set(problem, (), problem.noise, baseline.fit.by_label())
+    expansion = expand_about(problem, model)
     found: dict[str, list[float]] = defaultdict(list)
-    for cause, value in _by_form(problem, expansion):
+    for cause, value in _relative_residuals_by_form(problem, expansion):
         found[cause].append(value)
     return dict(found)
 
 
-def _by_form(problem: Problem, expansion: Expansion) -> Iterator[tuple[str, float]]:
+def _relative_residuals_by_form(
+    problem: Problem, expansion: Expansion
+) -> Iterator[tuple[str, float]]:
     H = expansion.hessian.sum(axis=0)
     for candidate in problem.candidates:
         forms = expansion.forms[candidate.name]
@@ -61,7 +63,7 @@ def _by_form(problem: Problem, expansion: Expansion) -> Iterator[tuple[str, floa
         scale = _force_ratios(problem, expansion, candidate, covered) ** 2
         for form in forms if scale.any() else ():
             known = [*expansion.own, *strengths, *(f for f in forms if f != form)]
-            left = unexplained_squares(H, known, [form, *terms])
+            left = residual_sum_of_squares(H, known, [form, *terms])
             yield candidate.name, float(left[0] / (left[1:] * scale).sum())
 
 
@@ -86,7 +88,7 @@ def _force_ratios(
     return np.array([own[k] / unit[k] for unit in units for k in [int(np.argmax(unit))]])
 
 
-def unexplained_squares(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:
+def residual_sum_of_squares(H: Float, known: Sequence[int], columns: Sequence[int]) -> Float:
     """Squares (columns,) of what known columns cannot represent of others; H: all products."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(H), 1e-30))
     R = H * np.outer(scale, scale)
@@ -96,7 +98,7 @@ def unexplained_squares(H: Float, known: Sequence[int], columns: Sequence[int]) 
     return np.maximum(left, 0.0) / scale[list(columns)] ** 2
 
 
-def report(values: dict[str, list[float]]) -> str:
+def discrepancy_report(values: dict[str, list[float]]) -> str:
     """Kappa of each cause, and of all causes with equal weight."""
     rows = {c: float(np.sqrt(np.mean(v))) for c, v in values.items()}
     lines = [f"{c:28s} {k:.3f}  ({len(values[c])} forms)" for c, k in sorted(rows.items())]

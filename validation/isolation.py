@@ -27,7 +27,7 @@ def deny_reading(sealed: Path) -> str:
     sealed = sealed.resolve()
     if sys.platform == "linux" and _landlock(sealed):
         return "kernel"
-    _watch(sealed)
+    _deny_in_interpreter(sealed)
     return "interpreter"
 
 
@@ -59,14 +59,14 @@ def _landlock(sealed: Path) -> bool:
         return False
     try:
         for path in readable_paths(sealed):
-            _allow(libc, ruleset, path, rights)
+            _allow_reading(libc, ruleset, path, rights)
         libc.prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0)
         return bool(libc.syscall(RESTRICT_SELF, ruleset, 0) == 0)
     finally:
         os.close(ruleset)
 
 
-def _allow(libc: ctypes.CDLL, ruleset: int, path: Path, rights: int) -> None:
+def _allow_reading(libc: ctypes.CDLL, ruleset: int, path: Path, rights: int) -> None:
     """Let a file or folder be read; what vanished meanwhile is passed over."""
     try:
         handle = os.open(path, O_PATH | os.O_NOFOLLOW | os.O_CLOEXEC)
@@ -80,7 +80,7 @@ def _allow(libc: ctypes.CDLL, ruleset: int, path: Path, rights: int) -> None:
         os.close(handle)
 
 
-def _watch(sealed: Path) -> None:
+def _deny_in_interpreter(sealed: Path) -> None:
     banned = str(sealed)
 
     def hook(event: str, arguments: tuple[object, ...]) -> None:

@@ -72,13 +72,13 @@ def record(
         name: {
             "finder": finder, "commit": commit, "date": date, "generator": name,
             "development": name in DEVELOPMENT_GENERATORS,
-            "studies": [_row(s) for s in studies if s.generator == name],
+            "studies": [_study_record(s) for s in studies if s.generator == name],
         }
         for name in names
     }  # fmt: skip
 
 
-def _row(s: ScoredStudy) -> dict[str, Any]:
+def _study_record(s: ScoredStudy) -> dict[str, Any]:
     errors = {key: s.held_out.get(key) or {} for key in ("baseline", "extended")}
     return {
         "study": s.study, "group": s.group, "fin": s.fin, "trials": s.trials,
@@ -91,7 +91,9 @@ def _row(s: ScoredStudy) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS_FOLDER) -> list[Path]:
+def write_results(
+    content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS_FOLDER
+) -> list[Path]:
     """Write one file for each generator, `FINDER-GENERATOR.json`; a study takes one line."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
@@ -103,15 +105,17 @@ def write(content: Mapping[str, Mapping[str, Any]], folder: Path = RESULTS_FOLDE
     return paths
 
 
-def load(folder: Path = RESULTS_FOLDER) -> list[Run]:
+def load_runs(folder: Path = RESULTS_FOLDER) -> list[Run]:
     """All runs of a folder in the order of the tables.
 
     Raises: ValueError with the file and the missing keys.
     """
-    return sorted((_run(path) for path in sorted(folder.glob("*.json"))), key=lambda r: r.rank)
+    return sorted(
+        (_parse_run(path) for path in sorted(folder.glob("*.json"))), key=lambda r: r.rank
+    )
 
 
-def _run(path: Path) -> Run:
+def _parse_run(path: Path) -> Run:
     content = json.loads(path.read_text(encoding="utf-8"))
     missing = [key for key in REQUIRED_KEYS if key not in content]
     missing += sorted({f"studies[].{key}" for row in content.get("studies", ())
@@ -123,19 +127,22 @@ def _run(path: Path) -> Run:
                content["generator"], development, tuple(content["studies"]))  # fmt: skip
 
 
-def page(text: str, runs: Sequence[Run]) -> str:
+def updated_page(text: str, runs: Sequence[Run]) -> str:
     """The page with the part between its markers made from `runs`."""
     before, rest = text.split(BEGIN_MARKER)
     after = rest.split(END_MARKER)[1]
-    return f"{before}{BEGIN_MARKER}\n{results(runs)}\n{END_MARKER}{after}"
+    return f"{before}{BEGIN_MARKER}\n{result_tables(runs)}\n{END_MARKER}{after}"
 
 
-def results(runs: Sequence[Run]) -> str:
+def result_tables(runs: Sequence[Run]) -> str:
     """Tables as Markdown: the current finder in full, the others in one row each."""
     if not runs:
         return "\nNo run is recorded.\n"
     name = current_finder(runs)
-    lines = [*_finder([r for r in runs if r.finder == name]), *_comparison(runs, name)]
+    lines = [
+        *_finder_tables([r for r in runs if r.finder == name]),
+        *_finder_comparison(runs, name),
+    ]
     return "\n".join(lines)
 
 
@@ -144,43 +151,43 @@ def current_finder(runs: Sequence[Run]) -> str:
     return max(runs, key=lambda run: (run.date, run.finder)).finder
 
 
-def _finder(runs: Sequence[Run]) -> Iterator[str]:
+def _finder_tables(runs: Sequence[Run]) -> Iterator[str]:
     commits = ", ".join(sorted({f"`{run.commit}`" for run in runs}))
     dates = ", ".join(sorted({run.date for run in runs if run.date}))
     yield f"\nFinder `{runs[0].finder}`, commit {commits}{f'; {dates}' if dates else ''}.\n"
     yield "### By generator\n"
-    yield from _heading("generator")
+    yield from _table_heading("generator")
     parts = {"**not used in development**": [r for r in runs if r.rank[0] == 0],
              "**used in development**": [r for r in runs if r.rank[0] == 1],
              "**own generator**": [r for r in runs if r.rank[0] == 2]}  # fmt: skip
     for title, part in parts.items():
         if not part:
             continue
-        yield _score_row(title, _studies(part))
+        yield _score_row(title, _all_studies(part))
         yield from (_score_row(f"`{run.generator}`", run.studies) for run in part)
-    judged = _studies([r for r in runs if r.rank[0] == 0]) or _studies(runs)
+    judged = _all_studies([r for r in runs if r.rank[0] == 0]) or _all_studies(runs)
     which = "generators not used in development" if parts[next(iter(parts))] else "all generators"
     yield f"\n### By kind of study\n\nStudies of {which}.\n"
     yield "| studies | number | strict | all causes named |\n|---|---|---|---|"
-    for title, test in _kinds(judged).items():
+    for title, test in _score_rows_by_kind(judged).items():
         some = [s for s in judged if test(s)]
         if some:
-            cells = (_share(some, _strict), _share(some, all_named))
+            cells = (_share_cell(some, _is_strictly_right), _share_cell(some, all_causes_named))
             yield f"| {title} | {len(some)} | {' | '.join(cells)} |"
     yield f"\n### Calibration\n\nProbabilities of named causes, {which}.\n"
     yield "| stated probability | mean | true | share, 95 % interval |\n|---|---|---|---|"
-    for one in reliability(judged):
+    for one in reliability_bins(judged):
         low, high = one["interval_95"]
         yield (
             f"| {one['from']:.1f} to {one['to']:.1f} | {one['mean']:.2f} "
             f"| {one['true']} of {one['count']} "
-            f"| {_pct(one['true'] / one['count'], low, high)} |"
+            f"| {_percent_cell(one['true'] / one['count'], low, high)} |"
         )
     yield f"\n![Calibration]({CALIBRATION_PLOT.relative_to(EVIDENCE_PAGE.parent)})\n"
-    yield f"\n{_errors(judged)}\n"
+    yield f"\n{_error_rows(judged)}\n"
 
 
-def _comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
+def _finder_comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
     """A row for each finder on the generators that all of them were run on."""
     finders = sorted({r.finder for r in runs}, key=lambda f: (f != name, f))
     if len(finders) < 2:
@@ -190,14 +197,16 @@ def _comparison(runs: Sequence[Run], name: str) -> Iterator[str]:
         return
     yield "\n### Other finders\n"
     yield f"On the same generators: {', '.join(f'`{g}`' for g in sorted(shared))}.\n"
-    yield from _heading("finder")
+    yield from _table_heading("finder")
     for f in finders:
         mine = [r for r in runs if r.finder == f and r.generator in shared]
-        yield _score_row(f"`{f}`", _studies(mine))
+        yield _score_row(f"`{f}`", _all_studies(mine))
     yield ""
 
 
-def _kinds(studies: Sequence[Mapping[str, Any]]) -> dict[str, Callable[[Mapping[str, Any]], bool]]:
+def _score_rows_by_kind(
+    studies: Sequence[Mapping[str, Any]],
+) -> dict[str, Callable[[Mapping[str, Any]], bool]]:
     groups = sorted({s["group"] for s in studies})
     return {
         "with a fin": lambda s: s["fin"],
@@ -208,25 +217,25 @@ def _kinds(studies: Sequence[Mapping[str, Any]]) -> dict[str, Callable[[Mapping[
     }
 
 
-def _studies(runs: Sequence[Run]) -> list[Mapping[str, Any]]:
+def _all_studies(runs: Sequence[Run]) -> list[Mapping[str, Any]]:
     return [study for run in runs for study in run.studies]
 
 
-def _strict(study: Mapping[str, Any]) -> bool:
+def _is_strictly_right(study: Mapping[str, Any]) -> bool:
     return bool(study["strict"])
 
 
-def all_named(study: Mapping[str, Any]) -> bool:
+def all_causes_named(study: Mapping[str, Any]) -> bool:
     """Whether every hidden cause is named."""
     return not study.get("failure") and set(study["truth"]) <= set(study["named"])
 
 
-def extra_names(study: Mapping[str, Any]) -> list[str]:
+def wrongly_named_causes(study: Mapping[str, Any]) -> list[str]:
     """Named causes that are not hidden; `unexplained` apart, which claims no cause."""
     return [n for n in study["named"] if n not in study["truth"] and n != UNEXPLAINED]
 
 
-def _heading(first: str) -> Iterator[str]:
+def _table_heading(first: str) -> Iterator[str]:
     names = ("studies", "strict", "all causes named", "nulls", "a false name", "unlisted forces")
     yield f"| {first} | {' | '.join(names)} |"
     yield "|---" * (len(names) + 1) + "|"
@@ -236,28 +245,30 @@ def _score_row(title: str, studies: Sequence[Mapping[str, Any]]) -> str:
     nulls = [s for s in studies if s["group"] == "null"]
     unlisted = [s for s in studies if UNEXPLAINED in s["truth"]]
     cells = (
-        _share(studies, _strict),
-        _share(studies, all_named),
-        _share(nulls, _strict),
-        _share(studies, lambda s: bool(extra_names(s))),
-        _share(unlisted, all_named),
+        _share_cell(studies, _is_strictly_right),
+        _share_cell(studies, all_causes_named),
+        _share_cell(nulls, _is_strictly_right),
+        _share_cell(studies, lambda s: bool(wrongly_named_causes(s))),
+        _share_cell(unlisted, all_causes_named),
     )
     return f"| {title} | {len(studies)} | {' | '.join(cells)} |"
 
 
-def _share(studies: Sequence[Mapping[str, Any]], test: Callable[[Mapping[str, Any]], bool]) -> str:
+def _share_cell(
+    studies: Sequence[Mapping[str, Any]], test: Callable[[Mapping[str, Any]], bool]
+) -> str:
     if not studies:
         return ""
     hits, count = sum(map(test, studies)), len(studies)
     low, high = clopper_pearson(hits, count)
-    return f"{hits} of {count}: {_pct(hits / count, low, high)}"
+    return f"{hits} of {count}: {_percent_cell(hits / count, low, high)}"
 
 
-def _pct(value: float, low: float, high: float) -> str:
+def _percent_cell(value: float, low: float, high: float) -> str:
     return f"{100 * value:.0f} % ({100 * low:.0f} to {100 * high:.0f})"
 
 
-def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def reliability_bins(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
     pairs = [(min(p, 1.0), name in s["truth"]) for s in studies for name, p in s["named"].items()]
     out = []
@@ -271,7 +282,7 @@ def reliability(studies: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return out
 
 
-def _errors(studies: Sequence[Mapping[str, Any]]) -> str:
+def _error_rows(studies: Sequence[Mapping[str, Any]]) -> str:
     known = [s for s in studies if s.get("extended_m") and s.get("floor_m")]
     times = [s["cpu_s"] for s in studies if s.get("cpu_s")]
     lines = []
@@ -295,9 +306,9 @@ def _errors(studies: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(lines)
 
 
-def draw(runs: Sequence[Run], path: Path = CALIBRATION_PLOT) -> None:
+def draw_calibration_plot(runs: Sequence[Run], path: Path = CALIBRATION_PLOT) -> None:
     """The calibration plot of the latest finder: share of true causes over stated probability."""
-    from .drawing import calibration_plot  # noqa: PLC0415  matplotlib is slow to load
+    from .calibration_plot import calibration_plot  # noqa: PLC0415  matplotlib is slow to load
 
     mine = [run for run in runs if run.finder == current_finder(runs)]
     sets = {
@@ -306,21 +317,21 @@ def draw(runs: Sequence[Run], path: Path = CALIBRATION_PLOT) -> None:
         "own generator": [r for r in mine if r.rank[0] == 2],
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    bins = {k: reliability(_studies(v)) for k, v in sets.items() if v}
-    calibration_plot(bins, path, description=digest(runs))
+    bins = {k: reliability_bins(_all_studies(v)) for k, v in sets.items() if v}
+    calibration_plot(bins, path, description=results_hash(runs))
 
 
-def digest(runs: Sequence[Run]) -> str:
+def results_hash(runs: Sequence[Run]) -> str:
     """Short hash of all results, kept in the plot to show which ones it was drawn from."""
     rows = [[r.finder, r.generator, r.date, [dict(s) for s in r.studies]] for r in runs]
     return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def update() -> None:
+def update_evidence_page() -> None:
     """Make the generated part of docs/evidence.md and its plot again."""
-    runs = load()
+    runs = load_runs()
     EVIDENCE_PAGE.write_text(
-        page(EVIDENCE_PAGE.read_text(encoding="utf-8"), runs), encoding="utf-8"
+        updated_page(EVIDENCE_PAGE.read_text(encoding="utf-8"), runs), encoding="utf-8"
     )
     if runs:
-        draw(runs)
+        draw_calibration_plot(runs)

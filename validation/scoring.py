@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import beta
 
-from .running import study_names, verdict_path
 from .sealing import open_truth
+from .study_runs import study_names, verdict_path
 
 UNEXPLAINED = "unexplained"
 PROBABILITY_BIN_EDGES = np.linspace(0.0, 1.0, 11)
@@ -73,10 +73,10 @@ class ScoredStudy:
 def score_all(directory: Path, label: str) -> list[ScoredStudy]:
     """Every study below a directory that has a verdict under `label`."""
     paths = {name: verdict_path(directory, label, name) for name in study_names(directory)}
-    return [_scored(directory, name, path) for name, path in paths.items() if path.is_file()]
+    return [_score_study(directory, name, path) for name, path in paths.items() if path.is_file()]
 
 
-def _scored(directory: Path, name: str, path: Path) -> ScoredStudy:
+def _score_study(directory: Path, name: str, path: Path) -> ScoredStudy:
     truth = open_truth(directory, name)
     found = json.loads(path.read_text())
     reported = found["mismatch"]
@@ -102,7 +102,7 @@ def clopper_pearson(hits: int, count: int, level: float = 0.95) -> tuple[float, 
     return float(low), float(high)
 
 
-def hit_share(
+def hits_with_interval(
     studies: Sequence[ScoredStudy], test: Callable[[ScoredStudy], bool]
 ) -> dict[str, Any]:
     """Hits, count and interval of a test over studies."""
@@ -126,18 +126,18 @@ def summary(studies: Sequence[ScoredStudy]) -> dict[str, Any]:
         **{g: [s for s in studies if s.group == g] for g in groups},
     }
     return {
-        "strict": {k: hit_share(v, lambda s: s.strict) for k, v in parts.items()},
-        "all_named": {k: hit_share(v, lambda s: s.all_named) for k, v in parts.items()},
-        "extra_name": hit_share(list(studies), lambda s: bool(s.extra)),
-        "needless_unexplained": hit_share(list(studies), lambda s: s.needless_unexplained),
-        "calibration": calibration(studies),
+        "strict": {k: hits_with_interval(v, lambda s: s.strict) for k, v in parts.items()},
+        "all_named": {k: hits_with_interval(v, lambda s: s.all_named) for k, v in parts.items()},
+        "extra_name": hits_with_interval(list(studies), lambda s: bool(s.extra)),
+        "needless_unexplained": hits_with_interval(list(studies), lambda s: s.needless_unexplained),
+        "calibration": calibration_bins(studies),
         "cpu_s": {"median": float(np.median([s.cpu_s for s in studies])),
                   "worst": max(s.cpu_s for s in studies)} if studies else {},
         "failures": [s.study for s in studies if s.failure],
     }  # fmt: skip
 
 
-def calibration(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
+def calibration_bins(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
     """Bins of width 0.1 of the probabilities of named causes: how many were true."""
     pairs = [(min(p, 1.0), n in s.true) for s in studies for n, p in s.said.items()]
     out = []
@@ -151,12 +151,12 @@ def calibration(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
     return out
 
 
-def rows(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
+def study_records(studies: Sequence[ScoredStudy]) -> list[dict[str, Any]]:
     """One flat record a study, for validation/results."""
     return [asdict(s) | {"strict": s.strict, "all_named": s.all_named} for s in studies]
 
 
-def text(result: Mapping[str, Any]) -> str:
+def summary_text(result: Mapping[str, Any]) -> str:
     """A summary as lines of text."""
     lines = []
     for key in ("strict", "all_named"):

@@ -16,11 +16,11 @@ from bluekoi.files import write_text
 HASHES_FILE = "truth.sha256"
 
 
-def seal(directory: Path, study: str) -> str:
+def seal_truth(directory: Path, study: str) -> str:
     """SHA-256 of DIR/truth/STUDY.json, published in DIR/truth.sha256; kept where it is there."""
     known = published_hashes(directory)
     if study not in known:
-        known[study] = _digest(_truth_file(directory, study))
+        known[study] = _sha256(_truth_file(directory, study))
         lines = [f"{digest}  truth/{name}.json\n" for name, digest in sorted(known.items())]
         write_text(directory / HASHES_FILE, "".join(lines))
     return known[study]
@@ -39,7 +39,7 @@ def open_truth(directory: Path, study: str) -> dict[str, Any]:
     Raises: InputError where its hash is not the published one.
     """
     path = _truth_file(directory, study)
-    expected, found = published_hashes(directory).get(study), _digest(path)
+    expected, found = published_hashes(directory).get(study), _sha256(path)
     if expected not in (None, found):
         raise input_error(path, "", f"SHA-256 {found}", f"{expected}, as published",
                     "This is not the truth that was sealed before the analysis.")  # fmt: skip
@@ -51,5 +51,5 @@ def _truth_file(directory: Path, study: str) -> Path:
     return directory / "truth" / f"{study}.json"
 
 
-def _digest(path: Path) -> str:
+def _sha256(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()

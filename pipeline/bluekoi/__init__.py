@@ -2,9 +2,9 @@
 
 Modules in the order of the data flow:
 
-    study         a study folder, read and checked at the door
+    study         reads and checks a study folder
     footage       frames with true timestamps from one recording
-    keypoints     where the parts of the robot are, in pixels: one source a file
+    keypoints     positions of the body parts in pixels: one source a file
     camera        lens, pose and refraction: from pixels to metres
     motor         flapping frequency from the motor log
     pose          pose of the rigid parts, frame by frame
@@ -14,23 +14,23 @@ Modules in the order of the data flow:
     fitting       fits on whole trajectories
     engine        the finder for any system: probabilities of the causes it left out
     explain       the finder for a model and recordings of your own
-    effects       candidate physics: one effect a file
+    effects       candidate physical effects: one a file
     measurement   candidate measurement errors: one a file
-    observation   what camera and clock record of a motion
+    observation   observation model: what camera and clock record of a motion
     model         the paper's equations, with effects added
     tuning        the paper's three steps and the joint fit
     design_space  other designs and manoeuvres of the fitted robot
     mismatch      the finder of the robot: mismatch.json
-    campaign      a study and everything its run has written
+    campaign      a study and all results of its run
     figures       one figure a file
-    report        one self-contained page with all of it
+    report        one self-contained page with all results
     comparison    two runs side by side
     preparation   a study pre-filled, checked, previewed and set up in the browser
-    synthetic     footage rendered from known truth; imports nothing that it tests
+    synthetic     renders footage from known truth; imports nothing that it tests
 
-    data, files, errors    types that flow, files written whole, messages for mistakes in the input
+    data, files, errors    data types, atomic file writing, messages for errors in the input
     vector_width           the widest vectors of the processor, for compiled functions
-    stages, workflow, cli  files in and files out, what Snakemake asks, what a person calls
+    stages, workflow, cli  steps that read and write files, calls from Snakemake, commands
 
 Public names (`__all__`) are documented in docs/api.md; each module is imported when a name of it is
 first used.

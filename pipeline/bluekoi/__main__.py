@@ -6,11 +6,11 @@ import sys
 if sys.argv[1:2] == ["stage"]:
     # A stage that is interrupted ends there and then; its run reports it.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    from .workflow.client import one_blas_thread, request_stage
+    from .workflow.forkserver_client import limit_blas_to_one_thread, request_stage
 
     code = request_stage(sys.argv[2:])
     if code is None:
-        one_blas_thread()
+        limit_blas_to_one_thread()
         from .workflow.stage_call import run_stage
 
         code = run_stage(sys.argv[2:])

@@ -81,10 +81,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from studies import bare_design
-from validation.tracking import keypoint_study
+from small_studies import published_model_design
+from validation.tracking_noise import keypoint_study
 
-design, root = bare_design(), Path(sys.argv[1])
+design, root = published_model_design(), Path(sys.argv[1])
 plans = tuple(p for p in design.plans if p.trial_id in ("T09", "T10", "T11"))
 keypoint_study(replace(design, plans=plans), root / "study", root / "truth")
 STUDY

@@ -13,36 +13,59 @@ from bluekoi.study import load_study
 from bluekoi.synthetic.eddies import draw_eddies, water_velocity
 from bluekoi.synthetic.laws import Fin, Tank, TrialSettings, published_model_tank
 from bluekoi.synthetic.tank import simulate as demo_tank
-from studies import small_study
+from small_studies import small_study
 from validation.generators.concealed import generate
-from validation.generators.concealed.effects import OUTSIDE, PHYSICS
+from validation.generators.concealed.effects import PHYSICS, UNLISTED
 from validation.generators.concealed.faults import FAULTS
-from validation.generators.concealed.plan import BLOCK, SHARES, deal, entry_of, recipe_of
-from validation.generators.concealed.recipe import Chosen, draw_recipe, effect_of, with_effect
-from validation.generators.concealed.strength import left_over, paths, scaled, span_of_the_rest
+from validation.generators.concealed.plan import (
+    BLOCK_SIZE,
+    KIND_SHARES,
+    draw_recipe_of,
+    plan_block,
+    planned_study,
+)
+from validation.generators.concealed.recipe import (
+    ChosenEffect,
+    draw_recipe,
+    effect_by_name,
+    with_effect,
+)
+from validation.generators.concealed.strength import (
+    refit_basis,
+    rms_after_refit,
+    simulated_paths,
+    strength_for_path_error,
+)
+from validation.generators.concealed.swimmer.inputs import (
+    NO_EDDIES,
+    BodyParameters,
+    HiddenLaws,
+    TrialCommand,
+)
 from validation.generators.concealed.swimmer.motion import states, swim
-from validation.generators.concealed.swimmer.quantities import NO_EDDIES, Body, Command, Laws
-from validation.generators.concealed.swimmer.water import as_rows, eddy_flow
+from validation.generators.concealed.swimmer.water import eddies_as_rows, eddy_flow
 from validation.scoring import score_all
 
-BODY = Body(0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 4.5e-3, 0.5, 2.5, 3.14, 0.1, 0.13, 0.0)
+BODY = BodyParameters(
+    0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 4.5e-3, 0.5, 2.5, 3.14, 0.1, 0.13, 0.0
+)
 COEFFICIENTS = {n: getattr(BODY, n) for n in ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")}
 SHORT_S = 2.5
-FORMS = [(n, i) for n in (*PHYSICS, *OUTSIDE) for i in range(len(effect_of(n).forms))]
-SAME = [(n, i) for n, i in FORMS if effect_of(n).forms[i].reported_as]
+EFFECT_FORMS = [(n, i) for n in (*PHYSICS, *UNLISTED) for i in range(len(effect_by_name(n).forms))]
+FORMS_OF_CANDIDATES = [(n, i) for n, i in EFFECT_FORMS if effect_by_name(n).forms[i].reported_as]
 
 
-def chosen(name: str, number: int) -> Chosen:
+def effect_in_form(name: str, number: int) -> ChosenEffect:
     """An effect in one of its forms, shapes at the middle of their range."""
-    effect = effect_of(name)
+    effect = effect_by_name(name)
     form = effect.forms[number]
     if effect.direction:
         form = type(form)(form.law, dict(zip(effect.direction, (0.8, -0.6), strict=True)),
                           form.fixed, form.shape, form.reported_as)  # fmt: skip
-    return Chosen(name, form, {k: 0.5 * (a + b) for k, (a, b) in form.shape.items()}, 10.0)
+    return ChosenEffect(name, form, {k: 0.5 * (a + b) for k, (a, b) in form.shape.items()}, 10.0)
 
 
-def path(laws: Laws, command: Command, body: Body = BODY) -> np.ndarray:
+def core_path(laws: HiddenLaws, command: TrialCommand, body: BodyParameters = BODY) -> np.ndarray:
     """Where the keypoint of the core goes, (times, 3): x, y, heading."""
     motion = swim(body, laws, command, SHORT_S, eddies=NO_EDDIES, recoil=None)
     return motion.mean(np.linspace(0, SHORT_S, 26))[:, :3]
@@ -54,21 +77,23 @@ def test_the_compiled_tank_agrees_with_the_tank_of_the_demo(fin, power, angle_de
     run = TrialSettings(power, math.radians(angle_deg), 0.12, start=(1.0, 0.7, 0.4))
     tank = Tank(fin=fin, recoil=None) if fin else published_model_tank(Tank())
     expected = demo_tank(tank, run, SHORT_S).mean(np.linspace(0, SHORT_S, 26))[:, :3]
-    laws = Laws(fin_m2=0.025, fin_arm_m=0.11) if fin else Laws()
-    found = path(laws, Command(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
+    laws = HiddenLaws(fin_m2=0.025, fin_arm_m=0.11) if fin else HiddenLaws()
+    found = core_path(laws, TrialCommand(power, math.radians(angle_deg), 0.12, 1.0, 0.7, 0.4))
     assert np.allclose(found, expected, atol=1e-6)
 
 
 @pytest.mark.parametrize(("power", "speed"), [(2.37, 0.225), (4.02, 0.381), (5.82, 0.552)])
 def test_paper_terminal_speeds_model_md_audit_1(power, speed):
-    found = states(BODY, Laws(), Command(power, 0.0, 0.12), NO_EDDIES, 4800, 1 / 480, 480)
+    found = states(
+        BODY, HiddenLaws(), TrialCommand(power, 0.0, 0.12), NO_EDDIES, 4800, 1 / 480, 480
+    )
     assert found[-1, 3] == pytest.approx(speed, abs=6e-4)
 
 
 def test_pulsed_thrust_oscillates_the_speed_twice_a_beat_about_its_mean():
-    command, hz = Command(4.0, 0.0, 0.12), 4.0
+    command, hz = TrialCommand(4.0, 0.0, 0.12), 4.0
     plain, pulsed = (
-        states(BODY._replace(pulse=p), Laws(), command, NO_EDDIES, 4800, 1 / 480, 1)
+        states(BODY._replace(pulse=p), HiddenLaws(), command, NO_EDDIES, 4800, 1 / 480, 1)
         for p in (0.0, 0.5)
     )
     swing = (pulsed - plain)[-480:, 3]
@@ -78,17 +103,17 @@ def test_pulsed_thrust_oscillates_the_speed_twice_a_beat_about_its_mean():
     assert np.ptp(swing) > 2e-3
 
 
-@pytest.mark.parametrize(("name", "number"), FORMS)
+@pytest.mark.parametrize(("name", "number"), EFFECT_FORMS)
 def test_every_form_changes_a_path_and_vanishes_with_its_strength(name, number):
-    one = chosen(name, number)
-    command = Command(5.0, 0.6, 0.15, 0.5, 0.4, 0.3)
-    plain, fin = path(Laws(), command), Laws(fin_m2=0.025)
-    none = with_effect(Laws(), one, 0.0)
-    assert np.allclose(path(none, command), plain, atol=1e-12)
-    long = Command(5.0, 0.7, 0.15, 1.3, 0.8, 0.3, u=0.4, r=-1.0, turned=-6.0)
-    bent = path(with_effect(fin, one, effect_of(name).most), long)
+    one = effect_in_form(name, number)
+    command = TrialCommand(5.0, 0.6, 0.15, 0.5, 0.4, 0.3)
+    plain, fin = core_path(HiddenLaws(), command), HiddenLaws(fin_m2=0.025)
+    none = with_effect(HiddenLaws(), one, 0.0)
+    assert np.allclose(core_path(none, command), plain, atol=1e-12)
+    long = TrialCommand(5.0, 0.7, 0.15, 1.3, 0.8, 0.3, u=0.4, r=-1.0, turned=-6.0)
+    bent = core_path(with_effect(fin, one, effect_by_name(name).most), long)
     assert np.all(np.isfinite(bent))
-    assert np.hypot(*(bent - path(fin, long))[:, :2].T).max() > 1e-3
+    assert np.hypot(*(bent - core_path(fin, long))[:, :2].T).max() > 1e-3
 
 
 @pytest.fixture(scope="module")
@@ -107,11 +132,11 @@ FORM_IN_TRUTH = {
 """Functional form of the concealed law, in the candidate's parameters."""
 
 
-@pytest.mark.parametrize(("name", "number"), SAME)
+@pytest.mark.parametrize(("name", "number"), FORMS_OF_CANDIDATES)
 def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup):
     """The parameters in the truth mean what the candidate means by them: same path."""
-    one = chosen(name, number)
-    laws = with_effect(Laws(), one, effect_of(name).usual)
+    one = effect_in_form(name, number)
+    laws = with_effect(HiddenLaws(), one, effect_by_name(name).usual)
     values = laws._asdict()
     in_truth = {k: values[field] * factor for k, (field, factor) in one.form.reported_as.items()}
     in_truth |= FORM_IN_TRUTH.get(name, {})
@@ -124,8 +149,10 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
                    duration_s=SHORT_S, dt_s=1 / 120, start=start,
                    effects={name: in_truth})  # fmt: skip
     expected = run.state[::12, :2]
-    found = path(laws, Command(4.0, 0.5, 0.15, *start[:3]))[: len(expected), :2]
-    bent = np.abs(found - path(Laws(), Command(4.0, 0.5, 0.15, *start[:3]))[:, :2]).max()
+    found = core_path(laws, TrialCommand(4.0, 0.5, 0.15, *start[:3]))[: len(expected), :2]
+    bent = np.abs(
+        found - core_path(HiddenLaws(), TrialCommand(4.0, 0.5, 0.15, *start[:3]))[:, :2]
+    ).max()
     if name == "centre_of_mass_shift":
         psi = run.heading_rad[::12]
         ahead = np.column_stack([np.cos(psi), np.sin(psi)])
@@ -136,10 +163,10 @@ def test_forms_stated_to_be_the_candidates_law_give_its_path(name, number, setup
 
 @pytest.mark.parametrize("name", [n for n, e in PHYSICS.items() if not (e.signed or e.direction)])
 def test_laws_without_a_side_are_mirror_symmetric(name):
-    laws = with_effect(Laws(fin_m2=0.02), chosen(name, 0), effect_of(name).usual)
+    laws = with_effect(HiddenLaws(fin_m2=0.02), effect_in_form(name, 0), effect_by_name(name).usual)
     middle = BODY.pool_width_m / 2
-    left = path(laws, Command(4.0, 0.5, 0.12, 1.3, middle, 0.3))
-    right = path(laws, Command(4.0, -0.5, 0.12, 1.3, middle, -0.3))
+    left = core_path(laws, TrialCommand(4.0, 0.5, 0.12, 1.3, middle, 0.3))
+    right = core_path(laws, TrialCommand(4.0, -0.5, 0.12, 1.3, middle, -0.3))
     mirrored = np.column_stack([right[:, 0], 2 * middle - right[:, 1], -right[:, 2]])
     assert np.allclose(left, mirrored, atol=1e-9)
 
@@ -147,52 +174,58 @@ def test_laws_without_a_side_are_mirror_symmetric(name):
 def test_compiled_eddies_equal_those_of_the_demo():
     eddies = draw_eddies(np.random.default_rng(3), 0.002)
     for x, y, t in ((0.3, 0.4, 0.0), (2.0, 1.1, 5.0)):
-        assert complex(*eddy_flow(as_rows(eddies), t, x, y)) == pytest.approx(
+        assert complex(*eddy_flow(eddies_as_rows(eddies), t, x, y)) == pytest.approx(
             water_velocity(eddies, t, complex(x, y)), abs=1e-15
         )
 
 
-TRIALS = [(Command(f, a, 0.12, 1.0, 0.8, 0.2), 4.0) for f in (2.4, 5.8) for a in (0.0, 0.5, -0.8)]
+TRIAL_COMMANDS = [
+    (TrialCommand(f, a, 0.12, 1.0, 0.8, 0.2), 4.0) for f in (2.4, 5.8) for a in (0.0, 0.5, -0.8)
+]
 
 
 def test_changes_that_a_refit_absorbs_leave_no_path_error():
-    basis = span_of_the_rest(BODY, Laws(fin_m2=0.02), TRIALS)
-    base = paths(BODY, Laws(fin_m2=0.02), TRIALS)
-    other = paths(BODY._replace(C_La=BODY.C_La * 1.01), Laws(fin_m2=0.0201), TRIALS)
-    assert left_over(basis, other - base) < 0.02 * np.sqrt(np.mean((other - base) ** 2))
+    basis = refit_basis(BODY, HiddenLaws(fin_m2=0.02), TRIAL_COMMANDS)
+    base = simulated_paths(BODY, HiddenLaws(fin_m2=0.02), TRIAL_COMMANDS)
+    other = simulated_paths(
+        BODY._replace(C_La=BODY.C_La * 1.01), HiddenLaws(fin_m2=0.0201), TRIAL_COMMANDS
+    )
+    assert rms_after_refit(basis, other - base) < 0.02 * np.sqrt(np.mean((other - base) ** 2))
     assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["linear_yaw_damping", "uniform_current", "head_angle_offset"])
 def test_strengths_leave_the_wanted_path_error(name):
     recipe = draw_recipe((1, 2), "S", kind="single", trials=9, effects=(name,), level="clear")
-    strength, error = scaled(recipe, recipe.laws, recipe.chosen[0], TRIALS, noise_m=0.001)
+    strength, error = strength_for_path_error(
+        recipe, recipe.laws, recipe.chosen[0], TRIAL_COMMANDS, noise_m=0.001
+    )
     assert error == pytest.approx(0.010, rel=0.1)
-    assert 0 < strength < effect_of(name).most
+    assert 0 < strength < effect_by_name(name).most
 
 
 def test_kinds_have_their_shares_and_effects_are_dealt_evenly():
-    dealt = [entry for block in range(4) for entry in deal(5, block)]
-    for kind, share in SHARES.items():
-        assert sum(e.kind == kind for e in dealt) == pytest.approx(4 * BLOCK * share, abs=4)
+    dealt = [entry for block in range(4) for entry in plan_block(5, block)]
+    for kind, share in KIND_SHARES.items():
+        assert sum(e.kind == kind for e in dealt) == pytest.approx(4 * BLOCK_SIZE * share, abs=4)
     singles = [e.effects[0] for e in dealt if e.kind == "single"]
     counts = [singles.count(name) for name in PHYSICS]
     assert max(counts) - min(counts) <= 4
     assert {e.level for e in dealt if e.kind == "single"} == {"clear", "faint"}
-    assert {e.effects[0] for e in dealt if e.kind == "outside"} == set(OUTSIDE)
+    assert {e.effects[0] for e in dealt if e.kind == "outside"} == set(UNLISTED)
     assert {e.effects[0] for e in dealt if e.kind == "measurement"} == set(FAULTS)
     assert sum(e.trials == 9 for e in dealt) == 40
 
 
 def test_a_study_is_determined_by_seed_and_index():
-    assert entry_of(5, 63) == entry_of(5, 63)
-    assert [entry_of(5, i) for i in range(50)] != [entry_of(6, i) for i in range(50)]
-    filmed = [entry_of(5, i, footage=True) for i in range(50)]
+    assert planned_study(5, 63) == planned_study(5, 63)
+    assert [planned_study(5, i) for i in range(50)] != [planned_study(6, i) for i in range(50)]
+    filmed = [planned_study(5, i, footage=True) for i in range(50)]
     assert all(e.footage and "keypoint_bias" not in e.effects for e in filmed)
 
 
 def test_half_of_the_robots_have_a_fin_and_half_are_of_another_size():
-    recipes = [recipe_of(e, 3) for block in range(3) for e in deal(3, block)]
+    recipes = [draw_recipe_of(e, 3) for block in range(3) for e in plan_block(3, block)]
     free = [r for r in recipes if not any(c.name == "tail_fin_lift" for c in r.chosen)]
     assert 0.38 < np.mean([r.has_fin for r in free]) < 0.62
     assert 0.38 < np.mean([r.robot.mass_kg == 0.68 for r in recipes]) < 0.62
@@ -200,23 +233,25 @@ def test_half_of_the_robots_have_a_fin_and_half_are_of_another_size():
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory) -> tuple[Path, dict]:
+def generated_study(tmp_path_factory) -> tuple[Path, dict]:
     """A study of nine trials with one concealed effect, and its truth."""
     folder = tmp_path_factory.mktemp("made")
-    index = next(i for i in range(50) if (e := entry_of(9, i)).trials == 9 and e.kind == "single")
+    index = next(
+        i for i in range(50) if (e := planned_study(9, i)).trials == 9 and e.kind == "single"
+    )
     return folder, generate(9, index, folder)
 
 
-def test_a_study_does_not_contain_its_truth(made):
-    folder, truth = made
+def test_a_study_does_not_contain_its_truth(generated_study):
+    folder, truth = generated_study
     study = folder / "studies" / truth["study"]
     assert len(load_study(study).trials) == truth["trials"] == 9
     text = " ".join(p.read_text() for p in study.rglob("*") if p.suffix in (".yaml", ".csv"))
-    assert not re.search("seed|hidden|" + "|".join([*PHYSICS, *OUTSIDE, *FAULTS]), text)
+    assert not re.search("seed|hidden|" + "|".join([*PHYSICS, *UNLISTED, *FAULTS]), text)
 
 
-def test_the_scores_read_the_truth(made):
-    folder, truth = made
+def test_the_scores_read_the_truth(generated_study):
+    folder, truth = generated_study
     causes = [{"name": c["name"], "weight": 0.9} for c in truth["causes"]]
     verdict = {"verdict": "physics", "causes": causes}
     verdict = {"cpu_s": 1.0, "failure": "", "mismatch": verdict}

@@ -22,12 +22,12 @@ from validation.generators.manoeuvring import (
     studies,
 )
 
-ONE = np.ones(1)
+ONE_TRIAL = np.ones(1)
 
 
-def still_drive(phi=0.0, flap=5.0, head=0.12, n=1):
+def drive_in_still_water(phi=0.0, flap=5.0, head=0.12, n=1):
     one = np.ones(n)
-    return dynamics.Drive(
+    return dynamics.TrialInputs(
         phi * one,
         flap * one,
         head * one,
@@ -46,15 +46,17 @@ def robot():
 @pytest.fixture(scope="module")
 def tank():
     rng = np.random.default_rng(3)
-    tank = studies.draw_tank(rng, studies.Slot("clear", True, 9, ("viscous_drag",)))
-    drag, _ = effects.draw("viscous_drag", rng)
-    fin = studies.fin(rng, tank.robot)
-    tank, path = studies.run(tank, [drag, fin], rng)
+    tank = studies.draw_tank(rng, studies.StudySlot("clear", True, 9, ("viscous_drag",)))
+    drag, _ = effects.draw_effect("viscous_drag", rng)
+    fin = studies.draw_fin(rng, tank.robot)
+    tank, path = studies.simulate_in_pool(tank, [drag, fin], rng)
     return tank, path, drag, fin
 
 
 def test_terminal_speed_of_the_paper(robot):
-    path = dynamics.simulate(np.zeros((3, 1)), robot, still_drive(), [], fps=50, frames=600)
+    path = dynamics.simulate(
+        np.zeros((3, 1)), robot, drive_in_still_water(), [], fps=50, frames=600
+    )
     C_T, _, C_D0 = robot.coefficients[:3]
     assert path.S[-1, 3, 0] == pytest.approx(5.0 * np.sqrt(C_T / C_D0), rel=1e-3)
     np.testing.assert_allclose(path.S[:, 1:3], 0, atol=1e-9)
@@ -62,12 +64,12 @@ def test_terminal_speed_of_the_paper(robot):
 
 def test_agrees_with_equations_about_the_centre_of_mass(robot):
     """Eq. (8) in world axes about C, from a general state, against the equations about O."""
-    drive, psi, phi, r = still_drive(0.4), 0.7, 0.4, 0.9
+    drive, psi, phi, r = drive_in_still_water(0.4), 0.7, 0.4, 0.9
     l, A = robot.arm(0.12), 0.12 * robot.span
     vc = 0.35 * np.exp(1j * 0.55)
     vo = (vc + 1j * r * l * np.exp(1j * psi)) * np.exp(-1j * psi)
     S = np.array([[l * np.cos(psi)], [l * np.sin(psi)], [psi], [vo.real], [vo.imag], [r], [0], [0]])
-    d = dynamics.rates(ONE, S, robot, drive, [])[:, 0]
+    d = dynamics.rates(ONE_TRIAL, S, robot, drive, [])[:, 0]
     a_O = ((d[3] + 1j * d[4]) + 1j * r * vo) * np.exp(1j * psi)
     a_C = a_O - (1j * d[5] - r**2) * l * np.exp(1j * psi)
     C_T, C_La, C_D0, C_Da, C_Ma, C_Md = robot.coefficients
@@ -81,18 +83,23 @@ def test_agrees_with_equations_about_the_centre_of_mass(robot):
 
 
 def test_positive_head_angle_turns_clockwise(robot):
-    path = dynamics.simulate(np.zeros((3, 1)), robot, still_drive(0.5), [], fps=50, frames=200)
+    path = dynamics.simulate(
+        np.zeros((3, 1)), robot, drive_in_still_water(0.5), [], fps=50, frames=200
+    )
     assert path.S[-1, 5, 0] < -0.1
 
 
 def test_runge_kutta_is_of_fourth_order_at_least(robot):
-    S, drive = np.array([[0, 0, 0, 0.4, 0.05, 0.5, 0, 0]]).T.astype(float), still_drive(0.5)
+    S, drive = (
+        np.array([[0, 0, 0, 0.4, 0.05, 0.5, 0, 0]]).T.astype(float),
+        drive_in_still_water(0.5),
+    )
 
     def end(steps):
         state = S
         for k in range(steps):
-            t = k / steps * ONE
-            state = dynamics.rk4(t, state, 1 / steps, robot, drive, effects=[])
+            t = k / steps * ONE_TRIAL
+            state = dynamics.rk4_step(t, state, 1 / steps, robot, drive, effects=[])
         return state
 
     fine = end(320)
@@ -104,16 +111,16 @@ def test_runge_kutta_is_of_fourth_order_at_least(robot):
 def test_every_form_vanishes_at_zero_strength_and_acts_above(name, robot):
     cause = effects.CAUSES.get(name, effects.UNLISTED_CAUSE)
     seen = set()
-    drive = still_drive(0.5, head=0.17)
+    drive = drive_in_still_water(0.5, head=0.17)
     S = np.array([[0.8, 0.6, 0.9, 0.35, 0.25, 0.5, 0.1, 0.1]]).T
     drive = replace(drive, wake=np.array([[0.3], [0.1]]))
     for seed in range(60):
-        e, (low, high) = effects.draw(name, np.random.default_rng(seed))
+        e, (low, high) = effects.draw_effect(name, np.random.default_rng(seed))
         assert low < abs(e.strength) < high
         if e.form in seen or e.hook == "depth":
             continue
         seen.add(e.form)
-        t = 0.15 * ONE
+        t = 0.15 * ONE_TRIAL
         base = dynamics.rates(t, S, robot, drive, [])[:6]
         np.testing.assert_allclose(
             dynamics.rates(t, S, robot, drive, [e.scaled(0.0)])[:6], base, atol=1e-9
@@ -129,11 +136,24 @@ def test_every_form_vanishes_at_zero_strength_and_acts_above(name, robot):
 def test_drag_takes_power(name, robot):
     rng = np.random.default_rng(0)
     for _ in range(20):
-        e, _ = effects.draw(name, rng)
-        u, v, r = rng.normal(0, 0.3, 3) * ONE[0]
-        z = 0 * ONE
-        flow = dynamics.Flow(robot, 0.12 * ONE, ONE, z, z, z, r * ONE, ONE, 0.3 * ONE, z, u, v)
-        flow.speed = np.hypot(u, v) * ONE
+        e, _ = effects.draw_effect(name, rng)
+        u, v, r = rng.normal(0, 0.3, 3) * ONE_TRIAL[0]
+        z = 0 * ONE_TRIAL
+        flow = dynamics.Flow(
+            robot,
+            0.12 * ONE_TRIAL,
+            ONE_TRIAL,
+            z,
+            z,
+            z,
+            r * ONE_TRIAL,
+            ONE_TRIAL,
+            0.3 * ONE_TRIAL,
+            z,
+            u,
+            v,
+        )
+        flow.speed = np.hypot(u, v) * ONE_TRIAL
         X, Y, N = e(flow)
         if e.form != "modulus":
             assert np.all(X * u + Y * v + N * r <= 1e-12)
@@ -145,8 +165,8 @@ def test_locate_inverts_project(model):
     cam = camera.draw_camera(rng, model, (2.1, 3.0))
     xy = rng.uniform(0.1, 1, (50, 2)) * [2.5, 1.5]
     px = camera.project(cam, xy, 0.06)
-    np.testing.assert_allclose(camera.locate(cam, px, 0.06), xy, atol=1e-6)
-    edge = camera.image(cam, camera.corners(2.6, 1.6, 0.03))
+    np.testing.assert_allclose(camera.pixels_to_pool(cam, px, 0.06), xy, atol=1e-6)
+    edge = camera.project_in_air(cam, camera.pool_corners(2.6, 1.6, 0.03))
     assert (edge > 0).all()
     assert (edge < [1920, 1080]).all()
 
@@ -156,23 +176,23 @@ def test_refraction_lifts_the_keypoint_by_the_apparent_depth():
         camera.draw_camera(np.random.default_rng(0), "homography", (2.1, 3.0)), tilt=np.zeros(3)
     )
     xy = cam.centre[None, :2] + np.array([0.05, 0.0])
-    s = camera.surface_point(cam, xy, np.array([0.1]))[0, 0] - cam.centre[0]
+    s = camera.surface_crossing(cam, xy, np.array([0.1]))[0, 0] - cam.centre[0]
     H = cam.centre[2]
     assert s == pytest.approx(0.05 * H / (H + 0.1 / 1.333), rel=1e-4)
 
 
 def test_pink_noise_has_unit_variance():
-    z = noise.pink(np.random.default_rng(0), 4000, 1 / 30, (20,))
+    z = noise.pink_noise(np.random.default_rng(0), 4000, 1 / 30, (20,))
     assert z.var() == pytest.approx(1, rel=0.1)
 
 
 def test_composition_of_forty():
-    slots = [studies.slot(5, i) for i in range(40, 80)]
-    for group, count in studies.GROUPS.items():
+    slots = [studies.study_slot(5, i) for i in range(40, 80)]
+    for group, count in studies.GROUP_COUNTS.items():
         assert sum(s.group == group for s in slots) == count
         assert sum(s.group == group and s.fin for s in slots) == count // 2
     assert sum(s.trials == 9 for s in slots) == 10
-    dealt = [c for k in range(800) for c in studies.slot(k // 40, k % 40).causes]
+    dealt = [c for k in range(800) for c in studies.study_slot(k // 40, k % 40).causes]
     counts = {c: dealt.count(c) for c in (*effects.CAUSES, *measurement.FORMS)}
     del counts["tail_fin_lift"]
     assert min(counts.values()) >= 8
@@ -185,17 +205,19 @@ def test_log_likelihood_gain_is_half_sigma_squared(tank, monkeypatch):
     calm = np.zeros((5, 1, tank.trials))
     tank = replace(tank, drive=replace(tank.drive, vortices=calm))
     drag = drag.scaled(drag.strength * 0.2)
-    tank, path = studies.run(tank, [drag, fin], np.random.default_rng(8))
+    tank, path = studies.simulate_in_pool(tank, [drag, fin], np.random.default_rng(8))
     raw = detector.detectability(tank, path, [drag, fin])[1][0]
     nb = max(2, round(0.1 * tank.fps))
     y = np.stack(path.core(tank.robot, tank.drive.head), axis=1)[
         : (len(path.t) - 1) // nb * nb : nb
     ]
-    gain = ekf(tank, path, [drag, fin], y) - ekf(tank, path, [fin], y)
+    gain = extended_kalman_filter(tank, path, [drag, fin], y) - extended_kalman_filter(
+        tank, path, [fin], y
+    )
     assert gain == pytest.approx(raw**2 / 2, rel=0.06)
 
 
-def ekf(tank, path, effs, y):
+def extended_kalman_filter(tank, path, effs, y):
     b = detector.linearise(tank, path, [])
     a, var, R, prior = detector.noise_model(tank, b)
     n, nb = tank.trials, max(2, round(0.1 * tank.fps))
@@ -226,7 +248,7 @@ def ekf(tank, path, effs, y):
         gust[range(2), range(7, 9)] += 1e-5
         big = replace(drive.take(np.tile(np.arange(n), 9)), gust=gust.reshape(2, -1))
         t = np.full(9 * n, k * nb / tank.fps)
-        end = detector.step(
+        end = detector.advance_block(
             wide.reshape(8, -1), t, nb / tank.fps, tank.robot, drive=big, effects=effs
         )
         end = end[:6].reshape(6, 9, n)
@@ -239,23 +261,23 @@ def ekf(tank, path, effs, y):
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    slots = [studies.slot(2, i) for i in range(40)]
+def written_study(tmp_path_factory):
+    slots = [studies.study_slot(2, i) for i in range(40)]
     index = next(i for i, s in enumerate(slots) if s.group == "null" and s.trials == 9)
     folders = [tmp_path_factory.mktemp(c) for c in "ab"]
     return [(f, studies.generate(2, index, f)) for f in folders]
 
 
-def test_generation_is_deterministic(written):
-    (a, reported), (b, _) = written
+def test_generation_is_deterministic(written_study):
+    (a, reported), (b, _) = written_study
     files = sorted(p.relative_to(a) for p in a.rglob("*") if p.is_file())
     assert files == sorted(p.relative_to(b) for p in b.rglob("*") if p.is_file())
     assert all((a / f).read_bytes() == (b / f).read_bytes() for f in files)
     assert studies.generate(2, reported["index"], a) == reported
 
 
-def test_truth_and_study_agree(written):
-    folder, reported = written[0]
+def test_truth_and_study_agree(written_study):
+    folder, reported = written_study[0]
     name = reported["study"]
     assert json.loads((folder / "truth" / f"{name}.json").read_text()) == reported
     assert reported["verdict"] == ("physics" if reported["fin"] else "none")
@@ -275,9 +297,9 @@ def test_keypoints_lead_back_to_the_path(tank):
 
     tank, path, drag, fin = tank
     quiet = replace(tank, noise=replace(tank.noise, recoil_deg=0.0, recoil_m=0.0))
-    clock = writing.phases(quiet, [drag, fin], path.t[-1])
+    clock = writing.shaft_phases(quiet, [drag, fin], path.t[-1])
     px = writing.true_pixels(quiet, path, [drag, fin], 1, clock)
-    z = measurement.read(tank.lab, px.reshape(-1, 2)).reshape(-1, 5, 2)
+    z = measurement.pixels_to_stated_pool(tank.lab, px.reshape(-1, 2)).reshape(-1, 5, 2)
     x, y, psi = (a[: len(px), 1] for a in path.core(tank.robot, tank.drive.head))
     np.testing.assert_allclose(z[:, 2], np.column_stack([x, y]), atol=2e-3)
     d = z[:, 0] - z[:, 1]

@@ -23,7 +23,7 @@ def lab():
     return trials.draw_lab(np.random.default_rng(5), 9, two_heads=False, long=False, lens="pinhole")
 
 
-def still(trial, **changes):
+def undisturbed_trial(trial, **changes):
     """The trial without gusts or errors."""
     return replace(
         trial,
@@ -36,16 +36,16 @@ def still(trial, **changes):
 
 
 def test_terminal_speed_is_that_of_thrust_against_drag(lab):
-    trial = still(lab.trials[0], head_angle=0.0, seconds=12.0)
-    _, states, _ = trials.run(lab, trial, [], 10)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.0, seconds=12.0)
+    _, states, _ = trials.simulate_trial(lab, trial, [], 10)
     by_hand = trial.flap * np.sqrt(lab.robot.C_T / lab.robot.C_D0)
     assert states[-1, 3] == pytest.approx(by_hand, rel=1e-3)
     assert np.abs(states[:, 5]).max() < 1e-9
 
 
 def test_speed_from_rest_follows_the_hyperbolic_tangent(lab):
-    trial = still(lab.trials[0], head_angle=0.0, seconds=2.0)
-    times, states, _ = trials.run(lab, trial, [], 10)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.0, seconds=2.0)
+    times, states, _ = trials.simulate_trial(lab, trial, [], 10)
     robot = lab.robot
     top = trial.flap * np.sqrt(robot.C_T / robot.C_D0)
     rate = 0.5 * robot.rho * robot.area * robot.C_D0 * top / robot.mass
@@ -54,9 +54,11 @@ def test_speed_from_rest_follows_the_hyperbolic_tangent(lab):
 
 @pytest.mark.parametrize("form", [f for f in fx.FORMS if f.cause == "tail_fin_lift"])
 def test_positive_head_angle_turns_clockwise(lab, form):
-    fin = fx.draw(form, np.random.default_rng(1))
+    fin = fx.draw_effect(form, np.random.default_rng(1))
     runs = [
-        trials.run(lab, still(lab.trials[0], head_angle=a, seconds=5.0), [fin], 10)[1]
+        trials.simulate_trial(
+            lab, undisturbed_trial(lab.trials[0], head_angle=a, seconds=5.0), [fin], 10
+        )[1]
         for a in (0.5, -0.5)
     ]
     assert runs[0][-1, 5] < -0.1
@@ -66,26 +68,26 @@ def test_positive_head_angle_turns_clockwise(lab, form):
 @pytest.mark.parametrize("model", ["pinhole", "fisheye", "plain"])
 def test_projection_round_trip(model):
     rng = np.random.default_rng(3)
-    camera = cam.draw(rng, 2.6, 1.6, model)
+    camera = cam.draw_camera(rng, 2.6, 1.6, model)
     points = np.column_stack([rng.uniform(0, [2.6, 1.6], (50, 2)), np.full(50, -0.04)])
-    back = cam.unproject(camera, cam.project(camera, points), 0.04)
+    back = cam.pixels_to_pool(camera, cam.project(camera, points), 0.04)
     np.testing.assert_allclose(back, points[:, :2], atol=1e-5)
 
 
 def test_a_competent_lab_decodes_the_simulated_positions(lab):
-    times, points, _ = writing.true_points(
-        lab, trials.place(np.random.default_rng(0), lab, lab.trials[0], []), []
+    times, points, _ = writing.true_keypoints(
+        lab, trials.with_start_pose(np.random.default_rng(0), lab, lab.trials[0], []), []
     )
-    seen = obs.pixels(lab, lab.trials[0], [], times, points)
-    back = obs.decode(lab, obs.state(lab, []), seen)
+    seen = obs.keypoint_pixels(lab, lab.trials[0], [], times, points)
+    back = obs.pixels_to_stated_pool(lab, obs.stated_setup(lab, []), seen)
     assert np.abs(back - points).max() < 3e-3
 
 
-def brute_force(lab, trial, effect, draws):
+def simulated_detectability(lab, trial, effect, draws):
     """Whitened norm of an effect's change of a trajectory, from the simulated covariance."""
     rng = np.random.default_rng(8)
-    given = [trials.inputs(lab, trial, some) for some in ([effect], [])]
-    times = np.arange(int(trial.seconds / detector.BLOCK) + 1) * detector.BLOCK
+    given = [trials.trial_inputs(lab, trial, some) for some in ([effect], [])]
+    times = np.arange(int(trial.seconds / detector.BLOCK_S) + 1) * detector.BLOCK_S
 
     def observed(start, inputs):
         return trials.simulate(times, start, *inputs)[0][:, :3].T.ravel()
@@ -94,7 +96,7 @@ def brute_force(lab, trial, effect, draws):
     signal = clean - observed(np.zeros(7), given[1])
     runs = []
     for _ in range(draws):
-        start = np.r_[0, 0, 0, rng.normal(0, detector.START[3:]), 0]
+        start = np.r_[0, 0, 0, rng.normal(0, detector.START_STDS[3:]), 0]
         schedule = given[0][2].copy()
         schedule[:, 2:] = trials.draw_gusts(rng, lab.noise.gust_m_s, lab.noise.gust_s)
         runs.append(observed(start, (*given[0][:2], schedule)))
@@ -102,24 +104,24 @@ def brute_force(lab, trial, effect, draws):
     x, y, one, zero = *clean.reshape(3, -1)[:2], np.ones(len(times)), np.zeros(len(times))
     for shift in ([one, zero, zero], [zero, one, zero], [-y, x, one]):
         cov += np.outer(np.ravel(shift), np.ravel(shift))
-    white, drift = detector.covariances(lab)
+    white, drift = detector.tracking_variances(lab)
     alike = np.exp(-np.abs(times[:, None] - times) / lab.noise.drift_s)
     cov += np.kron(np.diag(white), np.eye(len(times))) + np.kron(np.diag(drift), alike)
     return np.sqrt(signal @ np.linalg.solve(cov, signal))
 
 
 def test_the_filter_agrees_with_brute_force(lab):
-    effect = replace(fx.draw(fx.CAUSES["viscous_drag"][0], np.random.default_rng(2)), k=0.01)
-    trial = still(lab.trials[0], head_angle=0.5, seconds=2.5)
-    s = detector.signals(lab, trial, [effect])
-    e = detector.innovations(s, lab.noise, *detector.covariances(lab))
+    effect = replace(fx.draw_effect(fx.CAUSES["viscous_drag"][0], np.random.default_rng(2)), k=0.01)
+    trial = undisturbed_trial(lab.trials[0], head_angle=0.5, seconds=2.5)
+    s = detector.trial_signals(lab, trial, [effect])
+    e = detector.whitened_innovations(s, lab.noise, *detector.tracking_variances(lab))
     assert np.linalg.norm(e[:, :, 0]) == pytest.approx(
-        brute_force(lab, trial, effect, 500), rel=0.2
+        simulated_detectability(lab, trial, effect, 500), rel=0.2
     )
 
 
 def test_composition_of_forty_studies():
-    slots = [studies.slot(i) for i in range(13, 53)]
+    slots = [studies.study_slot(i) for i in range(13, 53)]
     groups = [g for g, _, _ in slots]
     assert {g: groups.count(g) for g in set(groups)} == {
         "null": 8, "clear": 8, "faint": 6, "pair": 6, "measurement": 6, "unlisted": 6,
@@ -134,14 +136,21 @@ def test_every_named_cause_can_be_drawn():
     names = set(fx.PHYSICS) | set(fx.MEASUREMENTS) | {"tail_fin_lift"}
     assert len(names) == 31
     assert all(len(fx.CAUSES[name]) >= 2 for name in names)
-    drawn = {c for i in range(40) if studies.slot(i)[0] in ("clear", "faint")
-             for c in studies.deck(1, i)[:1]}  # fmt: skip
-    drawn |= {c for i in range(40) if studies.slot(i)[0] == "pair" for c in studies.deck(1, i)[:2]}
+    drawn = {c for i in range(40) if studies.study_slot(i)[0] in ("clear", "faint")
+             for c in studies.causes_from_deck(1, i)[:1]}  # fmt: skip
+    drawn |= {
+        c
+        for i in range(40)
+        if studies.study_slot(i)[0] == "pair"
+        for c in studies.causes_from_deck(1, i)[:2]
+    }
     assert drawn == set(fx.PHYSICS)
 
 
 def test_a_study_is_determined_by_seed_and_index(tmp_path):
-    index = next(i for i in range(40) if studies.slot(i)[0] == "null" and studies.slot(i)[2])
+    index = next(
+        i for i in range(40) if studies.study_slot(i)[0] == "null" and studies.study_slot(i)[2]
+    )
     truths = [studies.generate(3, index, tmp_path / d) for d in "ab"]
     assert truths[0] == json.loads(
         (tmp_path / "a" / "truth" / f"{truths[0]['study']}.json").read_text()

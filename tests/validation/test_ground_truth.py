@@ -9,20 +9,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from exact_campaign import campaign, searched
+from exact_campaign import campaign_with_damping_found, exact_campaign
 
 from bluekoi.stages.demo import write_demo_study
 from bluekoi.synthetic.design import demo_design
 from bluekoi.synthetic.trial import mean_path, solve_trial, steady_summary
 from validation.ground_truth.comparison import ground_truth
 from validation.ground_truth.content import true_steady
-from validation.ground_truth.page import page
+from validation.ground_truth.page import comparison_page
 from validation.ground_truth.seal import Seal, open_seal, truth_without_hash
 
 TRUTH = {"hidden": {"linear_yaw_damping": {"N_r": 0.02}}, "note": "<b>glass</b>"}
 
 
-def sealed(folder: Path, content: bytes, line: str = "{}\n", name: str = "truth.json") -> Path:
+def sealed_truth(
+    folder: Path, content: bytes, line: str = "{}\n", name: str = "truth.json"
+) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / name).write_bytes(content)
     (folder / "truth.sha256").write_text(line.format(hashlib.sha256(content).hexdigest()))
@@ -38,18 +40,18 @@ def test_a_study_without_a_published_hash_has_no_seal(tmp_path):
     [("{}\n", "truth.json"), ("{}  answers.json\n", "answers.json"), ("{} *a b.json", "a b.json")],
 )
 def test_a_seal_that_fits_is_opened(tmp_path, line, name):
-    folder = sealed(tmp_path, json.dumps(TRUTH).encode(), line, name)
+    folder = sealed_truth(tmp_path, json.dumps(TRUTH).encode(), line, name)
     found = open_seal(folder)
     assert found.truth == TRUTH
     assert not found.trouble
 
 
 def test_a_truth_that_is_not_published_yet_is_reported_with_its_hash(tmp_path):
-    folder = sealed(tmp_path, b"{}")
+    folder = sealed_truth(tmp_path, b"{}")
     (folder / "truth.json").unlink()
     found = open_seal(folder)
     assert (found.truth, found.broken) == ({}, False)
-    text = page(campaign(powers=(75,)), found)
+    text = comparison_page(exact_campaign(powers=(75,)), found)
     assert "is sealed: truth.json is not there yet" in text
     assert hashlib.sha256(b"{}").hexdigest() in text
 
@@ -60,17 +62,17 @@ def test_a_truth_that_is_not_published_yet_is_reported_with_its_hash(tmp_path):
         (lambda f: (f / "truth.json").write_bytes(b'{"hidden": {"stall": {}}}'), "has the SHA-256"),
         (lambda f: (f / "truth.sha256").write_text("none"), "does not hold a SHA-256"),
         (lambda f: (f / "truth.sha256").write_bytes(b"\xff\xfe"), "does not hold a SHA-256"),
-        (lambda f: sealed(f, b"not json"), "is not a json object"),
-        (lambda f: sealed(f, b"[1]"), "is not a json object"),
+        (lambda f: sealed_truth(f, b"not json"), "is not a json object"),
+        (lambda f: sealed_truth(f, b"[1]"), "is not a json object"),
     ],
 )
 def test_a_broken_seal_shows_no_truth(tmp_path, change, word):
-    folder = sealed(tmp_path, json.dumps(TRUTH).encode())
+    folder = sealed_truth(tmp_path, json.dumps(TRUTH).encode())
     change(folder)
     found = open_seal(folder)
     assert found.broken
     assert found.truth == {}
-    text = page(campaign(powers=(75,)), found)
+    text = comparison_page(exact_campaign(powers=(75,)), found)
     assert word in text
     assert "The seal is broken" in text
     assert "Injected and identified causes" not in text
@@ -82,7 +84,7 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
         "coefficients": {"C_T": 4.5e-3, "C_D0": 0.9},
         "extra": {"a": [1, 2], "b": "<b>glass</b>"},
     }
-    base = searched(campaign())
+    base = campaign_with_damping_found(exact_campaign())
     shown = ground_truth(base, Seal("0" * 64, truth))
     rows = {row.name: row for row in shown.causes}
     assert rows["linear yaw damping"].cells[-1] == "identified"
@@ -91,12 +93,14 @@ def test_the_page_says_what_was_found_and_what_was_missed(tmp_path):
     assert rows["stall"].marked
     assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
     assert ("extra.b", "<b>glass</b>") in shown.further
-    text = page(base, Seal("0" * 64, truth))
+    text = comparison_page(base, Seal("0" * 64, truth))
     assert "&lt;b&gt;glass&lt;/b&gt;" in text
 
 
 def test_a_cause_that_was_not_injected_is_a_false_positive():
-    shown = ground_truth(searched(campaign()), Seal("0" * 64, {"hidden": {}}))
+    shown = ground_truth(
+        campaign_with_damping_found(exact_campaign()), Seal("0" * 64, {"hidden": {}})
+    )
     assert [row.cells[-1] for row in shown.causes] == ["false positive"]
 
 
@@ -106,7 +110,7 @@ def test_causes_may_be_listed_as_the_search_lists_them():
         "body": {"C_T": 4.5e-3, "C_D0": 0.5, "mass_kg": 0.68},
         "trials": 24,
     }
-    shown = ground_truth(searched(campaign()), Seal("0" * 64, truth))
+    shown = ground_truth(campaign_with_damping_found(exact_campaign()), Seal("0" * 64, truth))
     assert [row.cells[0] for row in shown.causes] == ["N_r = 0.02000 N m s"]
     assert shown.causes[0].cells[-1] == "identified"
     assert [row.name for row in shown.coefficients] == ["C_T (m²)", "C_D0 (–)"]
@@ -114,17 +118,19 @@ def test_causes_may_be_listed_as_the_search_lists_them():
 
 
 def test_no_injected_and_no_identified_cause_agree():
-    base = replace(searched(campaign()), mismatch={"verdict": "none", "causes": []})
+    base = replace(
+        campaign_with_damping_found(exact_campaign()), mismatch={"verdict": "none", "causes": []}
+    )
     assert ground_truth(base, Seal("0" * 64, {"hidden": {}})).causes[0].cells[-1] == "correct: none"
 
 
 def test_a_truth_of_any_form_does_not_break_the_page(tmp_path):
-    base = searched(campaign())
+    base = campaign_with_damping_found(exact_campaign())
     name = base.analysed[0].trial_id
     path = {"time_s": "x", "vx_m_s": [1], "vy_m_s": []}
     trials = [3, {"trial_id": None}, {"trial_id": name, "mean_path": path, "speed_m_s": "fast"}]
     odd = {"hidden": [1], "coefficients": "x", "trials": trials, "n": None, "big": 10**400}
-    shown = page(base, Seal("0" * 64, odd))
+    shown = comparison_page(base, Seal("0" * 64, odd))
     assert "ground-truth-heading" in shown
     assert "<td>fast</td>" in shown
 

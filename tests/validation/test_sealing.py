@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from bluekoi.errors import InputError
-from validation import running
-from validation.sealing import open_truth, published_hashes, seal
+from validation import study_runs
+from validation.sealing import open_truth, published_hashes, seal_truth
 
 ROOT = Path(__file__).parents[2]
 
@@ -22,14 +22,14 @@ def directory(tmp_path: Path) -> Path:
     (tmp_path / "studies" / "S1").mkdir(parents=True)
     (tmp_path / "truth").mkdir()
     (tmp_path / "truth" / "S1.json").write_text('{"causes": []}')
-    seal(tmp_path, "S1")
+    seal_truth(tmp_path, "S1")
     return tmp_path
 
 
 def test_published_hashes_are_kept_when_another_truth_is_sealed(directory):
     (directory / "truth" / "S2.json").write_text('{"causes": [1]}')
     first = published_hashes(directory)["S1"]
-    seal(directory, "S2")
+    seal_truth(directory, "S2")
     assert list(published_hashes(directory)) == ["S1", "S2"]
     assert published_hashes(directory)["S1"] == first
     done = subprocess.run(["sha256sum", "-c", "truth.sha256"], cwd=directory, check=False)
@@ -70,11 +70,13 @@ def read_truth(directory: Path, _name: str) -> str:
 
 
 def test_workers_cannot_read_the_truths(directory):
-    assert list(running.in_processes(read_truth, directory, ["S1"], workers=1)) == ["refused"]
+    assert list(study_runs.map_in_isolated_processes(read_truth, directory, ["S1"], workers=1)) == [
+        "refused"
+    ]
 
 
 def test_a_study_that_fails_does_not_stop_the_others(directory):
-    line = next(iter(running.measure_all(directory, 1)))
+    line = next(iter(study_runs.measure_all(directory, 1)))
     assert "InputError" in line
     stored = json.loads((directory / "tracks/S1/measured.json").read_text())
     assert "study.yaml" in stored["failure"]

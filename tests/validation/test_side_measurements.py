@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from validation.drifts import report as drift_report
-from validation.lengths import report as lengths_report
+from validation.drift_detection import detection_rate_report as drift_report
+from validation.rigid_length_misfit import length_misfit_report as lengths_report
 
 
 def test_rates_of_reported_drifts_are_counted_over_studies() -> None:

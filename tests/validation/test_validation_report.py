@@ -9,10 +9,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from validation import report
-from validation.scoring import ScoredStudy, calibration
+from validation.scoring import ScoredStudy, calibration_bins
 
 
-def scored(study, generator, true, said, group="clear", **other):
+def study_record(study, generator, true, said, group="clear", **other):
     values = {
         "fin": False, "trials": 24, "alternatives": {}, "probabilities": {},
         "verdict": "physics", "cpu_s": 10.0, "where": (), "unlisted": None, "failure": "",
@@ -24,23 +24,23 @@ def scored(study, generator, true, said, group="clear", **other):
 
 
 STUDIES = [
-    scored("000", "kirchhoff", ["stall"], {"stall": 0.97}),
-    scored("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
-    scored("002", "kirchhoff", [], {}, group="null"),
-    scored("000", "unseen_water", ["sinking"], {"wave_drag": 0.55}, trials=9),
-    scored("001", "unseen_water", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
-    scored("002", "unseen_water", [], {"clock_error": 0.58}, group="null", failure="boom"),
+    study_record("000", "kirchhoff", ["stall"], {"stall": 0.97}),
+    study_record("001", "kirchhoff", ["stall"], {"stall": 0.91, "lift_lag": 0.62}),
+    study_record("002", "kirchhoff", [], {}, group="null"),
+    study_record("000", "unseen_water", ["sinking"], {"wave_drag": 0.55}, trials=9),
+    study_record("001", "unseen_water", ["unexplained"], {"unexplained": 1.0}, group="unlisted"),
+    study_record("002", "unseen_water", [], {"clock_error": 0.58}, group="null", failure="boom"),
 ]
 
 
 @pytest.fixture
 def runs(tmp_path):
     content = report.record(STUDIES, finder="new", commit="abc1234", date="2026-11-23")
-    report.write(content, tmp_path)
-    return report.load(tmp_path)
+    report.write_results(content, tmp_path)
+    return report.load_runs(tmp_path)
 
 
-def row(text, label):
+def table_row(text, label):
     cells = next(line for line in text.splitlines() if line.startswith(f"| {label} |"))
     return [cell.strip() for cell in cells.strip("|").split("|")][1:]
 
@@ -53,13 +53,13 @@ def test_a_file_for_each_generator_comes_back_as_it_was_written(runs):
 
 
 def test_generators_that_were_not_used_in_development_stand_first(runs):
-    text = report.results(runs)
+    text = report.result_tables(runs)
     assert text.index("not used in development") < text.index("`kirchhoff`")
 
 
 def test_scores_by_generator_have_their_intervals(runs):
-    text = report.results(runs)
-    assert row(text, "`kirchhoff`") == [
+    text = report.result_tables(runs)
+    assert table_row(text, "`kirchhoff`") == [
         "3",
         "2 of 3: 67 % (9 to 99)",
         "3 of 3: 100 % (29 to 100)",
@@ -67,40 +67,40 @@ def test_scores_by_generator_have_their_intervals(runs):
         "1 of 3: 33 % (1 to 91)",
         "",
     ]
-    assert row(text, "`unseen_water`")[5].startswith("1 of 1")
-    assert row(text, "nine trials or fewer")[1].startswith("0 of 1")
+    assert table_row(text, "`unseen_water`")[5].startswith("1 of 1")
+    assert table_row(text, "nine trials or fewer")[1].startswith("0 of 1")
 
 
 def test_reliability_counts_true_names_in_bins_of_a_tenth(runs):
     studies = [s for run in runs for s in run.studies]
-    found = {round(b["from"], 1): (b["true"], b["count"]) for b in report.reliability(studies)}
+    found = {round(b["from"], 1): (b["true"], b["count"]) for b in report.reliability_bins(studies)}
     assert found == {0.5: (0, 2), 0.6: (0, 1), 0.9: (3, 3)}
 
 
 def test_errors_and_failures_are_stated(runs):
-    text = report.results(runs)
+    text = report.result_tables(runs)
     assert "10.0 mm before, 1.2 mm after; within 1.3 noise floors in 3 of 3" in text
     assert "failed: 1 of 3" in text
 
 
 def test_another_finder_is_compared_on_the_generators_that_both_were_run_on(runs, tmp_path):
     old = report.record(STUDIES[:3], finder="old", commit="0000000", date="2026-11-01")
-    report.write(old, tmp_path)
-    text = report.results(report.load(tmp_path))
+    report.write_results(old, tmp_path)
+    text = report.result_tables(report.load_runs(tmp_path))
     assert "Finder `new`" in text
-    assert row(text, "`old`")[0] == row(text, "`new`")[0] == "3"
+    assert table_row(text, "`old`")[0] == table_row(text, "`new`")[0] == "3"
 
 
 def test_a_file_without_a_required_key_is_refused_by_name(tmp_path):
     content = {"finder": "x", "commit": "c", "generator": "g", "studies": [{"study": "1"}]}
     (tmp_path / "x.json").write_text(json.dumps(content))
     with pytest.raises(ValueError, match=r"x\.json: missing .*studies\[\]\.truth"):
-        report.load(tmp_path)
+        report.load_runs(tmp_path)
 
 
 def test_the_plot_is_the_same_for_the_same_results(runs, tmp_path):
     for name in ("a.svg", "b.svg"):
-        report.draw(runs, tmp_path / name)
+        report.draw_calibration_plot(runs, tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
     assert "stated probability" in (tmp_path / "a.svg").read_text()
 
@@ -108,20 +108,20 @@ def test_the_plot_is_the_same_for_the_same_results(runs, tmp_path):
 def test_the_page_of_evidence_is_current():
     text = report.EVIDENCE_PAGE.read_text(encoding="utf-8")
     again = "docs/evidence.md is not current: run python -m validation report"
-    assert report.page(text, report.load()) == text, again
+    assert report.updated_page(text, report.load_runs()) == text, again
 
 
 def test_the_plot_of_evidence_is_drawn_from_the_recorded_results():
-    runs = report.load()
+    runs = report.load_runs()
     drawn = (
         report.CALIBRATION_PLOT.read_text(encoding="utf-8")
         if report.CALIBRATION_PLOT.is_file()
         else ""
     )
-    assert not runs or report.digest(runs) in drawn, "run python -m validation report"
+    assert not runs or report.results_hash(runs) in drawn, "run python -m validation report"
 
 
 def test_a_certain_cause_stands_in_the_last_bin_although_rounded_above_one():
     """Sums of probabilities may exceed 1 by rounding."""
-    study = scored("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
-    assert [(b["from"], b["count"]) for b in calibration([study])] == [(pytest.approx(0.9), 1)]
+    study = study_record("009", "unseen_water", ["stall"], {"stall": 1.0 + 4e-16})
+    assert [(b["from"], b["count"]) for b in calibration_bins([study])] == [(pytest.approx(0.9), 1)]

@@ -13,10 +13,10 @@ from bluekoi.report.findings import Row
 from bluekoi.report.numbers import (
     Z_95,
     coefficient_with_interval,
-    number,
-    percent,
-    readable,
-    units,
+    format_number,
+    format_percent,
+    parameter_units,
+    readable_name,
     value_with_interval,
 )
 from bluekoi.report.settings import flatten_mapping
@@ -52,16 +52,16 @@ def ground_truth(campaign: Campaign, seal: Seal) -> GroundTruth:
     truth = seal.truth
     return GroundTruth(
         sha256=seal.sha256,
-        sentence=_sentence(seal),
+        sentence=_seal_sentence(seal),
         broken=seal.broken,
-        causes=_causes(campaign, truth),
-        coefficients=_coefficients(campaign, truth),
-        trials=_trials(campaign, truth),
-        further=list(_further(truth)),
+        causes=_cause_rows(campaign, truth),
+        coefficients=_coefficient_rows(campaign, truth),
+        trials=_trial_rows(campaign, truth),
+        further=list(_further_rows(truth)),
     )
 
 
-def _sentence(seal: Seal) -> str:
+def _seal_sentence(seal: Seal) -> str:
     if seal.broken:
         return f"The seal is broken: {seal.trouble}. Its content is not shown."
     if seal.trouble:
@@ -72,7 +72,7 @@ def _sentence(seal: Seal) -> str:
     return "This study is synthetic. Its ground truth was not read during the analysis."
 
 
-def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _cause_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """Injected and identified causes with their parameters, and whether they agree."""
     true = injected_causes(truth)
     if true is None:
@@ -85,11 +85,11 @@ def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
         return [Row("none", ("–", "–", "correct: none" if outcome == "none" else outcome))]
     return [
         Row(
-            readable(name),
+            readable_name(name),
             (
-                _parameters(name, true.get(name)),
-                _fitted(name, named.get(name)),
-                _agreement(name in true, name in named, name in rivals),
+                _parameter_rows(name, true.get(name)),
+                _fitted_text(name, named.get(name)),
+                _agreement_text(name in true, name in named, name in rivals),
             ),
             (name in true) != (name in named),
         )
@@ -97,7 +97,7 @@ def _causes(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     ]
 
 
-def _agreement(true: bool, named: bool, rival: bool) -> str:
+def _agreement_text(true: bool, named: bool, rival: bool) -> str:
     if true and named:
         return "identified"
     if true:
@@ -105,24 +105,29 @@ def _agreement(true: bool, named: bool, rival: bool) -> str:
     return "false positive"
 
 
-def _parameters(cause: str, values: Any) -> str:
+def _parameter_rows(cause: str, values: Any) -> str:
     if not isinstance(values, Mapping):
         return "–"
-    cells = [f"{k} = {_text(v)} {units().get(f'{cause}.{k}', '')}" for k, v in values.items()]
+    cells = [
+        f"{k} = {_truncated_text(v)} {parameter_units().get(f'{cause}.{k}', '')}"
+        for k, v in values.items()
+    ]
     return ", ".join(text.strip() for text in cells) or "–"
 
 
-def _fitted(cause: str, found: Mapping[str, Any] | None) -> str:
+def _fitted_text(cause: str, found: Mapping[str, Any] | None) -> str:
     cells = (found or {}).get("parameters") or {}
     texts = [
         f"{k} = "
-        + value_with_interval(c.get("value"), c.get("std"), units().get(f"{cause}.{k}", ""))
+        + value_with_interval(
+            c.get("value"), c.get("std"), parameter_units().get(f"{cause}.{k}", "")
+        )
         for k, c in cells.items()
     ]
     return ", ".join(texts)
 
 
-def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _coefficient_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """True coefficients beside the joint fit without and with the identified causes."""
     joint = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     fits = (campaign.mismatch_detail or {}).get("coefficients") or {}
@@ -130,41 +135,41 @@ def _coefficients(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     after = (fits.get("after") or {}) if searched else {}
     steps = campaign.coefficients.get("paper_steps") or {}
     rows = []
-    for name, value in sorted(true_coefficients(truth).items(), key=_order):
+    for name, value in sorted(true_coefficients(truth).items(), key=_sort_key):
         if isinstance(value, Mapping):
             cells = (steps.get(name) or {}).get("coefficients") or {}
-            pairs = sorted(value.items(), key=_order)
-            rows += [_coefficient(k, v, cells.get(k), at=f" at {name} %") for k, v in pairs]
+            pairs = sorted(value.items(), key=_sort_key)
+            rows += [_coefficient_row(k, v, cells.get(k), at=f" at {name} %") for k, v in pairs]
         else:
-            rows.append(_coefficient(name, value, joint.get(name), after.get(name)))
+            rows.append(_coefficient_row(name, value, joint.get(name), after.get(name)))
     return rows
 
 
-def _order(entry: tuple[str, Any]) -> tuple[int, str]:
+def _sort_key(entry: tuple[str, Any]) -> tuple[int, str]:
     """Coefficients in the order of the model, then others; powers ascending."""
-    name, order = entry[0], list(units())
+    name, order = entry[0], list(parameter_units())
     return (order.index(name) if name in order else len(order), name.rjust(4))
 
 
-def _coefficient(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
+def _coefficient_row(name: str, true: Any, before: Any, after: Any = None, *, at: str = "") -> Row:
     undetermined = isinstance(before, Mapping) and not before.get("determined", True)
     return Row(
-        f"{name}{at} ({units()[name]})" if name in units() else name + at,
+        f"{name}{at} ({parameter_units()[name]})" if name in parameter_units() else name + at,
         (
-            _text(true),
-            _cell(before) + (" (not determined)" if undetermined else ""),
-            _inside(true, None if undetermined else before),
-            _cell(after),
-            _inside(true, after),
+            _truncated_text(true),
+            _cell_text(before) + (" (not determined)" if undetermined else ""),
+            _interval_contains(true, None if undetermined else before),
+            _cell_text(after),
+            _interval_contains(true, after),
         ),
     )
 
 
-def _cell(cell: Mapping[str, Any] | None) -> str:
+def _cell_text(cell: Mapping[str, Any] | None) -> str:
     return "–" if not cell else coefficient_with_interval(cell)
 
 
-def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
+def _interval_contains(true: Any, cell: Mapping[str, Any] | None) -> str:
     """Whether the true value lies in the 95 % interval."""
     if not cell or not _is_number(true) or not cell.get("std"):
         return "–"
@@ -174,44 +179,46 @@ def _inside(true: Any, cell: Mapping[str, Any] | None) -> str:
     return "inside" if inside else f"{off:.1f} standard errors away"
 
 
-def _trials(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
+def _trial_rows(campaign: Campaign, truth: Mapping[str, Any]) -> list[Row]:
     """True and measured speed, radius and flapping frequency of each trial."""
     return [
-        _trial(name, campaign.steady[name], entry)
+        _trial_row(name, campaign.steady[name], entry)
         for name, entry in true_trials(truth).items()
         if name in campaign.steady
     ]
 
 
-def _trial(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
+def _trial_row(name: str, found: Steady, entry: Mapping[str, Any]) -> Row:
     speed, radius = true_steady(entry, found.steady_from_s, found.steady_to_s)
     turning = math.isfinite(found.radius_m)
-    cells = [_pair(speed, found.speed_m_s)]
-    cells += [_pair(radius, found.radius_m) if turning else ("straight", "straight", "–")]
-    cells += [_pair(entry.get("flap_hz"), found.flap_hz, 5)]
+    cells = [_true_and_found_cells(speed, found.speed_m_s)]
+    cells += [
+        _true_and_found_cells(radius, found.radius_m) if turning else ("straight", "straight", "–")
+    ]
+    cells += [_true_and_found_cells(entry.get("flap_hz"), found.flap_hz, 5)]
     return Row(name, tuple(text for cell in cells for text in cell))
 
 
-def _pair(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
+def _true_and_found_cells(true: Any, found: float, digits: int = 4) -> tuple[str, str, str]:
     if not _is_number(true) or not true:
-        return _text(true), number(found, digits), "–"
-    off = percent(100 * (found / float(true) - 1), 2)
-    return number(true, digits), number(found, digits), off
+        return _truncated_text(true), format_number(found, digits), "–"
+    off = format_percent(100 * (found / float(true) - 1), 2)
+    return format_number(true, digits), format_number(found, digits), off
 
 
-def _further(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _further_rows(truth: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Remaining entries of the truth, key and value, long values truncated."""
     rest = {key: value for key, value in truth.items() if key not in KNOWN_KEYS}
     rows = list(flatten_mapping(rest)) if rest else []
     for key, value in rows[:MAX_ROWS]:
-        text = f"{value:g}" if _is_number(value) else _text(value)
+        text = f"{value:g}" if _is_number(value) else _truncated_text(value)
         yield key, text if len(text) <= MAX_CELL_CHARACTERS else text[:MAX_CELL_CHARACTERS] + " ..."
     if len(rows) > MAX_ROWS:
         yield "...", f"{len(rows) - MAX_ROWS} more entries in the sealed file"
 
 
-def _text(value: Any) -> str:
-    return number(value, 4) if _is_number(value) else "–" if value is None else str(value)
+def _truncated_text(value: Any) -> str:
+    return format_number(value, 4) if _is_number(value) else "–" if value is None else str(value)
 
 
 def _is_number(value: Any) -> bool:

@@ -26,20 +26,20 @@ def write_ground_truth(study: Path, results: Path, truth: Path | None = None) ->
 
     Raises: InputError for a study without a truth.
     """
-    seal = truth_without_hash(truth) if truth else open_seal(study) or _beside(study)
+    seal = truth_without_hash(truth) if truth else open_seal(study) or _truth_beside_study(study)
     path = results / "ground_truth.html"
-    write_text(path, page(load_campaign(results, load_study(study)), seal))
+    write_text(path, comparison_page(load_campaign(results, load_study(study)), seal))
     return path
 
 
-def _beside(study: Path) -> Seal:
+def _truth_beside_study(study: Path) -> Seal:
     path = study.with_name(f"{study.name}-truth") / "truth.json"
     if not path.is_file():
         raise input_error(study, "", "no truth.sha256", "a truth: name its file with --truth")
     return truth_without_hash(path)
 
 
-def page(campaign: Campaign, seal: Seal) -> str:
+def comparison_page(campaign: Campaign, seal: Seal) -> str:
     """Text of the page; all text of the truth is escaped."""
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True

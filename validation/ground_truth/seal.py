@@ -46,7 +46,7 @@ def open_seal(folder: str | Path) -> Seal | None:
     seal = Path(folder) / SEAL_FILE
     if not seal.is_file():
         return None
-    named = _named(seal)
+    named = _hash_and_path(seal)
     if named is None:
         return Seal("", trouble=f"{SEAL_FILE} does not hold a SHA-256 (64 hex digits)", broken=True)
     digest, path = named
@@ -54,7 +54,7 @@ def open_seal(folder: str | Path) -> Seal | None:
         return Seal(digest, trouble=f"{path.name} is not there yet")
     if path.stat().st_size > MAX_TRUTH_BYTES:
         return Seal(digest, trouble=f"{path.name} is larger than a truth can be", broken=True)
-    return _opened(digest, path)
+    return _open_with_hash(digest, path)
 
 
 def truth_without_hash(path: Path) -> Seal:
@@ -66,7 +66,7 @@ def truth_without_hash(path: Path) -> Seal:
     return Seal(hashlib.sha256(path.read_bytes()).hexdigest(), truth)
 
 
-def _opened(digest: str, path: Path) -> Seal:
+def _open_with_hash(digest: str, path: Path) -> Seal:
     content = path.read_bytes()
     found = hashlib.sha256(content).hexdigest()
     if found != digest:
@@ -80,7 +80,7 @@ def _opened(digest: str, path: Path) -> Seal:
     return Seal(digest, truth)
 
 
-def _named(seal: Path) -> tuple[str, Path] | None:
+def _hash_and_path(seal: Path) -> tuple[str, Path] | None:
     """Hash and path that the seal names; None where it names none."""
     try:
         line = HASH_LINE.fullmatch(seal.read_text(encoding="ascii"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ..errors import EXIT_INTERRUPTED, InputError, escape_control_characters
-from ..workflow.client import one_blas_thread
+from ..workflow.forkserver_client import limit_blas_to_one_thread
 from .camera import calibrate, pool
 from .check import check
 from .compare import compare
@@ -51,7 +51,7 @@ class InputErrorGroup(click.Group):
 @click.version_option(package_name="bluekoi", prog_name="bluekoi")
 def main() -> None:
     """Overhead footage of a fish-like robot in; coefficients and left-out physics out."""
-    one_blas_thread()
+    limit_blas_to_one_thread()
 
 
 _COMMANDS = (

@@ -38,8 +38,8 @@ def calibrate(
     from ..camera.lens_calibration import calibrate_files  # noqa: PLC0415
     from ..errors import input_error  # noqa: PLC0415
 
-    _spare(out, (".yaml", ".yml"), images)
-    _spare(out.with_suffix(".png"), (".png",), images)
+    _refuse_overwriting(out, (".yaml", ".yml"), images)
+    _refuse_overwriting(out.with_suffix(".png"), (".png",), images)
     if odd := next((path for path in images if path.exists() and not path.is_file()), None):
         raise input_error(odd, "", "no regular file", "pictures, videos or a lens profile")
     with progress_notice(
@@ -82,20 +82,20 @@ def pool(
 
     if frame and not frame.exists() and (study / frame).exists():
         frame = study / frame
-    _spare(out, (".png",), (frame,) if frame else ())
+    _refuse_overwriting(out, (".png",), (frame,) if frame else ())
     confirmed = True
     if not lacks_pool_corners(study / "study.yaml"):
         refuse_study_files(study, (out,))
     if lacks_pool_corners(study / "study.yaml"):
         films = sorted(p for p in study.rglob("*") if p.suffix.lower() in VIDEO_SUFFIXES)
         source = frame or (films[0] if films else None)
-        sentences = frame_with_pixel_grid(_picture(source or study / "trials.csv"), out)
+        sentences = frame_with_pixel_grid(_read_picture(source or study / "trials.csv"), out)
     else:
         loaded = load_study(study)
         if trial_id is not None:
             loaded.trial(trial_id)
-        source, fps = (frame, None) if frame else _film(study, loaded, trial_id)
-        picture = _picture(source, fps=fps)
+        source, fps = (frame, None) if frame else _trial_footage(study, loaded, trial_id)
+        picture = _read_picture(source, fps=fps)
         check = pool_corners_picture(picture, loaded.setup, out)
         sentences, confirmed = check.sentences, check.confirmed
     for sentence in sentences:
@@ -106,7 +106,7 @@ def pool(
         ctx.exit(1)
 
 
-def _spare(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None:
+def _refuse_overwriting(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None:
     """Raises: InputError where writing `out` would cost an input or a study, or it is no such
     file.
     """
@@ -123,7 +123,7 @@ def _spare(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None
                     "Nothing was written.")  # fmt: skip
 
 
-def _film(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
+def _trial_footage(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float | None]:
     """First file and frame rate of the named trial's film, or of the first filmed trial's."""
     from ..errors import input_error  # noqa: PLC0415
 
@@ -137,7 +137,7 @@ def _film(folder: Path, study: Study, trial_id: str | None) -> tuple[Path, float
     return study.paths(filmed[0])[0], filmed[0].fps
 
 
-def _picture(path: Path, *, fps: float | None = None) -> Any:
+def _read_picture(path: Path, *, fps: float | None = None) -> Any:
     """A picture file, or the first frame of a video, (height, width, 3) bgr."""
     import cv2  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""`bluekoi check`: a study looked at without running it."""
+"""`bluekoi check`: finds the errors in the files of a study without running it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .parameter_types import StudyName
 from .progress_notice import progress_notice
 
 
-def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> None:
+def _explain_key(ctx: click.Context, _param: click.Parameter, key: str | None) -> None:
     """Show what a key of study.yaml or trials.csv means, and end."""
     if key is not None and not ctx.resilient_parsing:
         from ..study.key_reference import explain_key  # noqa: PLC0415
@@ -26,7 +26,7 @@ def _explain(ctx: click.Context, _param: click.Parameter, key: str | None) -> No
     metavar="KEY",
     is_eager=True,
     expose_value=False,
-    callback=_explain,
+    callback=_explain_key,
     help="Show meaning, unit and default of a key of study.yaml or a column of trials.csv.",
 )
 def check(study: Path) -> None:

@@ -36,7 +36,7 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
     from ..comparison import read_run  # noqa: PLC0415
     from ..errors import escape_control_characters  # noqa: PLC0415
 
-    runs = [read_run(_folder(path)) for path in (first, second)]
+    runs = [read_run(_results_folder(path)) for path in (first, second)]
     found = compared(*runs)
     for line in table_lines(found, everything=everything):
         click.echo(escape_control_characters(line))
@@ -44,11 +44,11 @@ def compare(first: Path, second: Path, out: Path | None, everything: bool) -> No
         click.echo(f"No manifest.json in {' and '.join(missing)}: settings, inputs and versions "
                    "were not compared. `bluekoi run` writes it.", err=True)  # fmt: skip
     if out is not None:
-        _write(out, found, runs)
+        _write_comparison(out, found, runs)
         click.echo(f"Written: {out / 'comparison.csv'}, {out / 'comparison.png'} and .pdf")
 
 
-def _folder(path: Path) -> Path:
+def _results_folder(path: Path) -> Path:
     """A results folder as such, else that of a study."""
     results = any((path / name).is_file() for name in ("coefficients.json", "mismatch.json"))
     return path if results else results_folder(path, None)
@@ -69,24 +69,24 @@ def table_lines(found: Sequence[Difference], *, everything: bool) -> Iterator[st
         yield f"  {one.name}: {one.first} -> {one.second}{far}{mark}"
 
 
-def _write(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
+def _write_comparison(out: Path, found: Sequence[Difference], runs: Sequence[Run]) -> None:
     """Write the table, and the figure as png and pdf."""
-    from ..comparison import draw  # noqa: PLC0415
+    from ..comparison import comparison_figure  # noqa: PLC0415
     from ..files import atomic_write, write_rows  # noqa: PLC0415
 
     rows = (
-        [d.section, d.name, d.first, d.second, _number(d.difference), _number(d.sigmas)]
+        [d.section, d.name, d.first, d.second, _number_text(d.difference), _number_text(d.sigmas)]
         for d in found
     )
     write_rows(out / "comparison.csv", [COMPARISON_COLUMNS, *rows])
     labels = [run.folder.name or str(run.folder.resolve().name) for run in runs]
     if labels[0] == labels[1]:
         labels = [str(run.folder) for run in runs]
-    figure = draw(runs[0], runs[1], (labels[0], labels[1]))
+    figure = comparison_figure(runs[0], runs[1], (labels[0], labels[1]))
     for suffix in (".png", ".pdf"):
         with atomic_write(out / f"comparison{suffix}") as temporary:
             figure.savefig(temporary, dpi=150)
 
 
-def _number(value: float) -> str:
+def _number_text(value: float) -> str:
     return f"{value:.6g}" if math.isfinite(value) else ""

@@ -52,7 +52,7 @@ def design(
     loaded = load_study(study)
     home = results or Path("results") / study.resolve().name
     fit = load_fitted(home, model=model, study=loaded)
-    further = _further(other)
+    further = _robot_variants(other)
     folder = out or home / "design"
     refuse_study_files(study, (folder / "designs.csv", folder / "designs.png"))
     with progress_notice("trying designs"):
@@ -62,12 +62,16 @@ def design(
     save(designs_figure(found, min_speed_m_s=speed_m_s), folder / "designs.png")
     best = smallest_radius(found, min_speed_m_s=speed_m_s, tested_only=tested_only)
     click.echo(f"{len(found)} designs, {fit.model} model; written: {folder}")
-    click.echo(_answer(best, speed_m_s) if best else _none(found, speed_m_s, tested_only))
+    click.echo(
+        _best_design_text(best, speed_m_s)
+        if best
+        else _no_design_message(found, speed_m_s, tested_only)
+    )
     for sentence in fit.warnings:
         click.echo(f"Warning: {sentence}.", err=True)
 
 
-def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
+def _robot_variants(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
     """Values by key of `--robot KEY=NUMBERS`, which may be repeated."""
     out: dict[str, tuple[float, ...]] = {}
     for text in given:
@@ -79,7 +83,7 @@ def _further(given: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
     return out
 
 
-def _none(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
+def _no_design_message(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
     """Why there is no answer: what the designs can do at most."""
     turns = [
         d for d in found if math.isfinite(d.radius_m[0]) and not (tested_only and d.extrapolated)
@@ -93,7 +97,7 @@ def _none(found: list[Design], speed_m_s: float, tested_only: bool) -> str:
     )
 
 
-def _answer(best: Design, speed_m_s: float) -> str:
+def _best_design_text(best: Design, speed_m_s: float) -> str:
     radius, low, high = best.radius_m
     more = "".join(f", {k} {v:g}" for k, v in best.other.items())
     warning = f" - extrapolated in {' and '.join(best.extrapolated)}" if best.extrapolated else ""

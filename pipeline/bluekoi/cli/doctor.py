@@ -32,19 +32,28 @@ Verdict = tuple[bool, str]
 def doctor(ctx: click.Context) -> None:
     """Check whether this machine has what a run needs, and say how to install what is missing."""
     sound = True
-    for check in (_python, _packages, _shell, _codec, _compiled, _room, _memory, _extras):
+    for check in (
+        _check_python,
+        _check_packages,
+        _check_shell,
+        _check_codec,
+        _check_compilation,
+        _check_disk_space,
+        _check_memory,
+        _check_optional_packages,
+    ):
         for good, text in check():
             click.echo(f"{'ok  ' if good else 'FAIL'} {text}")
             sound = sound and good
     ctx.exit(0 if sound else 1)
 
 
-def _python() -> Iterator[Verdict]:
+def _check_python() -> Iterator[Verdict]:
     found = ".".join(map(str, sys.version_info[:3]))
     yield sys.version_info >= (3, 11), f"Python {found} (3.11 or newer)"
 
 
-def _packages() -> Iterator[Verdict]:
+def _check_packages() -> Iterator[Verdict]:
     from packaging.requirements import Requirement  # noqa: PLC0415
 
     for text in requires("bluekoi") or []:
@@ -60,16 +69,19 @@ def _packages() -> Iterator[Verdict]:
         yield good, f"{wanted.name} {found}" + ("" if good else f": pip install '{wanted}'")
 
 
-def _shell() -> Iterator[Verdict]:
+def _check_shell() -> Iterator[Verdict]:
     found = shutil.which("bash")
     yield found is not None, f"bash {'at ' + found if found else 'is missing: install it'}"
 
 
-def _codec() -> Iterator[Verdict]:
-    yield from (_try("reading and writing H.264", _h264), _try("OpenCV", _opencv))
+def _check_codec() -> Iterator[Verdict]:
+    yield from (
+        _attempt("reading and writing H.264", _encode_h264),
+        _attempt("OpenCV", _check_opencv),
+    )
 
 
-def _try(what: str, work: Callable[[], str]) -> Verdict:
+def _attempt(what: str, work: Callable[[], str]) -> Verdict:
     try:
         return True, f"{what}: {work()}"
     except InputError as found:
@@ -80,24 +92,24 @@ def _try(what: str, work: Callable[[], str]) -> Verdict:
         return False, f"{what}: {error}; reinstall with pip install --force-reinstall"
 
 
-def _h264() -> str:
+def _encode_h264() -> str:
     av = import_module("av")
     av.codec.Codec("libx264", "w")
     av.codec.Codec("h264", "r")
     return f"PyAV {av.__version__}"
 
 
-def _opencv() -> str:
+def _check_opencv() -> str:
     cv2 = import_module("cv2")
     cv2.findHomography  # noqa: B018  gone where another package overwrote cv2
     return str(cv2.__version__)
 
 
-def _compiled() -> Iterator[Verdict]:
-    yield _try("compiling, and a folder to keep what is compiled", _numba)
+def _check_compilation() -> Iterator[Verdict]:
+    yield _attempt("compiling, and a folder to keep what is compiled", _compile_function)
 
 
-def _numba() -> str:
+def _compile_function() -> str:
     """Where compiled models are kept, after a function of ours was compiled and kept."""
     folder = import_module("bluekoi.integrate").kernel_folder()
     with tempfile.TemporaryFile(dir=folder):
@@ -106,7 +118,7 @@ def _numba() -> str:
     return str(folder)
 
 
-def _extras() -> Iterator[Verdict]:
+def _check_optional_packages() -> Iterator[Verdict]:
     for name, (purpose, remedy) in OPTIONAL_PACKAGES.items():
         try:
             yield True, f"{name} {version(name)}, for {purpose}"
@@ -114,7 +126,7 @@ def _extras() -> Iterator[Verdict]:
             yield True, f"without {name}: no {purpose}; {remedy}"
 
 
-def _room() -> Iterator[Verdict]:
+def _check_disk_space() -> Iterator[Verdict]:
     for name, folder in (("here", Path.cwd()), ("temporary files", Path(tempfile.gettempdir()))):
         free = shutil.disk_usage(folder).free / 1e9
         writable = os.access(folder, os.W_OK)
@@ -122,7 +134,7 @@ def _room() -> Iterator[Verdict]:
         yield free >= MIN_FREE_GB and writable, text + ("" if writable else "; not writable")
 
 
-def _memory() -> Iterator[Verdict]:
+def _check_memory() -> Iterator[Verdict]:
     try:
         total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
     except (ValueError, OSError):

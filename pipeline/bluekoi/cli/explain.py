@@ -64,9 +64,9 @@ def explain(
     found = ex.explain(
         given,
         trials,
-        candidates=_names(candidates),
-        without=_names(without) or (),
-        compare=[_names(one) or () for one in sets],
+        candidates=_split_names(candidates),
+        without=_split_names(without) or (),
+        compare=[_split_names(one) or () for one in sets],
         progress=lambda text: None if quiet else click.echo(f"... {text}", err=True),
     )
     predicted = ex.predict(found, further, known_s=known_s) if further else None
@@ -84,7 +84,7 @@ def explain(
     click.echo(f"\nWritten: {folder}")
 
 
-def _names(text: str | None) -> tuple[str, ...] | None:
+def _split_names(text: str | None) -> tuple[str, ...] | None:
     """Names joined by commas; None where none were given."""
     if text is None:
         return None

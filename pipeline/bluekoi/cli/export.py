@@ -53,7 +53,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
     target = out or folder / "export"
     with progress_notice("reading results"):
         campaign = load_campaign(folder, load_study(study))
-    chosen = _chosen(campaign, trials, folder)
+    chosen = _selected_trials(campaign, trials, folder)
     names = ("coefficients.csv", *(f"{name}.nc" for name in chosen))
     refuse_study_files(study, (target / name for name in names))
     if campaign.coefficients:
@@ -65,7 +65,7 @@ def export(study: Path, results: Path | None, out: Path | None, trials: tuple[st
     click.echo(f"{len(chosen)} trials written to {target}")
 
 
-def _chosen(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:
+def _selected_trials(campaign: Campaign, trials: tuple[str, ...], folder: Path) -> list[str]:
     from ..errors import did_you_mean, input_error  # noqa: PLC0415
 
     known = [t.trial_id for t in campaign.study.trials if t.trial_id in campaign.tracks]
@@ -91,25 +91,27 @@ def write_netcdf(campaign: Campaign, trial_id: str, path: Path) -> None:
     from ..files import atomic_write  # noqa: PLC0415
 
     track = campaign.tracks[trial_id]
-    position = _position(campaign, trial_id, track)[..., None]
+    position = _keypoint_positions(campaign, trial_id, track)[..., None]
     names = {"space": ("x", "y"), "keypoint": EXPORTED_PARTS, "individual": (INDIVIDUAL_NAME,)}
     with atomic_write(path) as temporary, netcdf_file(temporary, "w", version=2) as out:
-        for name, value in _attributes(campaign, trial_id).items():
+        for name, value in _dataset_attributes(campaign, trial_id).items():
             setattr(out, name, value)
         out.createDimension("time", len(track.time_s))
         for name, labels in names.items():
             out.createDimension(name, len(labels))
             _write_labels(out, name, labels)
-        _write(out, "time", ("time",), track.time_s)
-        _write(out, "position", ("time", *names), position, "m")
+        _write_variable(out, "time", ("time",), track.time_s)
+        _write_variable(out, "position", ("time", *names), position, "m")
         unknown = np.full((len(position), len(EXPORTED_PARTS), 1), np.nan)
-        _write(out, "confidence", ("time", "keypoint", "individual"), unknown)
+        _write_variable(out, "confidence", ("time", "keypoint", "individual"), unknown)
         for name, unit in EXPORTED_UNITS.items():
             for column in (name, f"{name}_std"):
-                _write(out, column, ("time",), getattr(track, column), unit)
+                _write_variable(out, column, ("time",), getattr(track, column), unit)
 
 
-def _write(out: Any, name: str, dims: tuple[str, ...], values: Float, unit: str = "") -> None:
+def _write_variable(
+    out: Any, name: str, dims: tuple[str, ...], values: Float, unit: str = ""
+) -> None:
     variable = out.createVariable(name, "d", dims)
     variable[:] = values
     if unit:
@@ -127,7 +129,7 @@ def _write_labels(out: Any, name: str, labels: Sequence[str]) -> None:
     variable._Encoding = "utf-8"  # which xarray takes for texts rather than bytes
 
 
-def _attributes(campaign: Campaign, trial_id: str) -> dict[str, str | float]:
+def _dataset_attributes(campaign: Campaign, trial_id: str) -> dict[str, str | float]:
     import numpy as np  # noqa: PLC0415
 
     trial = campaign.study.trial(trial_id)
@@ -145,7 +147,7 @@ def _attributes(campaign: Campaign, trial_id: str) -> dict[str, str | float]:
     }
 
 
-def _position(campaign: Campaign, trial_id: str, track: Track) -> Float:
+def _keypoint_positions(campaign: Campaign, trial_id: str, track: Track) -> Float:
     """Rigid keypoints of the smoothed motion, (frames, 2, parts), m."""
     import numpy as np  # noqa: PLC0415
 
@@ -160,11 +162,11 @@ def _position(campaign: Campaign, trial_id: str, track: Track) -> Float:
 def _write_coefficients(content: Mapping[str, Any], path: Path) -> None:
     from ..files import write_text  # noqa: PLC0415
 
-    lines = ["fit,coefficient,value,std,unit,determined", *_rows(content)]
+    lines = ["fit,coefficient,value,std,unit,determined", *_coefficient_rows(content)]
     write_text(path, "\n".join(lines) + "\n")
 
 
-def _rows(content: Mapping[str, Any]) -> Iterator[str]:
+def _coefficient_rows(content: Mapping[str, Any]) -> Iterator[str]:
     fits = {f"paper_{power}_pct": fit for power, fit in content.get("paper_steps", {}).items()}
     for fit, found in {**fits, "joint": content.get("joint") or {}}.items():
         for name, one in (found.get("coefficients") or {}).items():

@@ -38,12 +38,12 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
         trials_csv,
     )
 
-    folder = _folder(files, study)
+    folder = _study_folder(files, study)
     for name in ("study.yaml", "trials.csv"):
         if (folder / name).exists():
             raise input_error(folder / name, "", "a file that is there already", "none",
                               "Rename it, or edit it by hand: nothing is overwritten.")  # fmt: skip
-    rows = trial_rows(_chosen(folder, files), head_length_m)
+    rows = trial_rows(_selected_files(folder, files), head_length_m)
     if not rows:
         remedy = "Videos: mp4, mov, avi, mkv; keypoints: DeepLabCut's csv or h5."
         raise input_error(folder, "", "no video and no keypoint file", "one or more", remedy)
@@ -60,7 +60,7 @@ def init(files: tuple[Path, ...], study: Path | None, head_length_m: float | Non
     )
 
 
-def _folder(files: tuple[Path, ...], study: Path | None) -> Path:
+def _study_folder(files: tuple[Path, ...], study: Path | None) -> Path:
     """Folder of the study.
 
     Raises: InputError where a file is missing or does not lie in the folder.
@@ -85,7 +85,7 @@ def _folder(files: tuple[Path, ...], study: Path | None) -> Path:
     return folder
 
 
-def _chosen(folder: Path, files: tuple[Path, ...]) -> StudyFiles:
+def _selected_files(folder: Path, files: tuple[Path, ...]) -> StudyFiles:
     """The files that were named, or that lie in folders that were named, and all motor logs."""
     from dataclasses import replace  # noqa: PLC0415
 

@@ -1,4 +1,4 @@
-"""Numbers given at the keyboard: finite ones within a range, single or in rows."""
+"""Parameter types for numbers on the command line: finite, within a range, single or a list."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that a command writes: never in the place of a file of the study."""
+"""Output files of commands: they never replace a file of the study."""
 
 from __future__ import annotations
 

@@ -48,13 +48,15 @@ class StudyName(NonEmptyPath):
 
         folder, _, start = incomplete.rpartition("/")
         try:
-            entries = sorted(os.scandir(folder + "/" if "/" in incomplete else "."), key=_name)
+            entries = sorted(
+                os.scandir(folder + "/" if "/" in incomplete else "."), key=_entry_name
+            )
         except OSError:
             entries = []
         found = [CompletionItem(name, help="study") for name in self.also
                  if name.startswith(incomplete)]  # fmt: skip
         for entry in entries:
-            if entry.name.startswith(start) and _shown(entry, start):
+            if entry.name.startswith(start) and _is_offered(entry, start):
                 path = f"{folder}/{entry.name}" if "/" in incomplete else entry.name
                 study = os.path.isfile(os.path.join(entry.path, "study.yaml"))
                 found.append(CompletionItem(path if study else f"{path}/",
@@ -91,10 +93,10 @@ class TrialName(click.ParamType):
         return [CompletionItem(name) for name in names if name and name.startswith(incomplete)]
 
 
-def _name(entry: os.DirEntry[str]) -> str:
+def _entry_name(entry: os.DirEntry[str]) -> str:
     return entry.name
 
 
-def _shown(entry: os.DirEntry[str], start: str) -> bool:
+def _is_offered(entry: os.DirEntry[str], start: str) -> bool:
     """Whether an entry is a folder, hidden ones only where their dot is typed."""
     return entry.is_dir() and (start.startswith(".") or not entry.name.startswith("."))

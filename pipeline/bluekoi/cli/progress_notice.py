@@ -27,15 +27,15 @@ class Progress:
 
     def line(self, now_s: float) -> str:
         """What is being done and how long it still takes, by the share done, else as usual."""
-        from ..workflow.remaining import duration  # noqa: PLC0415
+        from ..workflow.remaining_time import duration_text  # noqa: PLC0415
 
         spent = now_s - self.since_s
         left = spent * (1 / self.share - 1) if self.share > 0 else self.usual_s - spent
         late = left <= 0 and self.share <= 0
         return f"{self.what}: " + (
-            f"{duration(spent)} so far, longer than usual"
+            f"{duration_text(spent)} so far, longer than usual"
             if late
-            else f"about {duration(left)} left"
+            else f"about {duration_text(left)} left"
         )
 
 

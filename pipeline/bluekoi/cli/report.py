@@ -42,30 +42,32 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
 
     folder = results_folder(study, results)
     found = folder / "mismatch.json"
-    for line in summary(read_json(found)) if found.is_file() else ["No search for causes yet."]:
+    for line in (
+        summary_lines(read_json(found)) if found.is_file() else ["No search for causes yet."]
+    ):
         click.echo(escape_control_characters(line))
     page = folder / "report.html"
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)
         ctx.exit(1)
     click.echo(f"Report: {page}")
-    if shown and not in_browser(page):
+    if shown and not open_in_browser(page):
         click.echo("No browser could be started here; open the file by hand.", err=True)
         ctx.exit(1)
 
 
-def summary(mismatch: Mapping[str, Any]) -> Iterator[str]:
+def summary_lines(mismatch: Mapping[str, Any]) -> Iterator[str]:
     """Lines on the verdict: its sentence, each cause with its numbers, warnings."""
     yield f"Verdict: {mismatch.get('sentence', '')}"
     for cause in mismatch.get("causes") or []:
-        numbers = ", ".join(f"{name} = {_number(cell)}"
+        numbers = ", ".join(f"{name} = {_parameter_text(cell)}"
                             for name, cell in cause.get("parameters", {}).items())  # fmt: skip
         yield f"  {cause['name']} (probability {cause['weight']:.2f}): {numbers}"
     for text in mismatch.get("warnings") or []:
         yield f"Warning: {text}"
 
 
-def _number(cell: Mapping[str, Any]) -> str:
+def _parameter_text(cell: Mapping[str, Any]) -> str:
     unit = "" if cell.get("unit") in (None, "", "1") else f" {cell['unit']}"
     value, std = cell.get("value"), cell.get("std")
     if value is None:
@@ -73,7 +75,7 @@ def _number(cell: Mapping[str, Any]) -> str:
     return f"{value:.4g}{unit}" if std is None else f"{value:.4g} +- {std:.2g}{unit}"
 
 
-def in_browser(page: Path) -> bool:
+def open_in_browser(page: Path) -> bool:
     """Whether a browser of a graphical session could be asked to show the page."""
     graphical = sys.platform != "linux" or any(
         os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")

@@ -1,4 +1,4 @@
-"""`bluekoi run`: the whole way, by Snakemake."""
+"""`bluekoi run`: runs the whole workflow through Snakemake."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import click
 
 from ..errors import EXIT_INTERRUPTED
-from ..workflow.client import COMMAND_VARIABLE
+from ..workflow.forkserver_client import COMMAND_VARIABLE
 from .parameter_types import NonEmptyPath, StudyName
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
@@ -29,11 +29,13 @@ def workflow_folder() -> Path:
     return checkout if (checkout / "Snakefile").is_file() else PACKAGE_FOLDER / "workflow" / "files"
 
 
-def command(study: str, results: Path | None, cores: str, further: tuple[str, ...]) -> list[str]:
+def snakemake_command(
+    study: str, results: Path | None, cores: str, further: tuple[str, ...]
+) -> list[str]:
     """Arguments that start Snakemake on a study."""
     home = workflow_folder()
     values = {"study": study} | ({"results": str(results)} if results else {})
-    keys, rest = _keys(further)
+    keys, rest = _split_config_keys(further)
     return [
         *(
             sys.executable,
@@ -43,15 +45,15 @@ def command(study: str, results: Path | None, cores: str, further: tuple[str, ..
             "--snakefile",
             str(home / "Snakefile"),
         ),
-        *("--workflow-profile", "none", *_profile(home)),
+        *("--workflow-profile", "none", *_default_profile_options(home)),
         *("--cores", cores, "--config"),
-        *(f"{key}={_as_text(value)}" for key, value in values.items()),
+        *(f"{key}={_quoted_for_config(value)}" for key, value in values.items()),
         *keys,
         *rest,
     ]
 
 
-def _as_text(value: str) -> str:
+def _quoted_for_config(value: str) -> str:
     """A value that Snakemake reads as this very text, even where it looks like a number or a list.
 
     It strips quotes at the ends and reads the rest as yaml; the spaces keep the quotes.
@@ -59,7 +61,7 @@ def _as_text(value: str) -> str:
     return f" {json.dumps(value, ensure_ascii=False)} "
 
 
-def _profile(home: Path) -> list[str]:
+def _default_profile_options(home: Path) -> list[str]:
     """Options of the default profile; Snakemake announces a profile that it reads itself."""
     import yaml  # noqa: PLC0415
 
@@ -68,7 +70,7 @@ def _profile(home: Path) -> list[str]:
     return [w for key, value in given.items() for w in (f"--{key}", str(value)) if w != "True"]
 
 
-def _keys(further: tuple[str, ...]) -> tuple[list[str], list[str]]:
+def _split_config_keys(further: tuple[str, ...]) -> tuple[list[str], list[str]]:
     """Configuration keys among the further options, and the others.
 
     Snakemake takes the last `--config` alone, which would make it forget the study.
@@ -110,22 +112,26 @@ def run(
     FURTHER options go to Snakemake as they stand, after `--`.
     """
     os.environ[COMMAND_VARIABLE] = shlex.join(["bluekoi", *sys.argv[1:]])
-    returned = _returned(command(study, results, cores, further))
-    folder = _folder(study, results, further)
+    returned = _run_process(snakemake_command(study, results, cores, further))
+    folder = _requested_results_folder(study, results, further)
     dry = {"-n", "--dry-run", "--dryrun"} & set(further)
-    if returned == 0 and not dry and (bad := _went_wrong(folder, study)):
+    if returned == 0 and not dry and (bad := _failed_trial_lines(folder, study)):
         click.echo("\n".join(bad), err=True)
         ctx.exit(EXIT_SOME_TRIALS_FAILED)
     ctx.exit(_exit_code(returned, folder))
 
 
-def _folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
+def _requested_results_folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
     """Where the results are, given as an option, as a key of Snakemake's or not at all."""
-    named = [key.partition("=")[2] for key in _keys(further)[0] if key.startswith("results=")]
+    named = [
+        key.partition("=")[2]
+        for key in _split_config_keys(further)[0]
+        if key.startswith("results=")
+    ]
     return Path(named[-1]) if named else results or Path("results") / Path(study).resolve().name
 
 
-def _returned(words: list[str]) -> int:
+def _run_process(words: list[str]) -> int:
     """Exit code of a command, 130 where it was interrupted, 143 where it was asked to terminate.
 
     Ctrl-C reaches Snakemake and its jobs as well; they are waited for, not killed. A request to
@@ -154,20 +160,20 @@ def _returned(words: list[str]) -> int:
             signal.signal(signal.SIGTERM, before)
 
 
-def _went_wrong(results: Path, study: str) -> list[str]:
+def _failed_trial_lines(results: Path, study: str) -> list[str]:
     """A line for each bad trial of a run that ended before its last stage (`-- --until STAGE`)."""
     from ..files import read_json  # noqa: PLC0415
-    from ..stages.failure import failure_reason  # noqa: PLC0415
+    from ..stages.trial_failure import failure_reason  # noqa: PLC0415
 
     found = {p.stem: p for folder in ("status/keypoints", "status")
              for p in sorted((results / folder).glob("*.json"))}  # fmt: skip
     complaints = {name: failure_reason(read_json(path)) for name, path in found.items()}
     bad = {name: text for name, text in sorted(complaints.items()) if text}
-    known = _trials(study) if bad else set()
+    known = _study_trial_ids(study) if bad else set()
     return [f"{name}: {text}" for name, text in bad.items() if not known or name in known]
 
 
-def _trials(study: str) -> set[str]:
+def _study_trial_ids(study: str) -> set[str]:
     """Ids of the trials of a study; none of the demo, all of whose trials are known."""
     from ..study import load_study  # noqa: PLC0415
 

@@ -55,12 +55,12 @@ def simulate(
 
     commanded = {"--flap-hz": flap_hz, "--power-pct": power_pct,
                  "--head-angle-deg": head_angle_deg, "--manoeuvre": manoeuvre}  # fmt: skip
-    _refuse_idle(schedule, commanded, results, model)
-    _refuse_targets(schedule, out, picture)
+    _refuse_unused_options(schedule, commanded, results, model)
+    _refuse_conflicting_outputs(schedule, out, picture)
     refuse_study_files(study, (out, picture))
     loaded = load_study(study)
     with progress_notice("reading the model"):
-        setup, fit = loaded.setup, _fit(results, model, loaded)
+        setup, fit = loaded.setup, _load_fit(results, model, loaded)
     length, angle = head_length_m or setup.robot.head_length_m, math.radians(head_angle_deg or 0.0)
     if schedule is not None:
         from ..design_space import read_schedule  # noqa: PLC0415
@@ -68,20 +68,20 @@ def simulate(
         commands = read_schedule(schedule, fit.at_power)
         lasts = seconds or max(10.0, float(commands.time_s[-1]))
     else:
-        hz, lasts = _frequency(flap_hz, power_pct, fit), seconds or 10.0
-        commands = _made(manoeuvre, hz, angle, lasts)
+        hz, lasts = _flapping_frequency(flap_hz, power_pct, fit), seconds or 10.0
+        commands = _make_manoeuvre(manoeuvre, hz, angle, lasts)
         if manoeuvre is None:
             _print_steady(fit, setup, length, hz, angle)
     with progress_notice("simulating (the first time on a machine the model is compiled)"):
-        run = _run(fit, setup, length, commands, lasts)
+        run = _simulate_path(fit, setup, length, commands, lasts)
     if schedule is not None or manoeuvre is not None:
         _print_path(run)
-    _save(run, commands, setup, length, out=out, picture=picture)
+    _save_path(run, commands, setup, length, out=out, picture=picture)
     for sentence in _warnings(fit, run, commands, power_pct):
         click.echo(f"Warning: {sentence}.", err=True)
 
 
-def _refuse_idle(
+def _refuse_unused_options(
     schedule: Path | None, commanded: Mapping[str, object], results: Path | None, model: str | None
 ) -> None:
     """Options that would have no effect are not taken in silence."""
@@ -92,7 +92,9 @@ def _refuse_idle(
         raise click.UsageError("--model chooses between the fits of --results: give both")
 
 
-def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | None) -> None:
+def _refuse_conflicting_outputs(
+    schedule: Path | None, out: Path | None, picture: Path | None
+) -> None:
     """Before anything is written: a picture's format, and files that would replace one another."""
     if picture is not None and picture.suffix.lower() not in PICTURE_SUFFIXES:
         raise click.UsageError(
@@ -103,12 +105,12 @@ def _refuse_targets(schedule: Path | None, out: Path | None, picture: Path | Non
         raise click.UsageError("--schedule, --out and --picture must be different files")
 
 
-def _save(
+def _save_path(
     run: Simulation, commands: Schedule, setup: Setup, length: float, *, out: Path | None,
     picture: Path | None,
 ) -> None:  # fmt: skip
     if out is not None:
-        _write(out, run, commands)
+        _write_path_csv(out, run, commands)
         click.echo(f"Written: {out}")
     if picture is not None:
         from ..design_space.picture import path_figure, save  # noqa: PLC0415
@@ -137,7 +139,7 @@ def _warnings(
     return out
 
 
-def _fit(results: Path | None, model: str | None, study: Study) -> Fitted:
+def _load_fit(results: Path | None, model: str | None, study: Study) -> Fitted:
     from ..design_space import Fitted, load_fitted  # noqa: PLC0415
     from ..model import FLAP_HZ, TABLE_1, plates  # noqa: PLC0415
 
@@ -147,13 +149,13 @@ def _fit(results: Path | None, model: str | None, study: Study) -> Fitted:
     return Fitted(plates().values(TABLE_1[100])[None], hz, "Table I at 100 %")
 
 
-def _frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:
+def _flapping_frequency(flap_hz: float | None, power_pct: float | None, fit: Fitted) -> float:
     if (flap_hz is None) == (power_pct is None):
         raise click.UsageError("give --flap-hz or --power-pct, one of them (or --schedule)")
     return fit.at_power(power_pct) if power_pct is not None else float(flap_hz or 0.0)
 
 
-def _made(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) -> Schedule:
+def _make_manoeuvre(manoeuvre: str | None, hz: float, angle_rad: float, seconds: float) -> Schedule:
     import numpy as np  # noqa: PLC0415
 
     from ..design_space import MANOEUVRES, Schedule  # noqa: PLC0415
@@ -176,7 +178,7 @@ def _print_steady(fit: Fitted, setup: Setup, length: float, hz: float, angle_rad
     click.echo(settled if math.isfinite(speed) else "it does not settle within half a minute")
 
 
-def _run(
+def _simulate_path(
     fit: Fitted, setup: Setup, length: float, commands: Schedule, seconds: float
 ) -> Simulation:
     import numpy as np  # noqa: PLC0415
@@ -201,7 +203,7 @@ def _print_path(run: Simulation) -> None:
     )
 
 
-def _write(out: Path, run: Simulation, commands: Schedule) -> None:
+def _write_path_csv(out: Path, run: Simulation, commands: Schedule) -> None:
     import numpy as np  # noqa: PLC0415
 
     from ..data import write_columns  # noqa: PLC0415

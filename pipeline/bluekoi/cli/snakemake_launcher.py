@@ -1,4 +1,4 @@
-"""Snakemake as `bluekoi run` starts it: Ctrl-C ends it in one line, whatever it is at.
+"""Starts Snakemake for `bluekoi run`; Ctrl-C ends it at any time with one line.
 
 By itself it shows tracebacks when it is interrupted while it plans or closes an event loop, from
 its log, from its threads and from objects that it deletes. Here all of them are off from the moment
@@ -58,7 +58,7 @@ def main() -> None:
     Raises SystemExit as Snakemake does, with 130 where it was interrupted before all was done.
     """
     interruption = Interruption()
-    logging.getLogger("snakemake.logging").addFilter(_is_no_announcement)
+    logging.getLogger("snakemake.logging").addFilter(_is_not_profile_notice)
     sys.modules.setdefault("pandas", None)  # type: ignore[arg-type]
     try:
         from snakemake.cli import main as snakemake  # noqa: PLC0415
@@ -74,7 +74,7 @@ def main() -> None:
         raise SystemExit(EXIT_INTERRUPTED) from None
 
 
-def _is_no_announcement(record: logging.LogRecord) -> bool:
+def _is_not_profile_notice(record: logging.LogRecord) -> bool:
     """Whether a record is more than Snakemake's remark on its configuration file."""
     return not record.getMessage().startswith("Config file")
 

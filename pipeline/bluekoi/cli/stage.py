@@ -1,4 +1,4 @@
-"""`bluekoi stage`: what a rule of the Snakefile calls; one stage, for one trial or figure."""
+"""`bluekoi stage`: runs one stage for one trial or figure; the rules of the Snakefile call it."""
 
 from __future__ import annotations
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import click
 
 from .parameter_types import NonEmptyPath, StudyName
-from .run import check_cores, command
+from .run import check_cores, snakemake_command
 
 ERROR_MESSAGE = "Some of it could not be analysed: see the terminal."
-State = dict[str, tuple[int, int]]
+FileStates = dict[str, tuple[int, int]]
 UNCHANGED_S = 3.0
 """A file that has not changed for so long is whole: a copy from a card writes all the time."""
 
@@ -66,16 +66,18 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     page, script = folder / "watch.html", folder / "watch.js"
     write_text(page, WATCH_PAGE)
     click.echo(f"Watching {study}; the report: {page}. Ctrl-C ends it.")
-    seen: State | None = None
+    seen: FileStates | None = None
     count = 0
     try:
         while not over.is_set():
-            now = state_of_study(study, folder)
-            if now != seen and is_unchanged(now, study, folder, over):
-                write_text(script, _state(count, "Analysing."))
-                code = analyse(command(str(study), results, cores, ()), over)
+            now = study_file_states(study, folder)
+            if now != seen and remains_unchanged(now, study, folder, over):
+                write_text(script, _status_json(count, "Analysing."))
+                code = run_analysis(snakemake_command(str(study), results, cores, ()), over)
                 seen, count = now, count + 1
-                write_text(script, _state(count, "Up to date." if code == 0 else ERROR_MESSAGE))
+                write_text(
+                    script, _status_json(count, "Up to date." if code == 0 else ERROR_MESSAGE)
+                )
             over.wait(every_s)
     finally:
         for path in (page, script):
@@ -85,11 +87,11 @@ def watch(study: Path, results: Path | None, cores: str, every_s: float) -> None
     click.echo("Watching ended. What is done is kept.")
 
 
-def _state(count: int, text: str) -> str:
+def _status_json(count: int, text: str) -> str:
     return f"update({{count: {count}, text: {text!r}}});\n"
 
 
-def state_of_study(study: Path, results: Path) -> State:
+def study_file_states(study: Path, results: Path) -> FileStates:
     """Size and date of each file of a study, by path, without results inside its folder."""
     own, found = results.resolve(), {}
     for path in sorted(study.rglob("*")):
@@ -104,12 +106,12 @@ def state_of_study(study: Path, results: Path) -> State:
     return found
 
 
-def is_unchanged(now: State, study: Path, results: Path, over: threading.Event) -> bool:
+def remains_unchanged(now: FileStates, study: Path, results: Path, over: threading.Event) -> bool:
     """Whether nothing in the study changes for `UNCHANGED_S`."""
-    return not over.wait(UNCHANGED_S) and state_of_study(study, results) == now
+    return not over.wait(UNCHANGED_S) and study_file_states(study, results) == now
 
 
-def analyse(words: list[str], over: threading.Event) -> int:
+def run_analysis(words: list[str], over: threading.Event) -> int:
     """Exit code of one run, ended as soon as its jobs allow when `over` is set."""
     # A session of its own: Ctrl-C comes to this process alone, which ends the run in order.
     with subprocess.Popen(words, start_new_session=True) as run:  # noqa: S603

@@ -1,10 +1,10 @@
 """Two runs side by side: coefficients, causes, errors, settings, inputs and versions.
 
 differences    what differs, from the files of two results folders
-picture        figure of the numbers that do
+figure         figure of the numbers that differ
 """
 
 from .differences import Difference, Run, compare, read_run
-from .picture import draw
+from .figure import comparison_figure
 
-__all__ = ["Difference", "Run", "compare", "draw", "read_run"]
+__all__ = ["Difference", "Run", "compare", "comparison_figure", "read_run"]

@@ -75,21 +75,21 @@ def compare(first: Run, second: Run) -> list[Difference]:
     """
     both = bool(first.manifest and second.manifest)
     return [
-        Difference("verdict", "verdict", _verdict(first), _verdict(second)),
-        *_causes(first, second),
-        *_coefficients(first, second),
-        *_errors(first, second),
-        *_trials(first, second),
-        *(_settings(first, second) if both else ()),
-        *(_inputs(first, second) if both else ()),
+        Difference("verdict", "verdict", _verdict_differences(first), _verdict_differences(second)),
+        *_cause_differences(first, second),
+        *_coefficient_differences(first, second),
+        *_error_differences(first, second),
+        *_trial_differences(first, second),
+        *(_setting_differences(first, second) if both else ()),
+        *(_input_differences(first, second) if both else ()),
     ]
 
 
-def _verdict(run: Run) -> str:
+def _verdict_differences(run: Run) -> str:
     return str(run.mismatch.get("verdict", MISSING_TEXT))
 
 
-def _causes(first: Run, second: Run) -> Iterator[Difference]:
+def _cause_differences(first: Run, second: Run) -> Iterator[Difference]:
     """Probabilities of the causes, and the numbers of those that are named in both."""
     chances = [dict(run.mismatch.get("probabilities") or {}) for run in (first, second)]
     for name in sorted(chances[0].keys() | chances[1].keys()):
@@ -101,15 +101,17 @@ def _causes(first: Run, second: Run) -> Iterator[Difference]:
     for name in sorted(named[0].keys() | named[1].keys()):
         cells = [causes.get(name, {}) for causes in named]
         for key in sorted(cells[0].keys() | cells[1].keys()):
-            yield numbers("parameter of cause", f"{name}.{key}", *(c.get(key) for c in cells))
+            yield number_difference(
+                "parameter of cause", f"{name}.{key}", *(c.get(key) for c in cells)
+            )
 
 
-def _coefficients(first: Run, second: Run) -> Iterator[Difference]:
+def _coefficient_differences(first: Run, second: Run) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.joint, *second.joint]):
-        yield numbers("coefficient", name, first.joint.get(name), second.joint.get(name))
+        yield number_difference("coefficient", name, first.joint.get(name), second.joint.get(name))
 
 
-def numbers(
+def number_difference(
     section: str, name: str, a: Mapping[str, Any] | None, b: Mapping[str, Any] | None
 ) -> Difference:
     """Difference of two cells with `value`, `std` and `unit`; either may be missing."""
@@ -118,10 +120,10 @@ def numbers(
     stds = [math.nan if c is None or c.get("std") is None else float(c["std"]) for c in (a, b)]
     apart, both = values[1] - values[0], math.hypot(*stds)
     sigmas = apart / both if both > 0 else math.nan
-    return Difference(section, name, _text(a), _text(b), apart, sigmas)
+    return Difference(section, name, _cell_text(a), _cell_text(b), apart, sigmas)
 
 
-def _text(cell: Mapping[str, Any] | None) -> str:
+def _cell_text(cell: Mapping[str, Any] | None) -> str:
     if cell is None or cell.get("value") is None:
         return MISSING_TEXT
     unit = "" if cell.get("unit") in (None, "", "1") else f" {cell['unit']}"
@@ -129,34 +131,44 @@ def _text(cell: Mapping[str, Any] | None) -> str:
     return f"{cell['value']:.4g}{std}{unit}"
 
 
-def _errors(first: Run, second: Run) -> Iterator[Difference]:
+def _error_differences(first: Run, second: Run) -> Iterator[Difference]:
     held = [run.mismatch.get("held_out") or {} for run in (first, second)]
     for model in ("baseline", "extended"):
         for key, unit, factor in (("path_rmse_m", "mm", 1e3), ("radius_error_pct", "%", 1.0),
                                   ("speed_error_pct", "%", 1.0)):  # fmt: skip
-            cells = [_cell((h.get(model) or {}).get(key), factor, unit) for h in held]
-            yield numbers("error on held-out trials", f"{model} {key.rpartition('_')[0]}", *cells)
-    floor = [_cell(h.get("noise_floor_path_rmse_m"), 1e3, "mm") for h in held]
-    yield numbers("error on held-out trials", "noise floor path_rmse", *floor)
+            cells = [_as_cell((h.get(model) or {}).get(key), factor, unit) for h in held]
+            yield number_difference(
+                "error on held-out trials", f"{model} {key.rpartition('_')[0]}", *cells
+            )
+    floor = [_as_cell(h.get("noise_floor_path_rmse_m"), 1e3, "mm") for h in held]
+    yield number_difference("error on held-out trials", "noise floor path_rmse", *floor)
 
 
-def _cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
+def _as_cell(value: float | None, factor: float, unit: str) -> dict[str, Any]:
     return {"value": None if value is None else factor * value, "unit": unit}
 
 
-def _trials(first: Run, second: Run) -> Iterator[Difference]:
+def _trial_differences(first: Run, second: Run) -> Iterator[Difference]:
     for name in dict.fromkeys([*first.steady, *second.steady]):
         rows = [run.steady.get(name) for run in (first, second)]
-        cells = [None if r is None else {"value": _finite(r.speed_m_s), "std": _finite(
-            r.speed_std_m_s), "unit": "m/s"} for r in rows]  # fmt: skip
-        yield numbers("steady speed", name, *cells)
+        cells = [
+            None
+            if r is None
+            else {
+                "value": _finite_or_none(r.speed_m_s),
+                "std": _finite_or_none(r.speed_std_m_s),
+                "unit": "m/s",
+            }
+            for r in rows
+        ]
+        yield number_difference("steady speed", name, *cells)
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _settings(first: Run, second: Run) -> Iterator[Difference]:
+def _setting_differences(first: Run, second: Run) -> Iterator[Difference]:
     for section, key in (("study.yaml", "study"), ("trials.csv", "trials"),
                          ("setting", "settings"), ("version", "versions")):  # fmt: skip
         a, b = ({name: MISSING_TEXT if value in (None, {}, []) else str(value)
@@ -173,7 +185,7 @@ def _settings(first: Run, second: Run) -> Iterator[Difference]:
         )
 
 
-def _inputs(first: Run, second: Run) -> Iterator[Difference]:
+def _input_differences(first: Run, second: Run) -> Iterator[Difference]:
     """Input files that differ, by the start of their hash."""
     files = [dict(run.manifest.get("inputs") or {}) for run in (first, second)]
     for name in sorted(files[0].keys() | files[1].keys()):

@@ -14,32 +14,32 @@ naming      what is named, and what may act in its place
 """
 
 from .candidates import Candidate, Priors, candidates_of
-from .expansion import Expansion, expanded
-from .naming import Named, best_set, named_causes
+from .expansion import Expansion, expand_about
+from .naming import NamedCause, best_set, named_causes
 from .posterior import Posterior, posterior
 from .problem import Problem
-from .refit import FittedSet, fitted, own_noise, unconstrained, without_discrepancy
-from .scored import Scored
-from .search import Visited, search
+from .refit import FittedSet, fit_own_noise, fit_set, off_bounds_mask, without_discrepancy
+from .search import FittedSets, search_sets
+from .set_score import ScoredSet
 
 __all__ = [
     "Candidate",
     "Expansion",
     "FittedSet",
-    "Named",
+    "FittedSets",
+    "NamedCause",
     "Posterior",
     "Priors",
     "Problem",
-    "Scored",
-    "Visited",
+    "ScoredSet",
     "best_set",
     "candidates_of",
-    "expanded",
-    "fitted",
+    "expand_about",
+    "fit_own_noise",
+    "fit_set",
     "named_causes",
-    "own_noise",
+    "off_bounds_mask",
     "posterior",
-    "search",
-    "unconstrained",
+    "search_sets",
     "without_discrepancy",
 ]

@@ -79,20 +79,20 @@ def candidates_of(
     for effect in effects:
         if effect.kind != RESIDUAL:
             prior = (priors.likely or {}).get(effect.name, priors.cause)
-            strengths, forms = _numbers(effect)
+            strengths, forms = _strengths_and_forms(effect)
             out.append(Candidate(effect.name, effect.kind, strengths, forms, prior,
                                  sources_of(effect)))  # fmt: skip
     return tuple(out)
 
 
-def _numbers(effect: Effect) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
+def _strengths_and_forms(effect: Effect) -> tuple[tuple[Free, ...], tuple[Free, ...]]:
     labels = [Free(f"{effect.name}.{p.name}") for p in effect.parameters]
     return tuple(labels[: effect.strengths]), tuple(labels[effect.strengths :])
 
 
 def _residual_candidates(effect: Effect, terms: Mapping[str, Sources]) -> list[Candidate]:
     """Candidates of a residual effect; their prior is set by how many there are."""
-    strengths, forms = _numbers(effect)
+    strengths, forms = _strengths_and_forms(effect)
     if forms or len(strengths) == 1:
         return [Candidate(effect.name, RESIDUAL, strengths, forms, 0.0, sources_of(effect))]
     return [Candidate(s.name, RESIDUAL, (s,), (), 0.0, terms.get(s.name, sources_of(effect)))
@@ -104,27 +104,27 @@ def sources_of(effect: Effect) -> Sources:
     return frozenset((c, v) for c in effect.channels for v in effect.variables)
 
 
-def parameter(system: System, free: Free) -> Parameter:
+def parameter_of(system: System, free: Free) -> Parameter:
     """The parameter that a free number is a value of."""
     return system.parameters[system.slot[free.name]]
 
 
 def strength_step(system: System, free: Free) -> float:
     """Size of the difference by which a strength is varied about 0."""
-    p = parameter(system, free)
+    p = parameter_of(system, free)
     return 1e-3 * max(abs(p.start), 0.01 * (p.upper - p.lower))
 
 
 def form_precision(system: System, forms: Sequence[Free]) -> Float:
     """Prior precision (forms,) of functional forms, uniform ones as wide as their bounds."""
-    rows = [parameter(system, f) for f in forms]
+    rows = [parameter_of(system, f) for f in forms]
     uniform = [(p.upper - p.lower) / np.sqrt(12.0) for p in rows]
     return np.array([min(p.spread, u) ** -2.0 for p, u in zip(rows, uniform, strict=True)])
 
 
-def is_signed(system: System, candidate: Candidate) -> bool:
+def has_single_sign(system: System, candidate: Candidate) -> bool:
     """Whether the strength has one possible sign."""
     if len(candidate.strengths) != 1:
         return False
-    p = parameter(system, candidate.strengths[0])
+    p = parameter_of(system, candidate.strengths[0])
     return p.lower >= 0.0 or p.upper <= 0.0

@@ -2,7 +2,7 @@
 
 The numbers of a set are its coefficients b (flat prior, profiled), the strengths s_k of its causes,
 their functional forms f ~ N(leading form, spread^2), and a discrepancy d ~ N(0, tau^2): residual
-terms in the channels of one of its causes (`columns.KAPPA`). With gradient g and
+terms in the channels of one of its causes (`set_columns.DISCREPANCY_SHARE`). With gradient g and
 information H of the likelihood, prior precision P and G the Schur complement of H + P that is left
 when b is profiled,
 
@@ -23,22 +23,24 @@ import numpy as np
 from scipy.special import gammaln, log_ndtr
 
 from ..data import Float
-from .columns import Layout
 from .expansion import Expansion
 from .problem import Problem
+from .set_columns import Layout
 
 RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
-ABSENT = -50.0  # log probability of what cannot be; finite, so that differences are defined
+LOG_PROBABILITY_OF_IMPOSSIBLE = (
+    -50.0
+)  # log probability of what cannot be; finite, so that differences are defined
 
 
 def log_evidence(expansion: Expansion, lay: Layout) -> float:
     """Log m(S) of a set."""
     H = expansion.hessian.sum(axis=0)[np.ix_(lay.columns, lay.columns)]
     g = expansion.gradient.sum(axis=0)[lay.columns]
-    return float(expansion.log_likelihood.sum()) + laplace(H, g, lay)
+    return float(expansion.log_likelihood.sum()) + laplace_evidence(H, g, lay)
 
 
-def laplace(H: Float, g: Float, lay: Layout) -> float:
+def laplace_evidence(H: Float, g: Float, lay: Layout) -> float:
     """What the numbers of a set add to the log likelihood: best step, Occam factor and priors.
 
     H (p, p), g (p,): information and gradient of the likelihood in the columns of the layout.
@@ -72,7 +74,7 @@ def laplace(H: Float, g: Float, lay: Layout) -> float:
 
 
 def _strength_prior(cause: str, cov: Float, rest: np.ndarray, step: Float, lay: Layout) -> float:
-    """Log p(s) + k/2 log 2 pi of a cause's strengths at their best values; see `laplace`.
+    """Log p(s) + k/2 log 2 pi of a cause's strengths at their best values; see `laplace_evidence`.
 
     A strength that is held at 0 makes the cause absent: e^-50, for no set is named for it. One that
     is held at another bound counts by its prior density over its plausible magnitude.
@@ -81,17 +83,21 @@ def _strength_prior(cause: str, cov: Float, rest: np.ndarray, step: Float, lay: 
     free = np.isin(block, rest)
     if not free.any():
         held, widths = lay.at[block], lay.sizes[cause]
-        return ABSENT if not held.any() else _cauchy(held, widths) + float(np.log(widths).sum())
+        return (
+            LOG_PROBABILITY_OF_IMPOSSIBLE
+            if not held.any()
+            else _log_cauchy(held, widths) + float(np.log(widths).sum())
+        )
     own, sizes = block[free], lay.sizes[cause][free]
     k, values = len(own), lay.at[own] + step[own]
     side = 0.0
     if lay.signed[cause]:
         at = int(np.flatnonzero(rest == own[0])[0])
         side = np.log(2.0) + float(log_ndtr(values[0] / np.sqrt(cov[at, at])))
-    return _cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side
+    return _log_cauchy(values, sizes) + 0.5 * k * float(np.log(2.0 * np.pi)) + side
 
 
-def _cauchy(values: Float, sizes: Float) -> float:
+def _log_cauchy(values: Float, sizes: Float) -> float:
     """Log density of the Cauchy distribution (k,) with these widths."""
     k = len(values)
     return float(

@@ -25,10 +25,10 @@ from ..fitting.normal import (
 from ..fitting.predictions import ParameterChange, whitened_products
 from ..fitting.side_measurements import side_measurement_terms
 from ..integrate import System
-from .candidates import Candidate, parameter, strength_step
+from .candidates import Candidate, parameter_of, strength_step
 from .forces import forces_in_set
 from .problem import Problem
-from .refit import FittedSet, start_of
+from .refit import FittedSet, start_values
 
 
 @dataclass(frozen=True)
@@ -57,12 +57,12 @@ class Expansion:
         return bool(np.isfinite(self.hessian).all() and np.isfinite(self.gradient).all())
 
 
-def expanded(
+def expand_about(
     problem: Problem, model: FittedSet, candidates: Sequence[Candidate] | None = None
 ) -> Expansion:
     """`Expansion` about a fitted set, in its own numbers and those of `candidates` (all others)."""
     kernel, system = problem.kernel, problem.kernel.system
-    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
     local = replace(problem, base=base)
     points = local.points(model.fit.free, model.fit.values)
     every = np.ones(len(points), dtype=bool)
@@ -80,7 +80,7 @@ def expanded(
         if candidate.name in model.causes:
             continue
         for values in _forms_to_try(system, candidate):
-            offsets = {system.slot[n]: v - parameter(system, Free(n)).start
+            offsets = {system.slot[n]: v - parameter_of(system, Free(n)).start
                        for n, v in values.items()}  # fmt: skip
             first = len(changes)
             for free in candidate.strengths:
@@ -98,14 +98,14 @@ def expanded(
                                                 {system.slot[form.name]: offset}))  # fmt: skip
                 frees.append(candidate.strengths[0])
             forms[candidate.name] = tuple(range(first, len(changes)))
-    normal = _products(problem, model, points, changes, frees)
+    normal = _trial_products(problem, model, points, changes, frees)
     hessian, gradient = _form_differences(normal.hessian, normal.gradient, strengths, forms)
     whole = Expansion(model, hessian, gradient, normal.log_likelihood, own_columns, strengths,
                       forms, forces=forces_in_set(problem, model))  # fmt: skip
     return _likeliest_forms(whole, tried)
 
 
-def _products(
+def _trial_products(
     problem: Problem, model: FittedSet, points: Sequence[Float], changes: Sequence[ParameterChange],
     frees: Sequence[Free],
 ) -> Normal:  # fmt: skip
@@ -133,7 +133,7 @@ def _forms_to_try(system: System, candidate: Candidate) -> list[dict[str, float]
     """Forms (label -> value) from which a candidate may begin: the leading one, and, of a residual
     term with a form of its own, its tries.
     """
-    rows = [(f.label, parameter(system, f)) for f in candidate.forms]
+    rows = [(f.label, parameter_of(system, f)) for f in candidate.forms]
     tries = [(label, p.tries) for label, p in rows if p.tries]
     if not candidate.is_residual or not tries:
         return [{}]
@@ -154,7 +154,7 @@ def _likeliest_forms(
     unused: set[int] = set()
     for name, forms in tried.items():
         if len(forms) > 1:
-            form, best = max(forms, key=lambda f: _gain(H, g, own, list(f[1])))
+            form, best = max(forms, key=lambda f: _misfit_reduction(H, g, own, list(f[1])))
             strengths[name], starts[name] = best, form
             unused |= {i for _, columns in forms for i in columns} - set(best)
     keep = [i for i in range(len(g)) if i not in unused]
@@ -163,7 +163,7 @@ def _likeliest_forms(
     def moved(columns: Mapping[str, tuple[int, ...]]) -> dict[str, tuple[int, ...]]:
         return {name: tuple(place[i] for i in own) for name, own in columns.items()}
 
-    return replace(whole, hessian=sub(whole.hessian, keep), gradient=whole.gradient[:, keep],
+    return replace(whole, hessian=submatrix(whole.hessian, keep), gradient=whole.gradient[:, keep],
                    strengths=moved(strengths), forms=moved(whole.forms), starts=starts)  # fmt: skip
 
 
@@ -174,19 +174,19 @@ def likely_strengths(problem: Problem, expansion: Expansion, cause: str) -> dict
     strengths = problem.by_name[cause].strengths
     columns = [*expansion.own, *expansion.strengths[cause]]
     step = _newton_step(expansion.hessian.sum(axis=0), expansion.gradient.sum(axis=0), columns)
-    rows = [parameter(problem.kernel.system, f) for f in strengths]
+    rows = [parameter_of(problem.kernel.system, f) for f in strengths]
     return {f.label: float(value)
             for f, p, value in zip(strengths, rows, step[len(expansion.own) :], strict=True)
             if p.lower < value < p.upper and value != 0}  # fmt: skip
 
 
-def _gain(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
+def _misfit_reduction(H: Float, g: Float, own: list[int], columns: list[int]) -> float:
     """Fall of the misfit by the columns when the set's own numbers are fitted with them."""
     both = [*own, *columns]
-    return float(_fall(H, g, both) - _fall(H, g, own))
+    return float(_quadratic_reduction(H, g, both) - _quadratic_reduction(H, g, own))
 
 
-def _fall(H: Float, g: Float, columns: list[int]) -> float:
+def _quadratic_reduction(H: Float, g: Float, columns: list[int]) -> float:
     return 0.5 * float(g[columns] @ _newton_step(H, g, columns))
 
 
@@ -208,7 +208,7 @@ def _strength_change(
 
 def _form_offset(system: System, form: Free) -> float:
     """One prior standard deviation of a form, towards the farther bound and within it."""
-    p = parameter(system, form)
+    p = parameter_of(system, form)
     size = min(p.spread, (p.upper - p.lower) / np.sqrt(12.0))
     up = p.upper - p.start >= p.start - p.lower
     return float(min(size, p.upper - p.start) if up else -min(size, p.start - p.lower))
@@ -230,7 +230,7 @@ def _form_differences(
     return hessian, gradient
 
 
-def sub(hessian: Float, columns: Sequence[int]) -> Float:
+def submatrix(hessian: Float, columns: Sequence[int]) -> Float:
     """Rows and columns (..., k, k) of a matrix."""
     index = np.asarray(columns)
     return hessian[..., index[:, None], index]

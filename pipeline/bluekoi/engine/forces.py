@@ -11,7 +11,7 @@ from ..fitting import Free, rms_forces
 from ..integrate import System
 from .candidates import Candidate, strength_step
 from .problem import Problem
-from .refit import FittedSet, start_of
+from .refit import FittedSet, start_values
 
 
 def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
@@ -23,11 +23,11 @@ def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
              and any(problem.covers(c, term) for c in causes) for f in term.strengths]  # fmt: skip
     if not terms:
         return {}
-    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
+    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
     points = replace(problem, base=base).points(model.fit.free, model.fit.values)
     steps = [strength_step(system, f) for f in terms]
-    changes = [[_without(system, v, c) for v in points] for c in causes]
-    changes += [[_added(system, v, f, h) for v in points]
+    changes = [[_values_without_cause(system, v, c) for v in points] for c in causes]
+    changes += [[_values_with_strength(system, v, f, h) for v in points]
                 for f, h in zip(terms, steps, strict=True)]  # fmt: skip
     found = rms_forces(problem.kernel, model.passes, points, changes, model.noise)
     own = dict(zip((c.name for c in causes), found, strict=False))
@@ -35,14 +35,14 @@ def forces_in_set(problem: Problem, model: FittedSet) -> dict[str, Float]:
     return own | dict(zip((f.label for f in terms), units, strict=True))
 
 
-def _without(system: System, values: Float, cause: Candidate) -> Float:
+def _values_without_cause(system: System, values: Float, cause: Candidate) -> Float:
     out = values.copy()
     for f in cause.strengths:
         out[system.slot[f.name]] = 0.0
     return out
 
 
-def _added(system: System, values: Float, free: Free, step: float) -> Float:
+def _values_with_strength(system: System, values: Float, free: Free, step: float) -> Float:
     out = values.copy()
     out[system.slot[free.name]] += step
     return out

@@ -1,4 +1,4 @@
-"""From the posterior over sets of causes to names: what acts, and what may fill its place."""
+"""Named causes and their alternatives, from the posterior over sets of causes."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from dataclasses import dataclass
 
 from .candidates import Candidate
 from .posterior import Posterior
-from .scored import Scored
+from .set_score import ScoredSet
 
-NAMED = 0.5
+MIN_NAMED_PROBABILITY = 0.5
 """A cause is named where it is more probable than not (the median probability model: Barbieri and
 Berger, Ann. Statist. 32 (2004), 870)."""
-CREDIBLE = 0.9
+CREDIBLE_SET_PROBABILITY = 0.9
 """Probability that a credible set holds the cause, and from which one of several alternatives is
 taken to act."""
 UNEXPLAINED = "unexplained"
 
 
 @dataclass(frozen=True)
-class Named:
+class NamedCause:
     """A named cause: probability that it acts, and others that may act in its place."""
 
     name: str
@@ -34,41 +34,41 @@ class Named:
         for name in sorted(place, key=lambda n: -place[n]):
             out.append(name)
             held += place[name]
-            if held >= CREDIBLE * total:
+            if held >= CREDIBLE_SET_PROBABILITY * total:
                 break
         return out
 
 
 def named_causes(
     found: Posterior, candidates: Mapping[str, Candidate]
-) -> tuple[list[Named], float]:
+) -> tuple[list[NamedCause], float]:
     """Causes that are probably there, and the probability of an unlisted force.
 
     A place of the most probable set has the name of the most probable cause that may fill it: where
-    that one is more probable than not, or where it is `CREDIBLE` that one of them acts.
+    that one is more probable than not, or where one of them acts with `CREDIBLE_SET_PROBABILITY`.
     """
     residual = {n for n, c in candidates.items() if c.is_residual}
     pairs = list(zip(found.sets, found.probability, strict=True))
     unexplained = min(1.0, float(sum(p for s, p in pairs if residual & set(s.causes))))
-    best, out = found.best, list[Named]()
+    best, out = found.best, list[NamedCause]()
     for name in (c for c in best.causes if c not in residual):
-        place = _place(found, name)
+        place = _alternatives_in_place(found, name)
         taken = float(sum(p for s, p in pairs if s.model.key & place.keys()))
         listed = {n: q for n, q in place.items() if n not in residual}
         unlisted = sum(q for n, q in place.items() if n in residual)
-        if not listed or unlisted > NAMED:
+        if not listed or unlisted > MIN_NAMED_PROBABILITY:
             continue
         leader = max(listed, key=lambda n: listed[n])
-        if found.inclusion[leader] > NAMED or taken > CREDIBLE:
+        if found.inclusion[leader] > MIN_NAMED_PROBABILITY or taken > CREDIBLE_SET_PROBABILITY:
             others = {n: q for n, q in place.items() if n != leader and n not in best.causes}
-            out.append(Named(leader, found.inclusion[leader], others))
+            out.append(NamedCause(leader, found.inclusion[leader], others))
     names = {c.name for c in out}
-    out += [Named(n, q, {}) for n, q in found.inclusion.items()
-            if q > NAMED and n not in names and n not in residual]  # fmt: skip
+    out += [NamedCause(n, q, {}) for n, q in found.inclusion.items()
+            if q > MIN_NAMED_PROBABILITY and n not in names and n not in residual]  # fmt: skip
     return out, unexplained
 
 
-def _place(found: Posterior, name: str) -> dict[str, float]:
+def _alternatives_in_place(found: Posterior, name: str) -> dict[str, float]:
     """The causes that fill a place of the most probable set, with their probabilities."""
     rest = frozenset(found.best.causes) - {name}
     place = {name: found.inclusion[name]}
@@ -82,11 +82,11 @@ def _place(found: Posterior, name: str) -> dict[str, float]:
 
 def best_set(
     found: Posterior, named: Sequence[str], unexplained: bool, candidates: Mapping[str, Candidate]
-) -> Scored:
+) -> ScoredSet:
     """The most probable set with just these named causes, with a residual term where asked for."""
     residual = {n for n, c in candidates.items() if c.is_residual}
 
-    def fits(s: Scored) -> bool:
+    def fits(s: ScoredSet) -> bool:
         own = set(s.causes)
         return set(named) == own - residual and bool(own & residual) == unexplained
 
@@ -94,7 +94,7 @@ def best_set(
     return next((s for _, s in pairs if fits(s)), found.best)
 
 
-def gain(sets: Sequence[Scored], best: Scored, name: str) -> float:
+def log_evidence_gain(sets: Sequence[ScoredSet], best: ScoredSet, name: str) -> float:
     """Log evidence that a set loses without one of its causes, that one or with others in its
     place; infinite where no set lacks it.
     """

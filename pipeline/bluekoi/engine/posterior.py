@@ -20,15 +20,15 @@ import numpy as np
 
 from ..data import Float
 from .problem import Problem
-from .scored import Scored
+from .set_score import ScoredSet
 
-DRAWS = 1000
+BOOTSTRAP_SAMPLES = 1000
 """Bootstrap samples: the Monte Carlo standard error of a probability is at most (1/4 / 1000)^1/2 =
 0.016.
 """
-SEED = 20240517
+BOOTSTRAP_SEED = 20240517
 """The same samples in each run, so that the same recordings give the same verdict."""
-IMPOSSIBLE = 200.0
+MAX_LOG_ODDS_KEPT = 200.0
 """Sets e^200 times less probable than the best are left out."""
 
 
@@ -36,23 +36,25 @@ IMPOSSIBLE = 200.0
 class Posterior:
     """Probabilities (sets,) of the sets, averaged over samples of trials, and of each candidate."""
 
-    sets: tuple[Scored, ...]
+    sets: tuple[ScoredSet, ...]
     probability: Float
     inclusion: dict[str, float]
 
     @property
-    def best(self) -> Scored:
+    def best(self) -> ScoredSet:
         """The most probable set."""
         return self.sets[int(np.argmax(self.probability))]
 
 
-def posterior(problem: Problem, sets: Sequence[Scored], draws: int = DRAWS) -> Posterior:
+def posterior(
+    problem: Problem, sets: Sequence[ScoredSet], draws: int = BOOTSTRAP_SAMPLES
+) -> Posterior:
     """`Posterior` over the fitted sets."""
     useful = [s for s in sets if np.isfinite(s.log_posterior)]
     best = max(s.log_posterior for s in useful)
-    useful = [s for s in useful if s.log_posterior > best - IMPOSSIBLE]
+    useful = [s for s in useful if s.log_posterior > best - MAX_LOG_ODDS_KEPT]
     n = len(problem.series)
-    weights = n * np.random.default_rng(SEED).dirichlet(np.ones(n), size=draws)
+    weights = n * np.random.default_rng(BOOTSTRAP_SEED).dirichlet(np.ones(n), size=draws)
     trials = np.array([s.expansion.log_likelihood for s in useful])  # (sets, trials)
     logs = np.array([s.log_posterior for s in useful]) + (weights - 1.0) @ trials.T
     share = np.exp(logs - logs.max(axis=1, keepdims=True))

@@ -1,4 +1,4 @@
-"""What the finder is asked: a system, its trials, its candidate causes."""
+"""Input of the finder: a system, its trials, its candidate causes."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..fitting import Free, Noise, Series, trial_values
 from ..integrate import Kernel
 from .candidates import Candidate
 
-MOST_TRIALS = 24
+MAX_SEARCH_TRIALS = 24
 """A search uses at most so many trials, those that say most; what it finds is verified on all. The
 noise too is estimated on at most so many. As many as the studies have on which the finder is
-validated (FINDER, protocol); `benchmarks/subset.py` compares with a search on all trials."""
+validated (FINDER, protocol); `benchmarks/search_subset.py` compares with a search on all trials."""
 
 Progress = Callable[[str], None]
 
 
-def silent(_: str) -> None:
+def no_progress(_: str) -> None:
     """Progress that nobody follows."""
 
 
@@ -44,7 +44,7 @@ class Problem:
     tolerances: Mapping[str, float] = field(default_factory=dict)
     residual_sizes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     state_variables: frozenset[str] = frozenset()
-    progress: Progress = field(default=silent)
+    progress: Progress = field(default=no_progress)
     most_causes: int = 4
 
     @cached_property

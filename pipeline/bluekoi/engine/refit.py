@@ -20,15 +20,15 @@ from ..fitting import (
     normal_equations,
 )
 from ..fitting.filtering import disturbance_slots
-from .candidates import Candidate, parameter
-from .problem import MOST_TRIALS, Problem
+from .candidates import Candidate, parameter_of
+from .problem import MAX_SEARCH_TRIALS, Problem
 
-TOLERANCE = 0.1
+STEP_TOLERANCE_STDS = 0.1
 """A fit ends with a step of this many standard deviations in the mean square."""
-QUIET = (2e-4, 0.5)
+SMALL_FORCE_START = (2e-4, 0.5)
 """Second start of the noise estimate: small random forces (in each force's unit, as a share of
 those at the first start where smaller) with a correlation time of 0.5 s."""
-QUIET_SHARE = 0.05
+SMALL_FORCE_SHARE = 0.05
 MOST_NOISE_ROUNDS, NOISE_STEPS, LEAST_GAIN = 6, 6, 0.3
 """Rounds in which noise and numbers are fitted in turn, quasi-Newton steps of each, and the log
 likelihood below which another round is not worth its time."""
@@ -73,7 +73,7 @@ class FittedSet:
         return frozenset(self.causes)
 
 
-def free_of(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
+def free_parameters(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
     """The numbers of a set: coefficients, then each cause's strengths and forms."""
     have = {name for s in problem.series for name in s.evidence}
     out: list[Free] = list(problem.coefficients)
@@ -85,7 +85,7 @@ def free_of(problem: Problem, causes: Sequence[str]) -> tuple[Free, ...]:
     return tuple(out)
 
 
-def start_of(
+def start_values(
     problem: Problem,
     causes: Sequence[str],
     known: Mapping[str, float],
@@ -104,7 +104,7 @@ def start_of(
     return out
 
 
-def fitted(
+def fit_set(
     problem: Problem,
     causes: Sequence[str],
     noise: Noise,
@@ -123,11 +123,11 @@ def fitted(
     at_start: the filter's pass at the start with this noise, where known. deviations: those of the
     discrepancy, which is fitted with the numbers of the set; without, it is held.
     """
-    own = free_of(problem, causes) if free is None else tuple(free)
+    own = free_parameters(problem, causes) if free is None else tuple(free)
     slot = problem.kernel.system.slot
     left = dict.fromkeys(deviations or {}, 0.0) | dict(discrepancy or {})
     frees = (*own, *map(Free, deviations or {}))
-    point = start_of(problem, causes, known, left)
+    point = start_values(problem, causes, known, left)
     start = {f.label: left.get(f.label, known.get(f.label, float(point[slot[f.name]])))
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
@@ -135,10 +135,10 @@ def fitted(
     predictor = None
     for _ in range(passes):
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
-                    iterations=iterations, tolerance=TOLERANCE, predictor=predictor,
+                    iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=predictor,
                     at_start=at_start, spreads=deviations)  # fmt: skip
         at_start = None
-        moved = _moved(found, start)
+        moved = _moved_to_start(found, start)
         start = found.by_label()
         predictor = filter_all(problem.kernel, problem.series,
                                local.points(frees, found.values), noise)  # fmt: skip
@@ -148,16 +148,16 @@ def fitted(
     assert predictor is not None
     values = found.values[: len(own)]
     left |= {label: start[label] for label in deviations or {}}
-    point = start_of(problem, causes, known, left)
+    point = start_values(problem, causes, known, left)
     normal = normal_equations(problem.kernel, problem.series, point, own, values, noise=noise,
                               predictor=predictor)  # fmt: skip
-    rows = [parameter(problem.kernel.system, f) for f in own]
+    rows = [parameter_of(problem.kernel.system, f) for f in own]
     bound = [not p.lower < v < p.upper for p, v in zip(rows, values, strict=True)]
     return FittedSet(tuple(causes), replace(found, free=own, values=values, normal=normal), noise,
                      predictor, np.array(bound, dtype=bool), left, deviations or {})  # fmt: skip
 
 
-def starts_of(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
+def strength_starts(problem: Problem, candidate: Candidate) -> tuple[float, ...]:
     """Strengths from which fits of a candidate begin, where one start may mislead; else none."""
     if candidate.is_residual:
         return ()
@@ -169,10 +169,10 @@ def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, 
     fitted; empty where one start serves.
     """
     candidate = problem.by_name[cause]
-    starts, label = starts_of(problem, candidate), candidate.strengths[0].label
+    starts, label = strength_starts(problem, candidate), candidate.strengths[0].label
     if not starts:
         return {}
-    base = start_of(problem, (*near.causes, cause), near.fit.by_label())
+    base = start_values(problem, (*near.causes, cause), near.fit.by_label())
     slot = problem.kernel.system.slot[candidate.strengths[0].name]
 
     def likelihood(start: float) -> float:
@@ -185,7 +185,7 @@ def likeliest_start(problem: Problem, near: FittedSet, cause: str) -> dict[str, 
     return {label: max(starts, key=likelihood)}
 
 
-def _moved(found: Fit, start: Mapping[str, float]) -> float:
+def _moved_to_start(found: Fit, start: Mapping[str, float]) -> float:
     change = found.values - np.array([start.get(f.label, np.inf) for f in found.free])
     if not np.isfinite(change).all() or not found.normal.usable:
         return np.inf
@@ -196,12 +196,12 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted to a problem's trials with the formulas of its causes alone, under its own
     noise.
     """
-    plain = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    plain = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free)  # fmt: skip
-    return own_noise(problem, plain, most=2)
+    return fit_own_noise(problem, plain, most=2)
 
 
-def own_noise(
+def fit_own_noise(
     problem: Problem, model: FittedSet, *, most: int = MOST_NOISE_ROUNDS, two_starts: bool = True
 ) -> FittedSet:
     """A set under its own noise, estimated in turn with its numbers until neither improves.
@@ -212,18 +212,20 @@ def own_noise(
     two_starts False: of a set whose second start has been tried, the first alone.
     """
     if most == 1:
-        small = quiet(problem, model.noise)
-        passes = filter_all(problem.kernel, problem.series, _points(problem, model), small)
-        if _total(passes) > _total(model.passes):
-            return _round(problem, model, small, passes, near=False)
-        return _round(problem, model, model.noise, model.passes, near=True)
+        small = small_force_noise(problem, model.noise)
+        passes = filter_all(
+            problem.kernel, problem.series, _evaluation_points(problem, model), small
+        )
+        if _total_log_likelihood(passes) > _total_log_likelihood(model.passes):
+            return _noise_and_fit_round(problem, model, small, passes, near=False)
+        return _noise_and_fit_round(problem, model, model.noise, model.passes, near=True)
     best = model
-    begins = (model, _beneath(problem, model)) if two_starts else (model,)
+    begins = (model, _fit_under_small_forces(problem, model)) if two_starts else (model,)
     for begin in begins:
-        first = _round(problem, begin, begin.noise, begin.passes, near=begin is model)
+        first = _noise_and_fit_round(problem, begin, begin.noise, begin.passes, near=begin is model)
         best = max(best, first, key=lambda m: m.log_joint)
     for _ in range(most - 1):
-        again = _round(problem, best, best.noise, best.passes, near=True)
+        again = _noise_and_fit_round(problem, best, best.noise, best.passes, near=True)
         if again.log_joint - best.log_joint < LEAST_GAIN:
             break
         best = again
@@ -232,18 +234,19 @@ def own_noise(
 
 def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
     """Whether the trials are likelier at a set's numbers under another noise than under its own."""
-    passes = filter_all(problem.kernel, problem.series, _points(problem, model), noise)
-    return _total(passes) > model.log_likelihood
+    passes = filter_all(problem.kernel, problem.series, _evaluation_points(problem, model), noise)
+    return _total_log_likelihood(passes) > model.log_likelihood
 
 
-def _beneath(problem: Problem, model: FittedSet) -> FittedSet:
+def _fit_under_small_forces(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted under small random forces."""
-    return fitted(problem, model.causes, quiet(problem, model.noise), model.fit.by_label(),
-                  passes=1, free=model.fit.free, discrepancy=model.discrepancy,
-                  deviations=model.deviations)  # fmt: skip
+    noise = small_force_noise(problem, model.noise)
+    return fit_set(problem, model.causes, noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy=model.discrepancy,
+                   deviations=model.deviations)  # fmt: skip
 
 
-def _round(
+def _noise_and_fit_round(
     problem: Problem, model: FittedSet, start: Noise, passes: FilterResults, *, near: bool
 ) -> FittedSet:
     """Noise estimated from a start at a set's numbers, and the numbers fitted under it; the set as
@@ -253,39 +256,40 @@ def _round(
     """
     if not model.usable:
         return model
-    points = _points(problem, model)
+    points = _evaluation_points(problem, model)
     found = fit_noise(problem.kernel, problem.series, points, start, rounds=NOISE_STEPS,
-                      line_searches=not near, max_trials=MOST_TRIALS, passes=passes)  # fmt: skip
+                      line_searches=not near, max_trials=MAX_SEARCH_TRIALS,
+                      passes=passes)  # fmt: skip
     known = found.passes if len(found.passes) == len(points) else None
-    again = fitted(problem, model.causes, found.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, found.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=model.discrepancy, at_start=known,
                    deviations=model.deviations)  # fmt: skip
     return max(model, again, key=lambda m: m.log_joint)
 
 
-def _points(problem: Problem, model: FittedSet) -> list[Float]:
-    base = start_of(problem, model.causes, model.fit.by_label(), model.discrepancy)
+def _evaluation_points(problem: Problem, model: FittedSet) -> list[Float]:
+    base = start_values(problem, model.causes, model.fit.by_label(), model.discrepancy)
     return replace(problem, base=base).points(model.fit.free, model.fit.values)
 
 
-def _total(passes: FilterResults) -> float:
+def _total_log_likelihood(passes: FilterResults) -> float:
     """Log likelihood of all trials; -inf where the model diverges."""
     total = sum(f.log_likelihood for f in passes)
     return total if np.isfinite(total) else -np.inf
 
 
-def quiet(problem: Problem, noise: Noise) -> Noise:
+def small_force_noise(problem: Problem, noise: Noise) -> Noise:
     """The noise with small random forces of short memory."""
     acting = set(disturbance_slots(problem.kernel, acting=True))
     count = len(noise.disturbance)
     disturbance, tau = noise.disturbance.copy(), noise.tau.copy()
     for k, slot in enumerate(disturbance_slots(problem.kernel)[:count]):
         if slot in acting:
-            disturbance[k] = QUIET_SHARE * problem.noise.disturbance[k]
-            tau[k] = QUIET[1]
+            disturbance[k] = SMALL_FORCE_SHARE * problem.noise.disturbance[k]
+            tau[k] = SMALL_FORCE_START[1]
     return replace(noise, disturbance=disturbance, tau=tau)
 
 
-def unconstrained(model: FittedSet) -> np.ndarray:
+def off_bounds_mask(model: FittedSet) -> np.ndarray:
     """Which fitted numbers are off their bounds, (p,)."""
     return ~model.at_bound

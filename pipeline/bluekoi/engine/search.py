@@ -16,55 +16,62 @@ from dataclasses import replace
 import numpy as np
 
 from .candidates import Candidate
-from .columns import layout
 from .evidence import log_evidence, log_prior
-from .expansion import Expansion, expanded, likely_strengths
-from .plausible import residual_sizes
-from .problem import MOST_TRIALS, Problem
-from .refit import FittedSet, fitted, is_likelier_under, own_noise, quiet, starts_of
-from .scored import Scored, score
+from .expansion import Expansion, expand_about, likely_strengths
+from .fitted_sets import MAX_LOG_ODDS_TO_REFIT, FittedSets
+from .problem import MAX_SEARCH_TRIALS, Problem
+from .refit import (
+    FittedSet,
+    fit_own_noise,
+    fit_set,
+    is_likelier_under,
+    small_force_noise,
+    strength_starts,
+)
+from .residual_magnitudes import plausible_residual_magnitudes
+from .set_columns import layout_of_set
+from .set_score import ScoredSet, score
 from .subset import designed_subset
-from .visited import CLOSE, Visited
 
-REFITS = 5
+REFITS_PER_SET = 5
 """How many further causes are refitted around a set."""
-REPLACEMENTS = 2
+REPLACEMENTS_PER_SET = 2
 """How many causes are refitted in the place of one of a set."""
-QUIET_REFITS = 2
+SMALL_FORCE_REFITS_PER_SET = 2
 """How many are refitted that would be most probable if random forces were small."""
 LEAST_REFITS, UNLIKELY = 2, -6.0
 """So many are refitted whatever the expansion says; further ones where it says posterior odds of
 more than e^-6."""
-HOPELESS = 25.0
+MAX_LOG_ODDS_TO_PROPOSE = 25.0
 """A cause whose expansion says that it makes a set e^25 times less probable than the best proposal
 is not refitted."""
-LEAST_RISE = 1.0
+MIN_LOG_POSTERIOR_GAIN = 1.0
 """The search goes on about a set that is e^1 times more probable than the last one; sets that are
 nearly as probable have nearly the same neighbours."""
-VERIFIED = 4
+MAX_FURTHER_SETS_VERIFIED = 4
 """How many further sets of a subset of the trials are fitted to all of them, besides the best and
 those that lack one of its causes. It bounds the work; sets left out have no probability."""
 
 
-def proposals(
+def ranked_proposals(
     problem: Problem, expansion: Expansion, among: Sequence[Candidate]
 ) -> list[tuple[float, str]]:
     """Further causes by the expansion about a set: log posterior odds and name, the best first."""
     causes = expansion.model.causes
     if not expansion.usable:
         return []
-    before = log_evidence(expansion, layout(problem, expansion, causes))
+    before = log_evidence(expansion, layout_of_set(problem, expansion, causes))
     out: list[tuple[float, str]] = []
     for candidate in among:
         if candidate.name in causes or not expansion.strengths[candidate.name]:
             continue
-        lay = layout(problem, expansion, (*causes, candidate.name))
+        lay = layout_of_set(problem, expansion, (*causes, candidate.name))
         gain = log_evidence(expansion, lay) - before + log_prior(problem, [candidate.name])
         out.append((float(gain) if np.isfinite(gain) else -np.inf, candidate.name))
     return sorted(out, key=lambda o: -o[0])
 
 
-def allowed(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
+def allowed_candidates(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
     """Candidates beside a set: residual terms that are part of a cause's form are not."""
     sources = {s for c in causes if not problem.by_name[c].is_residual
                for s in problem.by_name[c].sources}  # fmt: skip
@@ -72,74 +79,78 @@ def allowed(problem: Problem, causes: Sequence[str]) -> list[Candidate]:
             if c.name not in causes and not (c.is_residual and c.sources & sources)]  # fmt: skip
 
 
-def search(problem: Problem, start: dict[str, float] | None = None) -> Visited:
-    """All sets that were worth a fit; of more than `MOST_TRIALS` trials, those worth one to all."""
-    if len(problem.series) <= MOST_TRIALS:
-        return _search(problem, start or {})
-    plain = fitted(problem, (), problem.noise, start or {})
-    part = designed_subset(expanded(problem, plain).hessian, MOST_TRIALS)
+def search_sets(problem: Problem, start: dict[str, float] | None = None) -> FittedSets:
+    """All sets that a search fitted.
+
+    Of more than `MAX_SEARCH_TRIALS` trials a subset is searched, and the probable sets are fitted
+    again to all trials.
+    """
+    if len(problem.series) <= MAX_SEARCH_TRIALS:
+        return _search_on_trials(problem, start or {})
+    plain = fit_set(problem, (), problem.noise, start or {})
+    part = designed_subset(expand_about(problem, plain).hessian, MAX_SEARCH_TRIALS)
     few = replace(problem, series=tuple(problem.series[i] for i in part))
-    return _verified(problem, _search(few, plain.fit.by_label()))
+    return _verify_on_all_trials(problem, _search_on_trials(few, plain.fit.by_label()))
 
 
-def _verified(problem: Problem, few: Visited) -> Visited:
+def _verify_on_all_trials(problem: Problem, few: FittedSets) -> FittedSets:
     """The probable sets of a subset of the trials and the model without causes, fitted to all of
     them with what these add.
     """
-    visited = Visited(replace(few.problem, series=problem.series),
+    visited = FittedSets(replace(few.problem, series=problem.series),
                       started_twice=frozenset(few.converged))  # fmt: skip
-    for scored in (few.sets[frozenset()], *_to_verify(few)):
+    for scored in (few.sets[frozenset()], *_sets_to_verify(few)):
         visited.add(scored.causes, scored.model)
     visited.converge()
     done: set[frozenset[str]] = set()
     while (best := visited.best).model.key not in done:
         done.add(best.model.key)
         if len(best.causes) < problem.most_causes:
-            _further(visited, best, LEAST_REFITS)
+            _fit_further_causes(visited, best, LEAST_REFITS)
         for cause in best.causes:
             visited.add(tuple(c for c in best.causes if c != cause), best.model)
         visited.converge()
     return visited
 
 
-def _to_verify(few: Visited) -> list[Scored]:
+def _sets_to_verify(few: FittedSets) -> list[ScoredSet]:
     """The most probable set, those that lack one of its causes, and the next probable ones."""
     best = few.best
     lacking = [few.sets[k] for c in best.causes if (k := best.model.key - {c}) in few.sets]
     others = [s for s in few.sets.values() if s is not best and s not in lacking
-              and s.log_posterior > best.log_posterior - CLOSE]  # fmt: skip
-    others = sorted(others, key=lambda s: -s.log_posterior)[:VERIFIED]
+              and s.log_posterior > best.log_posterior - MAX_LOG_ODDS_TO_REFIT]  # fmt: skip
+    others = sorted(others, key=lambda s: -s.log_posterior)[:MAX_FURTHER_SETS_VERIFIED]
     return [best, *(s for s in lacking if np.isfinite(s.log_posterior)), *others]
 
 
-def _search(problem: Problem, start: dict[str, float]) -> Visited:
+def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
     """All sets that were worth a fit."""
-    first = own_noise(problem, fitted(problem, (), problem.noise, start))
-    expansion = expanded(problem, first)
-    problem = replace(problem, residual_sizes=residual_sizes(problem, expansion))
-    visited = Visited(problem)
+    first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
+    expansion = expand_about(problem, first)
+    problem = replace(problem, residual_sizes=plausible_residual_magnitudes(problem, expansion))
+    visited = FittedSets(problem)
     visited.sets[frozenset()] = score(problem, first)
     visited.full[frozenset()] = expansion
     before = -np.inf
-    while (best := visited.best).log_posterior > before + LEAST_RISE:
+    while (best := visited.best).log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
         before = best.log_posterior
         if len(best.causes) < visited.problem.most_causes:
-            _further(visited, best, REFITS)
-            _under_small_forces(visited, best)
+            _fit_further_causes(visited, best, REFITS_PER_SET)
+            _fit_further_under_small_forces(visited, best)
             visited.converge()
-        if visited.best.log_posterior > before + LEAST_RISE:
+        if visited.best.log_posterior > before + MIN_LOG_POSTERIOR_GAIN:
             continue
         for cause in best.causes:
             rest = tuple(c for c in best.causes if c != cause)
             less = visited.add(rest, best.model, refit=True)
             if less is not None:
-                _further(visited, less, REPLACEMENTS)
+                _fit_further_causes(visited, less, REPLACEMENTS_PER_SET)
         visited.converge()
-        _share_noise(visited)
+        _refit_with_shared_noise(visited)
     return visited
 
 
-def _share_noise(visited: Visited) -> None:
+def _refit_with_shared_noise(visited: FittedSets) -> None:
     """Refit the probable sets from the noise of the most probable and of the likeliest one.
 
     The noise likelihood has several optima: two sets are compared fairly only if both had the
@@ -150,56 +161,69 @@ def _share_noise(visited: Visited) -> None:
         for key, scored in list(visited.sets.items()):
             if key == source.model.key or len(key) > len(visited.best.causes):
                 continue
-            close = scored.log_posterior > visited.best.log_posterior - CLOSE
+            close = scored.log_posterior > visited.best.log_posterior - MAX_LOG_ODDS_TO_REFIT
             if close or is_likelier_under(visited.problem, scored.model, source.model.noise):
-                _with_noise_of(visited, scored, source.model)
+                _keep_better_noise(visited, scored, source.model)
 
 
-def _with_noise_of(visited: Visited, scored: Scored, source: FittedSet) -> None:
+def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet) -> None:
     """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
     left = visited.shared_discrepancy(source, model.key)
-    again = fitted(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
                    free=model.fit.free, discrepancy=left or model.discrepancy,
                    deviations=model.deviations)  # fmt: skip
     if again.log_joint <= model.log_joint:
         return
-    other = score(problem, own_noise(problem, again, two_starts=False))
+    other = score(problem, fit_own_noise(problem, again, two_starts=False))
     if other.log_joint > scored.log_joint:
         visited.sets[scored.model.key] = other
         visited.full.pop(scored.model.key, None)
 
 
-def _further(visited: Visited, scored: Scored, count: int) -> None:
+def _fit_further_causes(visited: FittedSets, scored: ScoredSet, count: int) -> None:
     """Fit the most promising further causes beside a set."""
     expansion = visited.expansion(scored)
-    found = proposals(visited.problem, expansion, allowed(visited.problem, scored.causes))
+    found = ranked_proposals(
+        visited.problem, expansion, allowed_candidates(visited.problem, scored.causes)
+    )
     candidates = visited.problem.by_name
-    several = [n for _, n in found if starts_of(visited.problem, candidates[n])]
+    several = [n for _, n in found if strength_starts(visited.problem, candidates[n])]
     for name in several if not scored.causes else ():
         visited.add((*scored.causes, name), scored.model)
     for i, (gain, name) in enumerate(found[:count]):
-        if gain > found[0][0] - HOPELESS and (i < LEAST_REFITS or gain > UNLIKELY):
-            visited.add((*scored.causes, name), scored.model, _start(visited, expansion, name))
+        if gain > found[0][0] - MAX_LOG_ODDS_TO_PROPOSE and (i < LEAST_REFITS or gain > UNLIKELY):
+            visited.add(
+                (*scored.causes, name),
+                scored.model,
+                _start_of_further_cause(visited, expansion, name),
+            )
 
 
-def _under_small_forces(visited: Visited, scored: Scored) -> None:
+def _fit_further_under_small_forces(visited: FittedSets, scored: ScoredSet) -> None:
     """Fit the most promising further causes by the expansion under small random forces, and begin
     there: what the random forces of a set explain by themselves shows no gain under its own noise.
     """
     problem = visited.problem
-    model = fitted(problem, scored.causes, quiet(problem, scored.model.noise),
+    model = fit_set(problem, scored.causes, small_force_noise(problem, scored.model.noise),
                    scored.model.fit.by_label(), passes=1, free=scored.model.fit.free,
                    discrepancy=scored.model.discrepancy,
                    deviations=scored.model.deviations)  # fmt: skip
     if not model.usable:
         return
-    expansion = expanded(problem, model)
-    found = proposals(problem, expansion, allowed(problem, scored.causes))
-    for _, name in found[:QUIET_REFITS]:
-        visited.add((*scored.causes, name), model, _start(visited, expansion, name), refit=True)
+    expansion = expand_about(problem, model)
+    found = ranked_proposals(problem, expansion, allowed_candidates(problem, scored.causes))
+    for _, name in found[:SMALL_FORCE_REFITS_PER_SET]:
+        visited.add(
+            (*scored.causes, name),
+            model,
+            _start_of_further_cause(visited, expansion, name),
+            refit=True,
+        )
 
 
-def _start(visited: Visited, expansion: Expansion, name: str) -> dict[str, float]:
+def _start_of_further_cause(
+    visited: FittedSets, expansion: Expansion, name: str
+) -> dict[str, float]:
     """Where the fit of a further cause begins: at the strength and the form of the expansion."""
     return likely_strengths(visited.problem, expansion, name) | expansion.starts.get(name, {})

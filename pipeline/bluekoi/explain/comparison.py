@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from ..data import Float
-from ..engine import FittedSet, Problem, fitted
-from ..engine.refit import start_of
+from ..engine import FittedSet, Problem, fit_set
+from ..engine.refit import start_values
 from ..fitting import (
     Fit,
     Series,
@@ -43,7 +43,7 @@ class Fitted:
 
     def values(self, problem: Problem, series: Sequence[Series]) -> list[Float]:
         """Full parameter vectors, one a trial."""
-        base = start_of(problem, self.model.causes, self.fit.by_label())
+        base = start_values(problem, self.model.causes, self.fit.by_label())
         return [trial_values(problem.kernel, base, self.fit.free, self.fit.values, s.group)
                 for s in series]  # fmt: skip
 
@@ -68,7 +68,7 @@ class HeldOut:
 def by_both_criteria(problem: Problem, model: FittedSet) -> list[Fitted]:
     """A set fitted by prediction errors, and to whole trajectories where that fit ends well."""
     out = [Fitted(model, model.fit, PREDICTION_ERRORS)]
-    kernel, base = problem.kernel, start_of(problem, model.causes, model.fit.by_label())
+    kernel, base = problem.kernel, start_values(problem, model.causes, model.fit.by_label())
     states = len(kernel.system.states)
     own = any(kernel.system.effect(c.partition(".")[0]).states for c in model.causes)
     # States of causes have no free start.
@@ -137,7 +137,7 @@ def errors_of_sets(
 
 def refitted(problem: Problem, model: FittedSet) -> FittedSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
-    found = fitted(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    found = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
                    free=[f for f in model.fit.free if f.group is None
                          or f.group in {s.group for s in problem.series}])  # fmt: skip
     if not found.usable:

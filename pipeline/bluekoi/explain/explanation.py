@@ -10,21 +10,21 @@ import numpy as np
 from ..data import Float
 from ..engine import (
     FittedSet,
-    Named,
+    FittedSets,
+    NamedCause,
     Posterior,
     Problem,
-    Scored,
-    Visited,
+    ScoredSet,
     best_set,
+    fit_own_noise,
     named_causes,
-    own_noise,
     posterior,
-    search,
+    search_sets,
     without_discrepancy,
 )
-from ..engine.naming import NAMED, UNEXPLAINED, gain
-from ..engine.problem import silent
-from ..engine.scored import score
+from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
+from ..engine.problem import no_progress
+from ..engine.set_score import score
 from ..errors import Finding, InputError, did_you_mean
 from ..fitting import Series
 from .checks import checked_model
@@ -72,7 +72,7 @@ class Explanation:
     prepared: Prepared
     posterior: Posterior
     verdict: str
-    named: tuple[Named, ...]
+    named: tuple[NamedCause, ...]
     gains: dict[str, float]
     unexplained: float
     probabilities: dict[str, float]
@@ -80,7 +80,7 @@ class Explanation:
     extended: Fitted
     numbers: tuple[Number, ...]
     baseline_numbers: tuple[Number, ...]
-    best: Scored
+    best: ScoredSet
     held_out: HeldOut
     warnings: tuple[str, ...]
     compared: tuple[ComparedSet, ...] = ()
@@ -94,7 +94,7 @@ class Explanation:
 def explain(
     model: Model, trials: Sequence[Trial], *, candidates: Sequence[str] | None = None, without:
     Sequence[str] = (), compare: Sequence[Sequence[str]] = (), progress: Callable[[str], None] =
-    silent,
+    no_progress,
 ) -> Explanation:  # fmt: skip
     """Which of the model's causes act in the trials.
 
@@ -114,7 +114,7 @@ def explain(
     with compiling(model):
         ready = prepare(model, fit, names, progress)
     try:
-        visited = search(ready.problem)
+        visited = search_sets(ready.problem)
     except np.linalg.LinAlgError:
         raise runs_away(model, fit) from None
     problem = visited.problem
@@ -124,9 +124,11 @@ def explain(
     progress("probabilities")
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
-    best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
+    best = best_set(
+        found, [c.name for c in named], unexplained > MIN_NAMED_PROBABILITY, problem.by_name
+    )
     bare, final = visited.sets[frozenset()], by_its_causes(problem, best.model)
-    gains = {c.name: gain(list(visited.sets.values()), best, c.name) for c in named}
+    gains = {c.name: log_evidence_gain(list(visited.sets.values()), best, c.name) for c in named}
     named.sort(key=lambda c: -gains[c.name])
     progress("held-out errors")
     test = test_series(ready, [t for t in given if t.role == HELD_OUT_ROLE])
@@ -153,7 +155,7 @@ def by_its_causes(problem: Problem, model: FittedSet) -> FittedSet:
 
 
 def _compared(
-    ready: Prepared, visited: Visited, causes: tuple[str, ...], test: Sequence[Series],
+    ready: Prepared, visited: FittedSets, causes: tuple[str, ...], test: Sequence[Series],
     horizon_s: float,
 ) -> ComparedSet:  # fmt: skip
     """A set of causes, fitted from the baseline on where the search had no use for it."""
@@ -161,7 +163,7 @@ def _compared(
     scored = visited.add(causes, visited.sets[frozenset()].model)
     if scored is None:
         return ComparedSet(causes, -np.inf, PREDICTION_ERRORS, (), {})
-    scored = score(problem, own_noise(problem, scored.model))
+    scored = score(problem, fit_own_noise(problem, scored.model))
     final = by_its_causes(problem, scored.model)
     ((criterion, errors),) = errors_of_sets(ready.model, problem, [final], test, horizon_s)
     return ComparedSet(causes, scored.log_posterior - best.log_posterior, criterion,
@@ -191,15 +193,15 @@ def test_series(ready: Prepared, trials: Sequence[Trial]) -> list[Series]:
             for t in trials]  # fmt: skip
 
 
-def verdict_of(model: Model, named: Sequence[Named], unexplained: float) -> str:
+def verdict_of(model: Model, named: Sequence[NamedCause], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
-    if unexplained > NAMED:
+    if unexplained > MIN_NAMED_PROBABILITY:
         return UNEXPLAINED
     return model.by_name[named[0].name].kind if named else "none"
 
 
 def _warnings(
-    ready: Prepared, trials: Sequence[Trial], best: Scored, bare: Scored, *,
+    ready: Prepared, trials: Sequence[Trial], best: ScoredSet, bare: ScoredSet, *,
     own: list[Number], base: list[Number],
 ) -> list[str]:  # fmt: skip
     out = [*ready.warnings, *warnings_of(ready.model, trials)]
@@ -228,7 +230,7 @@ def _points(ready: Prepared, model: FittedSet) -> list[Float]:
     return Fitted(model, model.fit, "").values(ready.problem, ready.problem.series)
 
 
-def _random_forces(ready: Prepared, best: Scored, bare: Scored) -> list[str]:
+def _random_forces(ready: Prepared, best: ScoredSet, bare: ScoredSet) -> list[str]:
     """Random forces that the named causes hardly reduced, or that last as long as they may."""
     out = []
     for k, channel in enumerate(ready.model.channels):

@@ -14,11 +14,11 @@ from ..engine.candidates import RESIDUAL
 from ..fitting import Free, Noise, Series, filter_all, trial_values
 from ..fitting.filtering import disturbance_slots
 from ..integrate import Kernel, compiled
-from .assembly import Assembly, assembled, scaled_variables
 from .diagnosis import runs_away
 from .model import Model
 from .sampling import MIN_SAMPLES_PER_BLOCK, block_rate_hz
 from .stepping import MAX_LOG_LIKELIHOOD_CHANGE, longest_step_s, rates_per_s, step_error
+from .system_assembly import AssembledSystem, assemble_system, scaled_variables
 from .trials import Trial, all_series, cut_trials, time_unit_warnings
 
 MIN_TRIALS, MIN_SEGMENTS, MIN_SEGMENT_FRAMES = 4, 4, 50
@@ -37,7 +37,7 @@ class Prepared:
     """
 
     model: Model
-    assembly: Assembly
+    assembly: AssembledSystem
     problem: Problem
     trials: tuple[Trial, ...]
     series: tuple[Series, ...]
@@ -60,7 +60,7 @@ def prepare(
                         "one recording to another cannot be judged.")  # fmt: skip
     scales = scales_of(model, trials)
     rate = rate_of_fit_hz(model, trials)
-    assembly = assembled(model, hold=not np.isfinite(rate))
+    assembly = assemble_system(model, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
     base, free = assembly.system.values({}), coefficients_of(model, trials)
     series = all_series(model, assembly, trials, scales, rate)
@@ -71,7 +71,7 @@ def prepare(
     warnings += time_unit_warnings(trials, fastest(names=()))
     step = longest_step_s(fastest(names=names))
     force = {c: float(np.median(noise.disturbance[k])) for k, c in enumerate(model.channels)}
-    assembly = assembled(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
+    assembly = assemble_system(model, force_scale=force, step_s=step, hold=not np.isfinite(rate))
     kernel = compiled(assembly.system)
     series = all_series(model, assembly, trials, scales, rate)
     named = [*names, *([RESIDUAL] if assembly.residual_sources else [])]
@@ -193,7 +193,9 @@ def max_rate_per_s(
 
 def converged_step(given: Prepared, values: Sequence[Float], noise: Noise) -> tuple[float, str]:
     """Effect of half the integration step on the log likelihood, and a warning where it matters."""
-    finer = assembled(given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz))
+    finer = assemble_system(
+        given.model, step_s=0.5 * given.step_s, hold=not np.isfinite(given.rate_hz)
+    )
     change = step_error(given.problem.kernel, compiled(finer.system), given.problem.series, values,
                         noise)  # fmt: skip
     if change <= MAX_LOG_LIKELIHOOD_CHANGE:

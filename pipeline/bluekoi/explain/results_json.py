@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine import Named
+from ..engine import NamedCause
 from ..engine.naming import UNEXPLAINED
 from .explanation import Explanation
 from .numbers import Number
@@ -70,7 +70,7 @@ def causes(found: Explanation) -> list[dict[str, Any]]:
     return [_cause(found, c) for c in found.named]
 
 
-def _cause(found: Explanation, named: Named) -> dict[str, Any]:
+def _cause(found: Explanation, named: NamedCause) -> dict[str, Any]:
     cause = found.model.by_name[named.name]
     effect = found.prepared.assembly.system.effect(named.name)
     own = [n for n in found.numbers if n.label.startswith(named.name + ".")]
@@ -95,7 +95,7 @@ def rivals(found: Explanation) -> list[dict[str, Any]]:
 
 
 def rival_rows(
-    named: Sequence[Named], inclusion: Mapping[str, float], shown: Callable[[str], str]
+    named: Sequence[NamedCause], inclusion: Mapping[str, float], shown: Callable[[str], str]
 ) -> list[dict[str, Any]]:
     """Rivals of named causes: name as shown, in_place_of (empty: beside them) and weight."""
     taken, out = {c.name for c in named}, list[dict[str, Any]]()

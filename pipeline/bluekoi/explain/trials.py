@@ -11,10 +11,10 @@ import numpy as np
 from ..data import Float
 from ..errors import Finding, InputError, did_you_mean, input_error
 from ..fitting import Series
-from .assembly import Assembly, scale_names
 from .model import Model
+from .recording_faults import duplicate_recordings, spike_findings
 from .sampling import at_rate
-from .slips import copies, spike
+from .system_assembly import AssembledSystem, scale_names
 
 FIT_ROLE, HELD_OUT_ROLE = "fit", "held_out"
 MIN_SAMPLES = 3
@@ -66,7 +66,7 @@ def validated_trials(model: Model, trials: Sequence[Trial]) -> list[Trial]:
         findings.append(Finding("trials", "", "no trial", "one trial at least"))
     if not findings and all(t.role == HELD_OUT_ROLE for t in trials):
         findings.append(Finding("trials", "role", "all trials held out", "a trial to fit"))
-    findings = findings or copies(trials)
+    findings = findings or duplicate_recordings(trials)
     if findings:
         raise InputError(findings)
     return [_prepared(model, t) for t in trials]
@@ -151,7 +151,7 @@ def _column_faults(
     if missing and np.isfinite(column).sum() < MIN_SAMPLES:
         return [Finding(file, name, f"{int(np.isfinite(column).sum())} values",
                         f"{MIN_SAMPLES} or more that are not missing")]  # fmt: skip
-    return spike(file, name, column) if missing else []
+    return spike_findings(file, name, column) if missing else []
 
 
 def _prepared(model: Model, trial: Trial) -> Trial:
@@ -222,7 +222,7 @@ def _is_stepwise(changes: Float) -> bool:
 
 
 def all_series(
-    model: Model, assembly: Assembly, trials: Sequence[Trial], scales: Mapping[str, float],
+    model: Model, assembly: AssembledSystem, trials: Sequence[Trial], scales: Mapping[str, float],
     rate_hz: float,
 ) -> list[Series]:  # fmt: skip
     """Trials as the filter has them, at no more than `rate_hz`."""
@@ -231,7 +231,7 @@ def all_series(
 
 
 def series_of(
-    model: Model, assembly: Assembly, trial: Trial, scales: Mapping[str, float]
+    model: Model, assembly: AssembledSystem, trial: Trial, scales: Mapping[str, float]
 ) -> Series:
     """A trial as the filter has it, at its own rate."""
     system, n = assembly.system, len(trial.times)
@@ -250,7 +250,7 @@ def series_of(
 
 
 def start_of_trial(
-    model: Model, assembly: Assembly, times: Float, seen: Float
+    model: Model, assembly: AssembledSystem, times: Float, seen: Float
 ) -> tuple[Float, Float]:
     """Mean (states,) and covariance (states, states) before the first frame."""
     count = len(assembly.system.all_states)

@@ -3,7 +3,7 @@
 A figure module has TITLE, CAPTION (text for the report), REQUIRED_RESULTS (fields of `Campaign`
 without which nothing can be drawn) and `draw(campaign) -> Figure`. A module whose text depends on
 the campaign also has `title_and_caption(campaign)`; one that may have nothing to draw also has
-`unavailable(campaign)`, the reason or an empty string. Code shared by several figures is in
+`reason_unavailable(campaign)`, the reason or an empty string. Code shared by several figures is in
 `drawing`.
 """
 
@@ -76,7 +76,7 @@ def caption(name: str, campaign: Campaign | None = None) -> str:
 
 
 def _title_and_caption(name: str, campaign: Campaign | None) -> tuple[str, str]:
-    module = _module(name)
+    module = _figure_module(name)
     if campaign is not None and hasattr(module, "title_and_caption"):
         heading, text = module.title_and_caption(campaign)
         return str(heading), str(text)
@@ -85,16 +85,16 @@ def _title_and_caption(name: str, campaign: Campaign | None) -> tuple[str, str]:
 
 def missing_results(name: str, campaign: Campaign) -> tuple[str, ...]:
     """Descriptions of the results that the figure needs and the campaign lacks."""
-    needs = _module(name).REQUIRED_RESULTS
+    needs = _figure_module(name).REQUIRED_RESULTS
     return tuple(REQUIREMENTS[need] for need in needs if not getattr(campaign, need))
 
 
 def draw(name: str, campaign: Campaign) -> Figure:
     """The figure, or a placeholder that names the missing results."""
     with matplotlib.rc_context(RC_PARAMS):
-        if reason := _reason(name, campaign):
+        if reason := _missing_results_text(name, campaign):
             return placeholder_figure(title(name, campaign), f"Not drawn: {reason}")
-        figure: Figure = _module(name).draw(campaign)
+        figure: Figure = _figure_module(name).draw(campaign)
         return figure
 
 
@@ -105,14 +105,16 @@ def draw_file(name: str, campaign: Campaign, path_png: str | Path, path_pdf: str
     """
     figure = draw(name, campaign)
     metadata = {"Title": title(name, campaign), "Description": caption(name, campaign)}
-    if reason := _reason(name, campaign):
+    if reason := _missing_results_text(name, campaign):
         metadata["Comment"] = reason
     with matplotlib.rc_context(RC_PARAMS):
-        _print(figure, Path(path_png), Path(path_pdf), metadata)
+        _save_figure(figure, Path(path_png), Path(path_pdf), metadata)
     write_rows(Path(path_png).with_suffix(".csv"), [Point._fields, *extract_points(figure)])
 
 
-def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str, str]) -> None:
+def _save_figure(
+    figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str, str]
+) -> None:
     """Write a figure as png and pdf, laid out once.
 
     `Figure.savefig` lays out and draws twice for each file, which takes twice as long.
@@ -125,15 +127,15 @@ def _print(figure: Figure, path_png: Path, path_pdf: Path, metadata: Mapping[str
         FigureCanvasPdf(figure).print_pdf(temporary, metadata=dict(PDF_METADATA))
 
 
-def _reason(name: str, campaign: Campaign) -> str:
+def _missing_results_text(name: str, campaign: Campaign) -> str:
     """Why the figure cannot be drawn; empty if it can."""
     if lacking := missing_results(name, campaign):
         return "this run has no " + " and no ".join(lacking)
-    module = _module(name)
-    return str(module.unavailable(campaign)) if hasattr(module, "unavailable") else ""
+    module = _figure_module(name)
+    return str(module.reason_unavailable(campaign)) if hasattr(module, "reason_unavailable") else ""
 
 
-def _module(name: str) -> ModuleType:
+def _figure_module(name: str) -> ModuleType:
     if name not in figure_names():
         raise input_error(
             "figures", "", f"'{name}'", "the name of a figure", did_you_mean(name, figure_names())

@@ -36,23 +36,25 @@ def draw(campaign: Campaign) -> Figure:
     upper = rows[0].subgridspec(1, 3, width_ratios=(1.25, 0.85 * max(2, len(styles)), 0.95))
     lower = rows[1].subgridspec(1, 5, width_ratios=(1.3, 1, 1, 1, 1))
     left, others = lower[0], [lower[i] for i in range(1, 5)]
-    _example(
+    _draw_example_path(
         figure.add_subplot(upper[0]),
         campaign,
         groups.straight_trials(campaign),
         "A",
         "straight run",
     )
-    _speeds(figure, upper[1], campaign, styles)
-    _average_speeds(figure.add_subplot(upper[2]), campaign, styles)
-    _example(figure.add_subplot(left), campaign, groups.turning_trials(campaign), "D", "turn")
+    _draw_speeds(figure, upper[1], campaign, styles)
+    _draw_average_speeds(figure.add_subplot(upper[2]), campaign, styles)
+    _draw_example_path(
+        figure.add_subplot(left), campaign, groups.turning_trials(campaign), "D", "turn"
+    )
     axes = [figure.add_subplot(place) for place in others]
-    _over_angle(axes[0], axes[1], campaign, styles)
-    _over_length(axes[2], axes[3], campaign, styles)
+    _draw_radius_over_angle(axes[0], axes[1], campaign, styles)
+    _draw_radius_over_length(axes[2], axes[3], campaign, styles)
     return figure
 
 
-def _example(
+def _draw_example_path(
     axes: Axes, campaign: Campaign, trials: tuple[Trial, ...], name: str, kind: str
 ) -> None:
     """The longest path of a kind, seen from above in the pool."""
@@ -75,7 +77,7 @@ def _path_length_m(campaign: Campaign, trial: Trial) -> float:
     return float(np.hypot(np.diff(track.x_m), np.diff(track.y_m)).sum())
 
 
-def _speeds(
+def _draw_speeds(
     figure: Figure, place: SubplotSpec, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
     heads = groups.head_lengths(campaign)
@@ -85,7 +87,7 @@ def _speeds(
         for column, (power, style) in enumerate(styles.items()):
             axes = figure.add_subplot(grid[row, column], sharex=first, sharey=first)
             first = first or axes
-            _speed_panel(axes, campaign, (power, head), style)
+            _draw_speed_panel(axes, campaign, (power, head), style)
             if row == 0:
                 axes.set_title(f"{power:g} % power")
             axes.tick_params(labelleft=column == 0, labelbottom=row == len(heads) - 1)
@@ -98,7 +100,7 @@ def _speeds(
         first.set_ylim(bottom=0)
 
 
-def _speed_panel(
+def _draw_speed_panel(
     axes: Axes, campaign: Campaign, condition: tuple[float, float], style: Style
 ) -> None:
     shown = [
@@ -119,7 +121,7 @@ def _speed_panel(
                           fontsize=7.5)  # fmt: skip
 
 
-def _average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Style]) -> None:
+def _draw_average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Style]) -> None:
     panel_letter(axes, "C")
     means = groups.speed_means(campaign)
     if not means:
@@ -143,7 +145,7 @@ def _average_speeds(axes: Axes, campaign: Campaign, styles: dict[float, Style]) 
     axes.legend(loc="upper left")
 
 
-def _over_angle(
+def _draw_radius_over_angle(
     circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
@@ -152,13 +154,13 @@ def _over_angle(
     draw_turns(circles, campaign, mine, styles, vary="angle")
     circles.set_title("1x head, by head angle")
     means = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
-    _averages(averages, means, styles, [mean.angle_deg for mean in means])
-    _singles(averages, campaign, mine, styles, [abs(t.head_angle_deg) for t in mine])
+    _draw_averages(averages, means, styles, [mean.angle_deg for mean in means])
+    _draw_single_trials(averages, campaign, mine, styles, [abs(t.head_angle_deg) for t in mine])
     averages.set_box_aspect(1)
     averages.set_xlabel("absolute head angle (°)")
 
 
-def _over_length(
+def _draw_radius_over_length(
     circles: Axes, averages: Axes, campaign: Campaign, styles: dict[float, Style]
 ) -> None:
     angle = compared_angle_deg(campaign)
@@ -167,13 +169,13 @@ def _over_length(
     draw_turns(circles, campaign, mine, styles, vary="length")
     circles.set_title(f"{angle:g}° head angle, by head length" if mine else "by head length")
     means = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
-    _averages(averages, means, styles, [mean.head_length_m for mean in means])
-    _singles(averages, campaign, mine, styles, [t.head_length_m for t in mine])
+    _draw_averages(averages, means, styles, [mean.head_length_m for mean in means])
+    _draw_single_trials(averages, campaign, mine, styles, [t.head_length_m for t in mine])
     averages.set_box_aspect(1)
     averages.set_xlabel("head length (m)")
 
 
-def _averages(
+def _draw_averages(
     axes: Axes, means: list[ConditionMean], styles: dict[float, Style], at: list[float]
 ) -> None:
     if not means:
@@ -192,7 +194,7 @@ def _averages(
     axes.set(ylabel="turn radius (m)", ylim=(0, 1.12 * axes.get_ylim()[1]))
 
 
-def _singles(
+def _draw_single_trials(
     axes: Axes, campaign: Campaign, trials: list[Trial], styles: dict[float, Style], at: list[float]
 ) -> None:
     for x, trial in zip(at, trials, strict=True):

@@ -34,9 +34,9 @@ def draw(campaign: Campaign) -> Figure:
     panels = figure.subplots(len(powers), 3, squeeze=False)
     for row, (power, axes) in enumerate(zip(powers, panels, strict=True)):
         panel_letter(axes[0], "ABCDEFGHIJKLMNOPQRSTUVWXYZ"[row % 26])
-        _straight(axes[0], campaign, power, known.get(power))
-        _turns(axes[1], campaign, _one_x(campaign, power), known.get(power))
-        _turns(axes[2], campaign, _longer(campaign, power), known.get(power))
+        _draw_straight_step(axes[0], campaign, power, known.get(power))
+        _draw_turn_step(axes[1], campaign, _standard_head_turns(campaign, power), known.get(power))
+        _draw_turn_step(axes[2], campaign, _longer_head_turns(campaign, power), known.get(power))
         for axis, step in zip(axes, STEP_TITLES, strict=True):
             axis.set_title(f"{power:g} %, {step}")
     lines = [
@@ -47,19 +47,21 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _at(campaign: Campaign, power: float) -> list[Trial]:
+def _trials_at_power(campaign: Campaign, power: float) -> list[Trial]:
     return [trial for trial in groups.turning_trials(campaign) if trial.power_pct == power]
 
 
-def _one_x(campaign: Campaign, power: float) -> list[Trial]:
-    return [t for t in _at(campaign, power) if groups.has_standard_head(campaign, t)]
+def _standard_head_turns(campaign: Campaign, power: float) -> list[Trial]:
+    return [t for t in _trials_at_power(campaign, power) if groups.has_standard_head(campaign, t)]
 
 
-def _longer(campaign: Campaign, power: float) -> list[Trial]:
-    return [t for t in _at(campaign, power) if not groups.has_standard_head(campaign, t)]
+def _longer_head_turns(campaign: Campaign, power: float) -> list[Trial]:
+    return [
+        t for t in _trials_at_power(campaign, power) if not groups.has_standard_head(campaign, t)
+    ]
 
 
-def _straight(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None) -> None:
+def _draw_straight_step(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None) -> None:
     mine = [
         t
         for t in groups.straight_trials(campaign)
@@ -80,7 +82,9 @@ def _straight(axes: Axes, campaign: Campaign, power: float, row: PowerFit | None
     axes.set(xlabel="time (s)", ylabel="speed (m/s)", ylim=(0, None))
 
 
-def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | None) -> None:
+def _draw_turn_step(
+    axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | None
+) -> None:
     if not trials:
         placeholder(axes, "no turn of this kind at this power")
         return
@@ -96,13 +100,14 @@ def _turns(axes: Axes, campaign: Campaign, trials: list[Trial], row: PowerFit | 
         longer = length > campaign.study.setup.robot.head_length_m + 1e-6
         name = f"{angle:g}°" + (f", {groups.head_name(campaign, length)}" if longer else "")
         labels.append(
-            f"{name}: data {seen:.3f} m" + _model(axes, campaign, row, (angle, length, seen))
+            f"{name}: data {seen:.3f} m"
+            + _draw_model_circle(axes, campaign, row, (angle, length, seen))
         )
     equal_axes(axes)
-    _labels(axes, labels)
+    _add_labels(axes, labels)
 
 
-def _model(
+def _draw_model_circle(
     axes: Axes, campaign: Campaign, row: PowerFit | None, condition: tuple[float, float, float]
 ) -> str:
     """Draw the simulated circle; return its radius and difference as text."""
@@ -116,7 +121,7 @@ def _model(
     return f"\nsim. {found:.3f} m ({100 * (found / seen - 1):+.1f} %)"
 
 
-def _labels(axes: Axes, labels: Iterable[str]) -> None:
+def _add_labels(axes: Axes, labels: Iterable[str]) -> None:
     behind = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
     text = "\n".join(labels)
     axes.text(0, 0, text, ha="center", va="center", fontsize=6.5, bbox=behind, zorder=5)

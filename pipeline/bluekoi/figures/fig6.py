@@ -44,7 +44,7 @@ UNTESTED_COLOUR = "#e6eaed"
 def draw(campaign: Campaign) -> Figure:
     """Panels A to C of the paper's Figure 6."""
     rows = with_extrapolated_powers(campaign)
-    styles = _styles(campaign, rows)
+    styles = _styles_by_power(campaign, rows)
     figure = Figure(figsize=(12, 4.3), layout="constrained")
     axes = figure.subplots(1, 3)
     for axis, name in zip(axes, "ABC", strict=True):
@@ -53,15 +53,15 @@ def draw(campaign: Campaign) -> Figure:
         for axis in axes:
             placeholder(axis, "no power has a full set of coefficients")
         return figure
-    _speeds(axes[0], campaign, rows, styles)
-    _angles(axes[1], campaign, rows, styles)
-    _lengths(axes[2], campaign, rows, styles)
-    handles = [*axes[0].get_legend_handles_labels()[0], *_key()]
+    _draw_speeds(axes[0], campaign, rows, styles)
+    _draw_radius_over_angle(axes[1], campaign, rows, styles)
+    _draw_radius_over_length(axes[2], campaign, rows, styles)
+    handles = [*axes[0].get_legend_handles_labels()[0], *_add_legend()]
     figure.legend(handles=handles, loc="outside upper center", ncols=(len(handles) + 1) // 2)
     return figure
 
 
-def _key() -> list[Artist]:
+def _add_legend() -> list[Artist]:
     """Legend entries of what is not a power."""
     return [
         Line2D([], [], color="0.35", marker="o", ls="", label="measured mean"),
@@ -70,13 +70,13 @@ def _key() -> list[Artist]:
     ]
 
 
-def _styles(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Style]:
+def _styles_by_power(campaign: Campaign, rows: dict[float, PowerFit]) -> dict[float, Style]:
     """Colours by power; tested powers as in the other figures."""
     tested = groups.powers(campaign)
     return power_styles([*tested, *(power for power in rows if power not in tested)])
 
 
-def _line(
+def _draw_prediction(
     axes: Axes, at: Float, values: Sweep, row: PowerFit, *, styles: dict[float, Style], label: str |
     None = None,
 ) -> None:  # fmt: skip
@@ -86,33 +86,33 @@ def _line(
     axes.fill_between(at, values.low, values.high, color=colour, alpha=0.15, lw=0)
 
 
-def _speeds(
+def _draw_speeds(
     axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
 ) -> None:
     for power, row in rows.items():
         name = f"{power:g} % ({row.flap_hz:.2f} Hz)" + ("" if row.tested else ", extrapolated")
-        _line(axes, TIMES_S, speed_from_rest(campaign, row, TIMES_S), row,
+        _draw_prediction(axes, TIMES_S, speed_from_rest(campaign, row, TIMES_S), row,
               styles=styles, label=name)  # fmt: skip
     axes.set(xlabel="time (s)", ylabel="straight speed (m/s)", xlim=(0, 5), ylim=(0, None))
     axes.set_title("straight, 1x head")
 
 
-def _angles(
+def _draw_radius_over_angle(
     axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
 ) -> None:
     head = campaign.study.setup.robot.head_length_m
     for row in rows.values():
-        _line(
+        _draw_prediction(
             axes, ANGLES_DEG, radii_over_angle(campaign, row, head, ANGLES_DEG), row, styles=styles
         )
     seen = [m for m in groups.radius_means(campaign) if abs(m.head_length_m - head) < 1e-6]
-    _points(axes, seen, [m.angle_deg for m in seen], styles)
-    _untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
+    _draw_measured_means(axes, seen, [m.angle_deg for m in seen], styles)
+    _shade_untested(axes, [m.angle_deg for m in seen], (ANGLES_DEG[0], ANGLES_DEG[-1]))
     axes.set(xlabel="absolute head angle (°)", ylabel="turn radius (m)")
     axes.set_title("turns, 1x head")
 
 
-def _lengths(
+def _draw_radius_over_length(
     axes: Axes, campaign: Campaign, rows: dict[float, PowerFit], styles: dict[float, Style]
 ) -> None:
     angle = compared_angle_deg(campaign)
@@ -120,22 +120,22 @@ def _lengths(
         placeholder(axes, "no turn in this study")
         return
     for row in rows.values():
-        _line(
+        _draw_prediction(
             axes, LENGTHS_M, radii_over_length(campaign, row, LENGTHS_M, angle), row, styles=styles
         )
     seen = [m for m in groups.radius_means(campaign) if m.angle_deg == angle]
-    _points(axes, seen, [m.head_length_m for m in seen], styles)
-    _untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
+    _draw_measured_means(axes, seen, [m.head_length_m for m in seen], styles)
+    _shade_untested(axes, [m.head_length_m for m in seen], (LENGTHS_M[0], LENGTHS_M[-1]))
     axes.set(xlabel="head length (m)", ylabel="turn radius (m)")
     axes.set_xticks(np.arange(0.04, 0.25, 0.04))
     axes.set_title(f"turns at {angle:g}° head angle")
     longest = max(m.head_length_m for m in seen)
     if longest > campaign.study.setup.robot.head_length_m + 1e-6:
         mine = [m for m in seen if m.head_length_m == longest]
-        _inset(axes, campaign, mine, rows, styles)
+        _draw_inset(axes, campaign, mine, rows, styles)
 
 
-def _points(
+def _draw_measured_means(
     axes: Axes, means: list[ConditionMean], at: list[float], styles: dict[float, Style]
 ) -> None:
     step = 0.012 * (axes.get_xlim()[1] - axes.get_xlim()[0])
@@ -144,7 +144,7 @@ def _points(
         groups.draw_mean(axes, place, mean, styles[mean.power_pct], size=7)
 
 
-def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> None:
+def _shade_untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> None:
     """Shade the untested range."""
     axes.set_xlim(*span)
     low, high = (min(tested), max(tested)) if tested else (span[1], span[1])
@@ -154,7 +154,7 @@ def _untested(axes: Axes, tested: list[float], span: tuple[float, float]) -> Non
     axes.set_ylim(bottom=0)
 
 
-def _inset(
+def _draw_inset(
     axes: Axes,
     campaign: Campaign,
     means: list[ConditionMean],

@@ -47,40 +47,44 @@ def draw(campaign: Campaign) -> Figure:
     left, middle, right = figure.subplots(1, 3)
     for axes, name in zip((left, middle, right), "ABC", strict=True):
         panel_letter(axes, name)
-    grid = {key: _array(value) for key, value in found["map"].items()}
-    span = _span(grid)
-    _map(left, campaign, grid, span, "excess")
-    picture = _map(middle, campaign, grid, span, "model")
+    grid = {key: _as_float_array(value) for key, value in found["map"].items()}
+    span = _colour_limit_pct(grid)
+    _draw_error_map(left, campaign, grid, span, "excess")
+    picture = _draw_error_map(middle, campaign, grid, span, "model")
     figure.colorbar(picture, ax=[left, middle], label="length error (%)", shrink=0.75)
     left.set_title("error of length (±: standard error, %)")
     likely = str(found["likely"])
     middle.set_title(
-        "no error detected" if likely == "nothing" else f"likeliest source: {_readable(likely)}"
+        "no error detected"
+        if likely == "nothing"
+        else f"likeliest source: {_readable_name(likely)}"
     )
-    _error_sources(right, found["estimates"])
-    figure.suptitle(_summary(found), fontsize=8.5, color="#5b6570")
+    _draw_error_sources(right, found["estimates"])
+    figure.suptitle(_check_summary(found), fontsize=8.5, color="#5b6570")
     return figure
 
 
-def _summary(found: Mapping[str, Any]) -> str:
+def _check_summary(found: Mapping[str, Any]) -> str:
     """Result of the check, and the source of the keypoint depth."""
     source = "from study.yaml" if found.get("depth_given", True) else "estimated here"
     sentence = textwrap.fill(str(found["sentence"]), 150)
     return f"{sentence}; keypoint depth {1000 * found['depth_m']:.0f} mm, {source}"
 
 
-def _span(grid: dict[str, Float]) -> float:
+def _colour_limit_pct(grid: dict[str, Float]) -> float:
     """Colour limit, %: largest error of cells with at most twice the median standard error."""
     known = (grid["count"] > 0) & (grid["std"] <= 2 * np.nanmedian(grid["std"][grid["count"] > 0]))
     both = np.abs(np.concatenate([grid["excess"][known], grid["model"][known]]))
     return max(100 * float(np.nanmax(both)), 0.05)
 
 
-def _array(values: Any) -> Float:
+def _as_float_array(values: Any) -> Float:
     return np.array(values, dtype=np.float64)
 
 
-def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, name: str) -> Any:
+def _draw_error_map(
+    axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, name: str
+) -> Any:
     draw_pool(axes, campaign.study)
     shown = np.where(grid["count"] > 0, 100 * grid[name], np.nan)
     picture = axes.pcolormesh(
@@ -93,11 +97,11 @@ def _map(axes: Axes, campaign: Campaign, grid: dict[str, Float], span: float, na
         zorder=1,
     )
     if name == "excess":
-        _standard_errors(axes, grid, span)
+        _mark_standard_errors(axes, grid, span)
     return picture
 
 
-def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
+def _mark_standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
     x, y = (0.5 * (grid[key][1:] + grid[key][:-1]) for key in ("x_edges_m", "y_edges_m"))
     for row, column in zip(*np.nonzero(grid["count"] > 0), strict=True):
         std = 100 * grid["std"][row, column]
@@ -107,10 +111,10 @@ def _standard_errors(axes: Axes, grid: dict[str, Float], span: float) -> None:
                   color="white" if dark else "#5b6570")  # fmt: skip
 
 
-def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
+def _draw_error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     best = estimates[:MAX_ERRORS_SHOWN][::-1]
     gains = [max(float(one["gain"] or 0.0), 1.0) for one in best]
-    names = [_readable(one["name"]) + _several(one["parameters"]) for one in best]
+    names = [_readable_name(one["name"]) + _parameter_list_text(one["parameters"]) for one in best]
     fills = [DETECTABLE_COLOUR if one["detectable"] else "white" for one in best]
     axes.barh(
         range(len(best)), gains, left=1.0, color=fills, edgecolor=DETECTABLE_COLOUR, height=0.6
@@ -125,9 +129,9 @@ def _error_sources(axes: Axes, estimates: list[dict[str, Any]]) -> None:
     axes.set_xlabel("reduction in chi-squared\n(at the bars: rms length change)")
 
 
-def _several(parameters: Sequence[str]) -> str:
-    return f": {', '.join(map(_readable, parameters))}" if len(parameters) > 1 else ""
+def _parameter_list_text(parameters: Sequence[str]) -> str:
+    return f": {', '.join(map(_readable_name, parameters))}" if len(parameters) > 1 else ""
 
 
-def _readable(name: str) -> str:
+def _readable_name(name: str) -> str:
     return name.removesuffix("_m_s").removesuffix("_m").removesuffix("_rad").replace("_", " ")

@@ -31,7 +31,7 @@ def draw(campaign: Campaign) -> Figure:
     if not bars:
         placeholder(axes, "this search reports no candidates")
         return figure
-    _bars(axes, bars, named)
+    _draw_bars(axes, bars, named)
     axes.set_xlabel("probability that the cause acts")
     shown = {name in named for name, _ in bars}
     handles = [Patch(color=AFTER_COLOUR, label="named")] * (True in shown)
@@ -40,7 +40,7 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _bars(axes: Axes, bars: list[tuple[str, float]], named: set[str]) -> None:
+def _draw_bars(axes: Axes, bars: list[tuple[str, float]], named: set[str]) -> None:
     for place, (name, value) in enumerate(bars):
         axes.barh(
             place,

@@ -49,7 +49,7 @@ SKIPPED_START_S = 1.0
 def draw(campaign: Campaign) -> Figure:
     """Up to three panels, the largest explained share first."""
     pieces = [(one, force_of_effects(campaign, one)) for one in missing_forces(campaign).values()]
-    shown, shares = _pairs(campaign)
+    shown, shares = _channel_variable_pairs(campaign)
     styles = power_styles(groups.powers(campaign))
     figure = Figure(figsize=(12, 4.0), layout="constrained")
     for i, axes in enumerate(figure.subplots(1, PANEL_COUNT)):
@@ -58,7 +58,7 @@ def draw(campaign: Campaign) -> Figure:
             placeholder(axes, "no further dependence")
             continue
         channel, name = shown[i]
-        _panel(axes, campaign, (channel, name), pieces, styles)
+        _draw_panel(axes, campaign, (channel, name), pieces, styles)
         share = shares.get((channel, name))
         axes.set_title(
             FORCE_NAMES[channel] + (f": explains {100 * share:.0f} % (held out)" if share else "")
@@ -71,7 +71,9 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _pairs(campaign: Campaign) -> tuple[list[tuple[str, str]], dict[tuple[str, str], float]]:
+def _channel_variable_pairs(
+    campaign: Campaign,
+) -> tuple[list[tuple[str, str]], dict[tuple[str, str], float]]:
     """Channel and variable of each panel, and their explained shares.
 
     The last panel is reserved for the default variable of the first cause's channel.
@@ -93,7 +95,7 @@ def _pairs(campaign: Campaign) -> tuple[list[tuple[str, str]], dict[tuple[str, s
     return first + default[:1] if first else list(DEFAULT_PAIRS), shares
 
 
-def _panel(
+def _draw_panel(
     axes: Axes,
     campaign: Campaign,
     pair: tuple[str, str],
@@ -102,13 +104,13 @@ def _panel(
 ) -> None:
     channel, name = pair
     k = CHANNELS.index(channel)
-    found = [_after_start(one) for one, _ in pieces]
+    found = [_frames_after_start(one) for one, _ in pieces]
     x = [
         variable_along_trial(campaign, one, name)[at]
         for (one, _), at in zip(pieces, found, strict=True)
     ]
     y = [one.force[at, k] for (one, _), at in zip(pieces, found, strict=True)]
-    _dots(axes, campaign, [one for one, _ in pieces], (x, y), styles)
+    _draw_dots(axes, campaign, [one for one, _ in pieces], (x, y), styles)
     at, mean, std = _binned_means(x, y)
     axes.errorbar(at, mean, yerr=std, fmt="o", color="#20262e", ms=4, capsize=2, zorder=5,
                   label="mean and standard deviation over trials")  # fmt: skip
@@ -124,13 +126,13 @@ def _panel(
     axes.set_ylim(-top, top)
 
 
-def _after_start(one: MissingForce) -> npt.NDArray[np.bool_]:
+def _frames_after_start(one: MissingForce) -> npt.NDArray[np.bool_]:
     """Frames after the start, (n,)."""
     t = one.motion[:, 6] - one.motion[0, 6]
     return np.asarray(t >= min(SKIPPED_START_S, t[-1] / 3))
 
 
-def _dots(
+def _draw_dots(
     axes: Axes,
     campaign: Campaign,
     found: Sequence[MissingForce],

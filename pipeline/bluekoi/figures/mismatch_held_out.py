@@ -62,7 +62,7 @@ def draw(campaign: Campaign) -> Figure:
     bars = sides[0].subgridspec(1, 3)
     for i, (key, label, factor) in enumerate(ERROR_LABELS):
         axes = figure.add_subplot(bars[i])
-        _error(axes, campaign, key, factor)
+        _draw_error_bars(axes, campaign, key, factor)
         axes.set_title(label)
         if i == 0:
             panel_letter(axes, "A")
@@ -89,7 +89,7 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _error(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
+def _draw_error_bars(axes: Axes, campaign: Campaign, key: str, factor: float) -> None:
     drawn = models(campaign)
     values = [factor * campaign.held_out_error(model.result, key) for model in drawn]
     if all(math.isnan(value) for value in values):

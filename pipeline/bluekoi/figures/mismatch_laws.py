@@ -24,12 +24,12 @@ REQUIRED_RESULTS = ("mismatch",)
 PANELS_PER_ROW = 3
 
 
-def unavailable(campaign: Campaign) -> str:
+def reason_unavailable(campaign: Campaign) -> str:
     """Why there is nothing to draw; empty if a cause has a law."""
-    return "" if laws(campaign) else "the search reports no law of a cause"
+    return "" if complete_laws(campaign) else "the search reports no law of a cause"
 
 
-def laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
+def complete_laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
     """Name of a cause -> its law, for causes with a complete one."""
     causes = (campaign.mismatch or {}).get("causes") or []
     found = {str(cause["name"]): cause.get("law") or {} for cause in causes}
@@ -42,7 +42,7 @@ def laws(campaign: Campaign) -> dict[str, Mapping[str, Any]]:
 
 def draw(campaign: Campaign) -> Figure:
     """A panel for each cause with a law."""
-    found = laws(campaign)
+    found = complete_laws(campaign)
     residuals = (campaign.mismatch_detail or {}).get("partial_residuals") or {}
     rows = -(-len(found) // PANELS_PER_ROW)
     columns = min(PANELS_PER_ROW, len(found))
@@ -50,17 +50,17 @@ def draw(campaign: Campaign) -> Figure:
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     for i, (axes, (name, law)) in enumerate(zip(panels, found.items(), strict=False)):
         panel_letter(axes, "ABCDEFGHI"[i % 9])
-        _law(axes, law, residuals.get(name) or {})
+        _draw_law(axes, law, residuals.get(name) or {})
         axes.set_title(name.replace("_", " "))
     for axes in panels[len(found) :]:
         axes.axis("off")
     return figure
 
 
-def _law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[str, Any]]) -> None:
+def _draw_law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[str, Any]]) -> None:
     name, channel = str(law.get("variable", "")), str(law.get("channel", ""))
     x, y = np.asarray(law["x"], dtype=float), np.asarray(law["y"], dtype=float)
-    _dots(axes, points)
+    _draw_partial_residuals(axes, points)
     low, high = (np.asarray(law.get(k) or [], dtype=float) for k in ("low", "high"))
     if len(low) == len(high) == len(x):
         axes.fill_between(x, low, high, color=AFTER_COLOUR, alpha=0.2, lw=0, label="95 % band")
@@ -74,7 +74,7 @@ def _law(axes: Axes, law: Mapping[str, Any], points: Mapping[str, Mapping[str, A
     axes.legend(loc="best")
 
 
-def _dots(axes: Axes, points: Mapping[str, Mapping[str, Any]]) -> None:
+def _draw_partial_residuals(axes: Axes, points: Mapping[str, Mapping[str, Any]]) -> None:
     """Partial residuals of a cause, trial by trial."""
     label: str | None = "model's residual + this cause, parts of trials"
     for trial_id, one in points.items():

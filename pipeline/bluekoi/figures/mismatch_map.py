@@ -32,7 +32,7 @@ def draw(campaign: Campaign) -> Figure:
     panels = figure.subplots(2, 3)
     for i, (axes, channel) in enumerate(zip(panels[0], CHANNELS, strict=True)):
         panel_letter(axes, "ABC"[i])
-        _map(figure, axes, campaign, found, i)
+        _draw_force_map(figure, axes, campaign, found, i)
         axes.set_title(f"missing {FORCE_NAMES[channel]} ({FORCE_UNITS[channel]})")
     worst = sorted(found.values(), key=_mean_square, reverse=True)[:TRIALS_SHOWN]
     longest = max((float(np.hypot(*one.force[:, :2].T).max()) for one in worst), default=1.0)
@@ -40,7 +40,7 @@ def draw(campaign: Campaign) -> Figure:
     for i, axes in enumerate(panels[1]):
         panel_letter(axes, "DEF"[i])
         if i < len(worst):
-            _arrows(axes, campaign, worst[i], longest)
+            _draw_force_arrows(axes, campaign, worst[i], longest)
         else:
             placeholder(axes, "no further trial")
     return figure
@@ -51,7 +51,7 @@ def _mean_square(one: MissingForce) -> float:
     return float(np.mean((one.force / np.maximum(one.std, 1e-9)) ** 2))
 
 
-def _map(
+def _draw_force_map(
     figure: Figure, axes: Axes, campaign: Campaign, found: dict[str, MissingForce], channel: int
 ) -> None:
     if not found:
@@ -72,7 +72,7 @@ def _map(
     figure.colorbar(lines, ax=axes, shrink=0.7, extend="both")
 
 
-def _arrows(axes: Axes, campaign: Campaign, one: MissingForce, longest: float) -> None:
+def _draw_force_arrows(axes: Axes, campaign: Campaign, one: MissingForce, longest: float) -> None:
     draw_pool(axes, campaign.study)
     xy, psi = one.motion[:, :2], one.motion[:, 2]
     surge, sway = one.force[:, 0], one.force[:, 1]

@@ -27,14 +27,14 @@ MAX_PANELS = 60
 
 def draw(campaign: Campaign) -> Figure:
     """Small multiples, one panel a trial in the order of trials.csv."""
-    trials = _shown(campaign)
+    trials = _trials_shown(campaign)
     columns = min(PANELS_PER_ROW, len(trials))
     rows = math.ceil(len(trials) / columns)
     figure = Figure(figsize=(max(6, 2.15 * columns), 1.75 * rows + 0.7), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False)
     for i, axes in enumerate(panels.flat):
         if i < len(trials):
-            _panel(axes, campaign, trials[i])
+            _draw_panel(axes, campaign, trials[i])
             axes.tick_params(labelleft=i % columns == 0, labelbottom=i + columns >= len(trials))
         else:
             axes.axis("off")
@@ -44,7 +44,7 @@ def draw(campaign: Campaign) -> Figure:
     return figure
 
 
-def _shown(campaign: Campaign) -> tuple[Trial, ...]:
+def _trials_shown(campaign: Campaign) -> tuple[Trial, ...]:
     """All trials, or the worst ones of a large study, in the study's order."""
     trials = campaign.study.trials
     if len(trials) <= MAX_PANELS:
@@ -56,7 +56,7 @@ def _shown(campaign: Campaign) -> tuple[Trial, ...]:
     return tuple(trial for trial in trials if trial.trial_id in worst)
 
 
-def _panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
+def _draw_panel(axes: Axes, campaign: Campaign, trial: Trial) -> None:
     axes.set_title(
         f"{trial.trial_id}: {trial.power_pct:g} %, {trial.head_angle_deg:g}°, "
         f"{trial.head_length_m:g} m",

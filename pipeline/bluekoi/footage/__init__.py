@@ -2,7 +2,7 @@
 
 open_recording(paths)  -> Recording     what is in the files, checked, with remarks
 frames(recording)      -> Frame, ...    luma (and bgr) at the times the camera stamped
-encode(path, ...)                       an H.264 video that any browser plays
+encode_h264(path, ...)                  an H.264 video that any browser plays
 """
 
 from .frame_reading import frames

@@ -11,17 +11,17 @@ import numpy as np
 from ..data import Steady
 from ..engine import (
     FittedSet,
-    Named,
+    NamedCause,
     Posterior,
-    Scored,
+    ScoredSet,
     best_set,
     named_causes,
+    off_bounds_mask,
     posterior,
-    search,
-    unconstrained,
+    search_sets,
     without_discrepancy,
 )
-from ..engine.naming import NAMED, UNEXPLAINED, gain
+from ..engine.naming import MIN_NAMED_PROBABILITY, UNEXPLAINED, log_evidence_gain
 from ..fitting import (
     Free,
     MissingForce,
@@ -69,7 +69,7 @@ class MismatchResult:
 
     verdict: str
     posterior: Posterior
-    named: Sequence[Named]
+    named: Sequence[NamedCause]
     unexplained: float
     model: FittedSet
     gains: Mapping[str, float]
@@ -112,11 +112,13 @@ def find_mismatch(
     camera = study.setup.camera
     problem = robot_problem(kernel, searched, baseline, displaced=displaced, progress=progress,
                             by_homography=camera is not None and camera.matrix is None)  # fmt: skip
-    visited = search(problem, baseline.fit.by_label())
+    visited = search_sets(problem, baseline.fit.by_label())
     problem = visited.problem
     found = posterior(problem, list(visited.sets.values()))
     named, unexplained = named_causes(found, problem.by_name)
-    best = best_set(found, [c.name for c in named], unexplained > NAMED, problem.by_name)
+    best = best_set(
+        found, [c.name for c in named], unexplained > MIN_NAMED_PROBABILITY, problem.by_name
+    )
     final = without_discrepancy(replace(problem, series=tuple(train)), best.model)
     final = final if final.usable else without_discrepancy(problem, best.model)
     extended = with_between_trial_covariance(baseline, final) if best.causes else baseline
@@ -141,7 +143,7 @@ def find_mismatch(
     }  # fmt: skip
     if not best.causes:
         errors["extended"] = errors["baseline"]
-    gains = {c.name: gain(found.sets, best, c.name) for c in named}
+    gains = {c.name: log_evidence_gain(found.sets, best, c.name) for c in named}
     ordered = sorted(named, key=lambda c: -gains[c.name])
     return MismatchResult(
         verdict=verdict_of(kernel, ordered, unexplained), posterior=found, named=ordered,
@@ -168,7 +170,7 @@ twice, the overdispersion above which the report warns."""
 
 def with_between_trial_covariance(baseline: Tuned, model: FittedSet) -> Tuned:
     """A fitted set with covariances from how its trials disagree."""
-    free = unconstrained(model)
+    free = off_bounds_mask(model)
     spread = cluster_covariance(model.fit.normal, free)
     cov, df = spread.cov.copy(), spread.df.copy()
     alone = np.flatnonzero(free & (df == 0))  # one trial informs on it: its naive variance
@@ -221,9 +223,9 @@ def _is_strength(kernel: Kernel, label: str) -> bool:
     return label in [f"{effect.name}.{p.name}" for p in effect.parameters[: effect.strengths]]
 
 
-def verdict_of(kernel: Kernel, named: Sequence[Named], unexplained: float) -> str:
+def verdict_of(kernel: Kernel, named: Sequence[NamedCause], unexplained: float) -> str:
     """none, physics, measurement or unexplained: the kind of the cause that explains most."""
-    if unexplained > NAMED:
+    if unexplained > MIN_NAMED_PROBABILITY:
         return UNEXPLAINED
     return kernel.system.effect(named[0].name).kind if named else "none"
 
@@ -233,7 +235,7 @@ MAX_RANDOM_FORCE_SHARE = 0.5
 MAX_OVERDISPERSION = 2.0
 
 
-def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> list[str]:
+def model_warnings(kernel: Kernel, train: Sequence[Series], best: ScoredSet) -> list[str]:
     """Sentences on signs that the model does not describe its trials."""
     out = []
     if (c := best.overdispersion) > MAX_OVERDISPERSION:
@@ -256,7 +258,7 @@ def model_warnings(kernel: Kernel, train: Sequence[Series], best: Scored) -> lis
 
 
 def _main_forces(
-    kernel: Kernel, train: Sequence[Series], best: Scored
+    kernel: Kernel, train: Sequence[Series], best: ScoredSet
 ) -> tuple[float, float, float]:
     """Typical thrust (N), used for surge and sway, and thrust times the head's arm (N m)."""
     names = kernel.system.constants

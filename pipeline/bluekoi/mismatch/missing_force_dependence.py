@@ -71,7 +71,7 @@ def dependences(
     found = []
     for channel in range(len(units)):
         force = [y[:, channel] for y in scaled]
-        adds = _added(variables, force, parts, total)
+        adds = _added_shares(variables, force, parts, total)
         for name in variables[0]:
             explained = cv_explained_squares([v[name] for v in variables], force, parts)
             order = [int(t) for t in np.argsort(-explained) if explained[t] > 0]
@@ -81,7 +81,7 @@ def dependences(
     return sorted(found, key=lambda d: -d.share)
 
 
-def _added(
+def _added_shares(
     variables: Sequence[Mapping[str, Float]], force: Sequence[Float],
     parts: Sequence[np.ndarray], total: float,
 ) -> dict[str, float]:  # fmt: skip
@@ -110,13 +110,13 @@ def _added(
 
 def residualise(x: Sequence[Float], y: Sequence[Float]) -> list[Float]:
     """Residuals of y after a smooth curve over x, fitted to all trials."""
-    design = _curves(x)
+    design = _chebyshev_basis(x)
     A = sum(d.T @ d for d in design) + 1e-6 * np.eye(POLYNOMIAL_DEGREE + 1)
     coefficients = np.linalg.solve(A, sum(d.T @ v for d, v in zip(design, y, strict=True)))
     return [v - d @ coefficients for d, v in zip(design, y, strict=True)]
 
 
-def _curves(x: Sequence[Float]) -> list[Float]:
+def _chebyshev_basis(x: Sequence[Float]) -> list[Float]:
     """Chebyshev polynomials (n, degree + 1) of x over its range in all trials."""
     low, high = (float(f([f(v) for v in x])) for f in (np.min, np.max))
     scaled = [2 * (v - low) / max(high - low, 1e-12) - 1 for v in x]
@@ -129,7 +129,7 @@ def cv_explained_squares(
     x: Sequence[Float], y: Sequence[Float], parts: Sequence[np.ndarray]
 ) -> Float:
     """Sum of squares of y explained by a smooth curve over x fitted to other folds, (trials,)."""
-    design = _curves(x)
+    design = _chebyshev_basis(x)
     grams = [d.T @ d for d in design]
     moments = [d.T @ v for d, v in zip(design, y, strict=True)]
     explained = np.zeros(len(y))

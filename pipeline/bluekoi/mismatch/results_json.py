@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine import Named
+from ..engine import NamedCause
 from ..engine.naming import UNEXPLAINED
 from ..explain.results_json import rival_rows
 from ..fitting import Series
@@ -61,7 +61,7 @@ def causes_json(found: MismatchResult) -> list[dict[str, Any]]:
     return [*out, _unexplained(found)] if found.verdict == UNEXPLAINED else out
 
 
-def _cause(found: MismatchResult, cause: Named) -> dict[str, Any]:
+def _cause(found: MismatchResult, cause: NamedCause) -> dict[str, Any]:
     effect = plates().effect(cause.name)
     return {
         "name": cause.name,
@@ -76,7 +76,7 @@ def _cause(found: MismatchResult, cause: Named) -> dict[str, Any]:
     }
 
 
-def credible_set(cause: Named) -> list[str]:
+def credible_set(cause: NamedCause) -> list[str]:
     """The fewest causes of a place, the most probable first, that hold 90 % of it."""
     return [_shown(n) for n in cause.credible_set]
 

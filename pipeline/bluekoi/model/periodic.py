@@ -104,7 +104,7 @@ OF_HEAD = Parameter("of_head", "1", 0.0, 0.0, 1.0, "heading of the core (0) or o
                     tries=TRIED_HEADINGS, symbol="q")  # fmt: skip
 
 
-def _effect(force: Callable[..., Force]) -> Effect:
+def _residual_effect(force: Callable[..., Force]) -> Effect:
     channel, ending = force.__name__.split("_", maxsplit=1)
     variable, rate_unit, tries = WAVES[ending]
     unit, size = ("N m", 0.001) if channel == "yaw" else ("N", 0.01)
@@ -128,7 +128,7 @@ def _effect(force: Callable[..., Force]) -> Effect:
 
 
 EFFECTS = tuple(
-    _effect(force)
+    _residual_effect(force)
     for force in (
         surge_with_time, sway_with_time, yaw_with_time, surge_along_x, sway_along_x, yaw_along_x,
         surge_along_y, sway_along_y, yaw_along_y, surge_with_heading, sway_with_heading,

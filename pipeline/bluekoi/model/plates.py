@@ -9,7 +9,7 @@ from importlib import import_module
 from .. import effects, measurement, observation
 from ..integrate import Effect, Parameter, Stage, System, effect_from_module
 from ..observation import tracking_error
-from . import disturbance, equations, hump, periodic, residual
+from . import disturbance, equations, near_speed, periodic, residual
 
 COEFFICIENTS = (
     Parameter("C_T", "m2", 4.5e-3, 1e-5, 0.2, "thrust over 1/2 rho A f^2"),
@@ -63,7 +63,7 @@ def all_effects() -> tuple[Effect, ...]:
         for name in effect_names(package)
     ]
     found = tuple(effect_from_module(module, STAGES) for module in modules)
-    return (*found, *hump.EFFECTS, *periodic.EFFECTS)
+    return (*found, *near_speed.EFFECTS, *periodic.EFFECTS)
 
 
 def is_residual(label: str) -> bool:

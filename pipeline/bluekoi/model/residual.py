@@ -9,9 +9,9 @@
     pool:  spring (-x, -y) + x (1, 0) + y (0, 1) + strain (x, -y) + swirl (-y, x)
 
 each term with a strength of its own, x and y from the middle of the pool, alpha the angle of attack
-of the head, e = exp(-t / 2 s), and the humps
-R(c) = 1 / (1 + ((f - c) / 0.6 Hz)^2)^2 over the frequency (`hump` has one over the speed). Fitted
-where a mismatch fits none of the named causes: it models the force and says where it acts.
+of the head, e = exp(-t / 2 s), and R(c) = 1 / (1 + ((f - c) / 0.6 Hz)^2)^2 a peak at the flapping
+frequency c (`near_speed` has a peak at a speed). Fitted where a mismatch fits none of the named
+causes: it models the force and says where it acts.
 """
 
 from __future__ import annotations

@@ -52,12 +52,12 @@ def read_draft(folder: Path) -> Draft:
 
     Raises: InputError where a file is there and cannot be read as yaml or csv.
     """
-    texts = texts_of(folder)
-    content = _document(folder, texts[0])
-    header, rows = _table(folder, texts[1])
+    texts = study_file_texts(folder)
+    content = _yaml_document(folder, texts[0])
+    header, rows = _trials_table(folder, texts[1])
     if texts[1] is None:
         rows = trial_rows(study_files(folder))
-    return Draft(_values(content), rows, header, _revision(texts))
+    return Draft(_flattened_values(content), rows, header, _revision_hash(texts))
 
 
 def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
@@ -69,14 +69,14 @@ def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
     Raises: InputError where a file was changed by others since it was read, or cannot be written;
     then neither file is changed.
     """
-    texts = texts_of(folder)
-    if draft.revision and draft.revision != _revision(texts):
+    texts = study_file_texts(folder)
+    if draft.revision and draft.revision != _revision_hash(texts):
         raise input_error(
             folder, "", "study.yaml or trials.csv was changed by another program since the page "
             "read it", "files as the page read them", "Reload the page to see the changes; nothing "
             "was saved.",
         )  # fmt: skip
-    wanted = rendered(draft, folder, texts)
+    wanted = edited_texts(draft, folder, texts)
     changed = [
         (name, old, new)
         for name, old, new in zip(STUDY_FILES, texts, wanted, strict=True)
@@ -86,20 +86,20 @@ def save_draft(draft: Draft, folder: Path) -> tuple[Draft, list[str]]:
         for name, old, new in changed:
             target = (folder / name).resolve()
             if old is not None:
-                _keep(target, folder / BACKUP_FOLDER)
+                _back_up(target, folder / BACKUP_FOLDER)
             files.enter_context(atomic_write(target)).write_text(new, encoding="utf-8")
     done = [f"{name} {'saved' if old is None else 'changed'}" for name, old, _ in changed]
     return read_draft(folder), done
 
 
-def _keep(path: Path, folder: Path) -> None:
+def _back_up(path: Path, folder: Path) -> None:
     """A copy of a file, named after the moment."""
     folder.mkdir(exist_ok=True)
     stamp = datetime.now().strftime("%Y%m%d-%H%M%S-%f")
     shutil.copy2(path, folder / f"{path.stem}-{stamp}{path.suffix}")
 
 
-def texts_of(folder: Path) -> tuple[str | None, str | None]:
+def study_file_texts(folder: Path) -> tuple[str | None, str | None]:
     """Text of both files; None where one is not there."""
 
     def text(name: str) -> str | None:
@@ -114,11 +114,11 @@ def texts_of(folder: Path) -> tuple[str | None, str | None]:
     return text(STUDY_FILES[0]), text(STUDY_FILES[1])
 
 
-def _revision(texts: Sequence[str | None]) -> str:
+def _revision_hash(texts: Sequence[str | None]) -> str:
     return hashlib.sha256(repr(texts).encode()).hexdigest()
 
 
-def _yaml() -> YAML:
+def _round_trip_yaml() -> YAML:
     """Reader and writer that keeps comments, order and quotes."""
     round_trip = YAML(typ="rt")
     round_trip.preserve_quotes = True
@@ -126,15 +126,15 @@ def _yaml() -> YAML:
     return round_trip
 
 
-def _document(folder: Path, text: str | None) -> CommentedMap:
+def _yaml_document(folder: Path, text: str | None) -> CommentedMap:
     """study.yaml with its comments; the blank one where there is none."""
     try:
-        content = _yaml().load(blank_study_yaml() if text is None else text)
+        content = _round_trip_yaml().load(blank_study_yaml() if text is None else text)
     except (YAMLError, ValueError, RecursionError) as error:
         raise input_error(folder / STUDY_FILES[0], "", f"no readable yaml ({error})", "yaml",
                           "Mend it in an editor; it was left as it is.") from error  # fmt: skip
     if content is None:
-        content = _yaml().load(blank_study_yaml())
+        content = _round_trip_yaml().load(blank_study_yaml())
     if not isinstance(content, CommentedMap):
         raise input_error(folder / STUDY_FILES[0], "", "no keys",
                           "keys pool, robot, camera and others",
@@ -142,7 +142,7 @@ def _document(folder: Path, text: str | None) -> CommentedMap:
     return content
 
 
-def _table(folder: Path, text: str | None) -> tuple[list[str], list[dict[str, str]]]:
+def _trials_table(folder: Path, text: str | None) -> tuple[list[str], list[dict[str, str]]]:
     """Header and rows of trials.csv."""
     if text is None:
         return [], []
@@ -163,32 +163,34 @@ def _table(folder: Path, text: str | None) -> tuple[list[str], list[dict[str, st
     return header, rows
 
 
-def _values(content: Mapping[str, Any]) -> dict[str, str]:
+def _flattened_values(content: Mapping[str, Any]) -> dict[str, str]:
     """Dotted key to text, of the sections' keys and of keys without a section."""
     found: dict[str, str] = {}
     for name, value in content.items():
         if isinstance(value, Mapping) and name != "bodyparts":
-            found |= {f"{name}.{key}": _as_text(entry) for key, entry in value.items()}
+            found |= {f"{name}.{key}": _value_as_text(entry) for key, entry in value.items()}
         else:
-            found[str(name)] = _as_text(value)
+            found[str(name)] = _value_as_text(value)
     return {key: text for key, text in found.items() if text}
 
 
-def _as_text(value: Any) -> str:
+def _value_as_text(value: Any) -> str:
     """A value as a person types it: plain text, or a list or mapping in flow style."""
     if value is None:
         return ""
     if isinstance(value, str):
         return str(value)
-    text = yaml.safe_dump(_plain(value), default_flow_style=True, width=100_000, sort_keys=False)
+    text = yaml.safe_dump(
+        _builtin_types(value), default_flow_style=True, width=100_000, sort_keys=False
+    )
     return text.removesuffix("\n").removesuffix("\n...").strip()
 
 
-def _plain(value: Any) -> Any:
+def _builtin_types(value: Any) -> Any:
     if isinstance(value, Mapping):
-        return {str(key): _plain(entry) for key, entry in value.items()}
+        return {str(key): _builtin_types(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(entry) for entry in value]
+        return [_builtin_types(entry) for entry in value]
     if isinstance(value, bool) or value is None:
         return value
     if isinstance(value, (int, float)):
@@ -196,30 +198,34 @@ def _plain(value: Any) -> Any:
     return str(value)
 
 
-def rendered(draft: Draft, folder: Path, texts: tuple[str | None, str | None]) -> tuple[str, str]:
+def edited_texts(
+    draft: Draft, folder: Path, texts: tuple[str | None, str | None]
+) -> tuple[str, str]:
     """Texts of both files with what the draft says."""
-    content = _document(folder, texts[0])
-    edited = _edit(content, draft.values)
+    content = _yaml_document(folder, texts[0])
+    edited = _update_document(content, draft.values)
     study = texts[0]
     if edited or study is None:
         out = io.StringIO()
-        _yaml().dump(content, out)
+        _round_trip_yaml().dump(content, out)
         study = out.getvalue()
-    header, rows = _table(folder, texts[1])
-    same = texts[1] is not None and [_filled(r) for r in rows] == [_filled(r) for r in draft.rows]
+    header, rows = _trials_table(folder, texts[1])
+    same = texts[1] is not None and [_nonempty_cells(r) for r in rows] == [
+        _nonempty_cells(r) for r in draft.rows
+    ]
     trials = texts[1] if same else trials_csv(draft.rows, header)
     assert trials is not None
     return study, trials
 
 
-def _filled(row: Mapping[str, str]) -> dict[str, str]:
+def _nonempty_cells(row: Mapping[str, str]) -> dict[str, str]:
     """Cells of a row that say something."""
     return {name: " ".join(text.split()) for name, text in row.items() if text.strip()}
 
 
-def _edit(content: CommentedMap, values: Mapping[str, str]) -> bool:
+def _update_document(content: CommentedMap, values: Mapping[str, str]) -> bool:
     """Whether anything in the document had to be changed to say what `values` say."""
-    before = _values(content)
+    before = _flattened_values(content)
     given = {name: text.strip() for name, text in values.items() if text.strip()}
     for name in before.keys() - given.keys():
         section, _, key = name.partition(".")
@@ -227,29 +233,29 @@ def _edit(content: CommentedMap, values: Mapping[str, str]) -> bool:
         if name in REQUIRED_KEYS:
             parent[key or section] = None
         else:
-            _remove(parent, key or section)
+            _delete_entry(parent, key or section)
             if key and not parent:
-                _remove(content, section)
+                _delete_entry(content, section)
     changed = {name: text for name, text in given.items() if before.get(name) != text}
     for name, text in changed.items():
         section, _, key = name.partition(".")
         if key and not isinstance(content.get(section), CommentedMap):
             content[section] = CommentedMap()
-        _put(content[section] if key else content, key or section, _typed(text))
+        _set_entry(content[section] if key else content, key or section, _parse_typed_text(text))
     return bool(changed or before.keys() - given.keys())
 
 
-def _put(parent: Any, key: Any, value: Any) -> None:
+def _set_entry(parent: Any, key: Any, value: Any) -> None:
     """Set an entry; a list of the same length item by item: comments hang on its items."""
     known = parent[key] if not isinstance(parent, CommentedMap) or key in parent else None
     if isinstance(known, CommentedSeq) and isinstance(value, list) and len(known) == len(value):
         for i, item in enumerate(value):
-            _put(known, i, item)
+            _set_entry(known, i, item)
     else:
         parent[key] = value
 
 
-def _remove(parent: CommentedMap, key: str) -> None:
+def _delete_entry(parent: CommentedMap, key: str) -> None:
     """Delete an entry; the comment behind it, that of the next one, goes to the one before."""
     before = list(parent)[: list(parent).index(key)]
     tokens = parent.ca.items.pop(key, None)
@@ -265,14 +271,14 @@ def _remove(parent: CommentedMap, key: str) -> None:
         kept[2] = tokens[2]
 
 
-def _typed(text: str) -> Any:
+def _parse_typed_text(text: str) -> Any:
     """Value of a text as typed: a number, a list, a mapping; else the text itself."""
     try:
         value = yaml.safe_load(text)
     except (yaml.YAMLError, RecursionError):
         return text
     if isinstance(value, (list, dict)):
-        flow = _yaml().load(text)
+        flow = _round_trip_yaml().load(text)
         if isinstance(flow, (CommentedSeq, CommentedMap)):
             flow.fa.set_flow_style()
         return flow

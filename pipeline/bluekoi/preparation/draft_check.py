@@ -12,7 +12,7 @@ from ..study import Setup, Study, missing_files
 from ..study.key_reference import keys
 from ..study.study_yaml import read_setup
 from ..study.trials_csv import read_trials
-from .draft import STUDY_FILES, Draft, rendered, texts_of
+from .draft import STUDY_FILES, Draft, edited_texts, study_file_texts
 from .input_check import file_findings, setup_findings
 
 STUDY_SECTIONS = {key.name for key in keys() if "." not in key.name and key.file == STUDY_FILES[0]}
@@ -34,28 +34,28 @@ def draft_findings(draft: Draft, folder: Path, *, files: bool = False) -> list[D
 
     files: also open every recording, keypoint file and motor log.
     """
-    setup, study, findings = _checked(draft, folder)
+    setup, study, findings = _validate_draft(draft, folder)
     if setup is not None and not findings:
         wrong, _ = setup_findings(setup, folder)
         findings += wrong
         if files and not wrong:
             findings += file_findings(study)
-    return [_placed(finding, draft, folder) for finding in findings]
+    return [_with_page_position(finding, draft, folder) for finding in findings]
 
 
 def draft_study(draft: Draft, folder: Path) -> Study:
     """The study that the draft describes. Raises: InputError with all that is wrong in it."""
-    setup, study, findings = _checked(draft, folder)
+    setup, study, findings = _validate_draft(draft, folder)
     if findings or setup is None:
         raise InputError(findings)
     return study
 
 
-def _checked(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Finding]]:
+def _validate_draft(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Finding]]:
     """Setup, study and findings of the draft, by the readers that every command uses."""
     findings: list[Finding] = []
     with tempfile.TemporaryDirectory() as name:
-        texts = rendered(draft, folder, texts_of(folder))
+        texts = edited_texts(draft, folder, study_file_texts(folder))
         for file, text in zip(STUDY_FILES, texts, strict=True):
             (Path(name) / file).write_text(text, encoding="utf-8")
         setup = read_setup(Path(name) / STUDY_FILES[0], findings)
@@ -66,7 +66,7 @@ def _checked(draft: Draft, folder: Path) -> tuple[Setup | None, Study, list[Find
     return setup, study, findings
 
 
-def _placed(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
+def _with_page_position(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
     """A finding beside the field that it is about."""
     remedy = f" {finding.remedy}" if finding.remedy else ""
     text = f"found {finding.found}; expected {finding.expected}.{remedy}"
@@ -78,8 +78,8 @@ def _placed(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
         place = next((k for k in known if f"{finding.where}.".startswith(f"{k}.")), "")
         return DraftFinding(text if place else f"{finding.where}: {text}", key=place)
     if file != STUDY_FILES[1]:
-        return _of_file(finding, text, draft, folder)
-    row = _row_of(finding.where, draft)
+        return _with_row_of_file(finding, text, draft, folder)
+    row = _row_index(finding.where, draft)
     column = finding.where.rpartition(", ")[2] if "," in finding.where else ""
     column = column if row is not None else ""
     if row is not None and not column and "no file '" in finding.found:
@@ -88,7 +88,7 @@ def _placed(finding: Finding, draft: Draft, folder: Path) -> DraftFinding:
     return DraftFinding(text if row is not None else f"{finding.where}: {text}", "", row, column)
 
 
-def _row_of(where: str, draft: Draft) -> int | None:
+def _row_index(where: str, draft: Draft) -> int | None:
     """Row that a place in trials.csv names by its line or by its trial_id."""
     if line := re.match(r"row (\d+)", where):
         at = int(line[1]) - 2
@@ -99,7 +99,7 @@ def _row_of(where: str, draft: Draft) -> int | None:
     return None
 
 
-def _of_file(finding: Finding, text: str, draft: Draft, folder: Path) -> DraftFinding:
+def _with_row_of_file(finding: Finding, text: str, draft: Draft, folder: Path) -> DraftFinding:
     """A finding on a recording, keypoint file or motor log beside the row that names it."""
     place = f"{finding.where}: " if finding.where else ""
     for at, row in enumerate(draft.rows):

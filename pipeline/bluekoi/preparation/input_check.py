@@ -35,7 +35,7 @@ def setup_findings(setup: Setup, folder: Path) -> tuple[list[Finding], tuple[str
         source_module(setup.detection.source)
         return [], (*pool_camera(setup).remarks, *robot_warnings(setup))
     except InputError as found:
-        return [_in(folder, finding) for finding in found.findings], ()
+        return [_with_study_folder(folder, finding) for finding in found.findings], ()
 
 
 def file_findings(
@@ -45,27 +45,29 @@ def file_findings(
 
     progress: called with the share of the trials done.
     """
-    found = _shared(study)
+    found = _shared_source_findings(study)
     for done, trial in enumerate(study.trials, 1):
         try:
-            _read(study, trial)
+            _check_readable(study, trial)
         except InputError as error:
             found += error.findings
         progress(done / len(study.trials))
     return found
 
 
-def _in(folder: Path, finding: Finding) -> Finding:
+def _with_study_folder(folder: Path, finding: Finding) -> Finding:
     """The finding with the study's folder before the bare name of its file."""
     bare = finding.file == Path(finding.file).name
     return replace(finding, file=str(folder / finding.file)) if bare else finding
 
 
-def _shared(study: Study) -> list[Finding]:
+def _shared_source_findings(study: Study) -> list[Finding]:
     """A finding for each pair of trials that take the same file whole, naming the first such."""
     found: dict[tuple[str, str], Finding] = {}
     owner: dict[Path, str] = {}
-    same_as = _copies({p for t in study.trials if not t.reads_images for p in study.paths(t)})
+    same_as = _duplicate_files(
+        {p for t in study.trials if not t.reads_images for p in study.paths(t)}
+    )
     whole = [t for t in study.trials if t.start_s is None and t.end_s is None]
     for trial, path in ((t, p) for t in whole for p in study.paths(t)):
         original = same_as.get(path, path)
@@ -78,7 +80,7 @@ def _shared(study: Study) -> list[Finding]:
     return list(found.values())
 
 
-def _copies(paths: set[Path]) -> dict[Path, Path]:
+def _duplicate_files(paths: set[Path]) -> dict[Path, Path]:
     """File -> the first file of the same content, for copies: they are no further measurement."""
     by_size: dict[int, list[Path]] = {}
     out = {}
@@ -92,15 +94,17 @@ def _copies(paths: set[Path]) -> dict[Path, Path]:
     return out
 
 
-def _read(study: Study, trial: Trial) -> None:
+def _check_readable(study: Study, trial: Trial) -> None:
     """Raises: InputError where a trial's motor log, keypoints or film cannot be read, or where the
     log contradicts flap_hz.
     """
     if (log := study.motor_path(trial)) is not None:
-        _compare_stated(study, trial, flapping_from_log(log).flap_hz)
+        _check_stated_frequency(study, trial, flapping_from_log(log).flap_hz)
     if trial.reads_keypoints:
         path = study.paths(trial)[0]
-        _seen(path, source_module("deeplabcut").read(path, trial, study.setup.bodyparts))
+        _check_usable_frames(
+            path, source_module("deeplabcut").read(path, trial, study.setup.bodyparts)
+        )
     else:
         film = open_recording(
             study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
@@ -108,7 +112,7 @@ def _read(study: Study, trial: Trial) -> None:
         setup_in_film_pixels(study.setup, film.size_px, f"{trial.source} (trial {trial.trial_id})")
 
 
-def _compare_stated(study: Study, trial: Trial, log_hz: float) -> None:
+def _check_stated_frequency(study: Study, trial: Trial, log_hz: float) -> None:
     if trial.flap_hz is not None and abs(trial.flap_hz / log_hz - 1) > FREQUENCY_TOLERANCE:
         raise input_error(
             study.root / "trials.csv", f"trial {trial.trial_id}, flap_hz", f"{trial.flap_hz:g}",
@@ -117,7 +121,7 @@ def _compare_stated(study: Study, trial: Trial, log_hz: float) -> None:
         )  # fmt: skip
 
 
-def _seen(path: Path, found: Keypoints) -> None:
+def _check_usable_frames(path: Path, found: Keypoints) -> None:
     """Raises: InputError where fewer than `MIN_FRAMES` frames show a head direction and a
     core.
     """

@@ -1,4 +1,4 @@
-"""Work of the page that takes longer than a request: previews, a calibration, the run."""
+"""Background jobs of the set-up page: previews, a calibration, the run."""
 
 from __future__ import annotations
 

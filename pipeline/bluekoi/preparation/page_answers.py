@@ -1,4 +1,4 @@
-"""What the page asks of a study: each question a function of plain values, answered as json."""
+"""Answers to the requests of the set-up page: functions of plain values that return json."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..study.key_reference import keys
 from ..study.validation_messages import findings_from_validation_error
 from .draft import Draft, read_draft
 from .draft_check import draft_findings
-from .pictures import Luma, frame_of, rounded_points
+from .frame_images import Luma, frame_at_share, rounded_points
 from .prefill import study_files, trial_rows
 from .robot_outline import robot_outline
 
@@ -38,27 +38,27 @@ BOARD_SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".mp4", ".mo
 MAX_CAMERA_BYTES = 1_000_000
 
 
-def draft_of(content: Mapping[str, Any]) -> Draft:
+def draft_from_request(content: Mapping[str, Any]) -> Draft:
     """The draft that the page sent."""
     values = {str(k): str(v) for k, v in dict(content.get("values", {})).items()}
     rows = [{str(k): str(v) for k, v in dict(row).items()} for row in content.get("rows", [])]
     return Draft(values, rows, (), str(content.get("revision", "")))
 
 
-def state(folder: Path) -> dict[str, Any]:
+def page_state(folder: Path) -> dict[str, Any]:
     """Files of the folder, the draft, and every key with its meaning."""
     files, draft = study_files(folder), read_draft(folder)
     return {
         "folder": str(folder),
         "files": {**asdict(files), "cameras": _camera_files(folder)},
         "keys": [asdict(key) for key in keys()],
-        "draft": as_json(draft),
+        "draft": draft_as_json(draft),
         "new_rows": _rows_of_unlisted_files(draft, folder),
         "findings": [asdict(finding) for finding in draft_findings(draft, folder)],
     }
 
 
-def as_json(draft: Draft) -> dict[str, Any]:
+def draft_as_json(draft: Draft) -> dict[str, Any]:
     """A draft as the page gets it."""
     return {"values": dict(draft.values), "rows": [dict(row) for row in draft.rows],
             "revision": draft.revision}  # fmt: skip
@@ -71,10 +71,10 @@ def recording_properties(folder: Path, rows: list[Mapping[str, str]]) -> list[di
     return [_recording_properties(folder, row) for row in rows]
 
 
-def picture_of(
+def source_frame(
     folder: Path, source: str, share: float, fps: str, first_s: float | None = None
 ) -> tuple[float, Luma]:
-    """A frame of a source as trials.csv names it, `frame_of`.
+    """A frame of a source as trials.csv names it, `frame_at_share`.
 
     Raises: InputError where it cannot be read.
     """
@@ -82,10 +82,10 @@ def picture_of(
     paths = tuple(path for name in names for path in expand_source(folder, name))
     if not paths or any(".." in Path(part).parts for part in source.split(";")):
         raise input_error(folder / "trials.csv", "source", repr(source), "a video")
-    return frame_of(paths, share, _number(fps), first_s)
+    return frame_at_share(paths, share, _parse_number(fps), first_s)
 
 
-def corners(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
+def corners_on_frame(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
     """The corners given, compared with the edges of the pool in a frame, in the frame's pixels.
 
     Raises: InputError where pool or camera are not yet complete.
@@ -107,28 +107,28 @@ def corners(values: Mapping[str, str], grey: Luma) -> dict[str, Any]:
     })  # fmt: skip
 
 
-def outline(values: Mapping[str, str], place: Mapping[str, float]) -> dict[str, Any]:
+def outline_on_frame(values: Mapping[str, str], place: Mapping[str, float]) -> dict[str, Any]:
     """The robot to scale with its centre of mass at a pixel of study.yaml.
 
     place: x_px, y_px; toward_x_px, toward_y_px, where the core points; head_angle_deg;
     head_length_m (0: the 1x head).
     Raises: InputError where pool, camera or robot are not yet complete.
     """
-    camera, pool = _section("camera", values), _section("pool", values)
+    camera, pool = _validated_section("camera", values), _validated_section("pool", values)
     found = robot_outline(
-        camera, pool, _section("robot", values),
+        camera, pool, _validated_section("robot", values),
         com_px=(float(place["x_px"]), float(place["y_px"])),
         toward_px=(float(place["toward_x_px"]), float(place["toward_y_px"])),
         head_angle_rad=math.radians(float(place["head_angle_deg"])),
         head_length_m=float(place.get("head_length_m") or 0) or None,
-        refractive_index=_section("water", values).refractive_index,
+        refractive_index=_validated_section("water", values).refractive_index,
     )  # fmt: skip
     return to_json_types(
         {name: rounded_points(np.array(value)) for name, value in asdict(found).items()}
     )
 
 
-def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dict[str, Any]:
+def lens_calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dict[str, Any]:
     """Camera keys from a camera.yaml, a lens profile, or pictures of a board; with remarks.
 
     files: a path or a pattern such as `board/*.jpg`, relative to the study folder. What is computed
@@ -136,7 +136,7 @@ def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dic
 
     Raises: InputError where there is no such file or no lens can be had from it.
     """
-    paths = _matching(folder, files)
+    paths = _matching_files(folder, files)
     if len(paths) == 1 and paths[0].suffix.lower() in (".yaml", ".yml"):
         return {"values": _camera_keys(_camera_content(paths[0])), "remarks": [f"from {files}"]}
     if len(paths) == 1 and paths[0].suffix.lower() == ".json":
@@ -152,18 +152,18 @@ def calibration(folder: Path, files: str, pattern: str, square_mm: float) -> dic
 
 def _camera_setup(values: Mapping[str, str]) -> Setup:
     """A setup without the robot, of which the corners need nothing but the depth of its points."""
-    depth = _number(values.get("robot.keypoint_depth_m", ""))
+    depth = _parse_number(values.get("robot.keypoint_depth_m", ""))
     return Setup.model_construct(
-        pool=_section("pool", values),
-        water=_section("water", values),
-        camera=_section("camera", values),
+        pool=_validated_section("pool", values),
+        water=_validated_section("water", values),
+        camera=_validated_section("camera", values),
         robot=Robot.model_construct(keypoint_depth_m=depth) if depth else Robot.model_construct(),
     )
 
 
-def _section(name: str, values: Mapping[str, str]) -> Any:
+def _validated_section(name: str, values: Mapping[str, str]) -> Any:
     """A section of study.yaml from the values typed. Raises: InputError."""
-    given = {key.partition(".")[2]: _value(text) for key, text in values.items()
+    given = {key.partition(".")[2]: _parse_value(text) for key, text in values.items()
              if key.startswith(f"{name}.") and text.strip()}  # fmt: skip
     missing = [
         Finding("study.yaml", f"{name}.{key}", "nothing", "a number")
@@ -181,14 +181,14 @@ def _section(name: str, values: Mapping[str, str]) -> Any:
         ) from error
 
 
-def _value(text: str) -> Any:
+def _parse_value(text: str) -> Any:
     try:
         return yaml.safe_load(text)
     except yaml.YAMLError:
         return text
 
 
-def _number(text: str) -> float | None:
+def _parse_number(text: str) -> float | None:
     try:
         found = float(text)
     except ValueError:
@@ -202,7 +202,7 @@ def _recording_properties(folder: Path, row: Mapping[str, str]) -> dict[str, Any
         trial = Trial.model_construct(source=row.get("source", ""), trial_id="")
         if trial.source and not trial.reads_keypoints:
             paths = [path for name in trial.sources for path in expand_source(folder, name)]
-            film = open_recording(paths, fps=_number(row.get("fps", "")))
+            film = open_recording(paths, fps=_parse_number(row.get("fps", "")))
             fps = film.fps or film.nominal_fps
             found |= {"duration_s": round(film.frames_present / fps, 2), "fps": round(fps, 3),
                       "size_px": list(film.size_px)}  # fmt: skip
@@ -263,7 +263,7 @@ def _camera_keys(content: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def _matching(folder: Path, files: str) -> list[Path]:
+def _matching_files(folder: Path, files: str) -> list[Path]:
     """Files that a path or a pattern names. Raises: InputError where there are none."""
     given = Path(files.strip())
     if not files.strip() or ".." in given.parts:

@@ -55,13 +55,15 @@ def study_files(folder: Path) -> StudyFiles:
     """
     videos, points, logs = [], [], []
     pictures: Counter[str] = Counter()
-    for path in _files(folder):
+    for path in _list_files(folder):
         name, suffix = path.relative_to(folder).as_posix(), path.suffix.lower()
         if suffix in VIDEO_SUFFIXES:
             videos.append(name)
         elif suffix in IMAGE_SUFFIXES:
             pictures[path.parent.relative_to(folder).as_posix() + "/"] += 1
-        elif suffix in (".h5", ".hdf5", ".slp") or (suffix == ".csv" and _is_keypoints(path)):
+        elif suffix in (".h5", ".hdf5", ".slp") or (
+            suffix == ".csv" and _has_deeplabcut_header(path)
+        ):
             points.append(name)
         elif suffix == ".csv" and _first_cells(path)[:2] == ["time_s", "angle_deg"]:
             logs.append(name)
@@ -77,12 +79,15 @@ def trial_rows(files: StudyFiles, head_length_m: float | None = None) -> list[di
     one of the same name. What is not known is left out for the user to fill in. Chapters of one
     GoPro recording make one row. head_length_m: of the 1x head, taken for all trials.
     """
-    sources = _recordings(files.videos) or list(files.pictures or files.keypoints)
+    sources = _recording_sources(files.videos) or list(files.pictures or files.keypoints)
     logs = _logs_by_name(files.motor_logs)
     rows: list[dict[str, str]] = []
     for source in sources:
         stem = Path(source.split(";")[0]).stem
-        row = {"trial_id": _id(source, [r["trial_id"] for r in rows]), "source": source}
+        row = {
+            "trial_id": _unique_trial_id(source, [r["trial_id"] for r in rows]),
+            "source": source,
+        }
         row |= condition_of_name(stem)
         if head_length_m is not None:
             row["head_length_m"] = f"{head_length_m:g}"
@@ -140,7 +145,7 @@ def blank_study_yaml() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _files(folder: Path) -> Iterator[Path]:
+def _list_files(folder: Path) -> Iterator[Path]:
     """Files of a folder, at most `MAX_FILES`; folders of results and hidden ones left out."""
     count = 0
     for root, folders, names in os.walk(folder):
@@ -156,7 +161,7 @@ def _files(folder: Path) -> Iterator[Path]:
                 yield Path(root) / name
 
 
-def _recordings(videos: Sequence[str]) -> list[str]:
+def _recording_sources(videos: Sequence[str]) -> list[str]:
     """Sources, chapters of one recording joined by `;`."""
     groups: dict[object, list[str]] = {}
     for name in videos:
@@ -176,16 +181,20 @@ def _logs_by_name(logs: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _id(source: str, taken: Sequence[str]) -> str:
+def _unique_trial_id(source: str, taken: Sequence[str]) -> str:
     """A trial_id of the file's name, with that of its folder or a number where it is taken."""
     path = Path(source.split(";", maxsplit=1)[0])
-    own = _plain(path.stem)
-    names = [own, _plain(f"{path.parent.name}_{own}"), *(f"{own}_{k}" for k in range(2, MAX_FILES))]
+    own = _as_valid_id(path.stem)
+    names = [
+        own,
+        _as_valid_id(f"{path.parent.name}_{own}"),
+        *(f"{own}_{k}" for k in range(2, MAX_FILES)),
+    ]
     lower = {name.casefold() for name in taken}
     return next(name for name in names if name.casefold() not in lower)
 
 
-def _plain(name: str) -> str:
+def _as_valid_id(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name).strip("_")[:90] or "trial"
 
 
@@ -198,6 +207,6 @@ def _first_cells(path: Path) -> list[str]:
         return []
 
 
-def _is_keypoints(path: Path) -> bool:
+def _has_deeplabcut_header(path: Path) -> bool:
     """Whether a csv file has DeepLabCut's header."""
     return _first_cells(path)[0] == "scorer"

@@ -98,25 +98,32 @@ def preview_trial(study: Study, trial_id: str) -> Preview:
         names=found.names,
         xy_px=found.xy_px,
         likelihood=found.likelihood.min(axis=1),
-        remarks=(*found.remarks, *_doubt(found, trial, detect)),
+        remarks=(*found.remarks, *_reason_for_few_detections(found, trial, detect)),
         size_px=(width, height),
         consecutive=trial.start_px is not None,
     )
 
 
-def _confident(found: Keypoints) -> int:
+def _confident_frame_count(found: Keypoints) -> int:
     return int(np.sum(found.likelihood.min(axis=1) >= MIN_LIKELIHOOD))
 
 
-def _doubt(found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints]) -> tuple[str, ...]:
+def _reason_for_few_detections(
+    found: Keypoints, trial: Trial, detect: Callable[[Trial], Keypoints]
+) -> tuple[str, ...]:
     """Why a body that was drawn is hardly ever found with confidence; empty where it is found, or
     where the detector says why.
     """
     count = len(found.time_s)
-    if _confident(found) >= FEW_FRAMES_SHARE * count or not np.isfinite(found.xy_px).any():
+    if (
+        _confident_frame_count(found) >= FEW_FRAMES_SHARE * count
+        or not np.isfinite(found.xy_px).any()
+    ):
         return ()
     if angle := trial.head_angle_deg:
-        mirrored = _confident(detect(trial.model_copy(update={"head_angle_deg": -angle})))
+        mirrored = _confident_frame_count(
+            detect(trial.model_copy(update={"head_angle_deg": -angle}))
+        )
         if mirrored >= FEW_FRAMES_SHARE * count:
             return (
                 f"with head_angle_deg {-angle:g} the robot is found in {mirrored} of {count} "

@@ -18,8 +18,8 @@ from ..errors import InputError
 from . import page_answers as answers
 from .draft import save_draft
 from .draft_check import draft_findings, draft_study
+from .frame_images import encode_jpeg, preview_as_json
 from .jobs import Jobs, Run
-from .pictures import jpeg, preview
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 HOST = "127.0.0.1"
@@ -68,7 +68,7 @@ class SetupServer:
     def _application(self) -> bottle.Bottle:
         app = bottle.Bottle()
         app.add_hook("before_request", self._admit)
-        app.default_error_handler = _plain_error
+        app.default_error_handler = _text_error_response
         root = f"/{self.token}/"
         app.get(root, callback=lambda: self._static("index.html"))
         app.get(f"{root}page/<name>", callback=self._static)
@@ -82,9 +82,9 @@ class SetupServer:
             "stop": self._stop,
         }  # fmt: skip
         for name, work in questions.items():
-            app.get(f"{root}{name}", callback=partial(_answer, work))
+            app.get(f"{root}{name}", callback=partial(_json_response, work))
         for name, work in orders.items():
-            app.post(f"{root}{name}", callback=partial(_answer, work))
+            app.post(f"{root}{name}", callback=partial(_json_response, work))
         return app
 
     def _admit(self) -> None:
@@ -117,7 +117,7 @@ class SetupServer:
     def _frame(self) -> Any:
         query = bottle.request.query
         try:
-            time_s, grey = answers.picture_of(
+            time_s, grey = answers.source_frame(
                 self.folder, query.getunicode("source", ""), float(query.get("share", "0.5")),
                 query.get("fps", ""), float(query["first"]) if "first" in query else None,
             )  # fmt: skip
@@ -126,51 +126,51 @@ class SetupServer:
             return str(error)
         bottle.response.content_type = "image/jpeg"
         bottle.response.set_header("X-Time", f"{time_s:.3f}")
-        return jpeg(grey)
+        return encode_jpeg(grey)
 
     def _state(self) -> dict[str, Any]:
-        shown = answers.state(self.folder)
+        shown = answers.page_state(self.folder)
         return {**shown, "results": str(self.results), "run": self.run.state()}
 
     def _check(self) -> dict[str, Any]:
-        content = _content()
-        draft = answers.draft_of(content)
+        content = _request_json()
+        draft = answers.draft_from_request(content)
         found = draft_findings(draft, self.folder, files=bool(content.get("files")))
         return {"findings": [asdict(finding) for finding in found]}
 
     def _save(self) -> dict[str, Any]:
-        draft, done = save_draft(answers.draft_of(_content()), self.folder)
+        draft, done = save_draft(answers.draft_from_request(_request_json()), self.folder)
         found = draft_findings(draft, self.folder)
-        return {"draft": answers.as_json(draft), "done": done,
+        return {"draft": answers.draft_as_json(draft), "done": done,
                 "findings": [asdict(finding) for finding in found]}  # fmt: skip
 
     def _corners(self) -> dict[str, Any]:
-        content = _content()
-        _, grey = answers.picture_of(self.folder, content["source"], float(content["share"]),
+        content = _request_json()
+        _, grey = answers.source_frame(self.folder, content["source"], float(content["share"]),
                                      str(content.get("fps", "")))  # fmt: skip
-        return answers.corners(content["values"], grey)
+        return answers.corners_on_frame(content["values"], grey)
 
     def _outline(self) -> dict[str, Any]:
-        content = _content()
-        return answers.outline(content["values"], content["place"])
+        content = _request_json()
+        return answers.outline_on_frame(content["values"], content["place"])
 
     def _recording_properties(self) -> dict[str, Any]:
-        return {"rows": answers.recording_properties(self.folder, _content()["rows"])}
+        return {"rows": answers.recording_properties(self.folder, _request_json()["rows"])}
 
     def _preview(self) -> dict[str, Any]:
         """Begin the preview of one row; the other rows need not be complete."""
-        content = _content()
-        draft = answers.draft_of(content)
+        content = _request_json()
+        draft = answers.draft_from_request(content)
         name = str(content["trial_id"])
         rows = [row for row in draft.rows if row.get("trial_id") == name]
         study = draft_study(replace(draft, rows=rows), self.folder)
-        self.jobs.start(f"preview {name}", preview, study, name)
+        self.jobs.start(f"preview {name}", preview_as_json, study, name)
         return {}
 
     def _calibrate(self) -> dict[str, Any]:
-        content = _content()
+        content = _request_json()
         self.jobs.start(
-            "calibration", answers.calibration, self.folder, str(content["files"]),
+            "calibration", answers.lens_calibration, self.folder, str(content["files"]),
             str(content["pattern"]), float(content["square_mm"]),
         )  # fmt: skip
         return {}
@@ -187,7 +187,7 @@ class SetupServer:
         return self.run.state()
 
 
-def _content() -> Any:
+def _request_json() -> Any:
     """The json object that the page sent."""
     if bottle.request.content_type.partition(";")[0] != "application/json":
         bottle.abort(415, "Expected json.")
@@ -197,7 +197,7 @@ def _content() -> Any:
     return content
 
 
-def _answer(work: Callable[[], Any]) -> str:
+def _json_response(work: Callable[[], Any]) -> str:
     """Json of what `work` returns; an input error as its text, with status 400."""
     bottle.response.content_type = "application/json"
     try:
@@ -210,6 +210,6 @@ def _answer(work: Callable[[], Any]) -> str:
         return json.dumps({"error": f"a request that cannot be read ({error!r})"})
 
 
-def _plain_error(error: bottle.HTTPError) -> str:
+def _text_error_response(error: bottle.HTTPError) -> str:
     bottle.response.content_type = "text/plain"
     return str(error.body)

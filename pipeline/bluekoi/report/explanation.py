@@ -27,7 +27,7 @@ from ..figures.drawing.style import AFTER_COLOUR, BEFORE_COLOUR, MEASURED_COLOUR
 from ..files import write_text
 from ..fitting import free_runs
 from .findings import VERDICT_HEADINGS
-from .page import rendered
+from .page import load_template
 
 MAX_TRIALS_SHOWN = 4
 
@@ -43,7 +43,7 @@ def explanation_page(found: Explanation, predicted: Predicted | None = None) -> 
     if found.named:
         heading += ": " + " and ".join(c.name.replace("_", " ") for c in found.named)
     samples = sum(len(s.times) for s in found.prepared.series)
-    return rendered(
+    return load_template(
         "explanation.html",
         name=found.model.name,
         summary=f"{len(found.prepared.series)} trials, {samples} samples in the fit.",
@@ -57,12 +57,12 @@ def explanation_page(found: Explanation, predicted: Predicted | None = None) -> 
         errors_note=f"Baseline fitted to {held.fitted_to[0]}, extended model to "
         f"{held.fitted_to[1]}; starts fitted; stretches of {held.stretch_s:.3g} s at most.",
         coefficients=coefficient_rows(found),
-        prediction=_prediction(found, predicted),
-        picture=_uri(trials_figure(found)),
+        prediction=_prediction_html(found, predicted),
+        picture=_figure_data_uri(trials_figure(found)),
     )
 
 
-def _prediction(found: Explanation, predicted: Predicted | None) -> dict[str, Any] | None:
+def _prediction_html(found: Explanation, predicted: Predicted | None) -> dict[str, Any] | None:
     if predicted is None:
         return None
     return {"messages": predicted.messages, "errors": error_table(found.model, predicted),
@@ -99,7 +99,7 @@ def trials_figure(found: Explanation) -> Figure:
     return figure
 
 
-def _uri(figure: Figure) -> str:
+def _figure_data_uri(figure: Figure) -> str:
     buffer = io.BytesIO()
     with mpl.rc_context(RC_PARAMS):
         FigureCanvasAgg(figure)

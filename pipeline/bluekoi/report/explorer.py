@@ -23,7 +23,7 @@ SIMULATION_COLUMNS = {"before": "joint", "after": "extended"}
 """Model -> beginning of the names of its columns in the explorer's data."""
 
 
-def series(campaign: Campaign, trial_id: str) -> str:
+def packed_series(campaign: Campaign, trial_id: str) -> str:
     """Packed columns of a trial: measured, and each model's path, heading and rates.
 
     Empty for a trial without a track.
@@ -36,17 +36,17 @@ def series(campaign: Campaign, trial_id: str) -> str:
     columns = {name: np.asarray(getattr(track, name))[kept] for name in COLUMN_RESOLUTION}
     given = campaign.model_columns(trial_id)
     models = {
-        name: _model(given, prefix, track.time_s[kept])
+        name: _model_columns(given, prefix, track.time_s[kept])
         for name, prefix in SIMULATION_COLUMNS.items()
         if f"{prefix}_x_m" in given
     }
     return gzip_base64_json({
-        "measured": _stored(columns),
-        **{name: _stored(found) for name, found in models.items()},
+        "measured": _quantised(columns),
+        **{name: _quantised(found) for name, found in models.items()},
     })  # fmt: skip
 
 
-def _model(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Float]:
+def _model_columns(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Float]:
     """Path, heading and their rates of a simulated path at times `at`; NaN outside it."""
     times = columns["time_s"]
     names = [name for name in ("x_m", "y_m", "heading_rad") if f"{prefix}_{name}" in columns]
@@ -60,7 +60,7 @@ def _model(columns: Mapping[str, Float], prefix: str, at: Float) -> dict[str, Fl
     return {name: np.interp(at, times, v, np.nan, np.nan) for name, v in path.items()}
 
 
-def _stored(columns: Mapping[str, Float]) -> dict[str, Any]:
+def _quantised(columns: Mapping[str, Float]) -> dict[str, Any]:
     limited = {name: np.where(np.abs(v) < 1e6, v, np.nan) for name, v in columns.items()}
     return {
         name: quantised_differences(values, COLUMN_RESOLUTION[name])

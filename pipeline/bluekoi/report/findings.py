@@ -16,11 +16,11 @@ from ..motor.power_consistency import power_warnings
 from ..motor.swimming_plausibility import study_warnings
 from ..study.consistency_rules import robot_warnings
 from .numbers import (
-    number,
-    probability,
-    readable,
-    unit,
-    units,
+    format_number,
+    format_probability,
+    format_unit,
+    parameter_units,
+    readable_name,
     value_with_interval,
     with_readable_names,
 )
@@ -62,8 +62,8 @@ def summary(campaign: Campaign) -> str:
     angles = sorted({abs(trial.head_angle_deg) for trial in trials})
     heads = sorted({trial.head_length_m for trial in trials})
     return (
-        f"{len(done)} of {len(trials)} trials analysed: {_listed(powers)} % power, head angles of "
-        f"{_listed(angles)} degrees, head lengths of {_listed(heads)} m."
+        f"{len(done)} of {len(trials)} trials analysed: {_joined_list(powers)} % power, head "
+        f"angles of {_joined_list(angles)} degrees, head lengths of {_joined_list(heads)} m."
     )
 
 
@@ -78,7 +78,7 @@ def verdict(campaign: Campaign) -> dict[str, str]:
         }
     kind = str(found.get("verdict", "missing"))
     heading = VERDICT_HEADINGS.get(kind, kind)
-    causes = [(str(c.get("kind", kind)), readable(str(c["name"])))
+    causes = [(str(c.get("kind", kind)), readable_name(str(c["name"])))
               for c in found.get("causes") or []]  # fmt: skip
     if kind in ("physics", "measurement") and causes:
         heading = named_heading(kind, causes)
@@ -103,9 +103,9 @@ def warnings(campaign: Campaign) -> list[str]:
     """
     powers = {trial.trial_id: trial.power_pct for trial in campaign.study.trials}
     found = robot_warnings(campaign.study.setup) + study_warnings(campaign.statuses)
-    found += power_warnings(campaign.statuses, powers) + _without_calibration(campaign)
+    found += power_warnings(campaign.statuses, powers) + _uncalibrated_remark(campaign)
     found += length_warnings(campaign.geometry, campaign.mismatch)
-    found += [_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
+    found += [_as_sentence(text) for text in (campaign.mismatch or {}).get("warnings") or []]
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     if campaign.mismatch and cells and not any(c.get("determined", True) for c in cells.values()):
         found.append(
@@ -115,15 +115,15 @@ def warnings(campaign: Campaign) -> list[str]:
     return found
 
 
-def _without_calibration(campaign: Campaign) -> list[str]:
+def _uncalibrated_remark(campaign: Campaign) -> list[str]:
     """The remark of the trials that were mapped without a camera matrix, once."""
     remarks = {text for one in campaign.statuses.values() for text in one.get("remarks") or []}
     found = sorted(text for text in remarks if text.startswith(NO_MATRIX_REMARK))
-    return [_sentence(text) for text in found[-1:]]
+    return [_as_sentence(text) for text in found[-1:]]
 
 
 def _known_causes() -> set[str]:
-    return {name.split(".")[0] for name in units() if "." in name}
+    return {name.split(".")[0] for name in parameter_units() if "." in name}
 
 
 def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
@@ -152,7 +152,7 @@ def key_figures(campaign: Campaign) -> list[tuple[str, str]]:
 
 def causes(campaign: Campaign) -> list[Cause]:
     """Causes of the verdict, the one that explains most first."""
-    return [_cause(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
+    return [_cause_text(entry) for entry in (campaign.mismatch or {}).get("causes") or []]
 
 
 def dependence_rows(campaign: Campaign) -> list[Row]:
@@ -161,8 +161,8 @@ def dependence_rows(campaign: Campaign) -> list[Row]:
         Row(
             FORCE_NAMES.get(str(r["channel"]), str(r["channel"])),
             (
-                VARIABLE_LABELS.get(str(r["variable"]), readable(str(r["variable"]))),
-                probability(r.get("share")),
+                VARIABLE_LABELS.get(str(r["variable"]), readable_name(str(r["variable"]))),
+                format_probability(r.get("share")),
                 ", ".join(r.get("trials") or []),
             ),
         )
@@ -176,7 +176,7 @@ def probabilities(campaign: Campaign) -> list[Row]:
     selected = {str(cause["name"]) for cause in found.get("causes") or []}
     given = {str(k): float(v) for k, v in (found.get("probabilities") or {}).items()}
     return [
-        Row(readable(name), (f"{value:.3f}",), name in selected)
+        Row(readable_name(name), (f"{value:.3f}",), name in selected)
         for name, value in sorted(given.items(), key=lambda item: (-item[1], item[0]))
     ]
 
@@ -184,8 +184,8 @@ def probabilities(campaign: Campaign) -> list[Row]:
 def rivals(campaign: Campaign) -> list[Row]:
     """Causes that the data do not exclude, and how to distinguish them."""
     return [
-        Row(readable(str(r["name"])),
-            (probability(r.get("weight")), _sentence(r.get("how_to_tell_apart"))))
+        Row(readable_name(str(r["name"])),
+            (format_probability(r.get("weight")), _as_sentence(r.get("how_to_tell_apart"))))
         for r in (campaign.mismatch or {}).get("rivals") or []
     ]  # fmt: skip
 
@@ -196,38 +196,42 @@ def next_trial(campaign: Campaign) -> str:
     if not found:
         return ""
     if found.get("above_noise") is False:
-        why = _sentence(found.get("why"))
+        why = _as_sentence(found.get("why"))
         return why[:1].upper() + why[1:]
-    parts = [f"{number(found['power_pct'])} % power"] if "power_pct" in found else []
+    parts = [f"{format_number(found['power_pct'])} % power"] if "power_pct" in found else []
     if "head_angle_deg" in found:
         parts.append(f"{float(found['head_angle_deg']):g} degrees head angle")
     if "head_length_m" in found:
         parts.append(f"{float(found['head_length_m']):g} m head")
-    return ", ".join(parts) + f": {_sentence(found.get('why'))}"
+    return ", ".join(parts) + f": {_as_sentence(found.get('why'))}"
 
 
-def _cause(entry: dict[str, Any]) -> Cause:
+def _cause_text(entry: dict[str, Any]) -> Cause:
     parameters = [
         f"{name} = "
-        + value_with_interval(cell.get("value"), cell.get("std"), unit(str(cell.get("unit", ""))))
+        + value_with_interval(
+            cell.get("value"), cell.get("std"), format_unit(str(cell.get("unit", "")))
+        )
         for name, cell in (entry.get("parameters") or {}).items()
     ]
     others = entry.get("credible_set") or []
     return Cause(
-        name=readable(str(entry["name"])),
+        name=readable_name(str(entry["name"])),
         sentence=str(entry.get("sentence") or ""),
         regime=str(entry.get("regime") or ""),
         channels=", ".join(FORCE_NAMES.get(name, name) for name in entry.get("channels") or []),
-        weight=probability(entry.get("weight")),
+        weight=format_probability(entry.get("weight")),
         parameters=tuple(parameters),
-        credible_set=", ".join(readable(str(name)) for name in others) if len(others) > 1 else "",
+        credible_set=", ".join(readable_name(str(name)) for name in others)
+        if len(others) > 1
+        else "",
     )
 
 
-def _sentence(text: Any) -> str:
+def _as_sentence(text: Any) -> str:
     return with_readable_names(str(text or ""), _known_causes())
 
 
-def _listed(values: list[float]) -> str:
+def _joined_list(values: list[float]) -> str:
     texts = [f"{value:g}" for value in values]
     return texts[0] if len(texts) == 1 else ", ".join(texts[:-1]) + " and " + texts[-1]

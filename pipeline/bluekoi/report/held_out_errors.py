@@ -8,7 +8,7 @@ from ..campaign import Campaign
 from ..figures.drawing.held_out import evaluated_trials, no_trial_held_out, noise_floor_m
 from ..figures.drawing.style import BASELINE_NAME, EXTENDED_NAME
 from .findings import Row
-from .numbers import number
+from .numbers import format_number
 
 ERROR_ROWS = (
     ("path, rms (mm)", "path_rmse_m", 1000.0),
@@ -36,14 +36,14 @@ def error_rows(campaign: Campaign) -> list[Row]:
     rows = []
     for label, key, factor in ERROR_ROWS:
         errors = [campaign.held_out_error(model, key) for model in campaign.held_out_models]
-        floor = _noise_floor(campaign) if key == "path_rmse_m" else ""
-        rows.append(Row(label, (*(_scaled(error, factor) for error in errors), floor)))
+        floor = _noise_floor_text(campaign) if key == "path_rmse_m" else ""
+        rows.append(Row(label, (*(_scaled_text(error, factor) for error in errors), floor)))
     return rows
 
 
-def _noise_floor(campaign: Campaign) -> str:
+def _noise_floor_text(campaign: Campaign) -> str:
     floor = noise_floor_m(campaign)
-    return "–" if floor is None else number(1000 * floor)
+    return "–" if floor is None else format_number(1000 * floor)
 
 
 def table_text(campaign: Campaign) -> dict[str, str]:
@@ -64,5 +64,5 @@ def table_text(campaign: Campaign) -> dict[str, str]:
     return common | {"heading": "Errors on held-out trials", "sentence": f"Held out: {names}."}
 
 
-def _scaled(value: float, factor: float) -> str:
-    return "diverges" if math.isinf(value) else number(factor * value)
+def _scaled_text(value: float, factor: float) -> str:
+    return "diverges" if math.isinf(value) else format_number(factor * value)

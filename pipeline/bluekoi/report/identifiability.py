@@ -12,7 +12,7 @@ import numpy as np
 from ..campaign import Campaign
 from ..data import Float
 from .findings import Row
-from .numbers import number, unit
+from .numbers import format_number, format_unit
 
 LOG_LIK_DROP_95 = 1.92
 """Drop in log likelihood at the ends of a 95 % interval: half of chi-squared(1) at 0.95."""
@@ -39,7 +39,7 @@ def fisher_spectrum(campaign: Campaign) -> list[Row]:
     return [
         Row(
             as_power_product(str(one.get("combination", ""))),
-            (_percent(one.get("relative_std")), "yes" if one.get("determined") else "no"),
+            (_percent_text(one.get("relative_std")), "yes" if one.get("determined") else "no"),
             not one.get("determined", True),
         )
         for one in _identifiability(campaign).get("spectrum") or []
@@ -64,11 +64,11 @@ def profiles(campaign: Campaign) -> list[Profile]:
     """The profile of each coefficient that has one."""
     cells = (campaign.coefficients.get("joint") or {}).get("coefficients") or {}
     found = _identifiability(campaign).get("profiles") or {}
-    drawn = [_profile(name, one, cells.get(name) or {}) for name, one in found.items()]
+    drawn = [_profile_curve(name, one, cells.get(name) or {}) for name, one in found.items()]
     return [one for one in drawn if one is not None]
 
 
-def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Profile | None:
+def _profile_curve(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Profile | None:
     best = cell.get("value")
     if best is None or not one.get("values"):
         return None
@@ -76,24 +76,24 @@ def _profile(name: str, one: Mapping[str, Any], cell: Mapping[str, Any]) -> Prof
     lost = np.array([*one["lost"], 0.0], dtype=float)
     known = np.isfinite(at) & np.isfinite(lost)
     order = np.argsort(at[known])
-    at, lost = _between(at[known][order], lost[known][order], float(best))
+    at, lost = _interpolated_profile(at[known][order], lost[known][order], float(best))
     span = float(np.ptp(at)) or 1.0
     x, y = (
         CURVE_WIDTH * (at - at[0]) / span,
         CURVE_HEIGHT * (1.0 - np.clip(lost, 0.0, MAX_DROP_SHOWN) / MAX_DROP_SHOWN),
     )
-    low, high = (_missing(cell, side) for side in ("lower", "upper"))
-    words = f"{_end(one.get('lower'), low)} to {_end(one.get('upper'), high)}"
+    low, high = (_open_end_text(cell, side) for side in ("lower", "upper"))
+    words = f"{_end_text(one.get('lower'), low)} to {_end_text(one.get('upper'), high)}"
     return Profile(
         name,
         " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True)),
         CURVE_WIDTH * (float(best) - float(at[0])) / span,
-        f"{words} {unit(str(cell.get('unit', '')))}".replace(" –", ""),
-        (number(at[0]), number(at[-1])),
+        f"{words} {format_unit(str(cell.get('unit', '')))}".replace(" –", ""),
+        (format_number(at[0]), format_number(at[-1])),
     )
 
 
-def _between(at: Float, lost: Float, best: float) -> tuple[Float, Float]:
+def _interpolated_profile(at: Float, lost: Float, best: float) -> tuple[Float, Float]:
     """A smooth profile: interpolated in its signed square root, which is linear for a parabola."""
     root = np.sqrt(np.maximum(lost, 0.0)) * np.sign(at - best)
     every = np.union1d(at, np.linspace(at[0], at[-1], CURVE_POINTS))
@@ -104,14 +104,14 @@ def _identifiability(campaign: Campaign) -> Mapping[str, Any]:
     return (campaign.coefficients.get("joint") or {}).get("identifiability") or {}
 
 
-def _missing(cell: Mapping[str, Any], side: str) -> str:
+def _open_end_text(cell: Mapping[str, Any], side: str) -> str:
     """Text for an open side of the interval."""
     return "bound" if cell.get("at_bound") == side else f"no {side} end"
 
 
-def _end(value: Any, missing: str) -> str:
-    return missing if value is None or not np.isfinite(value) else number(value)
+def _end_text(value: Any, missing: str) -> str:
+    return missing if value is None or not np.isfinite(value) else format_number(value)
 
 
-def _percent(value: Any) -> str:
+def _percent_text(value: Any) -> str:
     return "unbounded" if value is None else f"{100 * float(value):.2g} %"

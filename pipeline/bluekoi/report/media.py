@@ -76,7 +76,7 @@ def clips(folder: Path, beside: Path, campaign: Campaign) -> dict[str, Clip]:
         embed = size <= min(MAX_CLIP_BYTES, room)
         room -= size if embed else 0
         data = _base64(path) if embed else ""
-        out[trial.trial_id] = Clip(data, _link(path, beside), _start_s(path))
+        out[trial.trial_id] = Clip(data, _relative_link(path, beside), _start_s(path))
     return out
 
 
@@ -87,7 +87,7 @@ def _start_s(video: Path) -> float:
 
 
 def _picture(path: Path, text: tuple[str, str], beside: Path) -> Picture:
-    missing, size = _read(path)
+    missing, size = _read_png(path)
     pdf, data = path.with_suffix(".pdf"), path.with_suffix(".csv")
     return Picture(
         name=path.stem,
@@ -96,12 +96,12 @@ def _picture(path: Path, text: tuple[str, str], beside: Path) -> Picture:
         uri="" if missing else f"data:image/png;base64,{_base64(path)}",
         size=size,
         missing=missing,
-        pdf=_link(pdf, beside) if pdf.is_file() and not missing else "",
+        pdf=_relative_link(pdf, beside) if pdf.is_file() and not missing else "",
         data=gzip_base64(data.read_bytes()) if data.is_file() and not missing else "",
     )
 
 
-def _read(path: Path) -> tuple[str, tuple[int, int]]:
+def _read_png(path: Path) -> tuple[str, tuple[int, int]]:
     """Comment of the png (the results missing to draw it) and its size."""
     if not path.is_file():
         return f"{path.name} does not exist", (0, 0)
@@ -114,5 +114,5 @@ def _base64(path: Path) -> str:
     return base64.b64encode(path.read_bytes()).decode("ascii")
 
 
-def _link(path: Path, beside: Path) -> str:
+def _relative_link(path: Path, beside: Path) -> str:
     return Path(os.path.relpath(path, beside)).as_posix()

@@ -15,7 +15,7 @@ UNIT_SYMBOLS = {"m2": "m²", "kg m2": "kg m²", "kg_m2": "kg m²", "1": "–", "
 """Unit as in the files -> unit as the report prints it."""
 
 
-def number(value: Any, digits: int = 3) -> str:
+def format_number(value: Any, digits: int = 3) -> str:
     """A number with `digits` significant digits; a dash for None and NaN."""
     if value is None or not math.isfinite(float(value)):
         return "–"
@@ -33,7 +33,7 @@ def value_with_interval(value: Any, std: Any, unit: str = "") -> str:
     if value is None or not math.isfinite(float(value)):
         return "–"
     if std is None or not math.isfinite(float(std)) or float(std) <= 0:
-        return number(value) + tail
+        return format_number(value) + tail
     value, half = float(value), Z_95 * float(std)
     power = math.floor(math.log10(max(abs(value), half))) if value else 0
     factor, mark = (
@@ -52,30 +52,30 @@ def coefficient_with_interval(cell: Mapping[str, Any]) -> str:
     low, high = cell.get("interval_95") or (None, None)
     if side := cell.get("at_bound"):
         end = high if side == "lower" else low
-        reach = "" if end is None else f", 95 % limit {number(end)}"
-        return f"{number(cell.get('value'))} (at its bound{reach})"
+        reach = "" if end is None else f", 95 % limit {format_number(end)}"
+        return f"{format_number(cell.get('value'))} (at its bound{reach})"
     if low is None or high is None:
         return value_with_interval(cell.get("value"), cell.get("std"))
     return value_with_interval(cell.get("value"), 0.5 * (high - low) / Z_95)
 
 
-def unit(name: str) -> str:
+def format_unit(name: str) -> str:
     """Unit as printed."""
     return UNIT_SYMBOLS.get(name, name)
 
 
-def percent(value: Any, places: int = 1) -> str:
+def format_percent(value: Any, places: int = 1) -> str:
     """Signed percentage with `places` decimals."""
     unknown = value is None or not math.isfinite(float(value))
     return "–" if unknown else f"{float(value):+.{places}f} %"
 
 
-def probability(value: Any) -> str:
+def format_probability(value: Any) -> str:
     """A share or probability as a percentage; a dash for None."""
     return "–" if value is None else f"{100 * float(value):.0f} %"
 
 
-def readable(name: str) -> str:
+def readable_name(name: str) -> str:
     """A cause's name with spaces."""
     return name.replace("_", " ")
 
@@ -85,13 +85,13 @@ def with_readable_names(sentence: str, names: Iterable[str]) -> str:
     known = sorted((re.escape(name) for name in names if "_" in name), key=len, reverse=True)
     if not known:
         return sentence
-    return re.sub(rf"\b({'|'.join(known)})\b", lambda found: readable(found[1]), sentence)
+    return re.sub(rf"\b({'|'.join(known)})\b", lambda found: readable_name(found[1]), sentence)
 
 
 @lru_cache(maxsize=1)
-def units() -> dict[str, str]:
+def parameter_units() -> dict[str, str]:
     """Printed unit of every coefficient (`C_T`) and of every effect's parameter (`stall.k`)."""
-    return {p.name: unit(p.unit) for p in plates().parameters}
+    return {p.name: format_unit(p.unit) for p in plates().parameters}
 
 
 def _superscript(power: int) -> str:

@@ -45,16 +45,16 @@ def write_trial_overlay(
     Raises: InputError where footage or keypoints cannot be read.
     """
     study, trial = campaign.study, campaign.study.trial(trial_id)
-    footage, size = _footage(study, trial)
+    footage, size = _footage_frames(study, trial)
     camera = pool_camera(study.setup, size)
     seen = Path(results) / "keypoints" / f"{trial_id}.csv"
     found = read_detections(seen, trial) if seen.is_file() else None
     track = campaign.tracks[trial_id]
     columns = campaign.model_columns(trial_id)
     scene = Scene(
-        label=_label(trial),
+        label=_trial_label(trial),
         size_px=camera.size_px,
-        lines=paths(camera, track, columns, study.setup.robot.keypoint_depth_m),
+        lines=path_lines(camera, track, columns, study.setup.robot.keypoint_depth_m),
         keypoints=found,
         background=empty_pool(camera, VIDEO_WIDTH_PX),
     )
@@ -74,19 +74,19 @@ def write_overlay(
     source: frames with colour, or times [s] for the empty pool. Each frame is repeated until the
     time of the next one; of frames within one frame period, the first is used.
     """
-    width, height = film_size(scene.size_px)
-    pictures = _pictures(scene, source, (width, height), fps)
+    width, height = overlay_size(scene.size_px)
+    pictures = _frames_at_steady_rate(scene, source, (width, height), fps)
     return encode_h264(
         path, pictures, fps=fps, size=(width, height + STRIP_HEIGHT_PX), crf=VIDEO_CRF
     )
 
 
-def film_size(size_px: tuple[int, int]) -> tuple[int, int]:
+def overlay_size(size_px: tuple[int, int]) -> tuple[int, int]:
     """Width and height of the picture in the film of footage of a size, even."""
     return VIDEO_WIDTH_PX, 2 * round(VIDEO_WIDTH_PX / size_px[0] * size_px[1] / 2)
 
 
-def _pictures(
+def _frames_at_steady_rate(
     scene: Scene, source: Iterable[Frame | float], size: tuple[int, int], fps: float
 ) -> Iterator[Picture]:
     """Pictures at a steady rate; one that is missing is that before it."""
@@ -102,7 +102,7 @@ def _pictures(
         if place < count:
             continue
         picture = annotated_frame(
-            _background(one, scene, size), scene, time_s, size[0] / scene.size_px[0]
+            _scene_background(one, scene, size), scene, time_s, size[0] / scene.size_px[0]
         )
         yield picture
         count += 1
@@ -113,7 +113,7 @@ def frame_rate(time_s: Float) -> float:
     return float(min(MAX_FPS, 1 / np.median(np.diff(time_s)))) if len(time_s) > 1 else MAX_FPS
 
 
-def paths(
+def path_lines(
     camera: PoolCamera, track: Track, columns: Mapping[str, Float], depth_m: float
 ) -> tuple[Line, ...]:
     """Measured path and model paths in pixels.
@@ -136,7 +136,7 @@ def paths(
     return tuple(lines)
 
 
-def _footage(
+def _footage_frames(
     study: Study, trial: Trial
 ) -> tuple[Iterator[Frame | float] | None, tuple[int, int] | None]:
     if trial.reads_keypoints:
@@ -144,18 +144,18 @@ def _footage(
     recording = open_recording(
         study.paths(trial), fps=trial.fps, start_s=trial.start_s, end_s=trial.end_s
     )
-    film = frames(recording, colour=True, bgr_size=film_size(recording.size_px))
+    film = frames(recording, colour=True, bgr_size=overlay_size(recording.size_px))
     return iter(film), recording.size_px
 
 
-def _label(trial: Trial) -> str:
+def _trial_label(trial: Trial) -> str:
     return (
         f"{trial.trial_id}   {trial.power_pct:g} % power   head {trial.head_angle_deg:g} deg, "
         f"{100 * trial.head_length_m:g} cm"
     )
 
 
-def _background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> Picture:
+def _scene_background(one: Frame | float, scene: Scene, size: tuple[int, int]) -> Picture:
     if not isinstance(one, Frame):
         return scene.background.copy()
     whole = one.bgr if one.bgr is not None else cv2.cvtColor(one.luma, cv2.COLOR_GRAY2BGR)

@@ -67,14 +67,14 @@ def empty_pool(camera: PoolCamera, width_px: int) -> Picture:
     height = 2 * round(scale * camera.size_px[1] / 2)
     canvas = np.full((height, width_px, 3), (96, 88, 80), np.uint8)
     length, width = camera.pool_size_m
-    rim = _edges(length, width)
+    rim = _pool_rim(length, width)
     cv2.fillPoly(
         canvas,
         [_fixed_point(scale * pool_to_pixels(camera, rim))],
         (190, 172, 140),
         shift=FRACTIONAL_BITS,
     )
-    for line in _grid(length, width):
+    for line in _pool_grid(length, width):
         _polyline(canvas, scale * pool_to_pixels(camera, line), (205, 190, 165), 1)
     _polyline(canvas, scale * pool_to_pixels(camera, rim), (235, 235, 235), 2)
     return canvas
@@ -139,7 +139,7 @@ def _fixed_point(points: Float) -> npt.NDArray[np.int32]:
 def _strip(scene: Scene, time_s: float, width: int) -> Picture:
     """Label, time and legend, (STRIP_HEIGHT_PX, width, 3)."""
     strip = np.full((STRIP_HEIGHT_PX, width, 3), STRIP_BGR, np.uint8)
-    _write(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)
+    _write_text(strip, f"{scene.label}   t = {time_s:.2f} s", (8, 15), MEASURED_BGR)
     entries = [(line.name, line.colour) for line in scene.lines]
     if scene.keypoints is not None:
         entries.insert(0, ("keypoints", KEYPOINT_BGR))
@@ -148,15 +148,15 @@ def _strip(scene: Scene, time_s: float, width: int) -> Picture:
         dot = name == "keypoints"
         end = (left + 4 if dot else left + 18, 30)
         cv2.line(strip, (left, 30), end, colour, 4 if dot else 2, cv2.LINE_AA)
-        _write(strip, name, (left + 24, 34), MEASURED_BGR)
+        _write_text(strip, name, (left + 24, 34), MEASURED_BGR)
     return strip
 
 
-def _write(strip: Picture, text: str, at: tuple[int, int], colour: Colour) -> None:
+def _write_text(strip: Picture, text: str, at: tuple[int, int], colour: Colour) -> None:
     cv2.putText(strip, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
 
 
-def _edges(length: float, width: float) -> Float:
+def _pool_rim(length: float, width: float) -> Float:
     """Rim of the pool at the water surface, (n, 3), m, sampled densely for curved projections."""
     s = np.linspace(0, 1, 40)
     zero, one = np.zeros(40), np.ones(40)
@@ -165,7 +165,7 @@ def _edges(length: float, width: float) -> Float:
     return np.column_stack([length * x, width * y, np.zeros(160)])
 
 
-def _grid(length: float, width: float, every_m: float = 0.5) -> Iterator[Float]:
+def _pool_grid(length: float, width: float, every_m: float = 0.5) -> Iterator[Float]:
     s = np.linspace(0, 1, 40)
     for x in np.arange(every_m, length, every_m):
         yield np.column_stack([np.full(40, x), width * s, np.zeros(40)])

@@ -1,4 +1,4 @@
-"""The page: all parts of the report rendered into the template."""
+"""The report page: all parts rendered into the template."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..campaign import Campaign
 from ..files import write_text
 from . import findings, held_out_errors, identifiability, tables
 from .media import Clip, Picture, clips, pictures, plotting_library
-from .settings import settings, versions
+from .settings import software_versions, study_settings
 from .trials import excluded_trials, trial_cards
 
 SCRIPTS = ("charts.js", "explorer.js", "page.js")
@@ -35,12 +35,12 @@ def write_report(
     beside = Path(path).parent
     shown = pictures(figures, Path(figures_dir), beside)
     videos = clips(Path(overlays_dir), beside, campaign)
-    write_text(path, page(campaign, shown, videos))
+    write_text(path, report_html(campaign, shown, videos))
 
 
-def page(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip]) -> str:
+def report_html(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip]) -> str:
     """Text of the page."""
-    return rendered(
+    return load_template(
         "page.html",
         name=campaign.study.root.name or "study",
         summary=findings.summary(campaign),
@@ -68,22 +68,22 @@ def page(campaign: Campaign, shown: Sequence[Picture], videos: Mapping[str, Clip
         figures=[one for one in shown if not one.name.startswith("mismatch")],
         excluded=excluded_trials(campaign),
         cards=trial_cards(campaign, videos),
-        settings=settings(campaign),
-        versions=versions(),
-        js=Markup('"use strict";\n' + "\n".join(map(_text, SCRIPTS))),  # noqa: S704  our own files
+        settings=study_settings(campaign),
+        versions=software_versions(),
+        js=Markup('"use strict";\n' + "\n".join(map(_read_resource, SCRIPTS))),  # noqa: S704  our own files
         plotly=plotting_library(),
         pool=campaign.study.setup.pool,
     )
 
 
-def rendered(template: str, **values: Any) -> str:
+def load_template(template: str, **values: Any) -> str:
     """A template of this folder, with the page's style."""
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    css = Markup(_text("page.css"))  # noqa: S704  our own file
-    return environment.from_string(_text(template)).render(css=css, **values)
+    css = Markup(_read_resource("page.css"))  # noqa: S704  our own file
+    return environment.from_string(_read_resource(template)).render(css=css, **values)
 
 
-def _text(name: str) -> str:
+def _read_resource(name: str) -> str:
     return files(__package__).joinpath(name).read_text(encoding="utf-8")

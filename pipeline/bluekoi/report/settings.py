@@ -13,13 +13,13 @@ LISTED_PACKAGES = ("bluekoi", "numpy", "scipy", "opencv-python-headless", "av", 
 """Packages whose versions the report lists."""
 
 
-def settings(campaign: Campaign) -> list[tuple[str, str]]:
+def study_settings(campaign: Campaign) -> list[tuple[str, str]]:
     """All keys of study.yaml with values, including defaults."""
     rows = flatten_mapping(campaign.study.setup.model_dump())
     return [(key, "–" if value in (None, {}) else str(value)) for key, value in rows]
 
 
-def versions() -> list[tuple[str, str]]:
+def software_versions() -> list[tuple[str, str]]:
     """Versions of Python and of the packages that affect the results."""
     return [
         ("python", platform.python_version()),

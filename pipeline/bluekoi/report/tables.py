@@ -12,15 +12,15 @@ from .identifiability import as_power_product
 from .numbers import (
     Z_95,
     coefficient_with_interval,
-    number,
-    percent,
-    readable,
-    unit,
-    units,
+    format_number,
+    format_percent,
+    format_unit,
+    parameter_units,
+    readable_name,
     value_with_interval,
 )
 
-COEFFICIENT_COLUMNS = tuple((p.name, unit(p.unit), p.meaning) for p in COEFFICIENTS)
+COEFFICIENT_COLUMNS = tuple((p.name, format_unit(p.unit), p.meaning) for p in COEFFICIENTS)
 """Name, unit and meaning of each coefficient."""
 
 
@@ -32,9 +32,9 @@ def joint_fit_rows(campaign: Campaign) -> list[Row]:
             name,
             (
                 coefficient_with_interval(cell),
-                _naive(cell),
-                unit(str(cell.get("unit", ""))),
-                _determined(cell),
+                _hessian_half_width(cell),
+                format_unit(str(cell.get("unit", ""))),
+                _determined_text(cell),
             ),
             not cell.get("determined", True),
         )
@@ -42,10 +42,10 @@ def joint_fit_rows(campaign: Campaign) -> list[Row]:
     ]
 
 
-def _naive(cell: Mapping[str, Any]) -> str:
+def _hessian_half_width(cell: Mapping[str, Any]) -> str:
     """Half of the 95 % interval from the inverse Hessian, which ignores correlated residuals."""
     std = cell.get("naive_std")
-    return "–" if std is None else number(Z_95 * std, 2)
+    return "–" if std is None else format_number(Z_95 * std, 2)
 
 
 def joint_notes(campaign: Campaign) -> list[str]:
@@ -83,10 +83,10 @@ def _table_1_rows(power: str, entry: Mapping[str, Any]) -> dict[str, Any]:
     ]
     return {
         "power": f"{float(power):g} %",
-        "flap": number(entry.get("flap_hz")),
+        "flap": format_number(entry.get("flap_hz")),
         "cells": cells_here,
-        "paper_flap": number(FLAP_HZ.get(round(float(power)))),
-        "paper": [number(published.get(p.name)) for p in COEFFICIENTS] if published else [],
+        "paper_flap": format_number(FLAP_HZ.get(round(float(power)))),
+        "paper": [format_number(published.get(p.name)) for p in COEFFICIENTS] if published else [],
     }
 
 
@@ -94,24 +94,24 @@ def table_2(campaign: Campaign) -> list[Row]:
     """Table II: relative difference of model and measured turn radius, here and as published."""
     one_x = campaign.study.setup.robot.head_length_m
     return [
-        _comparison(power, entry, one_x)
+        _table_2_rows(power, entry, one_x)
         for power, steps in (campaign.coefficients.get("paper_steps") or {}).items()
         for entry in (steps.get("steps") or {}).values()
         if entry.get("step") != 1 and entry.get("radius_m") is not None
     ]
 
 
-def _comparison(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
+def _table_2_rows(power: str, entry: Mapping[str, Any], one_x: float) -> Row:
     ratio = round(float(entry["head_length_m"]) / one_x, 1)
     key = (round(float(entry["head_angle_deg"])), ratio)
     return Row(
         f"{float(power):g} %, {float(entry['head_angle_deg']):g}°, {ratio:g}x head",
         (
             "tuned" if entry.get("step") == 2 else "predicted",
-            number(entry["radius_m"]),
-            number(entry.get("model_radius_m")),
-            percent(entry.get("radius_difference_pct")),
-            percent(TABLE_2_PCT.get(key, {}).get(round(float(power)))),
+            format_number(entry["radius_m"]),
+            format_number(entry.get("model_radius_m")),
+            format_percent(entry.get("radius_difference_pct")),
+            format_percent(TABLE_2_PCT.get(key, {}).get(round(float(power)))),
         ),
         entry.get("step") == 3,
     )
@@ -125,34 +125,38 @@ def coefficient_changes(campaign: Campaign) -> list[Row]:
         return []
     return [
         Row(
-            _named(name),
-            (_cell(before.get(name)), _cell(after.get(name)), _moved(before.get(name), cell)),
+            _parameter_label(name),
+            (
+                _cell_text(before.get(name)),
+                _cell_text(after.get(name)),
+                _relative_change(before.get(name), cell),
+            ),
         )
         for name, cell in after.items()
     ]
 
 
-def _cell(cell: Mapping[str, Any] | None) -> str:
+def _cell_text(cell: Mapping[str, Any] | None) -> str:
     return "–" if cell is None else value_with_interval(cell.get("value"), cell.get("std"))
 
 
-def _named(name: str) -> str:
+def _parameter_label(name: str) -> str:
     """`C_T (m²)`, `tail fin lift: S (m²)`."""
     cause, _, parameter = name.rpartition(".")
-    of = f" ({units()[name]})" if name in units() else ""
-    return (f"{readable(cause)}: " if cause else "") + parameter + of
+    of = f" ({parameter_units()[name]})" if name in parameter_units() else ""
+    return (f"{readable_name(cause)}: " if cause else "") + parameter + of
 
 
-def _moved(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> str:
+def _relative_change(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> str:
     """Change in percent, unless the 95 % interval before contains 0."""
     if before is None:
         return "new"
     if abs(float(before["value"])) <= Z_95 * float(before.get("std") or 0.0):
         return "interval contained 0"
-    return percent(100 * (float(after["value"]) / float(before["value"]) - 1))
+    return format_percent(100 * (float(after["value"]) / float(before["value"]) - 1))
 
 
-def _determined(cell: Mapping[str, Any]) -> str:
+def _determined_text(cell: Mapping[str, Any]) -> str:
     why = str(cell.get("why") or "")
     if cell.get("determined", True):
         return "yes"

@@ -12,9 +12,9 @@ from ..campaign import Campaign
 from ..data import Float
 from ..figures.drawing.held_out import evaluated_trials, no_trial_held_out
 from ..study import Trial
-from .explorer import series
+from .explorer import packed_series
 from .media import Clip
-from .numbers import number, value_with_interval
+from .numbers import format_number, value_with_interval
 
 THUMBNAIL_POINTS = 60
 QUALITY_TEXTS = {
@@ -58,7 +58,7 @@ def trial_cards(campaign: Campaign, clips: Mapping[str, Clip]) -> list[TrialCard
     """A card for every trial of the study, analysed or not."""
     held_out = set() if no_trial_held_out(campaign) else set(evaluated_trials(campaign))
     return [
-        _card(campaign, trial, clips.get(trial.trial_id), trial.trial_id in held_out)
+        _trial_card(campaign, trial, clips.get(trial.trial_id), trial.trial_id in held_out)
         for trial in campaign.study.trials
     ]
 
@@ -69,7 +69,7 @@ def excluded_trials(campaign: Campaign) -> list[tuple[str, str]]:
     return [(trial.trial_id, why.replace(folder, "")) for trial, why in campaign.left_out]
 
 
-def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> TrialCard:
+def _trial_card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -> TrialCard:
     done = trial.trial_id in {t.trial_id for t in campaign.analysed}
     steady = campaign.steady.get(trial.trial_id) if done else None
     status = campaign.statuses.get(trial.trial_id) or {}
@@ -82,22 +82,22 @@ def _card(campaign: Campaign, trial: Trial, clip: Clip | None, held_out: bool) -
         trial_id=trial.trial_id,
         condition=f"{trial.power_pct:g} % power, head {trial.head_angle_deg:g}°, "
         f"{trial.head_length_m:g} m",
-        cells=_cells(campaign, trial, done),
+        cells=_table_cells(campaign, trial, done),
         quality=quality,
         reason=steady.reason if steady else dict(excluded_trials(campaign))[trial.trial_id],
         remarks=tuple(remarks),
-        lines=_lines(campaign, trial.trial_id),
+        lines=_thumbnail_lines(campaign, trial.trial_id),
         box=f"-0.38 -0.05 {size.length_m + 0.43:.3f} {size.width_m + 0.25:.3f}",
         pool=(size.length_m, size.width_m),
         clip=clip,
-        series=series(campaign, trial.trial_id),
+        series=packed_series(campaign, trial.trial_id),
         power=f"{trial.power_pct:g}",
         held_out=held_out,
         analysed=done,
     )
 
 
-def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[TableCell, ...]:
+def _table_cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[TableCell, ...]:
     given = [
         TableCell(f"{value:g}", f"{value}")
         for value in (trial.power_pct, trial.head_angle_deg, trial.head_length_m)
@@ -114,19 +114,21 @@ def _cells(campaign: Campaign, trial: Trial, done: bool) -> tuple[TableCell, ...
     errors = [1000 * campaign.path_rmse_m(trial.trial_id, model) for model in models]
     return (
         *given,
-        TableCell(number(row.flap_hz), _key(row.flap_hz)),
-        TableCell(value_with_interval(row.speed_m_s, row.speed_std_m_s), _key(row.speed_m_s)),
-        TableCell(radius, _key(row.radius_m)),
-        TableCell("–" if math.isinf(row.radius_m) else number(row.arc_deg), _key(row.arc_deg)),
-        *(TableCell(number(error), _key(error)) for error in errors),
+        TableCell(format_number(row.flap_hz), _sort_key(row.flap_hz)),
+        TableCell(value_with_interval(row.speed_m_s, row.speed_std_m_s), _sort_key(row.speed_m_s)),
+        TableCell(radius, _sort_key(row.radius_m)),
+        TableCell(
+            "–" if math.isinf(row.radius_m) else format_number(row.arc_deg), _sort_key(row.arc_deg)
+        ),
+        *(TableCell(format_number(error), _sort_key(error)) for error in errors),
     )
 
 
-def _key(value: float) -> str:
+def _sort_key(value: float) -> str:
     return "" if math.isnan(value) else ("1e99" if math.isinf(value) else f"{value:.9g}")
 
 
-def _lines(campaign: Campaign, trial_id: str) -> tuple[tuple[str, str], ...]:
+def _thumbnail_lines(campaign: Campaign, trial_id: str) -> tuple[tuple[str, str], ...]:
     """CSS class and points of each path, in metres, y upwards."""
     width = campaign.study.setup.pool.width_m
     track = campaign.tracks.get(trial_id)
@@ -137,10 +139,10 @@ def _lines(campaign: Campaign, trial_id: str) -> tuple[tuple[str, str], ...]:
     for prefix, name in (("extended", "after"), ("joint", "before")):
         if f"{prefix}_x_m" in columns:
             found.append((name, columns[f"{prefix}_x_m"], columns[f"{prefix}_y_m"]))
-    return tuple((name, _points(x, width - y)) for name, x, y in found)
+    return tuple((name, _svg_points(x, width - y)) for name, x, y in found)
 
 
-def _points(x: Float, y: Float) -> str:
+def _svg_points(x: Float, y: Float) -> str:
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     kept = np.unique(np.linspace(0, max(len(x) - 1, 0), THUMBNAIL_POINTS).round().astype(int))

@@ -1,1 +1,1 @@
-"""Files in, files out: one module a rule of the Snakefile, with a function of the same name."""
+"""Stages of the workflow: each rule of the Snakefile calls the function of one module here."""

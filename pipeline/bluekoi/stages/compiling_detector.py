@@ -13,7 +13,7 @@ from ..study.setup import Detection
 from ..synthetic.campaign import study_contents
 from ..synthetic.conditions import Conditions
 from ..synthetic.design import demo_design
-from ..synthetic.film import render_frames
+from ..synthetic.footage import render_frames
 from ..synthetic.trial import solve_trial
 
 SIZE_PX = (480, 270)

@@ -1,4 +1,4 @@
-"""Depth of the keypoints of a study whose results stand in a folder."""
+"""Depth of the keypoints of a study, from its results folder."""
 
 from __future__ import annotations
 

@@ -33,13 +33,17 @@ def status_file(stage: str, layout: Layout, trial_id: str) -> Path:
     return known[stage](trial_id)
 
 
-def inputs_of(stage: str, study: Study, trial: Trial, layout: Layout, code: str) -> str:
+def trial_inputs_hash(stage: str, study: Study, trial: Trial, layout: Layout, code: str) -> str:
     """Hash of all that the results of a stage for one trial depend on.
 
     code: hash of the source files that the stage runs.
     """
-    depends = {"keypoints": _detection, "tracks": _motion, "overlay": _overlay}[stage]
-    return hash_of(code, depends(study, trial, layout))
+    depends = {
+        "keypoints": _detection_inputs,
+        "tracks": _motion_inputs,
+        "overlay": _overlay_inputs,
+    }[stage]
+    return short_hash(code, depends(study, trial, layout))
 
 
 def is_fresh(status: Path, results: Path, inputs: str) -> bool:
@@ -50,12 +54,14 @@ def is_fresh(status: Path, results: Path, inputs: str) -> bool:
         found = read_json(status)
     except InputError:
         return False
-    whole = all(_size(results / name) == size for name, size in found.get("products", {}).items())
+    whole = all(
+        _file_size(results / name) == size for name, size in found.get("products", {}).items()
+    )
     return whole and found.get("inputs") == inputs
 
 
-def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
-    files, setup = states_of(study.paths(trial)), study.setup
+def _detection_inputs(study: Study, trial: Trial, _: Layout) -> list[Any]:
+    files, setup = file_states(study.paths(trial)), study.setup
     if not trial.reads_keypoints:
         return [without_keys(trial_row(trial), "role"), setup.model_dump(mode="json"), files]
     return [
@@ -66,40 +72,40 @@ def _detection(study: Study, trial: Trial, _: Layout) -> list[Any]:
     ]
 
 
-def _motion(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+def _motion_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
     setup = without_keys(study.setup.model_dump(mode="json"), "detection")
     log = study.motor_path(trial)
     depth_m = keypoint_depth(study.setup, layout)
     given = study.setup.robot.depth_given
-    files = [state_of(path) for path in (layout.detection(trial.trial_id), log) if path]
+    files = [file_state(path) for path in (layout.detection(trial.trial_id), log) if path]
     return [without_keys(trial_row(trial), "role"), setup, given, depth_m, files]
 
 
-def _overlay(study: Study, trial: Trial, layout: Layout) -> list[Any]:
+def _overlay_inputs(study: Study, trial: Trial, layout: Layout) -> list[Any]:
     films = [] if trial.reads_keypoints else list(study.paths(trial))
     fits = (layout.status(trial.trial_id), layout.coefficients, layout.root / "mismatch.json")
-    return [_motion(study, trial, layout), [*states_of(films), *map(state_of, fits)]]
+    return [_motion_inputs(study, trial, layout), [*file_states(films), *map(file_state, fits)]]
 
 
-def states_of(paths: Sequence[Path]) -> list[str]:
+def file_states(paths: Sequence[Path]) -> list[str]:
     """State of each source file; of many pictures, one hash of their names, sizes and dates."""
     if len(paths) <= MAX_FILES_READ:
-        return [state_of(path) for path in paths]
+        return [file_state(path) for path in paths]
     found = [(path, path.stat()) for path in paths if path.is_file()]
-    return [hash_of([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]
+    return [short_hash([[path.name, one.st_size, one.st_mtime_ns] for path, one in found])]
 
 
-def state_of(path: Path) -> str:
+def file_state(path: Path) -> str:
     """Hash of a small file's content; of a large one's size and date; empty where there is none."""
     try:
         found = path.stat()
     except OSError:
         return ""
-    return _state(path, found.st_size, found.st_mtime_ns)
+    return _state_hash(path, found.st_size, found.st_mtime_ns)
 
 
 @cache
-def _state(path: Path, size: int, changed_ns: int) -> str:
+def _state_hash(path: Path, size: int, changed_ns: int) -> str:
     large = size > MAX_COMPARED_BYTES or not path.is_file()
     content = f"{size} {changed_ns}".encode() if large else path.read_bytes()
     return hashlib.sha256(content).hexdigest()[:12]
@@ -115,11 +121,11 @@ def without_keys(content: Mapping[str, Any], *names: str) -> dict[str, Any]:
     return {key: value for key, value in content.items() if key not in names}
 
 
-def hash_of(*content: Any) -> str:
+def short_hash(*content: Any) -> str:
     """Short hash of plain values."""
     text = json.dumps(content, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def _size(path: Path) -> int:
+def _file_size(path: Path) -> int:
     return path.stat().st_size if path.is_file() else -1

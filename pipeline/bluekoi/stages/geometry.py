@@ -28,7 +28,7 @@ from ..keypoints.deeplabcut import read_detections
 from ..study import Study, Trial, load_study
 from ..study.keypoint_depth import select_keypoint_depth_m
 from .layout import Layout
-from .status import good_trials, lengths_measured
+from .status import has_measured_lengths, successful_trials
 
 LENGTHS_NOT_MEASURED = (
     "the keypoints were placed at the lengths of study.yaml, which say nothing of scale, lens or "
@@ -54,35 +54,35 @@ def geometry(study: Path, results: Path) -> None:
     """
     loaded, layout = load_study(study), Layout(results)
     ids = [trial.trial_id for trial in loaded.trials]
-    good = good_trials([layout.detection(trial_id) for trial_id in ids])
-    measured = [name for name in good if lengths_measured(layout.detection(name))]
-    check = _by_whole_lengths if good and not measured else _by_rigid_parts
+    good = successful_trials([layout.detection(trial_id) for trial_id in ids])
+    measured = [name for name in good if has_measured_lengths(layout.detection(name))]
+    check = _check_by_whole_lengths if good and not measured else _check_by_rigid_parts
     try:
         found = check(loaded, [loaded.trial(name) for name in measured or good], layout)
     except InputError as error:
-        found = _unknown(str(error))
+        found = _unknown_scale_json(str(error))
     setup = loaded.setup
     usual = {"depth_m": setup.robot.keypoint_depth_m, "depth_given": setup.robot.depth_given}
     write_json(layout.geometry, usual | found)
 
 
-def _by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+def _check_by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     if not trials:
-        return _unknown("no trial with keypoints")
-    camera = _camera(study, trials[0], layout)
+        return _unknown_scale_json("no trial with keypoints")
+    camera = _trial_camera(study, trials[0], layout)
     lengths = [trial.head_length_m for trial in trials]
-    placed = _placed(camera, trials, layout, depth)
+    placed = _placed_lengths(camera, trials, layout, depth)
     estimate, std = (depth, 0.0) if camera.lens is None else estimate_depth(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )  # fmt: skip
     if (used := select_keypoint_depth_m(setup, estimate, std)) != depth:
-        depth, placed = used, _placed(camera, trials, layout, used)
+        depth, placed = used, _placed_lengths(camera, trials, layout, used)
     check = check_camera_geometry(
         camera, placed, depth_m=depth, head_lengths_m=lengths, robot=setup.robot
     )
     return {
-        **_evidence(check, trials),
+        **_evidence_json(check, trials),
         "measured": "rigid parts",
         "depth_m": depth,
         "depth_estimate_m": estimate if std else None,
@@ -91,15 +91,15 @@ def _by_rigid_parts(study: Study, trials: list[Trial], layout: Layout) -> dict[s
     }
 
 
-def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
+def _check_by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict[str, Any]:
     """Scale by the body's whole length, where keypoints lie at stated lengths."""
     setup, depth = study.setup, study.setup.robot.keypoint_depth_m
     seen = [read_json(layout.detection(t.trial_id)).get("length_seen") or [] for t in trials]
     if not any(seen):
-        return _unknown(LENGTHS_NOT_MEASURED)
-    camera = _camera(study, trials[0], layout)
+        return _unknown_scale_json(LENGTHS_NOT_MEASURED)
+    camera = _trial_camera(study, trials[0], layout)
     distances = whole_lengths(
-        _placed(camera, trials, layout, depth),
+        _placed_lengths(camera, trials, layout, depth),
         [np.array(pairs, dtype=np.float64) for pairs in seen],
         [trial.head_length_m for trial in trials],
         setup.robot,
@@ -112,7 +112,7 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
     )
     also = "" if check.best is None else STATED_LENGTH_ADVICE
     return {
-        **_evidence(check, trials),
+        **_evidence_json(check, trials),
         "sentence": f"{check.sentence}{also}",
         "measured": WHOLE_LENGTH_LABEL,
         "min_share": min_share,
@@ -122,19 +122,19 @@ def _by_whole_lengths(study: Study, trials: list[Trial], layout: Layout) -> dict
     }
 
 
-def _camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
+def _trial_camera(study: Study, trial: Trial, layout: Layout) -> PoolCamera:
     size = read_json(layout.detection(trial.trial_id)).get("size_px")
     return pool_camera(study.setup, (size[0], size[1]) if size else None)
 
 
-def _placed(
+def _placed_lengths(
     camera: PoolCamera, trials: list[Trial], layout: Layout, depth_m: float
 ) -> list[Positions]:
     found = (read_detections(layout.keypoints(trial.trial_id), trial) for trial in trials)
     return [map_keypoints(camera, one, depth_m) for one in found]
 
 
-def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
+def _evidence_json(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
     pool = next((fit for fit in check.fits if fit.hypothesis.name == "scale_error"), None)
     scale = 1 / (1 + pool.values[0]) if pool else None
     return {
@@ -145,7 +145,7 @@ def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
         "sentence": check.sentence,
         "mean_excess": check.mean_excess,
         "mean_excess_std": check.mean_excess_std,
-        "estimates": [_row(fit) for fit in check.fits],
+        "estimates": [_hypothesis_json(fit) for fit in check.fits],
         "map": asdict(check.map),
         "by_trial": {
             trials[number].trial_id: {"excess": mean, "std": std}
@@ -155,13 +155,13 @@ def _evidence(check: GeometryCheck, trials: Sequence[Trial]) -> dict[str, Any]:
     }
 
 
-def _row(fit: HypothesisFit) -> dict[str, Any]:
+def _hypothesis_json(fit: HypothesisFit) -> dict[str, Any]:
     names = ("values", "stds", "gain", "p_value", "share", "detectable", "text")
     about = {name: getattr(fit.hypothesis, name) for name in ("name", "parameters", "units")}
     return about | {name: getattr(fit, name) for name in names}
 
 
-def _unknown(reason: str) -> dict[str, Any]:
+def _unknown_scale_json(reason: str) -> dict[str, Any]:
     return {
         "scale": None,
         "scale_std": None,

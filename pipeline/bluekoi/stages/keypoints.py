@@ -32,7 +32,7 @@ def keypoints(
     run_with_status(
         layout.detection(trial_id),
         trial_id,
-        lambda: _detect(loaded, trial, layout.keypoints(trial_id), threads),
+        lambda: _write_detection(loaded, trial, layout.keypoints(trial_id), threads),
         source=trial.source,
         products=layout.of_detection(trial_id),
         stale=layout.of_tracks(trial_id),
@@ -40,11 +40,11 @@ def keypoints(
     )
 
 
-def _detect(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, Any]:
+def _write_detection(study: Study, trial: Trial, path: Path, threads: int) -> dict[str, Any]:
     if missing := missing_files_of_trial(study, trial):
         raise InputError(missing)
     found, notes = (
-        _from_file(study, trial)
+        _read_keypoint_file(study, trial)
         if trial.reads_keypoints
         else detect_in_footage(study, trial, threads)
     )
@@ -66,7 +66,7 @@ def sampled_lengths(found: Keypoints) -> list[list[float]]:
     return [[int(i), float(found.length_seen[i])] for i in some]
 
 
-def _from_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
+def _read_keypoint_file(study: Study, trial: Trial) -> tuple[Keypoints, dict[str, Any]]:
     found = sources.source_module("deeplabcut").read(
         study.paths(trial)[0], trial, study.setup.bodyparts
     )
@@ -99,7 +99,7 @@ def detect_in_footage(study: Study, trial: Trial, threads: int) -> tuple[Keypoin
         "source": study.setup.detection.source,
         "frames_declared": recording.frames_declared,
         "size_px": list(recording.size_px),
-        "cut_short": _cut_short(study, trial, recording) if short else "",
+        "cut_short": _truncation_remark(study, trial, recording) if short else "",
     }
 
 
@@ -119,7 +119,7 @@ def unreadable_frames_remark(trial: Trial, recording: Any, time_s: Float) -> tup
     )
 
 
-def _cut_short(study: Study, trial: Trial, recording: Any) -> str:
+def _truncation_remark(study: Study, trial: Trial, recording: Any) -> str:
     """What to say of a recording that holds fewer frames than it declares; it is used so far."""
     return str(
         input_error(

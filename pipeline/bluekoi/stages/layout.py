@@ -1,4 +1,4 @@
-"""Where each result stands in the results folder."""
+"""Paths of all results in the results folder."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class Layout:
         return (self.pose(trial_id), self.track(trial_id), self.trial_steady(trial_id))
 
 
-def remove(paths: Iterable[Path]) -> None:
+def remove_files(paths: Iterable[Path]) -> None:
     """Take away files of an earlier run, where there are any."""
     for path in paths:
         path.unlink(missing_ok=True)

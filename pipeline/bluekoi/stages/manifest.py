@@ -33,7 +33,7 @@ def write_manifest(study: Path, results: Path) -> None:
         "versions": versions(),
         "study": loaded.setup.model_dump(mode="json"),
         "trials": {trial.trial_id: trial_row(trial) for trial in loaded.trials},
-        "inputs": _hashes(loaded, results / "logs" / "hashes.cache"),
+        "inputs": _input_hashes(loaded, results / "logs" / "hashes.cache"),
     }
     write_json(results / "manifest.json", content)
 
@@ -48,19 +48,19 @@ def versions() -> dict[str, str]:
     return {
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
-        **{name: _version(name) for name in ("bluekoi", *sorted(needed))},
+        **{name: _package_version(name) for name in ("bluekoi", *sorted(needed))},
     }
 
 
-def _version(name: str) -> str:
+def _package_version(name: str) -> str:
     try:
         return version(name)
     except PackageNotFoundError:
         return "not installed"
 
 
-def _hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
-    known = _cached(cache)
+def _input_hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
+    known = _cached_hashes(cache)
     found: dict[str, dict[str, Any]] = {}
     for path in (p for p in study.files() if p.is_file()):
         state = path.stat()
@@ -73,7 +73,7 @@ def _hashes(study: Study, cache: Path) -> dict[str, dict[str, Any]]:
     return {name: {"sha256": e["sha256"], "bytes": e["stamp"][0]} for name, e in found.items()}
 
 
-def _cached(cache: Path) -> Mapping[str, Any]:
+def _cached_hashes(cache: Path) -> Mapping[str, Any]:
     try:
         return read_json(cache)
     except InputError:

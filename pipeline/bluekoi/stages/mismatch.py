@@ -28,10 +28,10 @@ from ..motor import log_lead_from_beat_phases
 from ..study import Setup, Study, load_study
 from ..study.data_split import held_out_trials
 from ..tuning import downsampled
-from .clock import CLOCK_STD_SHARE, correct_clock, with_clock_cause
+from .clock_factor import CLOCK_STD_SHARE, correct_clock, with_clock_cause
 from .compiling import load_model_with_effects as preload
-from .layout import Layout, remove
-from .status import lengths_measured, with_numerical_failures_explained
+from .layout import Layout, remove_files
+from .status import has_measured_lengths, with_numerical_failures_explained
 from .tuning import campaign_flapping, campaign_series
 
 __all__ = ["mismatch", "preload"]
@@ -57,16 +57,20 @@ def mismatch(study: Path, results: Path) -> None:
     campaign = load_campaign(results, load_study(study), measured=True)
     loaded = campaign.study
     campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
-    series = with_clock(campaign_series(campaign, flapping), flapping)
+    series = with_clock_measurement(campaign_series(campaign, flapping), flapping)
     fitted = len(series) - len(held_out_trials(loaded, [s.name for s in series]))
-    series = with_motor_start(with_delay(series, flapping, fitted=fitted), flapping, fitted=fitted)
-    series = with_rigid_lengths(series, campaign.geometry or {}, loaded.setup, fitted=fitted)
-    series = with_nose_distance(series, loaded, Layout(results))
+    series = with_motor_start_measurement(
+        with_delay_measurement(series, flapping, fitted=fitted), flapping, fitted=fitted
+    )
+    series = with_rigid_length_measurement(
+        series, campaign.geometry or {}, loaded.setup, fitted=fitted
+    )
+    series = with_nose_distances(series, loaded, Layout(results))
     found = find_mismatch(loaded, series, campaign.steady, progress=log.info)
     kernel = compiled(plates())
     series = with_displacements(kernel, series, found.displacements)
     runs = free_runs(kernel, series, found.extended.trial_values(kernel, series))
-    remove((results / "extended").glob("*.csv"))
+    remove_files((results / "extended").glob("*.csv"))
     for one, run in zip(series, runs, strict=True):
         path = {f"extended_{k}": run.observed[:, i]
                 for i, k in enumerate(("x_m", "y_m", "heading_rad"))}  # fmt: skip
@@ -87,7 +91,9 @@ def mismatch(study: Path, results: Path) -> None:
     write_json(results / "mismatch.json", with_clock_cause(content, factors, len(series)))
 
 
-def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> list[Series]:
+def with_clock_measurement(
+    series: Sequence[Series], flapping: Mapping[str, Flapping]
+) -> list[Series]:
     """Series with the tail beat seen against the motor's as evidence on the clock.
 
     A clock is wrong by one share in all trials. By how much more than their errors the ratios
@@ -115,7 +121,7 @@ def with_clock(series: Sequence[Series], flapping: Mapping[str, Flapping]) -> li
     return [replace(s, evidence={**s.evidence, **evidence.get(s.name, {})}) for s in series]
 
 
-def with_delay(
+def with_delay_measurement(
     series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
 ) -> list[Series]:
     """Series with what the phases of the tail beat say of log and video as evidence, one
@@ -135,7 +141,7 @@ def with_delay(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
-def with_motor_start(
+def with_motor_start_measurement(
     series: Sequence[Series], flapping: Mapping[str, Flapping], *, fitted: int
 ) -> list[Series]:
     """Series with what the motor logs say of spin-up and sag as evidence, each one measurement
@@ -158,7 +164,7 @@ def with_motor_start(
     return [replace(s, evidence=s.evidence | shared) for s in series]
 
 
-def with_rigid_lengths(
+def with_rigid_length_measurement(
     series: Sequence[Series], geometry: Mapping[str, Any], setup: Setup, *,
     fitted: int | None = None,
 ) -> list[Series]:  # fmt: skip
@@ -174,12 +180,12 @@ def with_rigid_lengths(
         system, dict(zip(system.constants, series[0].constants, strict=True)),
         windows_from_columns(geometry["windows"]), trials=max(fitted or len(series), 1),
         depth_given=setup.robot.depth_given and not by_homography,
-        systematic=_detector_share(geometry),
+        systematic=_detector_error_share(geometry),
     )  # fmt: skip
     return [replace(s, shared=shared) for s in series]
 
 
-def _detector_share(geometry: Mapping[str, Any]) -> float:
+def _detector_error_share(geometry: Mapping[str, Any]) -> float:
     """Relative error of the detector that is the same in all trials; a whole length's `min_share`
     contains that of the stated lengths.
     """
@@ -188,7 +194,7 @@ def _detector_share(geometry: Mapping[str, Any]) -> float:
     return float(np.sqrt(max(geometry["min_share"] ** 2 - STATED_LENGTH_STD_SHARE**2, 0.0)))
 
 
-def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
+def with_nose_distances(series: Sequence[Series], study: Study, layout: Layout) -> list[Series]:
     """Series that know where their keypoints were placed back from the nose at stated lengths."""
     slots = plates().constants
     head, hinge, ahead = (slots.index(name) for name in ("h", "x_hinge", "ahead"))
@@ -196,7 +202,7 @@ def with_nose_distance(series: Sequence[Series], study: Study, layout: Layout) -
     for one in series:
         constants = one.constants.copy()
         filmed = not study.trial(one.name).reads_keypoints
-        if filmed and not lengths_measured(layout.detection(one.name)):
+        if filmed and not has_measured_lengths(layout.detection(one.name)):
             constants[ahead] = constants[head] * np.cos(one.inputs[0, 0]) + constants[hinge]
         out.append(replace(one, constants=constants))
     return out

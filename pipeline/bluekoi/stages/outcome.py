@@ -10,9 +10,9 @@ from ..motor.power_consistency import power_warnings
 from ..motor.swimming_plausibility import study_warnings, tail_warnings
 from ..study import load_study
 from ..study.consistency_rules import robot_warnings
-from .failure import failure_reason
-from .layout import Layout, remove
+from .layout import Layout, remove_files
 from .manifest import write_manifest
+from .trial_failure import failure_reason
 
 
 def outcome(study: Path, results: Path) -> list[str]:
@@ -38,7 +38,7 @@ def outcome(study: Path, results: Path) -> list[str]:
         *power_warnings(statuses, powers),
         *length_warnings(geometry, mismatch),
     ]
-    remove([done])
+    remove_files([done])
     write_manifest(study, results)
     if bad:
         return [*bad, *(f"Warning: {text}" for text in warnings)]

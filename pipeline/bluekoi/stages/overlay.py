@@ -24,14 +24,14 @@ def overlay(
     run_with_status(
         layout.overlaid(trial_id),
         trial_id,
-        lambda: _draw(loaded, layout, trial_id),
+        lambda: _draw_overlay(loaded, layout, trial_id),
         source=loaded.trial(trial_id).source,
         products=(layout.overlay(trial_id),),
         inputs=inputs,
     )
 
 
-def _draw(study: Study, layout: Layout, trial_id: str) -> dict[str, Any]:
+def _draw_overlay(study: Study, layout: Layout, trial_id: str) -> dict[str, Any]:
     found = read_json(layout.status(trial_id))
     if not found["ok"]:
         return found

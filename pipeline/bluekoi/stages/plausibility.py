@@ -35,16 +35,16 @@ def plausibility_findings(
     """What cannot be right about a trial, with file, found, expected and remedy."""
     table, place = str(study.root / "trials.csv"), f"trial {trial.trial_id}"
     return [
-        *_lengths(table, place, study, trial, positions),
-        *_order(str(study.paths(trial)[0]), place, positions),
-        *_head_angle(table, place, trial, pose),
-        *_outside(str(study.paths(trial)[0]), place, study, pose),
-        *_backwards(str(study.paths(trial)[0]), place, study, pose),
-        *_jump(str(study.paths(trial)[0]), place, study, pose),
+        *_length_findings(table, place, study, trial, positions),
+        *_part_order_findings(str(study.paths(trial)[0]), place, positions),
+        *_head_angle_findings(table, place, trial, pose),
+        *_outside_pool_findings(str(study.paths(trial)[0]), place, study, pose),
+        *_backwards_findings(str(study.paths(trial)[0]), place, study, pose),
+        *_jump_findings(str(study.paths(trial)[0]), place, study, pose),
     ]
 
 
-def _lengths(
+def _length_findings(
     table: str, place: str, study: Study, trial: Trial, positions: Positions
 ) -> list[Finding]:
     robot = study.setup.robot
@@ -54,7 +54,7 @@ def _lengths(
     said = np.array([trial.head_length_m, robot.hinge_to_com_m, robot.com_to_tail_base_m])
     scale = float(np.median(seen / said)) if (said > 0).all() else 1.0
     if not 1 / MAX_SCALE < scale < MAX_SCALE:
-        return [_size(place, study, scale)]
+        return [_scale_findings(place, study, scale)]
     off = np.abs(seen - scale * said)
     bad = off > np.maximum(MAX_LENGTH_ERROR_SHARE * scale * said, MAX_LENGTH_ERROR_M)
     remedy = "Is head_length_m that of this trial, and does each keypoint bear its own name?"
@@ -67,7 +67,7 @@ def _lengths(
     ]
 
 
-def _size(place: str, study: Study, scale: float) -> Finding:
+def _scale_findings(place: str, study: Study, scale: float) -> Finding:
     return Finding(
         str(study.root / "study.yaml"),
         place,
@@ -78,7 +78,7 @@ def _size(place: str, study: Study, scale: float) -> Finding:
     )
 
 
-def _order(source: str, place: str, positions: Positions) -> list[Finding]:
+def _part_order_findings(source: str, place: str, positions: Positions) -> list[Finding]:
     xy, _ = trusted_points(positions)
     hinge, core, tail = xy[:, 1], xy[:, 2], xy[:, 3]
     along = np.sum((hinge - core) * (core - tail), axis=1)
@@ -90,7 +90,7 @@ def _order(source: str, place: str, positions: Positions) -> list[Finding]:
     return [Finding(source, place, found, "this order, from the head to the tail", remedy)]
 
 
-def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
+def _head_angle_findings(table: str, place: str, trial: Trial, pose: Pose) -> list[Finding]:
     angle = pose.values[len(pose.values) // 2 :, 3]
     angle = angle[np.isfinite(angle)]
     if len(angle) == 0:
@@ -112,7 +112,7 @@ def _head_angle(table: str, place: str, trial: Trial, pose: Pose) -> list[Findin
     return [Finding(table, place, found, f"head_angle_deg {trial.head_angle_deg:g}", remedy)]
 
 
-def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _outside_pool_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     seen = pose.values[np.isfinite(pose.values[:, :2]).all(axis=1), :2]
     pool = study.setup.pool
     beyond = np.maximum(-seen, seen - np.array([pool.length_m, pool.width_m])).max(axis=1)
@@ -129,7 +129,7 @@ def _outside(source: str, place: str, study: Study, pose: Pose) -> list[Finding]
     return [Finding(source, place, found, expected, remedy)]
 
 
-def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _backwards_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     seen = np.isfinite(pose.values[:, :3]).all(axis=1)
     xy, heading = pose.values[seen, :2], pose.values[seen, 2]
     length = study.setup.robot.body_length_m
@@ -146,7 +146,7 @@ def _backwards(source: str, place: str, study: Study, pose: Pose) -> list[Findin
     return [Finding(source, place, found, "a robot that swims ahead", remedy)]
 
 
-def _jump(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
+def _jump_findings(source: str, place: str, study: Study, pose: Pose) -> list[Finding]:
     seen = np.isfinite(pose.values[:, :2]).all(axis=1)
     t, xy = pose.time_s[seen], pose.values[seen, :2]
     length = study.setup.robot.body_length_m

@@ -1,4 +1,4 @@
-"""The page with all of it."""
+"""The report: one HTML page with all results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One trial's try at a stage: it ends in a status file, so that a bad trial stops only itself."""
+"""Runs a stage for one trial; its outcome is a status file, and a failure stops no other trial."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..errors import InputError, input_error
 from ..files import read_json, write_json
 from ..keypoints import source_module, source_names
 from ..motor.swimming_plausibility import study_warnings
-from .layout import remove
+from .layout import remove_files
 
 log = logging.getLogger(__name__)
 
@@ -34,40 +34,40 @@ def run_with_status(
     ours counts as a failure of this trial; its traceback goes to the log. `inputs`: hash of all
     that the results depend on (`freshness`).
     """
-    remove(stale)
+    remove_files(stale)
     try:
         found = {"trial_id": trial_id, "ok": True, "message": "", **work()}
     except InputError as error:
         text = str(error)
-        found = _failed(trial_id, text if source in text else f"{source}: {text}")
+        found = _failed_status(trial_id, text if source in text else f"{source}: {text}")
         log.warning("%s", error)
     except MemoryError:
-        found = _failed(trial_id, f"{source}: not enough memory; {MEMORY_ADVICE}")
+        found = _failed_status(trial_id, f"{source}: not enough memory; {MEMORY_ADVICE}")
         log.exception("trial %s", trial_id)
     except Exception as error:  # one trial must not stop the others, whatever is wrong with it
-        found = _failed(
+        found = _failed_status(
             trial_id, f"a defect of this program, {error!r}; the log of the trial has more"
         )
         log.exception("trial %s", trial_id)
     if not found["ok"]:
-        remove(products)
+        remove_files(products)
     sizes = {
         f"{path.parent.name}/{path.name}": path.stat().st_size for path in products if found["ok"]
     }
     write_json(status, {**found, "products": sizes, "inputs": inputs})
 
 
-def _failed(trial_id: str, message: str) -> dict[str, Any]:
+def _failed_status(trial_id: str, message: str) -> dict[str, Any]:
     return {"trial_id": trial_id, "ok": False, "message": message, "remarks": []}
 
 
-def good_trials(statuses: Sequence[Path]) -> list[str]:
+def successful_trials(statuses: Sequence[Path]) -> list[str]:
     """Ids of the trials that went well, in the order of their status files."""
     found = [read_json(path) for path in statuses]
     return [str(status["trial_id"]) for status in found if status["ok"]]
 
 
-def lengths_measured(detection: Path) -> bool:
+def has_measured_lengths(detection: Path) -> bool:
     """Whether a trial's keypoints were seen one by one, not placed at stated lengths."""
     name = read_json(detection).get("source")
     return name not in source_names() or not getattr(source_module(name), "LENGTHS_STATED", False)

@@ -8,7 +8,7 @@ from ..errors import input_error
 from ..steady import read_steady, write_steady
 from ..study import load_study
 from .layout import Layout
-from .status import good_trials
+from .status import successful_trials
 
 
 def steady(study: Path, results: Path) -> None:
@@ -18,7 +18,7 @@ def steady(study: Path, results: Path) -> None:
     """
     layout = Layout(results)
     ids = [trial.trial_id for trial in load_study(study).trials]
-    good = good_trials([layout.status(trial_id) for trial_id in ids])
+    good = successful_trials([layout.status(trial_id) for trial_id in ids])
     if not good:
         found = f"none of {len(ids)} trials that went well"
         raise input_error(

@@ -42,7 +42,7 @@ from .plausibility import plausibility_findings
 from .pool_edges import check_pool_edges
 from .status import run_with_status
 
-__all__ = ["flapping_of", "preload", "tracks"]
+__all__ = ["preload", "tracks", "trial_flapping"]
 
 CLOCK_TOLERANCE_SHARE = 0.01
 """Clocks of motor and video that differ by a larger share make a steady speed doubtful."""
@@ -55,14 +55,14 @@ def tracks(study: Path, results: Path, trial_id: str, *, inputs: str = "") -> No
     run_with_status(
         layout.status(trial_id),
         trial_id,
-        lambda: _track(loaded, trial, layout),
+        lambda: _write_track(loaded, trial, layout),
         source=trial.source,
         products=layout.of_tracks(trial_id),
         inputs=inputs,
     )
 
 
-def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
+def _write_track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
     detection = read_json(layout.detection(trial.trial_id))
     if not detection["ok"]:
         return detection
@@ -77,14 +77,14 @@ def _track(study: Study, trial: Trial, layout: Layout) -> dict[str, Any]:
         if sign := sign_finding(study, trial, camera, depth):
             raise InputError([sign]) from None
         raise
-    flapping = flapping_of(study, trial, positions)
+    flapping = trial_flapping(study, trial, positions)
     try:
         track, shown = smooth_with_noise_ratio(pose, _recoil_hz(flapping))
-        steady = _doubted(steady_state(track, flapping, trial.head_angle_rad), flapping)
+        steady = _with_clock_remark(steady_state(track, flapping, trial.head_angle_rad), flapping)
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError) as error:
-        raise _unsolvable(study, trial, error) from error
+        raise _error_of_unsolvable_fit(study, trial, error) from error
     write_pose(layout.pose(trial.trial_id), pose)
-    whole = _with_calibration(with_systematic_error(track, pose, shown), camera, depth)
+    whole = _with_calibration_std(with_systematic_error(track, pose, shown), camera, depth)
     write_track(layout.track(trial.trial_id), whole)
     write_steady(layout.trial_steady(trial.trial_id), {trial.trial_id: steady})
     edges, moved = check_pool_edges(study, trial)
@@ -110,7 +110,7 @@ def _plausible_pose(study: Study, trial: Trial, positions: Positions) -> Pose:
     try:
         pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
     except (np.linalg.LinAlgError, ArithmeticError) as error:
-        raise _without_pose(study, trial) from error
+        raise _error_without_pose(study, trial) from error
     if wrong := plausibility_findings(study, trial, positions, pose):
         raise InputError(wrong)
     return pose
@@ -122,7 +122,7 @@ def _recoil_hz(flapping: Flapping) -> float:
     return flapping.flap_hz * (flapping.ratio if wrong else 1.0)
 
 
-def _without_pose(study: Study, trial: Trial) -> InputError:
+def _error_without_pose(study: Study, trial: Trial) -> InputError:
     return input_error(
         study.paths(trial)[0],
         f"trial {trial.trial_id}",
@@ -132,7 +132,7 @@ def _without_pose(study: Study, trial: Trial) -> InputError:
     )
 
 
-def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
+def _error_of_unsolvable_fit(study: Study, trial: Trial, error: Exception) -> InputError:
     return input_error(
         study.paths(trial)[0],
         f"trial {trial.trial_id}",
@@ -142,14 +142,14 @@ def _unsolvable(study: Study, trial: Trial, error: Exception) -> InputError:
     )
 
 
-def _doubted(steady: Steady, flapping: Flapping) -> Steady:
+def _with_clock_remark(steady: Steady, flapping: Flapping) -> Steady:
     """The steady state; where the clocks disagree, the remark on that precedes other reasons."""
     if flapping.agrees or abs(flapping.ratio - 1) < CLOCK_TOLERANCE_SHARE:
         return steady
     return replace(steady, reason="; ".join(filter(None, (flapping.remarks[-1], steady.reason))))
 
 
-def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track:
+def _with_calibration_std(track: Track, camera: PoolCamera, depth_m: float) -> Track:
     """The track whose positions' deviations hold the calibration's, common to all frames."""
     cov = calibration_covariance_at_places(camera, np.column_stack([track.x_m, track.y_m]), depth_m)
     x, y = (
@@ -159,7 +159,7 @@ def _with_calibration(track: Track, camera: PoolCamera, depth_m: float) -> Track
     return replace(track, x_m_std=x, y_m_std=y)
 
 
-def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
+def trial_flapping(study: Study, trial: Trial, positions: Positions) -> Flapping:
     """Flapping frequency by motor log, else as given, else from the tail in the video.
 
     Raises: InputError where none of the three gives it.
@@ -170,7 +170,7 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
     elif trial.flap_hz is not None:
         flapping = flapping_from_stated_frequency(trial.flap_hz)
     else:
-        return _from_video(study, trial, positions)
+        return _flapping_from_video(study, trial, positions)
     if flapping.flap_hz <= 0:
         return flapping
     found = flapping_compared_with_video(flapping, *clock_ratio(positions, flapping))
@@ -180,7 +180,7 @@ def flapping_of(study: Study, trial: Trial, positions: Positions) -> Flapping:
     return replace(found, beat_lag_rad=lag, beat_lag_std_rad=std)
 
 
-def _from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
+def _flapping_from_video(study: Study, trial: Trial, positions: Positions) -> Flapping:
     hz, std = tail_beat_from_video(positions)
     if not hz > 0:
         raise input_error(

@@ -15,9 +15,9 @@ from ..fitting import Series
 from ..motor import common_clock_ratio, has_other_clock
 from ..study import load_study
 from ..tuning import coefficients, simulations, study_series, table_1, table_2
-from .clock import correct_clock
+from .clock_factor import correct_clock
 from .compiling import load_model as preload
-from .layout import Layout, remove
+from .layout import Layout, remove_files
 from .status import with_numerical_failures_explained
 
 __all__ = ["campaign_flapping", "campaign_series", "preload", "tuning"]
@@ -31,7 +31,7 @@ def tuning(study: Path, results: Path) -> None:
     loaded = campaign.study
     campaign, flapping, factors = correct_clock(campaign, campaign_flapping(campaign))
     series = campaign_series(campaign, flapping)
-    remove((results / "simulations").glob("*.csv"))
+    remove_files((results / "simulations").glob("*.csv"))
     found, joint = coefficients(loaded, series, campaign.steady)
     found |= {"clock_factor": {name: f.value for name, f in factors.items()}} if factors else {}
     steps = found["paper_steps"]
@@ -74,15 +74,15 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
             flap_hz=f["flap_hz"],
             flap_hz_std=f["flap_hz_std"] or 0.0,
             source=f["source"],
-            video_hz=_or_nan(f["video_hz"]),
-            video_hz_std=_or_nan(f["video_hz_std"]),
-            ratio=_or_nan(f.get("ratio")),
-            ratio_std=_or_nan(f.get("ratio_std")),
-            beat_lag_rad=_or_nan(f.get("beat_lag_rad")),
-            beat_lag_std_rad=_or_nan(f.get("beat_lag_std_rad")),
-            start_s=_or_nan(f.get("start_s")),
-            lost_time_s=_or_nan(f.get("lost_time_s")),
-            drift_per_s=_or_nan(f.get("drift_per_s")),
+            video_hz=_none_to_nan(f["video_hz"]),
+            video_hz_std=_none_to_nan(f["video_hz_std"]),
+            ratio=_none_to_nan(f.get("ratio")),
+            ratio_std=_none_to_nan(f.get("ratio_std")),
+            beat_lag_rad=_none_to_nan(f.get("beat_lag_rad")),
+            beat_lag_std_rad=_none_to_nan(f.get("beat_lag_std_rad")),
+            start_s=_none_to_nan(f.get("start_s")),
+            lost_time_s=_none_to_nan(f.get("lost_time_s")),
+            drift_per_s=_none_to_nan(f.get("drift_per_s")),
             agrees=bool(f["agrees"]),
         )
         for i, f in found.items()
@@ -90,5 +90,5 @@ def campaign_flapping(campaign: Campaign) -> dict[str, Flapping]:
     }
 
 
-def _or_nan(value: float | None) -> float:
+def _none_to_nan(value: float | None) -> float:
     return np.nan if value is None else float(value)

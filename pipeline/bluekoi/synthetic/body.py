@@ -69,7 +69,7 @@ def keypoints(robot: Robot, head_length_m: float, pose: np.ndarray) -> np.ndarra
     return np.stack([tip, hinge, com, base, base - core * (root + blade)], axis=1)
 
 
-def _mirrored(along: np.ndarray, half: np.ndarray) -> np.ndarray:
+def _mirrored_outline(along: np.ndarray, half: np.ndarray) -> np.ndarray:
     """Closed outline of a shape that is symmetric about the real axis."""
     return np.concatenate([along + 1j * half, (along - 1j * half)[::-1]])
 
@@ -81,7 +81,7 @@ def head_outline(head_length_m: float, inset_m: float = 0.0) -> np.ndarray:
     rear = np.clip((0.3 - s) / 0.3, 0, 1)
     half = HALF_WIDTH_M * (1 - front**2) ** 0.62 * (1 - 0.07 * rear**2)
     scale = (head_length_m - 1.6 * inset_m) / head_length_m
-    return _mirrored(s * head_length_m * scale, np.maximum(half - inset_m, 0.0))
+    return _mirrored_outline(s * head_length_m * scale, np.maximum(half - inset_m, 0.0))
 
 
 def core_outline(robot: Robot, inset_m: float = 0.0) -> np.ndarray:
@@ -89,10 +89,10 @@ def core_outline(robot: Robot, inset_m: float = 0.0) -> np.ndarray:
     s = np.linspace(0, 1, 24)
     half = 0.0075 + (HALF_WIDTH_M - 0.0075) * (1 - s**1.9) ** 1.15 * (1 - 0.05 * (1 - s) ** 6)
     length = tail_base_arm(robot) + robot.hinge_to_com_m
-    return _mirrored(-s * length, np.maximum(half - inset_m, 0.0))
+    return _mirrored_outline(-s * length, np.maximum(half - inset_m, 0.0))
 
 
-def disc(radius_m: float, count: int = 20) -> np.ndarray:
+def circle_outline(radius_m: float, count: int = 20) -> np.ndarray:
     """Circle of a radius (m) about 0."""
     return radius_m * np.exp(2j * np.pi * np.arange(count) / count)
 
@@ -102,25 +102,25 @@ def _tail_parts(robot: Robot, base: complex, core: complex, beat: float) -> list
     root_m = PEDUNCLE_LENGTH_SHARE * robot.tail_length_m
     blade_m = (1 - PEDUNCLE_LENGTH_SHARE) * robot.tail_length_m
     s = np.linspace(0, 1, 9)
-    root = _mirrored(-s * root_m, 0.0075 - 0.0025 * s)
-    blade = _mirrored(-s * blade_m, 0.0012 + 0.0048 * (1 - s) ** 0.8 * (0.55 + s))
+    root = _mirrored_outline(-s * root_m, 0.0075 - 0.0025 * s)
+    blade = _mirrored_outline(-s * blade_m, 0.0012 + 0.0048 * (1 - s) ** 0.8 * (0.55 + s))
     end = base - core * first * root_m
     return [
         Part(end + core * second * blade, FIN_RGB),
-        Part(end + disc(0.0052, 12), FIN_RGB),
-        Part(base + disc(0.0076, 12), FIN_RGB),
+        Part(end + circle_outline(0.0052, 12), FIN_RGB),
+        Part(base + circle_outline(0.0076, 12), FIN_RGB),
         Part(base + core * first * root, FIN_RGB),
     ]
 
 
 def _eyes(hinge: complex, head: complex, head_length_m: float) -> list[Part]:
     places = [hinge + head * (0.72 * head_length_m + side * 0.0165j) for side in (1, -1)]
-    return [Part(p + disc(0.0042, 12), EYE_RGB) for p in places] + [
-        Part(p + disc(0.0022, 12), JOINT_RGB) for p in places
+    return [Part(p + circle_outline(0.0042, 12), EYE_RGB) for p in places] + [
+        Part(p + circle_outline(0.0022, 12), JOINT_RGB) for p in places
     ]
 
 
-def _shaded(outlines: list[np.ndarray], place: complex, axis: complex) -> list[Part]:
+def _shaded_parts(outlines: list[np.ndarray], place: complex, axis: complex) -> list[Part]:
     colours = (SKIN_RGB, BACK_RGB, HIGHLIGHT_RGB)
     opacities = (1.0, 0.8, 0.45)
     return [
@@ -139,13 +139,16 @@ def robot_parts(
     hinge, base = complex(points[1]), complex(points[3])
     insets = (0.0, 0.010, 0.022)
     parts = _tail_parts(robot, base, core, float(pose[4]))
-    parts += _shaded([core_outline(robot, inset) for inset in insets], hinge, core)
-    parts += [Part(hinge + disc(0.0315), SKIN_RGB), Part(hinge + disc(0.020), JOINT_RGB, 0.55)]
-    parts += _shaded([head_outline(head_length_m, inset) for inset in insets], hinge, head)
-    parts += [Part(hinge + disc(0.006), JOINT_RGB)]
+    parts += _shaded_parts([core_outline(robot, inset) for inset in insets], hinge, core)
+    parts += [
+        Part(hinge + circle_outline(0.0315), SKIN_RGB),
+        Part(hinge + circle_outline(0.020), JOINT_RGB, 0.55),
+    ]
+    parts += _shaded_parts([head_outline(head_length_m, inset) for inset in insets], hinge, head)
+    parts += [Part(hinge + circle_outline(0.006), JOINT_RGB)]
     parts += _eyes(hinge, head, head_length_m)
     if markers:
-        dot = disc(MARKER_RADIUS_M)
+        dot = circle_outline(MARKER_RADIUS_M)
         parts += [
             Part(point + dot, MARKER_RGB[name])
             for name, point in zip(KEYPOINTS, points, strict=True)

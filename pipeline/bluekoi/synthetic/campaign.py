@@ -13,17 +13,17 @@ import yaml
 from bluekoi.files import atomic_write, read_json, write_json, write_rows, write_text
 from bluekoi.synthetic.design import StudyDesign
 from bluekoi.synthetic.encode import write_video
-from bluekoi.synthetic.film import render_frames, visible_keypoints
+from bluekoi.synthetic.footage import render_frames, visible_keypoints
 from bluekoi.synthetic.motor_log import motor_angles, write_motor_log
 from bluekoi.synthetic.optics import pool_corners
 from bluekoi.synthetic.trial import (
     Trial,
     camera_at,
     frame_truth,
-    generator,
     mean_path,
     solve_trial,
     steady_summary,
+    trial_rng,
 )
 
 
@@ -85,7 +85,7 @@ def render_trial(
 
 def write_motor(design: StudyDesign, trial: Trial, folder: Path) -> None:
     """Write `motor/ID.csv` of a trial."""
-    rng = generator(design, trial.plan.trial_id, "motor")
+    rng = trial_rng(design, trial.plan.trial_id, "motor")
     rows = motor_angles(trial.motion, float(trial.time_s[-1]), rng)
     write_motor_log(folder / "motor" / f"{trial.plan.trial_id}.csv", rows)
 

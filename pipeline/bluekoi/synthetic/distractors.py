@@ -1,10 +1,10 @@
-"""What else may be in the picture: a bar across the pool, a reaching hand, another body."""
+"""Distractors in the picture: a bar across the pool, a reaching hand, another body."""
 
 import math
 
 import numpy as np
 
-from bluekoi.synthetic.body import Part, disc
+from bluekoi.synthetic.body import Part, circle_outline
 
 BAR_HEIGHT_M = 0.30
 HAND_HEIGHT_M = 0.06
@@ -14,7 +14,7 @@ SLEEVE_RGB = (62.0, 70.0, 92.0)
 SECOND_HAND_ENTRY_S = (1.4, 2.6)
 
 
-def _box(x0: float, x1: float, y0: float, y1: float) -> np.ndarray:
+def _rectangle_outline(x0: float, x1: float, y0: float, y1: float) -> np.ndarray:
     return np.array([x0 + 1j * y0, x1 + 1j * y0, x1 + 1j * y1, x0 + 1j * y1])
 
 
@@ -22,55 +22,58 @@ def crossbar(pool_m: tuple[float, float]) -> list[Part]:
     """A lamp rail across the pool's middle, above the water."""
     x, width = 0.5 * pool_m[0], pool_m[1]
     return [
-        Part(_box(x - 0.02, x + 0.02, -0.6, width + 0.6), (150.0, 152.0, 155.0)),
-        Part(_box(x - 0.006, x + 0.002, -0.6, width + 0.6), (205.0, 207.0, 210.0)),
+        Part(_rectangle_outline(x - 0.02, x + 0.02, -0.6, width + 0.6), (150.0, 152.0, 155.0)),
+        Part(_rectangle_outline(x - 0.006, x + 0.002, -0.6, width + 0.6), (205.0, 207.0, 210.0)),
     ]
 
 
-def _limb(begin: complex, end: complex, half_m: float) -> np.ndarray:
+def _rounded_rod(begin: complex, end: complex, half_m: float) -> np.ndarray:
     """A rod with round ends from one point to another."""
     axis = (end - begin) / max(abs(end - begin), 1e-9)
     arc = np.exp(1j * np.linspace(-math.pi / 2, math.pi / 2, 9)) * half_m * axis
     return np.concatenate([end + arc, begin - arc])
 
 
-def _hand_at(wrist: complex, toward: complex) -> list[Part]:
+def _hand_outlines(wrist: complex, toward: complex) -> list[Part]:
     """Forearm, palm, four fingers and thumb of a hand that points along `toward`."""
     palm = wrist + 0.06 * toward
     parts = [
-        Part(_limb(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE_RGB),
-        Part(_limb(wrist - 0.20 * toward, wrist, 0.030), HAND_RGB),
-        Part(palm + toward * (disc(0.048).real + 0.9j * disc(0.048).imag), HAND_RGB),
+        Part(_rounded_rod(wrist - 0.9 * toward, wrist - 0.16 * toward, 0.048), SLEEVE_RGB),
+        Part(_rounded_rod(wrist - 0.20 * toward, wrist, 0.030), HAND_RGB),
+        Part(
+            palm + toward * (circle_outline(0.048).real + 0.9j * circle_outline(0.048).imag),
+            HAND_RGB,
+        ),
     ]
     for k, length in enumerate((0.065, 0.078, 0.074, 0.055)):
         root = palm + toward * (0.035 + 1j * (0.030 - 0.020 * k))
         spread = toward * np.exp(1j * (0.14 - 0.09 * k))
-        parts.append(Part(_limb(root, root + length * spread, 0.0085), HAND_RGB))
+        parts.append(Part(_rounded_rod(root, root + length * spread, 0.0085), HAND_RGB))
     root = palm + toward * (-0.01 + 0.040j)
-    return [*parts, Part(_limb(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), HAND_RGB)]
+    return [*parts, Part(_rounded_rod(root, root + 0.05 * toward * np.exp(0.8j), 0.0095), HAND_RGB)]
 
 
-def _ease(x: float) -> float:
+def _smoothstep(x: float) -> float:
     x = min(max(x, 0.0), 1.0)
     return x * x * (3 - 2 * x)
 
 
 def hand(time_s: float, released_at: complex, pool_m: tuple[float, float]) -> list[Part]:
     """The hand that lets the robot go at its start, draws back, and later reaches in elsewhere."""
-    first = 1 - _ease((time_s - 0.12) / 0.8)
+    first = 1 - _smoothstep((time_s - 0.12) / 0.8)
     middle = 0.5 * sum(SECOND_HAND_ENTRY_S)
     half = 0.5 * (SECOND_HAND_ENTRY_S[1] - SECOND_HAND_ENTRY_S[0])
-    second = _ease(1.6 * (1 - abs(time_s - middle) / half))
+    second = _smoothstep(1.6 * (1 - abs(time_s - middle) / half))
     near_top = released_at.imag > 0.5 * pool_m[1]
     wall = pool_m[1] + 0.25 if near_top else -0.25
     toward = -1j if near_top else 1j
     parts: list[Part] = []
     if first > 0:
         target = released_at.imag - toward.imag * 0.13
-        parts += _hand_at(complex(released_at.real, wall + first * (target - wall)), toward)
+        parts += _hand_outlines(complex(released_at.real, wall + first * (target - wall)), toward)
     if second > 0:
         place = complex((released_at.real + 0.5 * pool_m[0]) % pool_m[0], wall)
-        parts += _hand_at(place + toward * second * 0.75, toward)
+        parts += _hand_outlines(place + toward * second * 0.75, toward)
     return parts
 
 

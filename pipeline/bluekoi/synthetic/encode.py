@@ -8,14 +8,14 @@ import av
 import numpy as np
 
 from bluekoi.files import atomic_write
-from bluekoi.synthetic.picture import ImagePlanes
+from bluekoi.synthetic.frame_drawing import ImagePlanes
 
 GOPRO_FRAME_RATE_HZ = Fraction(30000, 1001)
 KEYFRAME_INTERVAL_FRAMES = 15
 ENCODERS = {"h264": ("libx264", "x264-params"), "hevc": ("libx265", "x265-params")}
 
 
-def _filled(planes: ImagePlanes) -> av.VideoFrame:
+def _as_video_frame(planes: ImagePlanes) -> av.VideoFrame:
     height, width = planes.luma.shape
     frame = av.VideoFrame(width, height, "yuvj420p")
     for plane, values in zip(frame.planes, (planes.luma, *planes.chroma), strict=True):
@@ -69,7 +69,7 @@ def write_video(
             threads=threads,
         )
         for count, planes in enumerate(frames, start=1):
-            frame = _filled(planes)
+            frame = _as_video_frame(planes)
             frame.pts, frame.time_base = count - 1, 1 / rate
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))

@@ -19,7 +19,7 @@ class GlarePatch:
     rate_hz: float
 
 
-def _lamp(rng: np.random.Generator, length_px: float) -> np.ndarray:
+def _lamp_image(rng: np.random.Generator, length_px: float) -> np.ndarray:
     """A lamp's picture: a streak broken up by ripples, 0 to 1, even-sized."""
     size = 2 * int(1.6 * length_px)
     v, u = np.mgrid[-1.6 : 1.6 : size * 1j, -1.6 : 1.6 : size * 1j]
@@ -41,7 +41,7 @@ def random_lamp_reflections(
     patches = []
     for _ in range(count):
         x, y = rng.uniform(0.15, 0.85, 2) * np.array(pool_m)
-        share = _lamp(rng, length_px * rng.uniform(0.6, 1.4))
+        share = _lamp_image(rng, length_px * rng.uniform(0.6, 1.4))
         middle = project(camera, np.array([[x, y, 0.0]]))[0]
         corner = tuple(int(c - share.shape[0] / 2) // 2 * 2 for c in middle)
         patch = GlarePatch(
@@ -51,7 +51,7 @@ def random_lamp_reflections(
     return tuple(patches)
 
 
-def _wobbled(patch: GlarePatch, time_s: float) -> np.ndarray:
+def _displaced_patch(patch: GlarePatch, time_s: float) -> np.ndarray:
     angle = 2 * math.pi * patch.rate_hz * time_s + patch.phase
     shift = np.array([[1, 0, 1.6 * math.sin(angle)], [0, 1, 1.3 * math.cos(1.3 * angle)]])
     moved = cv2.warpAffine(patch.share, shift, patch.share.shape[::-1])
@@ -68,7 +68,7 @@ def add_glare(
     x0, y0, x1, y1 = max(left, 0), max(top, 0), min(right, width), min(bottom, height)
     if x1 - x0 < 2 or y1 - y0 < 2:
         return
-    share = _wobbled(patch, time_s)[y0 - top : y1 - top, x0 - left : x1 - left]
+    share = _displaced_patch(patch, time_s)[y0 - top : y1 - top, x0 - left : x1 - left]
     box = luma[y0:y1, x0:x1]
     box[...] = np.minimum(box + level * share, 255).astype(np.uint8)
     pale = 1 - np.minimum(share[::2, ::2] * level / 160, 1)

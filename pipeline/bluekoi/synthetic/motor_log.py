@@ -1,4 +1,4 @@
-"""What the potentiometer on the motor shaft would have written."""
+"""Simulated log of the potentiometer on the motor shaft."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The way of light from the pool to the pixel: refraction, camera pose, lens.
+"""Projection from the pool to pixels: refraction, camera pose, lens.
 
 Frames: `pool` (x along the length, y along the width, z up from the still surface, m),
 `cam` (x right, y down, z along the optical axis, m), `px` (u right, v down, pixels).
@@ -85,7 +85,9 @@ def displaced_camera(
     return replace(camera, rotation=rotation, centre_m=(x, y, z))
 
 
-def _crossing(height: np.ndarray, depth: np.ndarray, across: np.ndarray, n: float) -> np.ndarray:
+def _surface_crossing_distance(
+    height: np.ndarray, depth: np.ndarray, across: np.ndarray, n: float
+) -> np.ndarray:
     """Distance (m) from the foot of the camera to where the ray meets the surface.
 
     Root of `x/sqrt(x^2 + h^2) = n (r - x)/sqrt((r - x)^2 + d^2)` on [0, r].  The left side less
@@ -111,13 +113,13 @@ def surface_point(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
     across = np.hypot(offset[:, 0], offset[:, 1])
     depth = np.maximum(-points_pool[:, 2], 0.0)
     height = np.full_like(across, centre[2])
-    reach = _crossing(height, depth, across, camera.index_water / camera.index_air)
+    reach = _surface_crossing_distance(height, depth, across, camera.index_water / camera.index_air)
     share = np.divide(reach, across, out=np.ones_like(across), where=across > 0)
     surface = np.column_stack([centre[:2] + offset * share[:, None], np.zeros_like(across)])
     return np.where((points_pool[:, 2] < 0)[:, None], surface, points_pool)
 
 
-def _pinhole(camera: Camera, xy: np.ndarray) -> np.ndarray:
+def _pinhole_pixels(camera: Camera, xy: np.ndarray) -> np.ndarray:
     k1, k2, p1, p2, k3 = camera.distortion
     x, y = xy[:, 0], xy[:, 1]
     r2 = x * x + y * y
@@ -127,7 +129,7 @@ def _pinhole(camera: Camera, xy: np.ndarray) -> np.ndarray:
     return np.column_stack([along, down])
 
 
-def _fisheye(camera: Camera, xy: np.ndarray) -> np.ndarray:
+def _fisheye_pixels(camera: Camera, xy: np.ndarray) -> np.ndarray:
     k1, k2, k3, k4 = camera.distortion
     r = np.hypot(xy[:, 0], xy[:, 1])
     angle = np.arctan(r)
@@ -136,8 +138,8 @@ def _fisheye(camera: Camera, xy: np.ndarray) -> np.ndarray:
     return xy * np.divide(bent, r, out=np.ones_like(r), where=r > 1e-12)[:, None]
 
 
-def _bend(camera: Camera, xy: np.ndarray) -> np.ndarray:
-    return _fisheye(camera, xy) if camera.lens == "fisheye" else _pinhole(camera, xy)
+def _apply_lens(camera: Camera, xy: np.ndarray) -> np.ndarray:
+    return _fisheye_pixels(camera, xy) if camera.lens == "fisheye" else _pinhole_pixels(camera, xy)
 
 
 def project(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
@@ -145,7 +147,7 @@ def project(camera: Camera, points_pool: np.ndarray) -> np.ndarray:
     points = np.asarray(points_pool, dtype=float).reshape(-1, 3)
     seen = surface_point(camera, points) - np.array(camera.centre_m)
     cam = seen @ np.array(camera.rotation).T
-    bent = _bend(camera, cam[:, :2] / cam[:, 2:])
+    bent = _apply_lens(camera, cam[:, :2] / cam[:, 2:])
     return bent * np.array(camera.focal_px) + np.array(camera.middle_px)
 
 
@@ -158,9 +160,9 @@ def to_pool(camera: Camera, pixels: np.ndarray, depth_m: float) -> np.ndarray:
     xy, step = bent.copy(), 1e-6
     right, down = np.array([step, 0.0]), np.array([0.0, step])
     for _ in range(12):
-        off = _bend(camera, xy) - bent
-        dx = (_bend(camera, xy + right) - _bend(camera, xy - right)) / (2 * step)
-        dy = (_bend(camera, xy + down) - _bend(camera, xy - down)) / (2 * step)
+        off = _apply_lens(camera, xy) - bent
+        dx = (_apply_lens(camera, xy + right) - _apply_lens(camera, xy - right)) / (2 * step)
+        dy = (_apply_lens(camera, xy + down) - _apply_lens(camera, xy - down)) / (2 * step)
         slope = dx[:, 0] * dy[:, 1] - dx[:, 1] * dy[:, 0]
         xy[:, 0] -= (off[:, 0] * dy[:, 1] - off[:, 1] * dy[:, 0]) / slope
         xy[:, 1] -= (off[:, 1] * dx[:, 0] - off[:, 0] * dx[:, 1]) / slope

@@ -8,7 +8,7 @@ from ..vector_width import njit
 
 
 @njit(cache=True)
-def _cell_walk(acc: np.ndarray, row: int, x0: float, x1: float, dy: float) -> None:
+def _accumulate_edge(acc: np.ndarray, row: int, x0: float, x1: float, dy: float) -> None:
     """Add one edge piece inside a pixel row: height `dy` (signed) from x0 to x1, to `acc`.
 
     The cell that a piece of height d at mean distance m from its left border lies in gets
@@ -53,7 +53,7 @@ def _add_polygon(acc: np.ndarray, points: np.ndarray) -> tuple[int, int]:
             y0, y1 = max(ya, float(row)), min(yb, row + 1.0)
             if y1 > y0:
                 x0, x1 = xa + (y0 - ya) * slope, xa + (y1 - ya) * slope
-                _cell_walk(acc, row, x0, x1, sign * (y1 - y0))
+                _accumulate_edge(acc, row, x0, x1, sign * (y1 - y0))
         top, bottom = min(top, first), max(bottom, last + 1)
     return top, bottom
 

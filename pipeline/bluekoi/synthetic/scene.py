@@ -53,7 +53,9 @@ def pool_map(camera: Camera, depth_m: float, step: int = 1) -> np.ndarray:
     return cv2.warpAffine(known, matrix, full, flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _mottle(rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, ...]) -> np.ndarray:
+def _multiscale_noise(
+    rng: np.random.Generator, shape: tuple[int, int], cells: tuple[int, ...]
+) -> np.ndarray:
     """Random texture of unit rms with grains of several sizes (in texture pixels)."""
     total = np.zeros(shape, np.float32)
     for cell in cells:
@@ -69,7 +71,7 @@ def floor_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.n
     shade = tiles.repeat(100, axis=0)[: shape[0]].repeat(100, axis=1)[:, : shape[1]]
     in_joint = (np.arange(max(shape)) + 2) % 100 < 4
     joint = in_joint[: shape[0], None] | in_joint[None, : shape[1]]
-    speckle = 0.022 * _mottle(rng, shape, (3, 7, 40))
+    speckle = 0.022 * _multiscale_noise(rng, shape, (3, 7, 40))
     return 1.0 + shade + speckle - 0.17 * cv2.GaussianBlur(joint.astype(np.float32), (0, 0), 1.2)
 
 
@@ -81,30 +83,34 @@ def ground_texture(rng: np.random.Generator, pool_m: tuple[float, float]) -> np.
     )
     y, x = np.mgrid[: shape[0], : shape[1]]
     slabs = ((x % 125 < 2) | (y % 125 < 2)).astype(np.float32)
-    return 1.0 + 0.10 * _mottle(rng, shape, (1, 4, 30)) - 0.25 * slabs
+    return 1.0 + 0.10 * _multiscale_noise(rng, shape, (1, 4, 30)) - 0.25 * slabs
 
 
-def _sample(texture: np.ndarray, place: np.ndarray, per_m: float, origin_m: float) -> np.ndarray:
+def _sample_texture(
+    texture: np.ndarray, place: np.ndarray, per_m: float, origin_m: float
+) -> np.ndarray:
     at = ((place - origin_m) * per_m - 0.5).astype(np.float32)
     return cv2.remap(texture, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _inside(place: np.ndarray, pool_m: tuple[float, float], grow_m: float = 0.0) -> np.ndarray:
+def _signed_distance_inside(
+    place: np.ndarray, pool_m: tuple[float, float], grow_m: float = 0.0
+) -> np.ndarray:
     """Signed distance (m) inside the pool's rectangle grown by `grow_m`; negative outside."""
     x, y = place[..., 0], place[..., 1]
     across = np.minimum(x + grow_m, pool_m[0] + grow_m - x)
     return np.minimum(across, np.minimum(y + grow_m, pool_m[1] + grow_m - y))
 
 
-def _mix(below: np.ndarray, above: np.ndarray, share: np.ndarray) -> np.ndarray:
+def _blend(below: np.ndarray, above: np.ndarray, share: np.ndarray) -> np.ndarray:
     return below + (above - below) * share[..., None]
 
 
-def _tinted(reflectance: np.ndarray, colour: tuple[float, float, float]) -> np.ndarray:
+def _apply_tint(reflectance: np.ndarray, colour: tuple[float, float, float]) -> np.ndarray:
     return reflectance[..., None] * np.array(colour, np.float32)
 
 
-def _vignette(camera: Camera) -> np.ndarray:
+def _vignetting(camera: Camera) -> np.ndarray:
     width, height = camera.size_px
     u = (np.arange(width) - camera.middle_px[0]) / width
     v = (np.arange(height) - camera.middle_px[1]) / width
@@ -123,21 +129,24 @@ def _still_picture(
     def edge(distance: np.ndarray) -> np.ndarray:
         return np.clip(distance / pixel_m + 0.5, 0, 1).astype(np.float32)
 
-    ground = _tinted(
-        _sample(ground_texture(rng, pool_m), surface, 250, -SURROUNDINGS_WIDTH_M), (106, 102, 97)
+    ground = _apply_tint(
+        _sample_texture(ground_texture(rng, pool_m), surface, 250, -SURROUNDINGS_WIDTH_M),
+        (106, 102, 97),
     )
-    tiles = _tinted(_sample(floor_texture(rng, pool_m), floor, 1000, 0.0), FLOOR_RGB)
-    wall_shade = 0.72 + 0.8 * np.clip(_inside(surface, pool_m), 0, 0.2)
-    water = _mix(_tinted(wall_shade, WALL_RGB), tiles, edge(_inside(floor, pool_m)))
-    gap = -_inside(surface, pool_m) / RIM_WIDTH_M
+    tiles = _apply_tint(_sample_texture(floor_texture(rng, pool_m), floor, 1000, 0.0), FLOOR_RGB)
+    wall_shade = 0.72 + 0.8 * np.clip(_signed_distance_inside(surface, pool_m), 0, 0.2)
+    water = _blend(
+        _apply_tint(wall_shade, WALL_RGB), tiles, edge(_signed_distance_inside(floor, pool_m))
+    )
+    gap = -_signed_distance_inside(surface, pool_m) / RIM_WIDTH_M
     roundness = np.sin(np.pi * np.clip(gap, 0, 1)).astype(np.float32)
-    rim = _tinted(0.80 + 0.20 * roundness, (205, 212, 220))
-    wet = edge(_inside(surface, pool_m))
-    picture = _mix(ground, rim, edge(_inside(surface, pool_m, RIM_WIDTH_M)))
-    return _mix(picture, water, wet) * _vignette(camera)[..., None], wet
+    rim = _apply_tint(0.80 + 0.20 * roundness, (205, 212, 220))
+    wet = edge(_signed_distance_inside(surface, pool_m))
+    picture = _blend(ground, rim, edge(_signed_distance_inside(surface, pool_m, RIM_WIDTH_M)))
+    return _blend(picture, water, wet) * _vignetting(camera)[..., None], wet
 
 
-def _waves(rng: np.random.Generator, count: int = 14) -> np.ndarray:
+def _random_ripples(rng: np.random.Generator, count: int = 14) -> np.ndarray:
     """Ripples `(count, 4)`: wavenumbers kx, ky (rad/m), whole turns per loop, phase."""
     angle = rng.uniform(0, 2 * np.pi, count)
     length = rng.uniform(0.12, 0.40, count)
@@ -151,7 +160,7 @@ def caustics(floor: np.ndarray, strength: float, seed: int) -> np.ndarray:
 
     H is the surface's matrix of second derivatives; where rays cross, the light is brightest.
     """
-    waves = _waves(np.random.default_rng(seed))
+    waves = _random_ripples(np.random.default_rng(seed))
     x, y = floor[..., 0].astype(np.float32), floor[..., 1].astype(np.float32)
     k2 = np.hypot(waves[:, 0], waves[:, 1]) ** 1.6
     phase = (waves[:, 0, None] * x.ravel() + waves[:, 1, None] * y.ravel()) + waves[:, 3, None]

@@ -36,12 +36,12 @@ class Trial:
     time_s: np.ndarray
 
 
-def generator(design: StudyDesign, trial_id: str, purpose: str) -> np.random.Generator:
+def trial_rng(design: StudyDesign, trial_id: str, purpose: str) -> np.random.Generator:
     """Random numbers for one purpose in one trial, the same in every run."""
     return np.random.default_rng([design.seed, zlib.crc32(f"{trial_id}/{purpose}".encode())])
 
 
-def _path(
+def _keypoint_path(
     tank: Tank, plan: TrialPlan, motion: TrialMotion, until_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Check times and the keypoints `(times, 5)` at them (x + i y, m)."""
@@ -49,7 +49,7 @@ def _path(
     return time_s, keypoints(tank.robot, plan.head_length_m, motion.pose(time_s))
 
 
-def _room_until(points: np.ndarray, room: tuple[float, float]) -> int:
+def _frames_fitting_in(points: np.ndarray, room: tuple[float, float]) -> int:
     """How many of the first rows of keypoints fit together into a rectangle."""
     wide = np.maximum.accumulate(points.real.max(1)) - np.minimum.accumulate(points.real.min(1))
     high = np.maximum.accumulate(points.imag.max(1)) - np.minimum.accumulate(points.imag.min(1))
@@ -57,15 +57,15 @@ def _room_until(points: np.ndarray, room: tuple[float, float]) -> int:
     return int(out[0]) if len(out) else len(points)
 
 
-def _start(
+def _find_start(
     design: StudyDesign, tank: Tank, plan: TrialPlan, run: TrialSettings
 ) -> tuple[float, float, float]:
     """A start from which the path stays off the walls for as long as can be."""
-    rng = generator(design, plan.trial_id, "start")
+    rng = trial_rng(design, plan.trial_id, "start")
     far = replace(tank, eddies=(), pool_m=(1e3, 1e3))
     away = replace(run, start=(500.0, 500.0, 0.0))
     motion = simulate(far, away, plan.longest_s, rtol=1e-7)
-    points = _path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
+    points = _keypoint_path(tank, plan, motion, plan.longest_s)[1] - (500 + 500j)
     return start_pose_in_pool(design, tank.pool_m, points, rng)
 
 
@@ -75,7 +75,7 @@ def start_pose_in_pool(
     """Start x, y (m), heading (rad) that keeps a path's keypoints `(times, 5)` inside longest."""
     room = tuple(side - 2 * design.wall_margin_m for side in pool_m)
     turns = rng.permutation(np.arange(START_HEADINGS)) * (2 * math.pi / START_HEADINGS)
-    fits = [_room_until(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
+    fits = [_frames_fitting_in(points * np.exp(1j * turn), (room[0], room[1])) for turn in turns]
     best = int(np.argmax(fits))
     kept = (points * np.exp(1j * turns[best]))[: fits[best]]
     place = []
@@ -88,7 +88,7 @@ def start_pose_in_pool(
 
 def time_until_wall(design: StudyDesign, tank: Tank, plan: TrialPlan, motion: TrialMotion) -> float:
     """Time (s) until which every keypoint keeps half the margin to the walls."""
-    time_s, points = _path(tank, plan, motion, plan.longest_s)
+    time_s, points = _keypoint_path(tank, plan, motion, plan.longest_s)
     gap = np.minimum(
         np.minimum(points.real, tank.pool_m[0] - points.real),
         np.minimum(points.imag, tank.pool_m[1] - points.imag),
@@ -102,7 +102,7 @@ def solve_trial(
 ) -> Trial:
     """The solved trial of a design, from its seed."""
     plan = design.plan(trial_id)
-    rng = generator(design, trial_id, "motion")
+    rng = trial_rng(design, trial_id, "motion")
     tank = replace(
         design.tank,
         coefficients=design.coefficients_at.get(plan.power_pct, design.tank.coefficients),
@@ -114,7 +114,7 @@ def solve_trial(
         head_length_m=plan.head_length_m,
         start_beat_rad=float(rng.uniform(0, 2 * math.pi)),
     )
-    run = replace(run, start=_start(design, tank, plan, run))
+    run = replace(run, start=_find_start(design, tank, plan, run))
     motion = simulate(tank, run, plan.longest_s)
     frames = int(time_until_wall(design, tank, plan, motion) * rate) + 1
     return Trial(plan, tank, run, motion, np.arange(frames) / float(rate))

@@ -1,9 +1,10 @@
 """Runs stages in forks of a process that has their modules loaded.
 
-A run starts it once (`preload`); each job's own process asks for a fork (`client`) and waits for
-its exit code. The modules of a stage are imported, and its compiled functions loaded, when it is
-first asked for, or earlier, while no job asks. A fork writes to the standard output and works in
-the folder of the job that asked; it is killed when that job ends, and at the end of the run.
+A run starts it once (`preload`); each job's own process asks for a fork (`forkserver_client`) and
+waits for its exit code. The modules of a stage are imported, and its compiled functions loaded,
+when it is first asked for, or earlier, while no job asks. A fork writes to the standard output and
+works in the folder of the job that asked; it is killed when that job ends, and at the end of the
+run.
 """
 
 from __future__ import annotations
@@ -23,12 +24,12 @@ from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from .client import END_OF_REQUEST
+from .forkserver_client import END_OF_REQUEST
 from .provenance import PACKAGE_FOLDER
-from .stage_call import in_fork, run_stage
+from .stage_call import exit_with_code_of, run_stage
 
 MAX_REQUEST_BYTES = 2**20
-COMPILE = "bluekoi.stages.compiling"
+COMPILING_MODULE_PREFIX = "bluekoi.stages.compiling"
 """Modules whose names begin so have functions that compile what is not compiled yet."""
 COMPILING_MESSAGE = b"compiling (once on a machine, half a minute)\n"
 
@@ -112,7 +113,7 @@ class Server:
             for fd in job.fds:
                 os.close(fd)
         else:
-            in_fork(lambda: _work(job))
+            exit_with_code_of(lambda: _run_job(job))
 
     def _load(self, stage: str) -> None:
         """Import what a stage needs; a stage that cannot be imported says so when it is run.
@@ -128,12 +129,15 @@ class Server:
                 module = import_module(f"bluekoi.stages.{self.loaded_by[stage]}")
             self.loaders[stage] = getattr(module, "preload", None)
         if (load := self.loaders[stage]) and load not in self.compiling.values():
-            if not load.__module__.startswith(COMPILE) or _stamp(load).exists():
-                _call(load)
+            if (
+                not load.__module__.startswith(COMPILING_MODULE_PREFIX)
+                or _compiled_marker_path(load).exists()
+            ):
+                _call_ignoring_errors(load)
             elif pid := os.fork():
                 self.compiling[pid] = load
             else:
-                in_fork(lambda: _compile(load))
+                exit_with_code_of(lambda: _compile_once(load))
         gc.collect()
 
     def _reap(self) -> None:
@@ -142,7 +146,7 @@ class Server:
                 pid, code = ended[0], os.waitstatus_to_exitcode(ended[1])
                 if load := self.compiling.pop(pid, None):
                     if code == 0:
-                        _call(load)
+                        _call_ignoring_errors(load)
                     ready = [job for job in self.held if self.loaders[job.words[0]] is load]
                     self.held = [job for job in self.held if job not in ready]
                     for job in ready:
@@ -163,25 +167,25 @@ class Server:
                 os.kill(pid, signal.SIGKILL)
 
 
-def _work(job: Job) -> int:
+def _run_job(job: Job) -> int:
     for target, fd in enumerate(job.fds, 1):
         os.dup2(fd, target)
     os.chdir(job.folder)
     return run_stage(job.words)
 
 
-def _compile(load: Callable[[], None]) -> int:
+def _compile_once(load: Callable[[], None]) -> int:
     load()
-    _stamp(load).touch()
+    _compiled_marker_path(load).touch()
     return 0
 
 
-def _call(load: Callable[[], None]) -> None:
+def _call_ignoring_errors(load: Callable[[], None]) -> None:
     with suppress(Exception):  # the stage that needs it says what is wrong
         load()
 
 
-def _stamp(load: Callable[[], None]) -> Path:
+def _compiled_marker_path(load: Callable[[], None]) -> Path:
     """File that is there when the functions that `load` calls were compiled from these sources."""
     from ..integrate import kernel_folder  # noqa: PLC0415  heavy
 

@@ -1,4 +1,4 @@
-"""One run at a time in a results folder, and no lock left behind by a run that was killed."""
+"""Lock of a results folder: one run at a time, and a killed run leaves no lock behind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run does: the study, its results folder, the trials that are out of date, fingerprints.
+"""Plan of a run: study, results folder, trials that are out of date, fingerprints of the code.
 
 The Snakefile asks a `Plan` for inputs and for what makes a job run again. Trials are processed in
 batches: a batch has a marker file, and runs when one of its trials is out of date (`freshness`).
@@ -15,7 +15,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from ..errors import input_error
-from ..stages.freshness import hash_of, inputs_of, is_fresh, status_file, trial_row, without_keys
+from ..stages.freshness import (
+    is_fresh,
+    short_hash,
+    status_file,
+    trial_inputs_hash,
+    trial_row,
+    without_keys,
+)
 from ..stages.layout import Layout
 from ..study import Study, load_study
 from .provenance import PACKAGE_FOLDER, fingerprint
@@ -93,7 +100,7 @@ class Plan:
         layout, code = Layout(self.results), self.code_fingerprint(stage)
 
         def fresh(name: str) -> bool:
-            inputs = inputs_of(stage, self.study, self.study.trial(name), layout, code)
+            inputs = trial_inputs_hash(stage, self.study, self.study.trial(name), layout, code)
             return is_fresh(status_file(stage, layout, name), self.results, inputs)
 
         return {name for name in ids if name in before or not fresh(name)}
@@ -190,12 +197,14 @@ class Plan:
         """Fingerprint of what the check of the rigid distances depends on beside keypoints."""
         heads = sorted((trial.trial_id, trial.head_length_m) for trial in self.study.trials)
         setup = self.study.setup.model_dump(mode="json")
-        return hash_of(heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given)
+        return short_hash(
+            heads, without_keys(setup, "detection"), self.study.setup.robot.depth_given
+        )
 
     def fit_fingerprint(self) -> str:
         """Fingerprint of what the fits depend on beside tracks: setup, conditions, roles."""
         rows = [trial_row(trial) for trial in self.study.trials]
-        return hash_of(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
+        return short_hash(rows, without_keys(self.study.setup.model_dump(mode="json"), "detection"))
 
 
 def figure_names() -> list[str]:
@@ -223,12 +232,12 @@ def make_plan(settings: Mapping[str, Any]) -> Plan:
     is_demo = settings["study"] == "demo" and not Path("demo/study.yaml").is_file()
     folder = Path(settings["demo_folder"] if is_demo else settings["study"])
     if is_demo:
-        _lay_out_demo(folder)
+        _write_demo_study_files(folder)
     study = load_study(folder)
     results = Path(settings["results"] or Path("results") / folder.resolve().name)
     check_results_name(results)
-    _check_apart(study, results)
-    _prepare(results)
+    _check_results_outside_study(study, results)
+    _prepare_results_folder(results)
     return Plan(folder, results, study, is_demo=is_demo, overlaid=settings["overlays"])
 
 
@@ -242,7 +251,7 @@ def check_results_name(results: Path) -> None:
         )  # fmt: skip
 
 
-def _check_apart(study: Study, results: Path) -> None:
+def _check_results_outside_study(study: Study, results: Path) -> None:
     """Raises: InputError where results would be written among, or over, files of the study."""
     here = results.resolve()
     for path in study.files():
@@ -257,7 +266,7 @@ def _check_apart(study: Study, results: Path) -> None:
                 )  # fmt: skip
 
 
-def _lay_out_demo(folder: Path) -> None:
+def _write_demo_study_files(folder: Path) -> None:
     """Study files of the demo; skipped where they stand and were written by this very code."""
     stamp, code = folder / ".laid-out-by", fingerprint("stages.demo")
     truth = folder.with_name(f"{folder.name}-truth") / "truth.json"
@@ -272,7 +281,7 @@ def _lay_out_demo(folder: Path) -> None:
     write_text(stamp, code)
 
 
-def _prepare(results: Path) -> None:
+def _prepare_results_folder(results: Path) -> None:
     if results.is_file():
         raise input_error(results, "", "a file", "a folder for the results")
     try:

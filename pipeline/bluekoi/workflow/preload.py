@@ -1,4 +1,4 @@
-"""The process that a run's stages are forked from: started with the run, ended with it."""
+"""Starts and ends the process from which the stages of a run are forked."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .client import ADDRESS_VARIABLE, BLAS_THREADS
+from .forkserver_client import ADDRESS_VARIABLE, BLAS_THREAD_VARIABLES
 from .plan import Plan
 
-DETECTOR = "keypoints=compiling_detector"
+DETECTOR_STAGE = "keypoints=compiling_detector"
 FORKSERVER_COMMAND = (sys.executable, "-P", "-m", "bluekoi.workflow.forkserver")
 
 
@@ -32,7 +32,7 @@ class Preloaded:
                 stdin=subprocess.PIPE,
                 start_new_session=True,  # Ctrl-C ends the jobs, and so their forks
                 pass_fds=[listener.fileno()],
-                env={**dict.fromkeys(BLAS_THREADS, "1"), **os.environ},
+                env={**dict.fromkeys(BLAS_THREAD_VARIABLES, "1"), **os.environ},
             )
         os.environ[ADDRESS_VARIABLE] = address
         atexit.register(self.close)
@@ -53,5 +53,5 @@ def preload(workflow: Any, plan: Plan) -> Preloaded | None:
     due = {job.rule.name for job in workflow.dag.needrun_jobs()}
     stages = [rule.name for rule in workflow.rules if rule.name in due - {"all"}]
     if plan.detects_outlines:
-        stages = [DETECTOR if stage == "keypoints" else stage for stage in stages]
+        stages = [DETECTOR_STAGE if stage == "keypoints" else stage for stage in stages]
     return Preloaded(stages)

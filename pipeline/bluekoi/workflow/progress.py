@@ -1,4 +1,4 @@
-"""What a run is doing, in one line: stage, trial, how many of how many, how long still."""
+"""Progress of a run in one line: stage, trial, finished and total jobs, remaining time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 from ..errors import INTERRUPTED_MESSAGE, escape_control_characters
 from ..files import read_json
 from .preload import Preloaded
-from .remaining import Timing, duration, usual
+from .remaining_time import Timing, duration_text, usual_durations_s
 
 HIDDEN_LOG_LINES = {
     LogEvent.WORKFLOW_STARTED,
@@ -58,7 +58,7 @@ MAX_WORD_CHARACTERS = 60
 """Characters of a stage's own last word."""
 
 
-class Hush(logging.Filter):
+class SnakemakeMessageFilter(logging.Filter):
     """Leaves out what `Progress` prints, from the start of the run on."""
 
     begun = False
@@ -72,25 +72,29 @@ class Hush(logging.Filter):
         event = getattr(record, "event", None)
         first = event == LogEvent.WORKFLOW_STARTED or "shared filesystem" in record.getMessage()
         self.begun = self.begun or first
-        quiet = event in HIDDEN_LOG_LINES or record.levelno < logging.WARNING or _ours(record)
+        quiet = (
+            event in HIDDEN_LOG_LINES
+            or record.levelno < logging.WARNING
+            or _is_reported_by_progress(record)
+        )
         return not (self.begun and (quiet or self._of_the_stop(record)))
 
     def _of_the_stop(self, record: logging.LogRecord) -> bool:
         """Whether a reported fault is only Snakemake's way of being interrupted."""
         text = record.getMessage()
-        return TRACEBACK_HEADER in text and (self.progress.stopped or _by_hand(text))
+        return TRACEBACK_HEADER in text and (self.progress.stopped or _is_user_interrupt(text))
 
 
-def _ours(record: logging.LogRecord) -> bool:
+def _is_reported_by_progress(record: logging.LogRecord) -> bool:
     text = record.getMessage()
     return any(words in text for words in HIDDEN_MESSAGES) or "cannot be locked" in text
 
 
-def _by_hand(text: str) -> bool:
+def _is_user_interrupt(text: str) -> bool:
     return any(name in text for name in INTERRUPT_MESSAGES)
 
 
-def killed_by(text: str) -> str:
+def signal_that_killed(text: str) -> str:
     """Name of the signal that ended a command, by Snakemake's words on it; else nothing.
 
     A stage that is killed leaves its shell, which returns 128 and the signal's number.
@@ -114,7 +118,7 @@ class Progress(logging.Handler):
         super().__init__(logging.INFO)
         self.report, self.stream = report, stream
         self.live = stream.isatty()
-        self.timing = Timing(usual(report.parent))
+        self.timing = Timing(usual_durations_s(report.parent))
         self.logs: dict[int, tuple[Path, float]] = {}
         self.last_s = 0.0
         self.stopped = False
@@ -133,11 +137,11 @@ class Progress(logging.Handler):
             self._finish(found["job_id"])
         elif event == LogEvent.JOB_ERROR:
             self._trouble(found)
-        elif name := killed_by(record.getMessage()):
+        elif name := signal_that_killed(record.getMessage()):
             self._killed(name)
         elif "cannot be locked" in record.getMessage():
             self._print(LOCKED_MESSAGE)
-        elif TRACEBACK_HEADER in record.getMessage() and _by_hand(record.getMessage()):
+        elif TRACEBACK_HEADER in record.getMessage() and _is_user_interrupt(record.getMessage()):
             self._interrupted()
         elif record.getMessage().startswith("Nothing to be done"):
             self._print("Everything is up to date.")
@@ -158,7 +162,7 @@ class Progress(logging.Handler):
         self.timing.start(found["jobid"], found["rule_name"], time.monotonic())
         if logs := found.get("log"):
             self.logs[found["jobid"]] = (Path(logs[0]), time.time())
-        self._line(_name(found), now=not self.live and self.last_s == 0.0)
+        self._line(_job_name(found), now=not self.live and self.last_s == 0.0)
         if not self.ticker.ident:
             self.ticker.start()
 
@@ -186,7 +190,7 @@ class Progress(logging.Handler):
             return
         self.last_s = moment
         left = self.timing.left_s(moment)
-        ends = f"  about {duration(left)} left" if left is not None else ""
+        ends = f"  about {duration_text(left)} left" if left is not None else ""
         head = f"[{self.timing.done}/{self.timing.total}]"
         text = f"{head} {name}{self._word()}{ends}".rstrip()
         self.stream.write(f"\r\x1b[K{text}" if self.live else text + "\n")
@@ -209,7 +213,7 @@ class Progress(logging.Handler):
         paths = [Path(name) for name in found.get("log") or []]
         text = "\n".join(p.read_text("utf-8", "replace") for p in paths if p.is_file()).strip()
         lines = [line for line in text.splitlines() if line.strip()]
-        if _by_hand("\n".join(lines[-12:])):
+        if _is_user_interrupt("\n".join(lines[-12:])):
             # caught by a library on the way, so that the stage ended with a status of its own
             self._interrupted()
             return
@@ -234,30 +238,30 @@ class Progress(logging.Handler):
             self.preloaded.close()
         if self.stopped:
             return  # what stands in the results is of an earlier run
-        for text in _warnings(self.report.with_name("outcome.json")):
+        for text in _warnings_of_outcome(self.report.with_name("outcome.json")):
             self._print(f"Warning: {text}")
-        if text := _verdict(self.report.with_name("mismatch.json")):
+        if text := _verdict_sentence(self.report.with_name("mismatch.json")):
             self._print(f"Verdict: {text}")
         if self.report.is_file():
             self._print(f"Report: {self.report}")
 
 
-def _warnings(outcome: Path) -> list[str]:
+def _warnings_of_outcome(outcome: Path) -> list[str]:
     """Warnings of a run that ended well; none where it did not."""
     return list(read_json(outcome).get("warnings", [])) if outcome.is_file() else []
 
 
-def _verdict(mismatch: Path) -> str:
+def _verdict_sentence(mismatch: Path) -> str:
     """The verdict in one sentence; empty before the search."""
     return str(read_json(mismatch).get("sentence", "")) if mismatch.is_file() else ""
 
 
-def _name(found: dict[str, Any]) -> str:
+def _job_name(found: dict[str, Any]) -> str:
     of = " ".join(str(value) for value in (found.get("wildcards") or {}).values())
     return f"{found['rule_name']} {of}".strip()
 
 
-def follow(workflow: Any, report: Path) -> Progress:
+def attach_progress(workflow: Any, report: Path) -> Progress:
     """Progress attached to a Snakemake workflow that is about to run.
 
     A dry run, `--verbose` and the jobs of a cluster keep Snakemake's own words.
@@ -267,6 +271,6 @@ def follow(workflow: Any, report: Path) -> Progress:
         logger = logging.getLogger("snakemake.logging")
         for handler in logger.handlers:
             if handler.name == "DefaultStreamHandler":
-                handler.addFilter(Hush(progress))
+                handler.addFilter(SnakemakeMessageFilter(progress))
         logger.addHandler(progress)
     return progress

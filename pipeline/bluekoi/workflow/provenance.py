@@ -1,4 +1,4 @@
-"""Which source files a stage runs through, so that a stage runs again when one of them changes.
+"""Source files that a stage depends on: it runs again when one of them changes.
 
 Snakemake sees the shell command of a rule, not what it imports. The import statements of a module
 are read without running it, and followed through the package: the fingerprint of a stage is the
@@ -29,17 +29,17 @@ COMMENT = re.compile(r"#[^\n]*")
 def fingerprint(*modules: str) -> str:
     """Short hash of the modules (`stages.keypoints`, ...) and of all that they import in here."""
     digest = hashlib.sha256()
-    for path in sorted(_closure(modules)):
-        digest.update(f"{path.relative_to(PACKAGE_FOLDER)} {_read(path)[0]}\n".encode())
+    for path in sorted(_import_closure(modules)):
+        digest.update(f"{path.relative_to(PACKAGE_FOLDER)} {_hash_and_imports(path)[0]}\n".encode())
     return digest.hexdigest()[:12]
 
 
 def source_files(*modules: str) -> list[str]:
     """Files, relative to the package, that the fingerprint of `modules` covers."""
-    return sorted(str(path.relative_to(PACKAGE_FOLDER)) for path in _closure(modules))
+    return sorted(str(path.relative_to(PACKAGE_FOLDER)) for path in _import_closure(modules))
 
 
-def _closure(modules: tuple[str, ...]) -> set[Path]:
+def _import_closure(modules: tuple[str, ...]) -> set[Path]:
     seen: set[Path] = set()
     parts = [tuple(name.split(".")) for name in modules]
     todo = [path for name in parts for path in _module_files(PACKAGE_FOLDER, name)]
@@ -47,12 +47,12 @@ def _closure(modules: tuple[str, ...]) -> set[Path]:
         path = todo.pop()
         if path not in seen:
             seen.add(path)
-            todo.extend(_read(path)[1])
+            todo.extend(_hash_and_imports(path)[1])
     return seen
 
 
 @cache
-def _read(path: Path) -> tuple[str, tuple[Path, ...]]:
+def _hash_and_imports(path: Path) -> tuple[str, tuple[Path, ...]]:
     """Hash of a file, and the files of the package that it imports, in functions as well."""
     content = path.read_bytes()
     text = content.decode() if path.suffix == ".py" else ""

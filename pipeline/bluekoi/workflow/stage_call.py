@@ -20,7 +20,7 @@ from typing import Any, NoReturn
 
 from ..errors import InputError, escape_control_characters
 from ..files import write_json, write_text
-from ..stages.freshness import inputs_of, is_fresh, status_file
+from ..stages.freshness import is_fresh, status_file, trial_inputs_hash
 from ..stages.layout import Layout
 from ..study import load_study
 
@@ -41,7 +41,7 @@ def stage_names() -> list[str]:
     return sorted(name for name, text in texts.items() if f"\ndef {name}(" in text)
 
 
-def parsed(words: Sequence[str]) -> argparse.Namespace:
+def parse_options(words: Sequence[str]) -> argparse.Namespace:
     """Options of a stage; wrong ones end the process with exit code 2."""
     parser = argparse.ArgumentParser("bluekoi stage")
     parser.add_argument("name", choices=stage_names())
@@ -57,12 +57,12 @@ def parsed(words: Sequence[str]) -> argparse.Namespace:
 
 def run_stage(words: Sequence[str]) -> int:
     """Exit code of a stage: 0, 1 after an error in the input, 3 where some trials are bad."""
-    options, start_s = parsed(words), time.monotonic()
+    options, start_s = parse_options(words), time.monotonic()
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
     logging.getLogger("bluekoi").setLevel(logging.INFO)  # shown in the run's line of progress
     function = getattr(import_module(f"bluekoi.stages.{options.name}"), options.name)
     try:
-        code = run_trials(function, options) if options.trials else _run(function, options)
+        code = run_trials(function, options) if options.trials else _run_measured(function, options)
         if code in (0, EXIT_SOME_TRIALS_FAILED):
             _write_usage(options, time.monotonic() - start_s)
     except InputError as error:
@@ -71,7 +71,7 @@ def run_stage(words: Sequence[str]) -> int:
     return code
 
 
-def _run(function: Stage, options: argparse.Namespace, **more: Any) -> int:
+def _run_measured(function: Stage, options: argparse.Namespace, **more: Any) -> int:
     takes, given = inspect.signature(function).parameters, {**vars(options), **more}
     lines = function(**{key: value for key, value in given.items() if key in takes})
     sys.stderr.writelines(f"{line}\n" for line in lines or [])
@@ -84,13 +84,13 @@ def run_trials(function: Stage, options: argparse.Namespace) -> int:
     Of several trials each has a fork of this process, so that one whose process is killed costs the
     others nothing.
     """
-    run = _forked if len(options.trials) > 1 and _forks_safely() else _run
+    run = _run_in_fork if len(options.trials) > 1 and _can_fork_safely() else _run_measured
     layout, codes = Layout(options.results), [0]
     study = load_study(options.study, only=options.trials[0] if len(options.trials) == 1 else None)
     for number, name in enumerate(options.trials, 1):
         inputs = ""
         if options.code:
-            inputs = inputs_of(options.name, study, study.trial(name), layout, options.code)
+            inputs = trial_inputs_hash(options.name, study, study.trial(name), layout, options.code)
             if is_fresh(status_file(options.name, layout, name), options.results, inputs):
                 continue
         log.info("%s (%d of %d)", name, number, len(options.trials))
@@ -100,27 +100,27 @@ def run_trials(function: Stage, options: argparse.Namespace) -> int:
     return max(codes)
 
 
-def _forks_safely() -> bool:
+def _can_fork_safely() -> bool:
     """Whether this process may be forked: elsewhere than on Linux system libraries may not be used
     after a fork, and a lock that another thread holds stays locked in the fork for ever.
     """
     return sys.platform == "linux" and len(os.listdir("/proc/self/task")) == 1
 
 
-def _forked(function: Stage, options: argparse.Namespace, **more: Any) -> int:
+def _run_in_fork(function: Stage, options: argparse.Namespace, **more: Any) -> int:
     if not (pid := os.fork()):
-        in_fork(lambda: _run(function, options, **more))
+        exit_with_code_of(lambda: _run_measured(function, options, **more))
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     return code if code >= 0 else 128 - code
 
 
-def in_fork(work: Callable[[], int]) -> NoReturn:
+def exit_with_code_of(work: Callable[[], int]) -> NoReturn:
     """End this process, a fork, with the exit code that `work` returns."""
     code = 1
     try:
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        end_with_parent()
+        terminate_with_parent()
         code = work()
     except InputError as error:
         sys.stderr.write(escape_control_characters(str(error)) + "\n")
@@ -135,7 +135,7 @@ def in_fork(work: Callable[[], int]) -> NoReturn:
         os._exit(code)
 
 
-def end_with_parent() -> None:
+def terminate_with_parent() -> None:
     """Have the kernel kill this process when its parent ends (Linux)."""
     with suppress(AttributeError, OSError):
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -8,7 +8,7 @@ the candidate's, the candidate's parameter and the factor to it (None: another l
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-__all__ = ["OUTSIDE", "PHYSICS", "Effect", "Form"]
+__all__ = ["PHYSICS", "UNLISTED", "Effect", "Form"]
 
 Span = tuple[float, float]
 
@@ -53,7 +53,7 @@ def _form(
     )
 
 
-def _at(value: float) -> Span:
+def _fixed(value: float) -> Span:
     return value, value
 
 
@@ -79,17 +79,17 @@ PHYSICS: Mapping[str, Effect] = {
     ),
     "viscous_drag": Effect(
         "skin friction", ("surge", "sway"), SPEED, 0.3, 2.0,
-        (_form("v^1.5, laminar", "friction", "coefficient", friction_power=_at(1.5)),
-         _form("v, creeping", "friction", friction_power=_at(1.0))),
+        (_form("v^1.5, laminar", "friction", "coefficient", friction_power=_fixed(1.5)),
+         _form("v, creeping", "friction", friction_power=_fixed(1.0))),
     ),
     "linear_yaw_damping": Effect(
         "friction of turning", ("yaw",), TURN, 0.015, 0.12, (_form("N r", "yaw_friction", "N_r"),)
     ),
     "thrust_loss_with_speed": Effect(
         "slip of the tail", ("surge",), SPEED, 3.0, 9.0,
-        (_form("linear", "slip_per_m", slip_law=_at(0)),
-         _form("exponential", "slip_per_m", slip_law=_at(1)),
-         _form("square", "slip_per_m", slip_law=_at(2))),
+        (_form("linear", "slip_per_m", slip_law=_fixed(0)),
+         _form("exponential", "slip_per_m", slip_law=_fixed(1)),
+         _form("square", "slip_per_m", slip_law=_fixed(2))),
     ),
     "uniform_current": Effect(
         "the water drifts", ("surge", "sway"), (*PLACE, *TIME, *SPEED, *TURN), 0.01, 0.08,
@@ -100,42 +100,44 @@ PHYSICS: Mapping[str, Effect] = {
     "pool_gyre": Effect(
         "the water circles", ("surge", "sway", "yaw"), (*PLACE, *TIME, *SPEED, *TURN), 0.01, 0.08,
         (_form("cell", "gyre", "wall_speed", 2**0.5),
-         _form("Gaussian vortex", "gyre", gyre_law=_at(1), gyre_core_m=(0.5, 0.8)),
-         _form("vortex with a core", "gyre", gyre_law=_at(2), gyre_core_m=(0.25, 0.5))),
+         _form("Gaussian vortex", "gyre", gyre_law=_fixed(1), gyre_core_m=(0.5, 0.8)),
+         _form("vortex with a core", "gyre", gyre_law=_fixed(2), gyre_core_m=(0.25, 0.5))),
         signed=True,
     ),
     "wall_effect": Effect(
         "drag near a wall", ("surge", "sway"), PLACE, 1.0, 12.0,
         (_form("exponential", "wall", wall_reach_m=(0.12, 0.2)),
-         _form("inverse cube", "wall", wall_law=_at(1), wall_reach_m=(0.2, 0.35))),
+         _form("inverse cube", "wall", wall_law=_fixed(1), wall_reach_m=(0.2, 0.35))),
     ),
     "stall": Effect(
         "lift lost at large angles", ("sway", "yaw"), TURN, 0.3, 0.9,
         (_form("logistic", "stall", stall_onset=(0.3, 0.5), stall_width=(0.1, 0.2)),
-         _form("square of the excess", "stall", stall_law=_at(1), stall_onset=(0.25, 0.4),
+         _form("square of the excess", "stall", stall_law=_fixed(1), stall_onset=(0.25, 0.4),
                stall_width=(0.2, 0.3)),
-         _form("cosine step", "stall", stall_law=_at(2), stall_onset=(0.3, 0.45),
+         _form("cosine step", "stall", stall_law=_fixed(2), stall_onset=(0.3, 0.45),
                stall_width=(0.15, 0.3))),
     ),
     "servo_lag": Effect(
         "the head arrives late", ("sway", "yaw"), (*TIME, *TURN), 0.3, 1.2,
         (_form("first order", "servo_s", "time_constant"),
-         _form("critically damped", "servo_s", servo_law=_at(1)),
-         _form("limited rate", "servo_s", servo_law=_at(2))),
+         _form("critically damped", "servo_s", servo_law=_fixed(1)),
+         _form("limited rate", "servo_s", servo_law=_fixed(2))),
     ),
     "motor_spin_up": Effect(
         "the motor starts slowly", ("surge",), TIME, 0.4, 1.6,
-        (_form("first order", "spin_s", "time_constant"), _form("tanh", "spin_s", spin_law=_at(1)),
-         _form("ramp", "spin_s", spin_law=_at(2))),
+        (_form("first order", "spin_s", "time_constant"),
+         _form("tanh", "spin_s", spin_law=_fixed(1)),
+         _form("ramp", "spin_s", spin_law=_fixed(2))),
     ),
     "battery_sag": Effect(
         "thrust sinks with time", ("surge",), TIME, 0.04, 0.14,
-        (_form("linear", "sag_per_s", "loss_rate"), _form("hyperbola", "sag_per_s", sag_law=_at(1)),
-         _form("exponential", "sag_per_s", sag_law=_at(2))),
+        (_form("linear", "sag_per_s", "loss_rate"),
+         _form("hyperbola", "sag_per_s", sag_law=_fixed(1)),
+         _form("exponential", "sag_per_s", sag_law=_fixed(2))),
     ),
     "trim_moment": Effect(
         "a moment on a straight robot", ("yaw",), (*SPEED, *TURN), 0.01, 0.08,
-        (_form("square, on the head", "trim_kg"), _form("u|u|", "trim_kg", trim_law=_at(1))),
+        (_form("square, on the head", "trim_kg"), _form("u|u|", "trim_kg", trim_law=_fixed(1))),
         signed=True,
     ),
     "head_angle_offset": Effect(
@@ -145,12 +147,12 @@ PHYSICS: Mapping[str, Effect] = {
     "crossflow_drag": Effect(
         "sideways drag of core and tail", ("sway", "yaw"), TURN, 0.8, 3.5,
         (_form("even depth", "cross", "drag_coefficient"),
-         _form("tapering depth", "cross", cross_law=_at(1))),
+         _form("tapering depth", "cross", cross_law=_fixed(1))),
     ),
     "thrust_line_offset": Effect(
         "thrust beside the centre of mass", ("yaw",), (*TURN, "flap_hz"), 0.006, 0.04,
         (_form("sine", "thrust_arm_m", "offset"),
-         _form("angle", "thrust_arm_m", thrust_arm_law=_at(1))), signed=True,
+         _form("angle", "thrust_arm_m", thrust_arm_law=_fixed(1))), signed=True,
     ),
     "thrust_area": Effect(
         "thrust does not grow with the head", ("surge",), (*LENGTH, *SPEED), 0.6, 1.3,
@@ -159,26 +161,26 @@ PHYSICS: Mapping[str, Effect] = {
     "lift_lag": Effect(
         "lift builds up with a delay", ("sway", "yaw"), (*TIME, *TURN), 0.5, 1.0,
         (_form("first order in lengths", "lag", "lagging_share", lag_lengths=(3.0, 8.0)),
-         _form("Wagner, after Jones", "lag", lag_law=_at(1)),
-         _form("fixed time", "lag", lag_law=_at(2), lag_lengths=(0.1, 0.3))),
+         _form("Wagner, after Jones", "lag", lag_law=_fixed(1)),
+         _form("fixed time", "lag", lag_law=_fixed(2), lag_lengths=(0.1, 0.3))),
     ),
     "wave_drag": Effect(
         "drag of waves", ("surge", "sway"), SPEED, 1.5, 20.0,
-        (_form("v^4", "wave", "coefficient"), _form("v^6", "wave", wave_law=_at(1)),
-         _form("Havelock's shape", "wave", wave_law=_at(2))),
+        (_form("v^4", "wave", "coefficient"), _form("v^6", "wave", wave_law=_fixed(1)),
+         _form("Havelock's shape", "wave", wave_law=_fixed(2))),
     ),
     "coulomb_friction": Effect(
         "constant friction", ("surge", "sway"), SPEED, 0.03, 0.15,
-        (_form("smooth", "coulomb_n", "F_c"), _form("tanh", "coulomb_n", coulomb_law=_at(1))),
+        (_form("smooth", "coulomb_n", "F_c"), _form("tanh", "coulomb_n", coulomb_law=_fixed(1))),
     ),
     "wake_reentry": Effect(
         "drag changes in its own wake", ("surge", "sway"), TIME, 0.2, 0.45,
-        (_form("logistic", "wake"), _form("linear", "wake", wake_law=_at(1))),
+        (_form("logistic", "wake"), _form("linear", "wake", wake_law=_fixed(1))),
     ),
     "sinking": Effect(
         "drag grows as it sinks", ("surge", "sway"), TIME, 0.06, 0.4,
         (_form("linear", "sink_per_s", "drag_growth_rate"),
-         _form("square", "sink_per_s", sink_law=_at(1))),
+         _form("square", "sink_per_s", sink_law=_fixed(1))),
     ),
     "centre_of_mass_shift": Effect(
         "the centre of mass lies elsewhere", ("yaw",), TURN, 0.012, 0.05,
@@ -187,11 +189,11 @@ PHYSICS: Mapping[str, Effect] = {
     "port_starboard_asymmetry": Effect(
         "lift differs between the sides", ("sway", "yaw"), TURN, 0.08, 0.4,
         (_form("step", "side", "lift_difference"),
-         _form("tanh", "side", side_law=_at(1))), signed=True,
+         _form("tanh", "side", side_law=_fixed(1))), signed=True,
     ),
 }  # fmt: skip
 
-OUTSIDE: Mapping[str, Effect] = {
+UNLISTED: Mapping[str, Effect] = {
     "tether": Effect(
         "an elastic cable pulls towards a peg", ("surge", "sway"), PLACE, 0.05, 0.5,
         (_form("spring", "tether_n_m", tether_x_m=(0.0, 2.6), tether_y_m=(0.0, 1.6)),),

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["FAULTS", "Fault", "state_wrongly"]
+__all__ = ["FAULTS", "MeasurementFault", "with_wrong_statement"]
 
 
 @dataclass(frozen=True)
-class Fault:
+class MeasurementFault:
     """A fault: statement, sizes when faint and when clear, whether either sign occurs."""
 
     statement: str
@@ -21,20 +21,28 @@ class Fault:
     signed: bool = True
 
 
-FAULTS: Mapping[str, Fault] = {
-    "scale_error": Fault("the pool is stated too long or short", (0.012, 0.02), (0.03, 0.08)),
-    "clock_error": Fault("the frame rate is stated wrongly", (0.012, 0.02), (0.03, 0.10)),
-    "camera_shift": Fault("the camera is displaced during a trial", (0.004, 0.006), (0.012, 0.03)),
-    "uncorrected_refraction": Fault(
+FAULTS: Mapping[str, MeasurementFault] = {
+    "scale_error": MeasurementFault(
+        "the pool is stated too long or short", (0.012, 0.02), (0.03, 0.08)
+    ),
+    "clock_error": MeasurementFault(
+        "the frame rate is stated wrongly", (0.012, 0.02), (0.03, 0.10)
+    ),
+    "camera_shift": MeasurementFault(
+        "the camera is displaced during a trial", (0.004, 0.006), (0.012, 0.03)
+    ),
+    "uncorrected_refraction": MeasurementFault(
         "refraction at the surface is ignored", (0.07, 0.09), (0.12, 0.2), signed=False
     ),
-    "lens_error": Fault("the lens is stated wrongly", (0.02, 0.03), (0.05, 0.10)),
-    "time_offset": Fault("the film starts early", (0.15, 0.3), (0.5, 1.0), signed=False),
-    "keypoint_bias": Fault("a keypoint sits beside its place", (0.003, 0.005), (0.008, 0.015)),
+    "lens_error": MeasurementFault("the lens is stated wrongly", (0.02, 0.03), (0.05, 0.10)),
+    "time_offset": MeasurementFault("the film starts early", (0.15, 0.3), (0.5, 1.0), signed=False),
+    "keypoint_bias": MeasurementFault(
+        "a keypoint sits beside its place", (0.003, 0.005), (0.008, 0.015)
+    ),
 }
 
 
-def state_wrongly(contents: dict[str, Any], fault: str, size: float) -> dict[str, Any]:
+def with_wrong_statement(contents: dict[str, Any], fault: str, size: float) -> dict[str, Any]:
     """study.yaml's contents with a fault of statement put in; as they are for other faults."""
     if fault == "scale_error":
         pool = contents["pool"]

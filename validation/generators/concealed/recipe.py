@@ -7,19 +7,27 @@ from typing import Any
 import numpy as np
 
 from bluekoi.synthetic.laws import Recoil, Robot
-from validation.generators.concealed.effects import OUTSIDE, PHYSICS, Effect, Form
+from validation.generators.concealed.effects import PHYSICS, UNLISTED, Effect, Form
 from validation.generators.concealed.faults import FAULTS
 from validation.generators.concealed.robots import draw_body, draw_fin, draw_recoil, draw_robot
-from validation.generators.concealed.swimmer.quantities import Body, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws
 
-__all__ = ["CLEAR", "FAINT", "Chosen", "Recipe", "draw_recipe", "effect_of", "with_effect"]
+__all__ = [
+    "CLEAR",
+    "FAINT",
+    "ChosenEffect",
+    "Recipe",
+    "draw_recipe",
+    "effect_by_name",
+    "with_effect",
+]
 
 CLEAR, FAINT = 10.0, 2.0
 """Path error that the rest of the model leaves, in units of the measuring noise."""
 
 
 @dataclass(frozen=True)
-class Chosen:
+class ChosenEffect:
     """An effect that is put in: the form of its law, its drawn numbers, what error it must make."""
 
     name: str
@@ -42,11 +50,11 @@ class Recipe:
     trials: int
     seed: int
     robot: Robot
-    body: Body
-    laws: Laws
+    body: BodyParameters
+    laws: HiddenLaws
     recoil: Recoil
     flap_hz: Mapping[int, float]
-    chosen: tuple[Chosen, ...] = ()
+    chosen: tuple[ChosenEffect, ...] = ()
     fault: tuple[str, float] | None = None
     noise: float = 1.5
     water_rms_m_s: float = 0.0005
@@ -60,14 +68,14 @@ class Recipe:
         return self.laws.fin_m2 > 0
 
 
-def effect_of(name: str) -> Effect:
+def effect_by_name(name: str) -> Effect:
     """The effect of a name, listed or outside the list."""
-    return PHYSICS[name] if name in PHYSICS else OUTSIDE[name]
+    return PHYSICS[name] if name in PHYSICS else UNLISTED[name]
 
 
-def choose_form(rng: np.random.Generator, name: str, ratio: float) -> Chosen:
+def draw_form(rng: np.random.Generator, name: str, ratio: float) -> ChosenEffect:
     """A form of an effect with its drawn numbers; weights carry sign and direction."""
-    effect = effect_of(name)
+    effect = effect_by_name(name)
     form = effect.forms[int(rng.integers(len(effect.forms)))]
     sign = float(rng.choice((-1.0, 1.0))) if effect.signed else 1.0
     weights = {k: sign * w for k, w in form.weights.items()}
@@ -78,10 +86,10 @@ def choose_form(rng: np.random.Generator, name: str, ratio: float) -> Chosen:
     if name == "tail_fin_lift":
         drawn["fin_arm_m"] = float(rng.uniform(0.1, 0.15))
     reported = Form(form.law, weights, form.fixed, form.shape, form.reported_as)
-    return Chosen(name, reported, drawn, ratio)
+    return ChosenEffect(name, reported, drawn, ratio)
 
 
-def with_effect(laws: Laws, chosen: Chosen, strength: float) -> Laws:
+def with_effect(laws: HiddenLaws, chosen: ChosenEffect, strength: float) -> HiddenLaws:
     """Laws with a chosen effect put in at a strength."""
     fixed: dict[str, Any] = {
         k: int(v) if k.endswith("_law") else v for k, v in chosen.form.fixed.items()
@@ -99,7 +107,7 @@ def draw_recipe(
     body = draw_body(rng, robot)
     wants_bare = "tail_fin_lift" in effects
     fin = rng.random() < 0.5 and not wants_bare
-    laws = draw_fin(rng, robot) if fin else Laws()
+    laws = draw_fin(rng, robot) if fin else HiddenLaws()
     flap = float(rng.uniform(0.88, 1.12))
     ratio = CLEAR if level == "clear" else FAINT
     measured = kind == "measurement"
@@ -114,8 +122,8 @@ def draw_recipe(
         laws=laws,
         recoil=draw_recoil(rng),
         flap_hz={50: 2.37 * flap, 75: 4.02 * flap, 100: 5.82 * flap},
-        chosen=() if measured else tuple(choose_form(rng, e, ratio) for e in effects),
-        fault=(effects[0], _size(rng, effects[0], level)) if measured else None,
+        chosen=() if measured else tuple(draw_form(rng, e, ratio) for e in effects),
+        fault=(effects[0], _draw_fault_size(rng, effects[0], level)) if measured else None,
         noise=float(rng.uniform(1.2, 2.0)),
         water_rms_m_s=float(rng.uniform(0.0003, 0.001) if fin else rng.uniform(0.0001, 0.0003)),
         wide_lens=bool(rng.random() < 0.2),
@@ -123,7 +131,7 @@ def draw_recipe(
     )
 
 
-def _size(rng: np.random.Generator, fault: str, level: str) -> float:
+def _draw_fault_size(rng: np.random.Generator, fault: str, level: str) -> float:
     reported = FAULTS[fault]
     size = float(rng.uniform(*(reported.clear if level == "clear" else reported.faint)))
     return size * float(rng.choice((-1.0, 1.0))) if reported.signed else size

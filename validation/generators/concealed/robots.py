@@ -3,7 +3,7 @@
 import numpy as np
 
 from bluekoi.synthetic.laws import Recoil, Robot
-from validation.generators.concealed.swimmer.quantities import Body, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws
 
 __all__ = ["draw_body", "draw_fin", "draw_recoil", "draw_robot"]
 
@@ -27,14 +27,14 @@ def draw_robot(rng: np.random.Generator) -> Robot:
     return Robot(**{name: round(float(value), 5) for name, value in reported.items()})
 
 
-def draw_body(rng: np.random.Generator, robot: Robot) -> Body:
+def draw_body(rng: np.random.Generator, robot: Robot) -> BodyParameters:
     """Coefficients about those of Table I, scaled to the robot's length."""
     scale = robot.body_length_m / 0.331
 
     def about(value: float, spread: float) -> float:
         return float(value * rng.uniform(1 - spread, 1 + spread))
 
-    return Body(
+    return BodyParameters(
         mass_kg=robot.mass_kg,
         yaw_inertia_kg_m2=robot.yaw_inertia_kg_m2,
         body_length_m=robot.body_length_m,
@@ -52,11 +52,11 @@ def draw_body(rng: np.random.Generator, robot: Robot) -> Body:
     )
 
 
-def draw_fin(rng: np.random.Generator, robot: Robot) -> Laws:
+def draw_fin(rng: np.random.Generator, robot: Robot) -> HiddenLaws:
     """Laws of core and tail as a fin that lets the robot swim straight, at a point or in strips."""
     scale = robot.body_length_m / 0.331
     strips = rng.random() < 0.5
-    return Laws(
+    return HiddenLaws(
         fin_m2=float(rng.uniform(0.02, 0.035)) * scale**2,
         fin_arm_m=float(rng.uniform(0.10, 0.15)) * scale,
         fin_spread_m=0.045 * scale if strips else 0.0,

@@ -20,17 +20,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import polars, water
-from .form import Hidden
-from .robots import RHO, Lanes, Robot
+from .form import HiddenLaw
+from .robots import RHO, ParallelTrials, Robot
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-STEP = 1 / 40
-PLATE = polars.flat_plate()
+STEP_S = 1 / 40
+FLAT_PLATE_POLAR = polars.flat_plate()
 
 
 @dataclass(frozen=True)
-class Film:
+class SimulatedMotion:
     """Motion on the grid of the integration: times (s), states and rates (times, 8, lanes)."""
 
     times: Array
@@ -40,49 +40,51 @@ class Film:
     def at(self, times: Array) -> Array:
         """States at any times, (times, 8, lanes), by cubic Hermite interpolation; rest before 0."""
         times = np.clip(times, 0, self.times[-1])
-        low = np.clip((times / STEP).astype(int), 0, len(self.times) - 2)
-        s = ((times - self.times[low]) / STEP)[:, None, None]
+        low = np.clip((times / STEP_S).astype(int), 0, len(self.times) - 2)
+        s = ((times - self.times[low]) / STEP_S)[:, None, None]
         left, right = self.states[low], self.states[low + 1]
-        a, b = self.rates[low] * STEP, self.rates[low + 1] * STEP
+        a, b = self.rates[low] * STEP_S, self.rates[low + 1] * STEP_S
         value = left + s * (a + s * (3 * (right - left) - 2 * a - b + s * (
             2 * (left - right) + a + b)))  # fmt: skip
         return np.asarray(value)
 
 
-def select(laws: Sequence[Hidden], stage: str) -> list[tuple[int, Hidden]]:
+def laws_of_stage(laws: Sequence[HiddenLaw], stage: str) -> list[tuple[int, HiddenLaw]]:
     """Laws of a stage with their rows in the strengths."""
     return [(i, law) for i, law in enumerate(laws) if law.form.stage == stage]
 
 
-def head_angle(lanes: Lanes, laws: Sequence[Hidden], t: Array | float) -> tuple[Array, Array]:
+def head_angle(
+    lanes: ParallelTrials, laws: Sequence[HiddenLaw], t: Array | float
+) -> tuple[Array, Array]:
     """Actual head angle, rad, and its rate, rad/s, at one time or at times along a first axis."""
     zero = 0 * np.asarray(t)[..., None]
     phi, rate = lanes.angle + zero, np.zeros(lanes.count) + zero
-    for i, law in select(laws, "servo"):
+    for i, law in laws_of_stage(laws, "servo"):
         phi, extra = law.form.law(t, phi, law.sign * lanes.size[i], law.shape)
         rate = rate + extra
     return phi, rate
 
 
-def frequency(lanes: Lanes, laws: Sequence[Hidden], t: Array | float) -> Array:
+def frequency(lanes: ParallelTrials, laws: Sequence[HiddenLaw], t: Array | float) -> Array:
     """Flapping frequency, Hz."""
     amp, omega, phase = lanes.wander
     wave = amp * np.cos(omega * np.asarray(t)[..., None, None] + phase)
     f = lanes.flap * (1 + wave.sum(-2))
-    for i, law in select(laws, "drive"):
+    for i, law in laws_of_stage(laws, "drive"):
         f = f * law.form.law(t, lanes, lanes.size[i], law.shape)
     return np.asarray(f)
 
 
-def beats(lanes: Lanes, t: float) -> Array:
+def shaft_revolutions(lanes: ParallelTrials, t: float) -> Array:
     """Revolutions of the motor shaft of an undisturbed drive since the start of the trial."""
     amp, omega, phase = lanes.wander
     extra = (amp / omega * (np.sin(omega * t + phase) - np.sin(phase))).sum(0)
     return np.asarray(lanes.shaft + lanes.flap * (t + extra))
 
 
-def moment(
-    t: float, state: Array, lanes: Lanes, robot: Robot, laws: Sequence[Hidden]
+def instantaneous_state(
+    t: float, state: Array, lanes: ParallelTrials, robot: Robot, laws: Sequence[HiddenLaw]
 ) -> SimpleNamespace:
     """All quantities on which a law may depend, at one time; (lanes,) each, SI units."""
     phi, phi_rate = head_angle(lanes, laws, t)
@@ -90,9 +92,9 @@ def moment(
     th, r = state[2], state[5] - robot.core_share * phi_rate
     c = SimpleNamespace(t=t, robot=robot, lanes=lanes, x=x, th=th, phi=phi, r=r, head=lanes.head,
                         memory=state[6:8])  # fmt: skip
-    for i, law in select(laws, "water"):
+    for i, law in laws_of_stage(laws, "water"):
         v = v - law.form.law(c, law.sign * lanes.size[i], law.shape)
-    c.v = v - water.velocity(lanes, x, t)
+    c.v = v - water.water_velocity(lanes, x, t)
     c.V = np.abs(c.v)
     c.along = c.v / (c.V + 1e-12)
     c.nose, c.axis = np.exp(1j * th), np.exp(1j * (th + phi))
@@ -103,32 +105,34 @@ def moment(
     c.q = 0.5 * RHO * c.area * c.V**2
     c.f = frequency(lanes, laws, t)
     c.thrust = lanes.coef[0] * 0.5 * RHO * c.area * c.f**2
-    for i, law in select(laws, "mass"):
+    for i, law in laws_of_stage(laws, "mass"):
         c.arm = c.arm + law.form.law(c, lanes.size[i], law.shape)
     return c
 
 
-def rates(t: float, state: Array, lanes: Lanes, robot: Robot, laws: Sequence[Hidden] = ()) -> Array:
+def rates(
+    t: float, state: Array, lanes: ParallelTrials, robot: Robot, laws: Sequence[HiddenLaw] = ()
+) -> Array:
     """Time derivative of the state, (8, lanes)."""
-    c = moment(t, state, lanes, robot, laws)
+    c = instantaneous_state(t, state, lanes, robot, laws)
     _, C_D0, C_Da, C_La, C_Ma, C_Md = lanes.coef
-    lift, drag, turning = polars.look_up(PLATE, c.alpha)
+    lift, drag, turning = polars.interpolate_polar(FLAT_PLATE_POLAR, c.alpha)
     plate = c.q * c.along * (1j * C_La * lift - C_D0 - C_Da * drag)
     M = c.q * C_Ma * turning - C_Md * c.r * np.abs(c.r) + head_moment(c, plate)
     T = c.thrust
-    for i, law in select(laws, "thrust"):
+    for i, law in laws_of_stage(laws, "thrust"):
         T = T * law.form.law(c, lanes.size[i], law.shape)
     force, memory = plate + T * c.axis, np.zeros((2, lanes.count))
-    for i, law in select(laws, "force"):
+    for i, law in laws_of_stage(laws, "force"):
         F, N = law.form.law(c, law.sign * lanes.size[i], law.shape)
         force, M = force + F, M + N
-    for i, law in select(laws, "memory"):
+    for i, law in laws_of_stage(laws, "memory"):
         F, N, memory = law.form.law(c, lanes.size[i], law.shape)
         force, M = force + F, M + N
-    for i, law in select(laws, "sink"):
+    for i, law in laws_of_stage(laws, "sink"):
         wet = law.form.law(t, lanes.size[i], law.shape) / robot.span
         force = force - c.q * C_D0 * wet * c.along
-    a, r_dot = _accelerate(c, force, M, laws)
+    a, r_dot = _accelerations(c, force, M, laws)
     return np.stack([state[3], state[4], c.r, a.real, a.imag, r_dot, *memory])
 
 
@@ -137,8 +141,8 @@ def head_moment(c: SimpleNamespace, force: Complex) -> Array:
     return np.asarray((force * np.conj(1j * c.nose)).real * c.arm)
 
 
-def _accelerate(
-    c: SimpleNamespace, force: Complex, M: Array, laws: Sequence[Hidden]
+def _accelerations(
+    c: SimpleNamespace, force: Complex, M: Array, laws: Sequence[HiddenLaw]
 ) -> tuple[Complex, Array]:
     """Accelerations (world) with the added masses of Kirchhoff's equations in the core's frame.
 
@@ -146,7 +150,7 @@ def _accelerate(
     b a_w + (I + a_r) r' = N - munk (a_y - a_x) u w   (Lamb, Hydrodynamics, sec. 124).
     """
     m, inertia = c.robot.mass, c.robot.inertia
-    found = select(laws, "inertia")
+    found = laws_of_stage(laws, "inertia")
     if not found:
         return force / m, M / inertia
     (i, law), = found  # fmt: skip
@@ -161,9 +165,13 @@ def _accelerate(
     return (X / (m + a_x) + 1j * a_w) * c.axis, r_dot
 
 
-def swim(
-    lanes: Lanes, robot: Robot, laws: Sequence[Hidden], seconds: float, step: float = STEP
-) -> Film:
+def simulate_motion(
+    lanes: ParallelTrials,
+    robot: Robot,
+    laws: Sequence[HiddenLaw],
+    seconds: float,
+    step: float = STEP_S,
+) -> SimulatedMotion:
     """Motion from the lanes' starting states, by the classical Runge-Kutta rule."""
     n = int(np.ceil(seconds / step - 1e-9)) + 1
     state = np.concatenate([lanes.start, np.zeros((2, lanes.count))])
@@ -176,10 +184,10 @@ def swim(
         k3 = rates(t + step / 2, state + step / 2 * k2, lanes, robot, laws)
         k4 = rates(t + step, state + step * k3, lanes, robot, laws)
         state = state + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return Film(np.arange(n) * step, states, slopes)
+    return SimulatedMotion(np.arange(n) * step, states, slopes)
 
 
-def growth_rate(lanes: Lanes, robot: Robot, laws: Sequence[Hidden]) -> float:
+def growth_rate(lanes: ParallelTrials, robot: Robot, laws: Sequence[HiddenLaw]) -> float:
     """Fastest growth, 1/s, of a small deviation from straight swimming of the last lane.
 
     Eigenvalues for the angle of attack, alpha' = r - (sideways acceleration)/V, and the yaw rate.

@@ -31,7 +31,7 @@ class Camera:
     def project(self, points: Array) -> Array:
         """Pixels (..., 2) of points (..., 3) seen through air."""
         seen = (points - self.place) @ Rotation.from_rotvec(self.turn).as_matrix().T
-        bend = fisheye if self.fisheye else polynomial
+        bend = kannala_brandt_distortion if self.fisheye else brown_distortion
         plane = bend(seen[..., :2] / seen[..., 2:], self.distortion)
         return plane * np.diag(self.matrix)[:2] + self.matrix[:2, 2]
 
@@ -74,7 +74,7 @@ class Camera:
         return at
 
 
-def polynomial(plane: Array, k: Array) -> Array:
+def brown_distortion(plane: Array, k: Array) -> Array:
     """Radial and tangential distortion k1, k2, p1, p2, k3 (Brown 1971, as OpenCV writes it)."""
     x, y = plane[..., 0], plane[..., 1]
     r2 = x**2 + y**2
@@ -83,7 +83,7 @@ def polynomial(plane: Array, k: Array) -> Array:
                      y * radial + k[2] * (r2 + 2 * y**2) + 2 * k[3] * x * y], -1)  # fmt: skip
 
 
-def fisheye(plane: Array, k: Array) -> Array:
+def kannala_brandt_distortion(plane: Array, k: Array) -> Array:
     """Theta (1 + k1 theta^2 + ... + k4 theta^8) (Kannala and Brandt 2006, as OpenCV writes it)."""
     r = np.maximum(np.hypot(plane[..., 0], plane[..., 1]), 1e-12)
     theta = np.arctan(r)
@@ -92,7 +92,7 @@ def fisheye(plane: Array, k: Array) -> Array:
     return plane * (bent / r)[..., None]
 
 
-def corners(pool: tuple[float, float, float], height: float) -> Array:
+def pool_corners(pool: tuple[float, float, float], height: float) -> Array:
     """The four marks (4, 3), m: (0,0), (L,0), (L,W), (0,W)."""
     L, W, _ = pool
     return np.array([[0, 0, height], [L, 0, height], [L, W, height], [0, W, height]])
@@ -115,22 +115,24 @@ def draw_camera(rng: np.random.Generator, pool: tuple[float, float, float]) -> C
     matrix = np.array([[1, 0, size[0] / 2 + rng.normal(0, 8)],
                        [0, 1, size[1] / 2 + rng.normal(0, 8)], [0, 0, 1.0]])  # fmt: skip
     one = Camera(round_lens, size, matrix, k, (tilt * down).as_rotvec(), place)
-    spread = one.project(corners(pool, 0.0)) - matrix[:2, 2]
+    spread = one.project(pool_corners(pool, 0.0)) - matrix[:2, 2]
     room = np.array([size - matrix[:2, 2], matrix[:2, 2]]) - 15
     share = np.minimum(room[0] / np.max(spread, 0), room[1] / -np.min(spread, 0))
     focal = 0.97 * share.min()
-    return replace(one, matrix=_focal(matrix, focal, rng.uniform(0.998, 1.002)))
+    return replace(one, matrix=_with_focal_length(matrix, focal, rng.uniform(0.998, 1.002)))
 
 
-def _focal(matrix: Array, focal: float, ratio: float) -> Array:
+def _with_focal_length(matrix: Array, focal: float, ratio: float) -> Array:
     out = matrix.copy()
     out[0, 0], out[1, 1] = focal, focal * ratio
     return out
 
 
-def posed(camera: Camera, pool: tuple[float, float, float], height: float, px: Array) -> Camera:
+def with_fitted_pose(
+    camera: Camera, pool: tuple[float, float, float], height: float, px: Array
+) -> Camera:
     """The camera with the pose that fits the images px (4, 2) of the pool's marks best."""
-    marks = corners(pool, height)
+    marks = pool_corners(pool, height)
 
     def miss(pose: Array) -> Array:
         return (replace(camera, turn=pose[:3], place=pose[3:]).project(marks) - px).ravel()

@@ -37,7 +37,7 @@ class Form:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenLaw:
     """A form with its strength (positive, times sign) and parameters."""
 
     form: Form
@@ -46,16 +46,16 @@ class Hidden:
     sign: float = 1.0
 
 
-def draw(rng: np.random.Generator, form: Form, pool: tuple[float, float, float]) -> Hidden:
+def draw_law(rng: np.random.Generator, form: Form, pool: tuple[float, float, float]) -> HiddenLaw:
     """A law of this form; the strength is a first guess. pool: length, width, depth, m."""
     shape = {k: float(rng.uniform(*v)) for k, v in form.ranges.items()}
     if form.stage == "water" or form.cause in ("wall_effect", "unexplained"):
         shape |= {"pool_length_m": pool[0], "pool_width_m": pool[1]}
     sign = float(rng.choice([-1, 1])) if form.signed else 1.0
-    return Hidden(form, float(form.low * (form.high / form.low) ** 0.4), shape, sign)
+    return HiddenLaw(form, float(form.low * (form.high / form.low) ** 0.4), shape, sign)
 
 
-def family(cause: str, stage: str, unit: str, channels: tuple[str, ...] = ("surge",),
+def form_maker(cause: str, stage: str, unit: str, channels: tuple[str, ...] = ("surge",),
            **settings: Any) -> Callable[..., Form]:  # fmt: skip
     """Maker of forms of one cause: make(name, law, low, high, **ranges)."""
 

@@ -15,40 +15,40 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
 from . import evidence
-from .articulated import select, swim
-from .camera import posed
-from .form import Hidden
-from .placing import Motion
-from .robots import FLAP_STD, KNOTS, SERVO_STD, Lanes, Robot
+from .articulated import laws_of_stage, simulate_motion
+from .camera import with_fitted_pose
+from .form import HiddenLaw
+from .placing import PlacedMotion
+from .robots import FLAP_STD, GUST_KNOTS, SERVO_STD, ParallelTrials, Robot
 from .scene import (
     Scene,
-    depth_of,
-    exposure,
-    relabelled,
-    shifted,
-    skeleton,
-    stated,
+    body_points,
+    exposure_times,
+    keypoint_depth,
+    pixels_after_camera_shift,
+    stated_setup,
+    with_label_bias,
 )
-from .tracking import Tracker, covariance
-from .water import Sea, gust_covariance
+from .tracking import Tracker, error_covariance
+from .water import WaterMotion, gust_covariance
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-HERTZ = 15.0
+OBSERVATION_RATE_HZ = 15.0
 LABEL_STD = 3e-4
-PHYSICAL = ("force", "memory", "thrust", "drive", "servo", "water", "inertia", "mass", "sink")
+MOTION_STAGES = ("force", "memory", "thrust", "drive", "servo", "water", "inertia", "mass", "sink")
 
 
 @dataclass(frozen=True)
-class Setup:
+class StudySetup:
     """What a study consists of beside its hidden laws; wanted: durations, s."""
 
     robot: Robot
-    lanes: Lanes
+    lanes: ParallelTrials
     pool: tuple[float, float, float]
     scene: Scene
     tracker: Tracker
-    sea: Sea
+    sea: WaterMotion
     fps: float
     wanted: Array
     logged: bool
@@ -67,10 +67,10 @@ class Sensitivity:
     shared: int
 
 
-def _steps(lanes: Lanes, count: int) -> tuple[Lanes, Array]:
+def _perturbed_lanes(lanes: ParallelTrials, count: int) -> tuple[ParallelTrials, Array]:
     """All trials, unchanged and with each parameter moved in turn; the sizes of the steps."""
     n = lanes.count
-    columns = 6 + count + 8 + 2 * KNOTS
+    columns = 6 + count + 8 + 2 * GUST_KNOTS
     many = lanes.take(np.tile(np.arange(n), columns + 1))
     grid = [replace(many)]
     step = np.ones((columns, n))
@@ -80,24 +80,24 @@ def _steps(lanes: Lanes, count: int) -> tuple[Lanes, Array]:
     targets += [(view["size"][i], 0.02 * lanes.size[i]) for i in range(count)]
     targets += [(view["start"][i], np.full(n, 1e-4)) for i in range(6)]
     targets += [(view["angle"], np.full(n, 1e-3)), (view["flap"], 1e-3 * lanes.flap)]
-    targets += [(view["gust"][i], np.full(n, 1e-4)) for i in range(KNOTS)]
-    targets += [(view["gust"][i], 1j * np.full(n, 1e-4)) for i in range(KNOTS)]
+    targets += [(view["gust"][i], np.full(n, 1e-4)) for i in range(GUST_KNOTS)]
+    targets += [(view["gust"][i], 1j * np.full(n, 1e-4)) for i in range(GUST_KNOTS)]
     for j, (array, by) in enumerate(targets):
         array[j + 1] += by
         step[j] = np.abs(by)
     return grid[0], step
 
 
-def sensitivity(setup: Setup, motion: Motion, laws: Sequence[Hidden]) -> Sensitivity:
+def sensitivity(setup: StudySetup, motion: PlacedMotion, laws: Sequence[HiddenLaw]) -> Sensitivity:
     """Derivatives by one run of all trials with all parameters moved."""
-    own = [law for law in laws if law.form.stage in PHYSICAL]
-    lanes, step = _steps(motion.lanes, len(own))
+    own = [law for law in laws if law.form.stage in MOTION_STAGES]
+    lanes, step = _perturbed_lanes(motion.lanes, len(own))
     seconds = float(motion.ends.max())
-    times = np.arange(0, seconds, 1 / HERTZ)
-    film = swim(lanes, setup.robot, own, seconds + 0.05)
-    points = skeleton(film.at(times), lanes, setup.robot, own, times)
-    if select(own, "sink"):
-        depth = depth_of(setup.robot, lanes, own, times)[:, None]
+    times = np.arange(0, seconds, 1 / OBSERVATION_RATE_HZ)
+    film = simulate_motion(lanes, setup.robot, own, seconds + 0.05)
+    points = body_points(film.at(times), lanes, setup.robot, own, times)
+    if laws_of_stage(own, "sink"):
+        depth = keypoint_depth(setup.robot, lanes, own, times)[:, None]
         camera = setup.scene.camera
         level = camera.surface(points, depth, rounds=3)
         points = camera.cast(level[..., 0] + 1j * level[..., 1], setup.robot.depth)
@@ -106,16 +106,22 @@ def sensitivity(setup: Setup, motion: Motion, laws: Sequence[Hidden]) -> Sensiti
     return Sensitivity(times, points[:, :, 0], slopes.transpose(0, 1, 3, 2), 6 + len(own))
 
 
-def fault_signal(setup: Setup, motion: Motion, laws: Sequence[Hidden], times: Array) -> Complex:
+def fault_signal(
+    setup: StudySetup, motion: PlacedMotion, laws: Sequence[HiddenLaw], times: Array
+) -> Complex:
     """Change of the places seen, m, (times, 4, trials), that the faults among the laws cause."""
-    camera, robot, said = setup.scene.camera, setup.robot, stated(setup.scene, setup.robot, laws)
+    camera, robot, said = (
+        setup.scene.camera,
+        setup.robot,
+        stated_setup(setup.scene, setup.robot, laws),
+    )
     lens = replace(camera, matrix=said.matrix, distortion=said.distortion, index=said.index)
-    believed = posed(lens, said.pool, setup.scene.height, said.marks)
-    physical = [law for law in laws if law.form.stage in PHYSICAL]
+    believed = with_fitted_pose(lens, said.pool, setup.scene.height, said.marks)
+    physical = [law for law in laws if law.form.stage in MOTION_STAGES]
     out = []
     for k in range(motion.lanes.count):
         lane = motion.lanes.take(np.array([k]))
-        at = exposure(laws, times, k, motion.lanes.count)
+        at = exposure_times(laws, times, k, motion.lanes.count)
         states = [
             replace(
                 motion.film,
@@ -124,20 +130,26 @@ def fault_signal(setup: Setup, motion: Motion, laws: Sequence[Hidden], times: Ar
             ).at(t)
             for t in (times, at)
         ]
-        true, seen = [skeleton(s, lane, robot, physical, t)[..., 0]
+        true, seen = [body_points(s, lane, robot, physical, t)[..., 0]
                       for s, t in zip(states, (times, at), strict=True)]  # fmt: skip
-        seen = relabelled(seen, lane.angle + 0 * times, laws)
-        depth = depth_of(robot, lane, laws, times)
-        px = shifted(camera.see(seen, depth), times, k, laws, camera)
+        seen = with_label_bias(seen, lane.angle + 0 * times, laws)
+        depth = keypoint_depth(robot, lane, laws, times)
+        px = pixels_after_camera_shift(camera.see(seen, depth), times, k, laws, camera)
         out.append(believed.back(px, said.depth, seen) - true)
     return np.stack(out, -1)
 
 
-def sigmas(rng: np.random.Generator, setup: Setup, motion: Motion, laws: Sequence[Hidden], *,
-           seen: Sensitivity | None = None) -> Array:  # fmt: skip
+def detectability_sigmas(
+    rng: np.random.Generator,
+    setup: StudySetup,
+    motion: PlacedMotion,
+    laws: Sequence[HiddenLaw],
+    *,
+    seen: Sensitivity | None = None,
+) -> Array:
     """Strength over its standard deviation, for every law; the fin is one of them."""
-    own = [law for law in laws if law.form.stage in PHYSICAL]
-    rest = [law for law in laws if law.form.stage not in PHYSICAL]
+    own = [law for law in laws if law.form.stage in MOTION_STAGES]
+    rest = [law for law in laws if law.form.stage not in MOTION_STAGES]
     seen = seen or sensitivity(setup, motion, own)
     extra = np.zeros((*seen.seen.shape, 0), complex)
     if rest:
@@ -146,7 +158,7 @@ def sigmas(rng: np.random.Generator, setup: Setup, motion: Motion, laws: Sequenc
     order = own + rest
     total = _information(rng, setup, motion, seen, extra)
     for i, law in enumerate(order):
-        total[6 + i, 6 + i] += evidence.direct(
+        total[6 + i, 6 + i] += evidence.direct_information(
             law, motion, setup.tracker, setup.scene, logged=setup.logged
         )
     scale = 1 / np.sqrt(np.diag(total))
@@ -156,12 +168,17 @@ def sigmas(rng: np.random.Generator, setup: Setup, motion: Motion, laws: Sequenc
     return np.array([found[id(law)] for law in laws])
 
 
-def _information(rng: np.random.Generator, setup: Setup, motion: Motion, seen: Sensitivity,
-                 extra: Complex) -> Array:  # fmt: skip
+def _information(
+    rng: np.random.Generator,
+    setup: StudySetup,
+    motion: PlacedMotion,
+    seen: Sensitivity,
+    extra: Complex,
+) -> Array:
     """Information of the shared parameters: coefficients, laws, faults and the eight labels."""
     camera = setup.scene.camera
     metre = camera.place[2] / camera.matrix[0, 0]
-    noise = covariance(setup.tracker, seen.times, HERTZ / setup.fps) * metre**2
+    noise = error_covariance(setup.tracker, seen.times, OBSERVATION_RATE_HZ / setup.fps) * metre**2
     root = np.linalg.cholesky(noise)
     shared = seen.shared + extra.shape[-1] + 8
     total = np.zeros((shared, shared))
@@ -173,7 +190,9 @@ def _information(rng: np.random.Generator, setup: Setup, motion: Motion, seen: S
                                   seen.slopes[:n, :, k, seen.shared :]], -1)  # fmt: skip
         flat = np.concatenate([columns.real, columns.imag], 1).reshape(n, -1)
         white = solve_triangular(root[:n, :n], flat, lower=True).reshape(-1, columns.shape[-1])
-        total += _reduced(white.T @ white, shared, _prior(rng, setup, motion, seen, k=k, n=n))
+        total += _project_out(
+            white.T @ white, shared, _trial_prior_information(rng, setup, motion, seen, k=k, n=n)
+        )
     return total
 
 
@@ -188,20 +207,26 @@ def _label_slopes(points: Complex) -> Complex:
     return out
 
 
-def _prior(
-    rng: np.random.Generator, setup: Setup, motion: Motion, seen: Sensitivity, *, k: int, n: int
+def _trial_prior_information(
+    rng: np.random.Generator,
+    setup: StudySetup,
+    motion: PlacedMotion,
+    seen: Sensitivity,
+    *,
+    k: int,
+    n: int,
 ) -> Array:
     """Prior information of the parameters of one trial: starts, servo, frequency, gusts."""
     start = 1 / np.array([1.0, 1, 1, 0.05, 0.05, 0.2]) ** 2
     errors = 1 / np.array([SERVO_STD, FLAP_STD * motion.lanes.flap[k]]) ** 2
     gusts = gust_covariance(rng, setup.sea, seen.seen[:n, 2, k], seen.times[:n])
-    out = np.zeros((8 + 2 * KNOTS, 8 + 2 * KNOTS))
+    out = np.zeros((8 + 2 * GUST_KNOTS, 8 + 2 * GUST_KNOTS))
     out[:8, :8] = np.diag(np.concatenate([start, errors]))
     out[8:, 8:] = np.linalg.inv(gusts)
     return out
 
 
-def _reduced(whole: Array, shared: int, prior: Array) -> Array:
+def _project_out(whole: Array, shared: int, prior: Array) -> Array:
     """Information of the first `shared` parameters with the others projected out."""
     cross = whole[:shared, shared:]
     inner = cho_factor(whole[shared:, shared:] + prior)

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-NODES = 7200
-GRID: Array = np.linspace(-np.pi, np.pi, NODES + 1)
+NODE_COUNT = 7200
+ANGLE_GRID_RAD: Array = np.linspace(-np.pi, np.pi, NODE_COUNT + 1)
 """Angles of attack of the tables, rad."""
 
 
@@ -17,7 +17,9 @@ def flat_plate() -> Array:
 
     sin 2a, 1 - cos 2a, sin 2a: Eqs. (5) to (7) of the published model.
     """
-    return np.stack([np.sin(2 * GRID), 1 - np.cos(2 * GRID), np.sin(2 * GRID)])
+    return np.stack(
+        [np.sin(2 * ANGLE_GRID_RAD), 1 - np.cos(2 * ANGLE_GRID_RAD), np.sin(2 * ANGLE_GRID_RAD)]
+    )
 
 
 def thin_fin(stall_rad: float, width_rad: float) -> Array:
@@ -26,16 +28,18 @@ def thin_fin(stall_rad: float, width_rad: float) -> Array:
     Attached: potential lift sin a cos a. Separated: normal force 1.1 sin a (broad plate, Hoerner,
     Fluid-Dynamic Drag, ch. 3) resolved across and along the flow; a logistic blend between them.
     """
-    steep = np.arcsin(np.abs(np.sin(GRID)))
+    steep = np.arcsin(np.abs(np.sin(ANGLE_GRID_RAD)))
     attached = 1 / (1 + np.exp((steep - stall_rad) / width_rad))
-    normal = 1.1 / np.pi * np.sin(GRID)
-    lift = attached * np.sin(GRID) * np.cos(GRID) + (1 - attached) * normal * np.cos(GRID)
-    drag = (1 - attached) * normal * np.sin(GRID)
+    normal = 1.1 / np.pi * np.sin(ANGLE_GRID_RAD)
+    lift = attached * np.sin(ANGLE_GRID_RAD) * np.cos(ANGLE_GRID_RAD) + (
+        1 - attached
+    ) * normal * np.cos(ANGLE_GRID_RAD)
+    drag = (1 - attached) * normal * np.sin(ANGLE_GRID_RAD)
     return np.stack([lift, drag])
 
 
-def look_up(table: Array, alpha: Array) -> Array:
+def interpolate_polar(table: Array, alpha: Array) -> Array:
     """Values (rows, lanes) of a table (rows, nodes) at angles of attack in (-pi, pi], (lanes,)."""
-    at = (alpha + np.pi) * (NODES / (2 * np.pi))
-    low = np.clip(at.astype(np.intp), 0, NODES - 1)
+    at = (alpha + np.pi) * (NODE_COUNT / (2 * np.pi))
+    low = np.clip(at.astype(np.intp), 0, NODE_COUNT - 1)
     return table[:, low] + (at - low) * (table[:, low + 1] - table[:, low])

@@ -13,7 +13,7 @@ COEFFICIENTS = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 RHO = 1000.0
 SERVO_STD = np.deg2rad(0.3)
 FLAP_STD = 0.003
-KNOTS = 10
+GUST_KNOTS = 10
 """Knots of the gusts by which the ideal detector describes unknown water, one a second."""
 
 
@@ -49,7 +49,7 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Lanes:
+class ParallelTrials:
     """Trials side by side; the last axis of every array is the lane.
 
     command, angle: commanded and actual head angle, rad; flap: Hz; head: m; start: state (6, n);
@@ -72,9 +72,9 @@ class Lanes:
     gust: NDArray[np.complex128]
     size: Array
 
-    def take(self, index: NDArray[np.intp]) -> Lanes:
+    def take(self, index: NDArray[np.intp]) -> ParallelTrials:
         """Copies of the chosen lanes."""
-        return Lanes(*(getattr(self, f.name)[..., index].copy() for f in fields(self)))
+        return ParallelTrials(*(getattr(self, f.name)[..., index].copy() for f in fields(self)))
 
     @property
     def count(self) -> int:
@@ -100,7 +100,9 @@ def draw_robot(rng: np.random.Generator) -> Robot:
     )  # fmt: skip
 
 
-def settings(rng: np.random.Generator, robot: Robot, few: bool) -> list[tuple[int, float, float]]:
+def draw_conditions(
+    rng: np.random.Generator, robot: Robot, few: bool
+) -> list[tuple[int, float, float]]:
     """Power index, head angle (deg) and head length (m) of 24 trials, or of nine."""
     low, high = round(rng.uniform(18, 28)), round(rng.uniform(33, 45))
     heads = robot.head_length, round(robot.head_length * rng.uniform(1.3, 1.55), 3)
@@ -117,9 +119,9 @@ def settings(rng: np.random.Generator, robot: Robot, few: bool) -> list[tuple[in
     return [plan[k] for k in rng.permutation(len(plan))]
 
 
-def draw_lanes(rng: np.random.Generator, robot: Robot, few: bool) -> Lanes:
+def draw_trials(rng: np.random.Generator, robot: Robot, few: bool) -> ParallelTrials:
     """The trials of a study with the errors of servo and motor, in still water at the origin."""
-    plan = settings(rng, robot, few)
+    plan = draw_conditions(rng, robot, few)
     n = len(plan)
     levels = np.array(rng.choice([[50, 75, 100], [55, 75, 95], [60, 80, 100]]))
     hertz = np.interp(levels, [50, 75, 100], [2.37, 4.02, 5.82]) * rng.uniform(0.92, 1.08)
@@ -128,17 +130,17 @@ def draw_lanes(rng: np.random.Generator, robot: Robot, few: bool) -> Lanes:
     wander = np.stack([np.full((4, n), FLAP_STD * np.sqrt(2 / 4)), rng.uniform(0.4, 3.0, (4, n)),
                        rng.uniform(0, 2 * np.pi, (4, n))])  # fmt: skip
     coef = np.array([getattr(robot, c) for c in COEFFICIENTS])
-    return Lanes(
+    return ParallelTrials(
         power=levels[which].astype(float), command=command,
         angle=command + SERVO_STD * rng.normal(size=n),
         flap=hertz[which] * (1 + FLAP_STD * rng.normal(size=n)),
         head=np.array([h for _, _, h in plan]), start=np.zeros((6, n)),
         coef=np.repeat(coef[:, None], n, 1), shaft=rng.uniform(0, 1, n), wander=wander,
         mean=np.zeros(n, complex), modes=np.zeros((6, 1, n)),
-        gust=np.zeros((KNOTS, n), complex), size=np.zeros((0, n)),
+        gust=np.zeros((GUST_KNOTS, n), complex), size=np.zeros((0, n)),
     )  # fmt: skip
 
 
-def with_sizes(lanes: Lanes, sizes: list[float]) -> Lanes:
+def with_strengths(lanes: ParallelTrials, sizes: list[float]) -> ParallelTrials:
     """The lanes with these strengths of the laws."""
     return replace(lanes, size=np.repeat(np.array(sizes, float).reshape(-1, 1), lanes.count, 1))

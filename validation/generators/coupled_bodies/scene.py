@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .articulated import frequency, head_angle, select
-from .camera import Camera, corners
-from .form import Hidden
-from .robots import Lanes, Robot
+from .articulated import frequency, head_angle, laws_of_stage
+from .camera import Camera, pool_corners
+from .form import HiddenLaw
+from .robots import ParallelTrials, Robot
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-POINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
-SHAFT_STEP = 0.005
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+SHAFT_STEP_S = 0.005
 LINKAGE_STD = np.deg2rad(15)
 """Play between motor shaft and tail, trial by trial, rad of a beat."""
 
@@ -39,7 +39,7 @@ class Scene:
 
 
 @dataclass(frozen=True)
-class Statement:
+class StatedSetup:
     """What study.yaml states: pool (m), matrix, distortion, index, depth (m), marks (4, 2) px."""
 
     pool: tuple[float, float, float]
@@ -60,22 +60,31 @@ def draw_scene(rng: np.random.Generator, camera: Camera, pool: tuple[float, floa
                  np.deg2rad(rng.uniform(12, 24)), phases)  # fmt: skip
 
 
-def shaft(lanes: Lanes, laws: Sequence[Hidden], seconds: float) -> tuple[Array, Array]:
+def shaft_motion(
+    lanes: ParallelTrials, laws: Sequence[HiddenLaw], seconds: float
+) -> tuple[Array, Array]:
     """Times, s, and revolutions of the motor shaft (times, lanes), every 5 ms."""
-    t = np.arange(int(np.ceil(seconds / SHAFT_STEP)) + 1) * SHAFT_STEP
+    t = np.arange(int(np.ceil(seconds / SHAFT_STEP_S)) + 1) * SHAFT_STEP_S
     f = frequency(lanes, laws, t)
-    sum_ = np.cumsum((f[1:] + f[:-1]) / 2 * SHAFT_STEP, 0)
+    sum_ = np.cumsum((f[1:] + f[:-1]) / 2 * SHAFT_STEP_S, 0)
     return t, lanes.shaft + np.concatenate([np.zeros((1, lanes.count)), sum_])
 
 
-def skeleton(states: Array, lanes: Lanes, robot: Robot, laws: Sequence[Hidden], times: Array,
-             *, labels: Complex | None = None) -> Complex:  # fmt: skip
+def body_points(
+    states: Array,
+    lanes: ParallelTrials,
+    robot: Robot,
+    laws: Sequence[HiddenLaw],
+    times: Array,
+    *,
+    labels: Complex | None = None,
+) -> Complex:
     """Places of head tip, hinge, core centre and tail base, m, (times, 4, lanes), complex."""
     x, th = states[:, 0] + 1j * states[:, 1], states[:, 2]
     phi, _ = head_angle(lanes, laws, np.asarray(times))
     nose, axis = np.exp(1j * th), np.exp(1j * (th + phi))
     shift = np.zeros_like(x)
-    for i, law in select(laws, "mass"):
+    for i, law in laws_of_stage(laws, "mass"):
         c = type("C", (), {"phi": phi, "head": lanes.head, "robot": robot})
         shift = shift + law.form.law(c, lanes.size[i], law.shape)
     core = x + shift * axis
@@ -92,50 +101,56 @@ def skeleton(states: Array, lanes: Lanes, robot: Robot, laws: Sequence[Hidden], 
     )
 
 
-def depth_of(robot: Robot, lanes: Lanes, laws: Sequence[Hidden], times: Array) -> Array:
+def keypoint_depth(
+    robot: Robot, lanes: ParallelTrials, laws: Sequence[HiddenLaw], times: Array
+) -> Array:
     """Depth of the keypoints, m, (times, lanes)."""
     depth = np.full((len(times), lanes.count), robot.depth)
-    for i, law in select(laws, "sink"):
+    for i, law in laws_of_stage(laws, "sink"):
         depth = depth + law.form.law(np.asarray(times), lanes.size[i], law.shape)
-    for i, _ in select(laws, "deep"):
+    for i, _ in laws_of_stage(laws, "deep"):
         depth = depth + lanes.size[i]
     return depth
 
 
-def stated(scene: Scene, robot: Robot, laws: Sequence[Hidden]) -> Statement:
+def stated_setup(scene: Scene, robot: Robot, laws: Sequence[HiddenLaw]) -> StatedSetup:
     """What the study states, with a fault where one is hidden."""
     camera = scene.camera
-    marks = camera.project(corners(scene.pool, scene.height))
-    said = Statement(scene.pool, camera.matrix, camera.distortion, camera.index, robot.depth, marks)
-    for _, law in select(laws, "stated"):
+    marks = camera.project(pool_corners(scene.pool, scene.height))
+    said = StatedSetup(
+        scene.pool, camera.matrix, camera.distortion, camera.index, robot.depth, marks
+    )
+    for _, law in laws_of_stage(laws, "stated"):
         said = law.form.law(said, scene, law.sign * law.strength, law.shape)
     return said
 
 
-def exposure(laws: Sequence[Hidden], times: Array, k: int, trials: int) -> Array:
+def exposure_times(laws: Sequence[HiddenLaw], times: Array, k: int, trials: int) -> Array:
     """Motion times, s, of frames at stated times, s, in trial k; below zero before the start."""
-    for _, law in select(laws, "clock"):
+    for _, law in laws_of_stage(laws, "clock"):
         return np.asarray(law.form.law(times, k, trials, law.sign * law.strength, law.shape))
     return times
 
 
-def relabelled(points: Complex, phi: Array, laws: Sequence[Hidden]) -> Complex:
+def with_label_bias(points: Complex, phi: Array, laws: Sequence[HiddenLaw]) -> Complex:
     """Points (times, n, ...) whose labels are displaced by a bias; n from POINTS in order."""
-    for _, law in select(laws, "label"):
+    for _, law in laws_of_stage(laws, "label"):
         axis = points[:, 1] - points[:, 3]
         points = points.copy()
         law.form.law(points, axis / np.abs(axis), phi, law.sign * law.strength, law.shape)
     return points
 
 
-def shifted(px: Array, times: Array, k: int, laws: Sequence[Hidden], camera: Camera) -> Array:
+def pixels_after_camera_shift(
+    px: Array, times: Array, k: int, laws: Sequence[HiddenLaw], camera: Camera
+) -> Array:
     """Pixels (times, n, 2) of trial k as a camera that was moved sees them."""
-    for _, law in select(laws, "shift"):
+    for _, law in laws_of_stage(laws, "shift"):
         px = law.form.law(px, times[:, None], k, law.sign * law.strength, law.shape, camera)
     return px
 
 
-def moved(points: Complex, turns: Array, scene: Scene, k: int, times: Array, *,
+def with_recoil(points: Complex, turns: Array, scene: Scene, k: int, times: Array, *,
           tail: float) -> Complex:  # fmt: skip
     """Points (times, 4) of trial k with recoil about the core's centre, and the tail's tip.
 

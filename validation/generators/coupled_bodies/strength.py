@@ -9,101 +9,112 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .articulated import growth_rate
-from .form import Form, Hidden, draw
-from .ideal import Setup, sensitivity, sigmas
-from .placing import Motion, NoRoomError, placed, run
-from .robots import KNOTS, Lanes, Robot, with_sizes
+from .form import Form, HiddenLaw, draw_law
+from .ideal import StudySetup, detectability_sigmas, sensitivity
+from .placing import NoRoomError, PlacedMotion, simulate_from_starts, simulate_placed
+from .robots import GUST_KNOTS, ParallelTrials, Robot, with_strengths
 
 Array = NDArray[np.float64]
 LEAST, MOST = 10.0, 60.0
 
 
-class UnsuitableError(Exception):
+class StrengthNotReachableError(Exception):
     """No strength within its bounds is seen at the wanted sigma, or a robot is no good."""
 
 
-def target(rng: np.random.Generator) -> float:
+def draw_target_sigma(rng: np.random.Generator) -> float:
     """A wanted sigma, evenly spread in its logarithm within 10 to 60."""
     return float(np.exp(rng.uniform(np.log(12), np.log(52))))
 
 
-def _straight(lanes: Lanes) -> Lanes:
+def _slowest_straight_trial(lanes: ParallelTrials) -> ParallelTrials:
     """The slowest lane with a straight short head in still water."""
     lane = lanes.take(np.array([int(np.argmin(lanes.flap))]))
     return replace(lane, angle=np.zeros(1), head=lanes.head.min(keepdims=True),
                    wander=0 * lane.wander[:, :1] + 1e-9, mean=0j * lane.mean,
                    modes=np.zeros((6, 1, 1)),
-                   gust=np.zeros((KNOTS, 1), complex))  # fmt: skip
+                   gust=np.zeros((GUST_KNOTS, 1), complex))  # fmt: skip
 
 
-def stability(lanes: Lanes, robot: Robot, fin: Sequence[Hidden]) -> float:
+def straight_growth_rate(lanes: ParallelTrials, robot: Robot, fin: Sequence[HiddenLaw]) -> float:
     """Growth, 1/s, of small deviations from straight swimming at the lowest power."""
-    lane = with_sizes(_straight(lanes), [f.strength for f in fin])
+    lane = with_strengths(_slowest_straight_trial(lanes), [f.strength for f in fin])
     return growth_rate(lane, robot, fin)
 
 
-def draw_fin(rng: np.random.Generator, lanes: Lanes, robot: Robot, form: Form,
-             pool: tuple[float, float, float]) -> Hidden:  # fmt: skip
+def draw_fin(rng: np.random.Generator, lanes: ParallelTrials, robot: Robot, form: Form,
+             pool: tuple[float, float, float]) -> HiddenLaw:  # fmt: skip
     """A fin of 1.05 to 4 times the area at which straight swimming becomes stable.
 
     Raises: UnsuitableError where no fin makes it stable.
     """
-    fin = draw(rng, form, pool)
+    fin = draw_law(rng, form, pool)
     low, high = form.low, form.high
-    if stability(lanes, robot, [replace(fin, strength=high)]) > 0:
-        raise UnsuitableError("no stable fin")
+    if straight_growth_rate(lanes, robot, [replace(fin, strength=high)]) > 0:
+        raise StrengthNotReachableError("no stable fin")
     for _ in range(40):
         middle = np.sqrt(low * high)
-        stable = stability(lanes, robot, [replace(fin, strength=middle)]) < 0
+        stable = straight_growth_rate(lanes, robot, [replace(fin, strength=middle)]) < 0
         low, high = (low, middle) if stable else (middle, high)
     return replace(fin, strength=float(high * np.exp(rng.uniform(np.log(1.05), np.log(4)))))
 
 
-def sized(lanes: Lanes, laws: Sequence[Hidden]) -> Lanes:
+def with_law_strengths(lanes: ParallelTrials, laws: Sequence[HiddenLaw]) -> ParallelTrials:
     """The lanes with the strengths of the laws."""
-    return with_sizes(lanes, [law.strength for law in laws])
+    return with_strengths(lanes, [law.strength for law in laws])
 
 
-def _moved_on(law: Hidden, factor: float) -> Hidden:
+def _with_scaled_strength(law: HiddenLaw, factor: float) -> HiddenLaw:
     """The law with another strength within its bounds."""
     s = float(np.clip(law.strength * factor, law.form.low, law.form.high))
     return replace(law, strength=s)
 
 
 def set_strengths(
-    rng: np.random.Generator, setup: Setup, fins: Sequence[Hidden], hidden: Sequence[Hidden]
-) -> tuple[Motion, list[Hidden], Array]:
+    rng: np.random.Generator,
+    setup: StudySetup,
+    fins: Sequence[HiddenLaw],
+    hidden: Sequence[HiddenLaw],
+) -> tuple[PlacedMotion, list[HiddenLaw], Array]:
     """Motion, laws and sigmas with each hidden law seen at 10 to 60 sigma.
 
     Raises: UnsuitableError where strengths at their bounds are seen too well or too badly.
     """
-    wanted = [target(rng) for _ in hidden]
+    wanted = [draw_target_sigma(rng) for _ in hidden]
     laws, motion = [*fins, *hidden], None
     for _ in range(7):
-        lanes = sized(setup.lanes if motion is None else motion.lanes, laws)
-        motion = _motion(rng, setup, lanes, laws, fresh=motion is None)
+        lanes = with_law_strengths(setup.lanes if motion is None else motion.lanes, laws)
+        motion = _simulate_inside_pool(rng, setup, lanes, laws, fresh=motion is None)
         if not laws:
             return motion, laws, np.zeros(0)
-        found = sigmas(rng, setup, motion, laws, seen=sensitivity(setup, motion, laws))
+        found = detectability_sigmas(
+            rng, setup, motion, laws, seen=sensitivity(setup, motion, laws)
+        )
         own = found[len(fins) :]
         if np.all((own > LEAST) & (own < MOST)) and np.all(own / np.array(wanted) < 1.7):
             return motion, laws, found
         factors = np.clip(np.array(wanted) / np.maximum(own, 1e-9), 0.1, 6)
-        after = [*fins, *map(_moved_on, laws[len(fins) :], factors)]
+        after = [*fins, *map(_with_scaled_strength, laws[len(fins) :], factors)]
         if after == laws:
             break
         laws = after
-    raise UnsuitableError("no strength is seen as wanted")
+    raise StrengthNotReachableError("no strength is seen as wanted")
 
 
-def _motion(rng: np.random.Generator, setup: Setup, lanes: Lanes, laws: Sequence[Hidden], *,
-            fresh: bool) -> Motion:  # fmt: skip
+def _simulate_inside_pool(
+    rng: np.random.Generator,
+    setup: StudySetup,
+    lanes: ParallelTrials,
+    laws: Sequence[HiddenLaw],
+    *,
+    fresh: bool,
+) -> PlacedMotion:
     """Motion from starts drawn once; drawn again where a trial leaves the pool too soon."""
     try:
         if not fresh:
-            motion = run(lanes, setup.robot, laws, setup.pool, setup.wanted)
+            motion = simulate_from_starts(lanes, setup.robot, laws, setup.pool, setup.wanted)
             if motion.ends.min() >= 4:
                 return motion
-        return placed(rng, lanes, setup.robot, laws, pool=setup.pool, wanted=setup.wanted)
+        return simulate_placed(rng, lanes, setup.robot, laws, pool=setup.pool, wanted=setup.wanted)
     except NoRoomError as error:
-        raise UnsuitableError("no room") from error
+        raise StrengthNotReachableError("no room") from error

@@ -34,7 +34,7 @@ def draw_tracker(rng: np.random.Generator) -> Tracker:
     )
 
 
-def covariance(tracker: Tracker, times: Array, share: float = 1.0) -> Array:
+def error_covariance(tracker: Tracker, times: Array, share: float = 1.0) -> Array:
     """Covariance (times, times), px^2: Matern 3/2 and `share` of the white variance.
 
     (1 + sqrt3 d/l) exp(-sqrt3 d/l) (Rasmussen and Williams 2006, eq. 4.17).
@@ -44,9 +44,11 @@ def covariance(tracker: Tracker, times: Array, share: float = 1.0) -> Array:
     return np.asarray(slow + share * tracker.white**2 * np.eye(len(times)))
 
 
-def errors(rng: np.random.Generator, tracker: Tracker, times: Array, columns: int) -> Array:
+def correlated_errors(
+    rng: np.random.Generator, tracker: Tracker, times: Array, columns: int
+) -> Array:
     """Errors, px, (times, columns), of independent keypoint coordinates."""
-    root = np.linalg.cholesky(covariance(tracker, times))
+    root = np.linalg.cholesky(error_covariance(tracker, times))
     return np.asarray(root @ rng.normal(size=(len(times), columns)))
 
 
@@ -58,12 +60,12 @@ def detections(rng: np.random.Generator, tracker: Tracker, px: Array, noise: Arr
     count = int(wild.sum())
     found[wild, :2] += rng.normal(size=(count, 2)) * rng.choice([6, 15, 40], (count, 1))
     found[wild, 2] = np.where(rng.random(count) < 0.7, rng.uniform(0.1, 0.7, count), 0.95)
-    _swap(rng, tracker, found)
-    _hide(rng, tracker, found)
+    _swap_labels(rng, tracker, found)
+    _add_gaps(rng, tracker, found)
     return found
 
 
-def _swap(rng: np.random.Generator, tracker: Tracker, found: Array) -> None:
+def _swap_labels(rng: np.random.Generator, tracker: Tracker, found: Array) -> None:
     """Head and tail, or hinge and centre, exchanged for one to three frames."""
     for first in np.flatnonzero(rng.random(len(found)) < tracker.swaps):
         a, b = ((0, 4), (1, 2))[rng.integers(2)]
@@ -72,7 +74,7 @@ def _swap(rng: np.random.Generator, tracker: Tracker, found: Array) -> None:
         found[run, a, 2], found[run, b, 2] = rng.uniform(0.02, 0.3, 2)
 
 
-def _hide(rng: np.random.Generator, tracker: Tracker, found: Array) -> None:
+def _add_gaps(rng: np.random.Generator, tracker: Tracker, found: Array) -> None:
     """Gaps of 2 to 12 frames: likelihood below 0.1, the place wandering off or empty."""
     for first, point in np.argwhere(rng.random(found.shape[:2]) < tracker.gaps / 3):
         run = slice(first, first + int(rng.integers(2, 13)))

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import Camera
-from .robots import Lanes, Robot
-from .scene import POINTS, Statement
+from .robots import ParallelTrials, Robot
+from .scene import KEYPOINT_NAMES, StatedSetup
 
 Array = NDArray[np.float64]
 SCORER = "coupled_bodies_net"
@@ -32,15 +32,15 @@ def draw_potentiometer(rng: np.random.Generator) -> Potentiometer:
                          rng.uniform(0, 360), rng.uniform(0.2, 0.8))  # fmt: skip
 
 
-def _row(values: Array, digits: int) -> str:
+def _formatted_row(values: Array, digits: int) -> str:
     return "[" + ", ".join(f"{v:.{digits}f}" for v in np.ravel(values)) + "]"
 
 
-def write_study(path: Path, robot: Robot, camera: Camera, said: Statement, marks: Array,
+def write_study_yaml(path: Path, robot: Robot, camera: Camera, said: StatedSetup, marks: Array,
                 *, height: float) -> None:  # fmt: skip
     """study.yaml; marks: the clicked corners, px."""
-    rows = ", ".join(_row(row, 4) for row in said.matrix)
-    spots = ", ".join(_row(mark, 2) for mark in marks)
+    rows = ", ".join(_formatted_row(row, 4) for row in said.matrix)
+    spots = ", ".join(_formatted_row(mark, 2) for mark in marks)
     L, W, depth = said.pool
     path.write_text(f"""\
 pool:
@@ -63,13 +63,13 @@ camera:
   model: {"fisheye" if camera.fisheye else "pinhole"}
   image_size_px: [{camera.size[0]}, {camera.size[1]}]
   matrix: [{rows}]
-  distortion: {_row(said.distortion, 7)}
+  distortion: {_formatted_row(said.distortion, 7)}
   pool_corners_px: [{spots}]
   pool_corners_height_m: {height}
 """)
 
 
-def write_trials(path: Path, lanes: Lanes, fps: float, flap_hz: Array | None) -> None:
+def write_trials(path: Path, lanes: ParallelTrials, fps: float, flap_hz: Array | None) -> None:
     """trials.csv, with a motor log for each trial or the flapping frequencies."""
     last = "motor_log" if flap_hz is None else "flap_hz"
     lines = [f"trial_id,source,power_pct,head_angle_deg,head_length_m,fps,{last}"]
@@ -85,7 +85,7 @@ def write_trials(path: Path, lanes: Lanes, fps: float, flap_hz: Array | None) ->
 
 def write_keypoints(path: Path, found: Array) -> None:
     """u, v, likelihood of (frames, 5, 3) in DeepLabCut's layout."""
-    parts = [p for p in POINTS for _ in range(3)]
+    parts = [p for p in KEYPOINT_NAMES for _ in range(3)]
     head = [",".join(["scorer"] + [SCORER] * 15), ",".join(["bodyparts", *parts]),
             ",".join(["coords"] + ["x", "y", "likelihood"] * 5)]  # fmt: skip
     rows = [f"{i}," + ",".join("" if np.isnan(v) else f"{v:.3f}" for v in row)
@@ -93,7 +93,7 @@ def write_keypoints(path: Path, found: Array) -> None:
     path.write_text("\n".join(head + rows) + "\n")
 
 
-def readings(rng: np.random.Generator, sensor: Potentiometer, turns: Array) -> Array:
+def logged_angles(rng: np.random.Generator, sensor: Potentiometer, turns: Array) -> Array:
     """Angle, deg, of the motor's shaft as logged; NaN where it is empty."""
     true = (360 * turns + sensor.mount) % 360
     angle = (true + sensor.noise * rng.normal(size=len(turns))) % 360

@@ -24,7 +24,7 @@ class Camera(NamedTuple):
     C: np.ndarray
 
 
-DOWN = np.diag([1.0, -1.0, -1.0])
+DOWNWARD_ROTATION = np.diag([1.0, -1.0, -1.0])
 
 
 def distort(cam: Camera, a: np.ndarray) -> np.ndarray:
@@ -87,7 +87,7 @@ def project_water(cam: Camera, xy: np.ndarray, depth: np.ndarray, index: float) 
     return project_air(cam, np.column_stack([s, np.zeros(len(s))]))
 
 
-def locate(cam: Camera, px: np.ndarray, depth: float, index: float) -> np.ndarray:
+def pixels_to_pool(cam: Camera, px: np.ndarray, depth: float, index: float) -> np.ndarray:
     """Positions (n, 2) at ``depth`` below the surface seen at pixels ``px`` (n, 2)."""
     a = undistort(cam, (px - [cam.cx, cam.cy]) / [cam.fx, cam.fy])
     ray = np.column_stack([a, np.ones(len(a))]) @ Rotation.from_rotvec(cam.rotvec).as_matrix()
@@ -99,7 +99,7 @@ def locate(cam: Camera, px: np.ndarray, depth: float, index: float) -> np.ndarra
     return surface + ray[:, :2] / flat[:, None] * run[:, None]
 
 
-def fit_pose(cam: Camera, corners: np.ndarray, corners_px: np.ndarray) -> Camera:
+def with_fitted_pose(cam: Camera, corners: np.ndarray, corners_px: np.ndarray) -> Camera:
     """``cam`` with the pose that images ``corners`` (4, 3) at ``corners_px`` (4, 2), least
     squares.
     """
@@ -125,7 +125,7 @@ def draw_camera(rng: np.random.Generator, distorted: bool) -> Camera:
     R = (
         Rotation.from_euler("xy", rng.normal(0, 0.03, 2)).as_matrix()
         @ Rotation.from_euler("z", turn).as_matrix()
-        @ DOWN
+        @ DOWNWARD_ROTATION
     )
     C = np.array([*rng.normal((1.3, 0.8), 0.05), H])
     model = "fisheye" if distorted and rng.random() < 0.4 else "pinhole"

@@ -36,38 +36,42 @@ from . import effects as eff
 from . import world as wd
 from .forces import jit
 
-BLOCK = 200
-NX = 15
-MEASURED = (*eff.MEASUREMENT, "sinking")
+BLOCK_STEPS = 200
+STATE_SIZE = 15
+OBSERVATION_EFFECTS = (*eff.MEASUREMENT, "sinking")
 
 
 @jit
-def flow_all(b, c, states, f, phi, w, swirl, k, p, hist, dstate, dw):
+def advance_blocks(b, c, states, f, phi, w, swirl, k, p, hist, dstate, dw):
     """End states (blocks, 8) of blocks started at the true states plus ``dstate``, water plus
     ``dw``.
     """
-    n = (len(states) - 1) // BLOCK
+    n = (len(states) - 1) // BLOCK_STEPS
     out = np.empty((n, 8))
     for j in range(n):
-        i = j * BLOCK
-        out[j] = dyn.flow(b, c, states[i] + dstate, i, BLOCK, f, phi, w + dw, swirl, k, p, hist)
+        i = j * BLOCK_STEPS
+        out[j] = dyn.advance_state(
+            b, c, states[i] + dstate, i, BLOCK_STEPS, f, phi, w + dw, swirl, k, p, hist
+        )
     return out
 
 
-def tangent(world: wd.World, trial: wd.Trial, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def linearise_blocks(
+    world: wd.StudyWorld, trial: wd.Trial, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Transition matrices (blocks, 15, 15) and forcings (blocks, 15, effects + 6)."""
     b, c = world.body(trial.head_length), world.coefficients
-    k, p = eff.table(world.effects)
-    f, phi = wd.inputs(world, trial)
-    tail = eff.clock(len(states) - 1)[::20]
+    k, p = eff.effect_table(world.effects)
+    f, phi = wd.trial_inputs(world, trial)
+    tail = eff.step_times(len(states) - 1)[::20]
     hist = np.column_stack([states[::20, :2], 0 * tail, tail])
     w, swirl, zero = trial.water, trial.swirl, np.zeros(8)
 
     def run(c=c, f=f, phi=phi, swirl=swirl, k=k, d=zero, dw=0j):
-        return flow_all(b, c, states, f, phi, w, swirl, k, p, hist, d, dw)[:, :6]
+        return advance_blocks(b, c, states, f, phi, w, swirl, k, p, hist, d, dw)[:, :6]
 
     base = run()
-    F = np.zeros((len(base), NX, NX))
+    F = np.zeros((len(base), STATE_SIZE, STATE_SIZE))
     for i, eps in enumerate((1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-3)):
         F[:, :6, i] = (run(d=eps * np.eye(8)[i]) - base) / eps
     for i, dw in enumerate((1e-4, 1e-4j)):
@@ -77,13 +81,13 @@ def tangent(world: wd.World, trial: wd.Trial, states: np.ndarray) -> tuple[np.nd
     F[:, :6, 14] = (run(swirl=swirl + 1e-3) - base) / 1e-3
     ar, ou = np.exp(-0.2 / np.array([world.noise["track_tau_s"], world.noise["water_tau_s"]]))
     diag = np.array([ou] * 2 + [ar] * 4 + [1.0] * 3)
-    F[:, range(6, NX), range(6, NX)] = diag
-    g = np.zeros((len(base), NX, len(world.effects) + 6))
+    F[:, range(6, STATE_SIZE), range(6, STATE_SIZE)] = diag
+    g = np.zeros((len(base), STATE_SIZE, len(world.effects) + 6))
     for j, e in enumerate(world.effects):
         k_off = k.copy()
-        if e.name in dyn.ROW:
-            k_off[dyn.ROW[e.name]] = 0
-        f_off, phi_off = wd.inputs(world, trial, e.name)
+        if e.name in dyn.EFFECT_ROW:
+            k_off[dyn.EFFECT_ROW[e.name]] = 0
+        f_off, phi_off = wd.trial_inputs(world, trial, e.name)
         g[:, :6, j] = base - run(k=k_off, f=f_off, phi=phi_off)
     for j, name in enumerate(c._fields):
         g[:, :6, len(world.effects) + j] = (
@@ -92,55 +96,57 @@ def tangent(world: wd.World, trial: wd.Trial, states: np.ndarray) -> tuple[np.nd
     return F, g
 
 
-def angle_pair(xy: np.ndarray) -> np.ndarray:
+def observed_pose(xy: np.ndarray) -> np.ndarray:
     """Observed x, y, head heading and core heading (n, 4) of marked points (n, 5, 2)."""
     head, core = xy[:, 0] - xy[:, 1], xy[:, 1] - xy[:, 3]
     both = [np.unwrap(np.arctan2(v[:, 1], v[:, 0])) for v in (head, core)]
     return np.column_stack([xy[:, 2], *both])
 
 
-def misread(world: wd.World, n_trial: int, states: np.ndarray) -> tuple[np.ndarray, float]:
+def observation_changes(
+    world: wd.StudyWorld, n_trial: int, states: np.ndarray
+) -> tuple[np.ndarray, float]:
     """Change dy (blocks, 4) of the reading by hidden measurement errors, and of the body's
     scale.
     """
     trial = world.trials[n_trial]
-    t_said = 0.2 * np.arange(1, (len(states) - 1) // BLOCK + 1)
-    t = t_said * wd.believed_rate(world, n_trial)
-    grid = eff.clock(len(states) - 1)
+    t_said = 0.2 * np.arange(1, (len(states) - 1) // BLOCK_STEPS + 1)
+    t = t_said * wd.stated_clock_rate(world, n_trial)
+    grid = eff.step_times(len(states) - 1)
     s = np.stack([np.interp(t_said, grid, states[:, i]) for i in range(6)], 1)
     ideal = np.column_stack([s[:, :3], s[:, 2]])
     s_t = np.stack([np.interp(t, grid, states[:, i]) for i in range(6)], 1)
     s_t[:, :3] += s_t[:, 3:6] * np.maximum(t - grid[-1], 0)[:, None]
-    phi = wd.inputs(world, trial)[1]
+    phi = wd.trial_inputs(world, trial)[1]
     active = world.by_name()
     for name in ("servo_lag", "head_angle_offset"):
         if name in active:
             break
     else:
         name = ""
-    phi_off = wd.inputs(world, trial, name)[1]
+    phi_off = wd.trial_inputs(world, trial, name)[1]
     at = np.minimum(np.round(1000 * t).astype(int), len(phi) - 1)
-    xy = wd.points(world, trial, s_t, phi[at])
-    px = wd.pixels(world, n_trial, xy, t)
+    xy = wd.keypoint_positions(world, trial, s_t, phi[at])
+    px = wd.keypoint_pixels(world, n_trial, xy, t)
     c, depth, index, _ = wd.stated_optics(world, wd.corner_pixels(world))
-    read = cam.locate(c, px.reshape(-1, 2), depth, index).reshape(-1, 5, 2)
-    dy = angle_pair(read) - ideal - np.column_stack([0 * t, 0 * t, 0 * t, phi_off[at]])
+    read = cam.pixels_to_pool(c, px.reshape(-1, 2), depth, index).reshape(-1, 5, 2)
+    dy = observed_pose(read) - ideal - np.column_stack([0 * t, 0 * t, 0 * t, phi_off[at]])
     dy[:, 2:] = (dy[:, 2:] + np.pi) % (2 * np.pi) - np.pi
     gone = np.concatenate([[0.0], np.cumsum(phi - phi_off)])
     block = np.minimum(np.round(1000 * t_said).astype(int), len(phi) - 1)
-    dy[:, 3] += (gone[block] - gone[block - BLOCK]) / BLOCK - (phi - phi_off)[at]
+    dy[:, 3] += (gone[block] - gone[block - BLOCK_STEPS]) / BLOCK_STEPS - (phi - phi_off)[at]
     scale = np.linalg.norm(read[:, 1] - read[:, 3], axis=1) / world.body(0.12).core - 1
     return dy, float(scale.mean())
 
 
-def noise_model(world: wd.World, trial: wd.Trial) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def noise_model(world: wd.StudyWorld, trial: wd.Trial) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Process covariance Q, block-averaged white R and starting covariance P of the filter."""
     n, ppm = world.noise, world.camera.fx / world.camera.C[2]
     lever = np.array([1, 1, math.sqrt(2) / trial.head_length, math.sqrt(2) / world.body(0.12).core])
     x = 0.2 / n["track_tau_s"]
     ar_var = (n["track_px"] * trial.light / ppm * lever) ** 2 * 2 * (x - 1 + math.exp(-x)) / x**2
     ou = math.exp(-0.2 / n["water_tau_s"])
-    Q = np.zeros(NX)
+    Q = np.zeros(STATE_SIZE)
     Q[:6] = 1e-12
     Q[6:8] = n["water_m_s"] ** 2 * (1 - ou**2)
     Q[8:12] = ar_var * (1 - math.exp(-2 * x))
@@ -152,53 +158,55 @@ def noise_model(world: wd.World, trial: wd.Trial) -> tuple[np.ndarray, np.ndarra
     return np.diag(Q), R, P
 
 
-H = np.zeros((4, NX))
-H[[0, 1, 2, 3], [0, 1, 2, 2]] = 1.0
-H[range(4), range(8, 12)] = 1.0
-H[3, 12] = 1.0
+OBSERVATION_MATRIX = np.zeros((4, STATE_SIZE))
+OBSERVATION_MATRIX[[0, 1, 2, 3], [0, 1, 2, 2]] = 1.0
+OBSERVATION_MATRIX[range(4), range(8, 12)] = 1.0
+OBSERVATION_MATRIX[3, 12] = 1.0
 
 
-def whitened(F: np.ndarray, g: np.ndarray, dy: np.ndarray, noise: tuple) -> np.ndarray:
+def whitened_innovations(F: np.ndarray, g: np.ndarray, dy: np.ndarray, noise: tuple) -> np.ndarray:
     """Whitened innovations (4 blocks, columns) that forcings ``g`` and misreadings ``dy`` cause."""
     Q, R, P = noise
-    z = np.zeros((NX, g.shape[2]))
+    z = np.zeros((STATE_SIZE, g.shape[2]))
     rows = []
     for j in range(len(F)):
         P = F[j] @ P @ F[j].T + Q
         z = F[j] @ z + g[j]
-        S = H @ P @ H.T + R
-        e = H @ z + dy[j]
+        S = OBSERVATION_MATRIX @ P @ OBSERVATION_MATRIX.T + R
+        e = OBSERVATION_MATRIX @ z + dy[j]
         rows.append(np.linalg.solve(np.linalg.cholesky(S), e))
-        K = np.linalg.solve(S, H @ P).T
+        K = np.linalg.solve(S, OBSERVATION_MATRIX @ P).T
         P = P - K @ S @ K.T
         P = 0.5 * (P + P.T)
         z = z - K @ e
     return np.concatenate(rows) if rows else np.zeros((0, g.shape[2]))
 
 
-def columns(world: wd.World) -> np.ndarray:
+def whitened_columns(world: wd.StudyWorld) -> np.ndarray:
     """Whitened columns (rows, effects + 6 + 1) of all trials; the last is the label placement
     scale.
     """
     n_eff, out, extra = len(world.effects), [], []
-    reads = [e.name in (*MEASURED, "servo_lag", "head_angle_offset", "centre_of_mass_shift")
-             for e in world.effects]  # fmt: skip
+    reads = [
+        e.name in (*OBSERVATION_EFFECTS, "servo_lag", "head_angle_offset", "centre_of_mass_shift")
+        for e in world.effects
+    ]
     for i, trial in enumerate(world.trials):
-        states = wd.path(world, trial)
-        if len(states) <= BLOCK:
+        states = wd.trial_path(world, trial)
+        if len(states) <= BLOCK_STEPS:
             continue
-        F, g = tangent(world, trial, states)
+        F, g = linearise_blocks(world, trial, states)
         dy, scale = np.zeros((len(F), 4, n_eff + 6)), np.zeros(n_eff + 7)
         for j in np.flatnonzero(reads):
             alone = wd.replace(world, effects=(world.effects[j],))
-            dy[:, :, j], change = misread(alone, i, states)
-            scale[j] = change if world.effects[j].name in MEASURED else 0.0
-        e = whitened(F, g, dy, noise_model(world, trial))
+            dy[:, :, j], change = observation_changes(alone, i, states)
+            scale[j] = change if world.effects[j].name in OBSERVATION_EFFECTS else 0.0
+        e = whitened_innovations(F, g, dy, noise_model(world, trial))
         out.append(np.column_stack([e, np.zeros(len(e))]))
         beat = np.zeros(n_eff + 7)
         for j, effect in enumerate(world.effects):
             if effect.name == "clock_error":
-                beat[j] = (wd.believed_rate(world, i) - 1) / 0.004
+                beat[j] = (wd.stated_clock_rate(world, i) - 1) / 0.004
         scale[-1] = 0.003
         extra += [scale / 0.0015, beat]
     prior = np.zeros(n_eff + 7)
@@ -206,11 +214,11 @@ def columns(world: wd.World) -> np.ndarray:
     return np.concatenate([*out, np.array(extra), prior[None]])
 
 
-def sigmas(world: wd.World) -> dict[str, float]:
+def detectability_sigmas(world: wd.StudyWorld) -> dict[str, float]:
     """Sigma of every effect of ``world`` after projecting out coefficients and the other
     effects.
     """
-    M = columns(world)
+    M = whitened_columns(world)
     size = np.linalg.norm(M, axis=0)
     M = M[:, size > 0] / size[size > 0]
     kept = np.flatnonzero(size > 0)

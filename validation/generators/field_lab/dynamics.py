@@ -20,8 +20,8 @@ import numpy as np
 from . import forces as fo
 from .forces import RHO, jit
 
-STEP = 1e-3
-ORDER = [
+STEP_S = 1e-3
+EFFECT_ORDER = [
     "tail_fin_lift",
     "added_mass",
     "viscous_drag",
@@ -43,12 +43,12 @@ ORDER = [
     "port_starboard_asymmetry",
     "unlisted",
 ]
-ROW = {name: i for i, name in enumerate(ORDER)}
+EFFECT_ROW = {name: i for i, name in enumerate(EFFECT_ORDER)}
 (FIN, ADDED, VISC, YAWD, TLOSS, CURR, GYRE, WALL, STALL, TRIM) = range(10)
 (CROSS, TLINE, TAREA, LLAG, WAVE, COUL, WAKE, COMS, ASYM, UNLI) = range(10, 20)
 
 
-class Body(NamedTuple):
+class BodyParameters(NamedTuple):
     """Mass (kg), yaw inertia (kg m^2), lengths (m) and the pool (m) of one trial."""
 
     m: float
@@ -106,7 +106,7 @@ def head_plate(b, c, v, theta, r, k, p, z):
     C_D = c.C_D0 + c.C_Da * (1 - math.cos(2 * alpha))
     C_use = C_L
     if k[STALL]:
-        C_use *= fo.stall(k[STALL], p[STALL], alpha)
+        C_use *= fo.stall_lift_share(k[STALL], p[STALL], alpha)
     if k[LLAG]:
         A1, A2 = p[LLAG, 0], p[LLAG, 0] * p[LLAG, 1]
         C_use += A1 * (z[0] - C_L) + A2 * (z[1] - C_L)
@@ -126,16 +126,16 @@ def core_loads(b, T, u, s, r, f, phi, k, p):
     F, N = complex(T, 0.0), 0.0
     arms = (b.hinge_to_com, b.hinge_to_com - b.core - b.tail)
     if k[FIN]:
-        dF, dN = fo.fin(k[FIN], p[FIN], u, s, r)
+        dF, dN = fo.fin_force(k[FIN], p[FIN], u, s, r)
         F, N = F + dF, N + dN
     if k[VISC]:
         F += fo.surge_drag(k[VISC], p[VISC], u, s)
     if k[YAWD]:
         N += fo.yaw_damping(k[YAWD], p[YAWD], r)
     if k[TRIM]:
-        N += fo.trim(k[TRIM], p[TRIM], u, f)
+        N += fo.trim_moment(k[TRIM], p[TRIM], u, f)
     if k[CROSS]:
-        dF, dN = fo.crossflow(k[CROSS], p[CROSS], s, r, arms)
+        dF, dN = fo.crossflow_drag(k[CROSS], p[CROSS], s, r, arms)
         F, N = F + dF, N + dN
     if k[TLINE]:
         N += fo.thrust_moment(k[TLINE], p[TLINE], T, phi)
@@ -144,25 +144,25 @@ def core_loads(b, T, u, s, r, f, phi, k, p):
     if k[WAVE]:
         F += fo.wave_drag(k[WAVE], p[WAVE], u, s)
     if k[COUL]:
-        F += fo.coulomb(k[COUL], p[COUL], u, s)
+        F += fo.coulomb_friction(k[COUL], p[COUL], u, s)
     return F, N
 
 
 @jit
-def water_at(z, t, w, swirl, k, p, hist, n_hist):
+def water_velocity(z, t, w, swirl, k, p, hist, n_hist):
     """Water velocity (m/s, complex): random part, swirl of the last trial, current, gyre, wake."""
     v = w + swirl * math.exp(-t / 20.0) * 1j * (z - complex(1.3, 0.8))
     if k[CURR]:
-        v += fo.current(k[CURR], p[CURR], t)
+        v += fo.current_velocity(k[CURR], p[CURR], t)
     if k[GYRE]:
-        v += fo.gyre(k[GYRE], p[GYRE], z)
+        v += fo.gyre_velocity(k[GYRE], p[GYRE], z)
     if k[WAKE]:
-        v += fo.wake(k[WAKE], p[WAKE], z, t, hist, n_hist)
+        v += fo.wake_velocity(k[WAKE], p[WAKE], z, t, hist, n_hist)
     return v
 
 
 @jit
-def loads(b, c, q, v, r, t, f, phi, w, k, p, z_lag):
+def total_loads(b, c, q, v, r, t, f, phi, w, k, p, z_lag):
     """World force (N), moment (N m) and C_L at pose ``q`` = (position, heading) in water ``w``."""
     z, theta = q
     rel = v - w
@@ -174,15 +174,15 @@ def loads(b, c, q, v, r, t, f, phi, w, k, p, z_lag):
     dF, dN = core_loads(b, T, u, s, r, f, phi, k, p)
     F, N = F + dF * axis, N + dN
     if k[WALL]:
-        F += fo.wall(k[WALL], p[WALL], z, abs(v), b.L, b.W)
+        F += fo.wall_force(k[WALL], p[WALL], z, abs(v), b.L, b.W)
     if k[UNLI]:
-        dW, dC, dN = fo.unlisted(k[UNLI], p[UNLI], z, t, theta, u, s, r)
+        dW, dC, dN = fo.unlisted_load(k[UNLI], p[UNLI], z, t, theta, u, s, r)
         F, N = F + dW + dC * axis, N + dN
     return F, N, C_L
 
 
 @jit
-def added(k, p, theta, phi):
+def added_mass(k, p, theta, phi):
     """Added masses (surge, sway in kg, yaw in kg m^2) and their axis: 1 Lamb ellipsoid, 2 Lighthill
     elongated body, both in core axes, 3 plate in head axes (Newman 1977, 4.13).
     """
@@ -197,14 +197,14 @@ def added(k, p, theta, phi):
 
 
 @jit
-def impulse(a, v):
+def added_momentum(a, v):
     """Momentum (N s) of the added mass ``a`` at relative velocity ``v``."""
     local = v * a[3].conjugate()
     return complex(a[0] * local.real, a[1] * local.imag) * a[3]
 
 
 @jit
-def velocity(a, m, P):
+def velocity_from_momentum(a, m, P):
     """Velocity (m/s) at total momentum ``P``: (m + M_a) v = P."""
     local = P * a[3].conjugate()
     return complex(local.real / (m + a[0]), local.imag / (m + a[1])) * a[3]
@@ -216,28 +216,30 @@ def step(b, c, state, t, h, inp, swirl, k, p, hist, n_hist):
     f, phi0, phi1, w0 = inp
     z, v = complex(state[0], state[1]), complex(state[3], state[4])
     theta, r = state[2], state[5]
-    w = water_at(z, t, w0, swirl, k, p, hist, n_hist)
-    a0 = added(k, p, theta, phi0)
-    P0 = b.m * v + impulse(a0, v - w)
+    w = water_velocity(z, t, w0, swirl, k, p, hist, n_hist)
+    a0 = added_mass(k, p, theta, phi0)
+    P0 = b.m * v + added_momentum(a0, v - w)
     v1, r1, C_L = v, r, 0.0
     for _ in range(2):
         vm, rm = 0.5 * (v + v1), 0.5 * (r + r1)
         q = (z + 0.5 * h * vm, theta + 0.5 * h * rm)
-        F, N, C_L = loads(b, c, q, vm, rm, t + 0.5 * h, f, 0.5 * (phi0 + phi1), w, k, p, state[6:8])
-        a1 = added(k, p, theta + h * rm, phi1)
-        v1 = velocity(a1, b.m, P0 + h * F + impulse(a1, w))
-        Pa = impulse(added(k, p, q[1], phi1), vm - w)
+        F, N, C_L = total_loads(
+            b, c, q, vm, rm, t + 0.5 * h, f, 0.5 * (phi0 + phi1), w, k, p, state[6:8]
+        )
+        a1 = added_mass(k, p, theta + h * rm, phi1)
+        v1 = velocity_from_momentum(a1, b.m, P0 + h * F + added_momentum(a1, w))
+        Pa = added_momentum(added_mass(k, p, q[1], phi1), vm - w)
         munk = (vm - w).real * Pa.imag - (vm - w).imag * Pa.real
         r1 = r + h * (N - munk) / (b.I + a0[2])
     state[0] += h * 0.5 * (v + v1).real
     state[1] += h * 0.5 * (v + v1).imag
     state[2] += h * 0.5 * (r + r1)
     state[3], state[4], state[5] = v1.real, v1.imag, r1
-    lag_step(k, p, state, C_L, abs(v1 - w), b.head, h)
+    relax_lag_states(k, p, state, C_L, abs(v1 - w), b.head, h)
 
 
 @jit
-def lag_step(k, p, state, C_L, U, chord, h):
+def relax_lag_states(k, p, state, C_L, U, chord, h):
     """Relax the lag states to C_L: rates U/(tau chord/2) (forms 1, 2) or 1/tau (forms 3, 4)."""
     if k[LLAG]:
         scale = U / (0.5 * chord) if k[LLAG] <= 2 else 1.0
@@ -256,13 +258,13 @@ def simulate(b, c, start, f, phi, w, swirl, k, p):
     for i in range(n):
         if i % 20 == 0:
             j = i // 20
-            hist[j, 0], hist[j, 1], hist[j, 3] = state[0], state[1], i * STEP
+            hist[j, 0], hist[j, 1], hist[j, 3] = state[0], state[1], i * STEP_S
         step(
             b,
             c,
             state,
-            i * STEP,
-            STEP,
+            i * STEP_S,
+            STEP_S,
             (f[i], phi[i], phi[i + 1], w[i]),
             swirl,
             k,
@@ -275,7 +277,7 @@ def simulate(b, c, start, f, phi, w, swirl, k, p):
 
 
 @jit
-def flow(b, c, start, i0, n, f, phi, w, swirl, k, p, hist):
+def advance_state(b, c, start, i0, n, f, phi, w, swirl, k, p, hist):
     """State after ``n`` milliseconds from ``start`` at step ``i0``; 2 ms steps, known wake
     ``hist``.
     """
@@ -283,25 +285,25 @@ def flow(b, c, start, i0, n, f, phi, w, swirl, k, p, hist):
     for j in range(0, n, 2):
         i = i0 + j
         step(
-            b, c, state, i * STEP, 2 * STEP, (f[i], phi[i], phi[i + 2], w[i]), swirl, k, p,
+            b, c, state, i * STEP_S, 2 * STEP_S, (f[i], phi[i], phi[i + 2], w[i]), swirl, k, p,
             hist, i // 20,
         )  # fmt: skip
     return state
 
 
-def straight_growth_per_s(
-    b: Body, c: Coefficients, f: float, k: np.ndarray, p: np.ndarray
+def straight_growth_rate_per_s(
+    b: BodyParameters, c: Coefficients, f: float, k: np.ndarray, p: np.ndarray
 ) -> float:
     """Largest real eigenvalue (1/s) of straight swimming in (sway, yaw rate), body axes."""
     u = f * math.sqrt(c.C_T / c.C_D0)
     for _ in range(60):
-        F = loads(b, c, (0j, 0.0), complex(u, 0), 0.0, 0.0, f, 0.0, 0j, k, p, np.zeros(2))[0]
+        F = total_loads(b, c, (0j, 0.0), complex(u, 0), 0.0, 0.0, f, 0.0, 0j, k, p, np.zeros(2))[0]
         u = max(u + 0.3 * F.real / b.m, 0.01)
     J = np.zeros((2, 2))
     for j, eps in enumerate((1e-4, 1e-3)):
         d = np.zeros(2)
         d[j] = eps
         rest = np.zeros(2)
-        F, N, _ = loads(b, c, (0j, 0.0), complex(u, d[0]), d[1], 0.0, f, 0.0, 0j, k, p, rest)
+        F, N, _ = total_loads(b, c, (0j, 0.0), complex(u, d[0]), d[1], 0.0, f, 0.0, 0j, k, p, rest)
         J[0, j], J[1, j] = F.imag / b.m / eps - u * j, N / b.I / eps
     return float(np.linalg.eigvals(J).real.max())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .dynamics import ROW, STEP
+from .dynamics import EFFECT_ROW, STEP_S
 
 Range = tuple[str, str, float, float]
 
@@ -38,12 +38,12 @@ class Effect:
         rows = zip(
             (self.form.strength, *self.form.shape), (self.strength, *self.shape), strict=True
         )
-        unused = UNUSED.get((self.name, self.form.code), ())
+        unused = UNUSED_PARAMETERS.get((self.name, self.form.code), ())
         rows = (pair for pair in rows if pair[0][0] not in unused)
         return {row[0]: {"value": float(value), "unit": row[1]} for row, value in rows}
 
 
-UNUSED = {
+UNUSED_PARAMETERS = {
     ("uniform_current", 1): ("period",),
     ("linear_yaw_damping", 1): ("rate_scale",),
     ("pool_gyre", 4): ("x", "y", "core"),
@@ -57,14 +57,14 @@ def _forms(names: str, strength: Range, *shape: Range, signed: bool = False) -> 
     return tuple(Form(i + 1, n, strength, shape, signed) for i, n in enumerate(names.split()))
 
 
-_ARM = ("arm_m", "m", 0.09, 0.17)
-_WIDE = ("width_rad", "rad", 0.02, 0.05)
-_DIR = ("direction_rad", "rad", -3.14, 3.14)
+_ARM_RANGE = ("arm_m", "m", 0.09, 0.17)
+_WIDTH_RANGE = ("width_rad", "rad", 0.02, 0.05)
+_DIRECTION_RANGE = ("direction_rad", "rad", -3.14, 3.14)
 
 FORMS: dict[str, tuple[Form, ...]] = {
     "tail_fin_lift": _forms(
         "polhamus jones helmbold ittc_normal_force",
-        ("area_m2", "m2", 0.002, 0.06), _ARM, ("aspect_ratio", "1", 0.4, 1.2)),
+        ("area_m2", "m2", 0.002, 0.06), _ARM_RANGE, ("aspect_ratio", "1", 0.4, 1.2)),
     "added_mass": _forms("lamb_ellipsoid lighthill_body head_plate", ("m_v", "kg", 0.02, 1.2)),
     "viscous_drag": (
         Form(1, "stokes_linear", ("X_u", "N s/m", 0.01, 1.2)),
@@ -75,14 +75,14 @@ FORMS: dict[str, tuple[Form, ...]] = {
         ("rate_scale", "rad/s", 0.3, 0.9)),
     "thrust_loss_with_speed": _forms("advance_linear wageningen hyperbolic_slip ram_drag",
         ("loss", "1", 0.01, 0.9)),
-    "uniform_current": _forms("steady pulsating", ("speed", "m/s", 0.001, 0.06), _DIR,
+    "uniform_current": _forms("steady pulsating", ("speed", "m/s", 0.001, 0.06), _DIRECTION_RANGE,
         ("period", "s", 8.0, 20.0)),
     "pool_gyre": _forms("lamb_oseen scully rankine taylor_green", ("speed", "m/s", 0.002, 0.09),
         ("x", "m", 1.0, 1.6), ("y", "m", 0.6, 1.0), ("core", "m", 0.25, 0.6), signed=True),
     "wall_effect": _forms("exponential_cushion image_suction bow_wave",
         ("level", "kg/m", 0.05, 8.0), ("length", "m", 0.12, 0.3)),
     "stall": _forms("kirchhoff viterna logistic linear_fall", ("depth", "1", 0.05, 1.2),
-        ("stall_angle", "rad", 0.06, 0.13), _WIDE),
+        ("stall_angle", "rad", 0.06, 0.13), _WIDTH_RANGE),
     "trim_moment": (
         Form(1, "thrust_offset", ("moment_at_5_hz", "N m", 5e-5, 0.02), signed=True),
         Form(2, "bent_plate", ("moment_at_0_3_m_s", "N m", 5e-5, 0.02), signed=True),
@@ -139,28 +139,75 @@ MEASUREMENT: dict[str, tuple[Form, ...]] = {
 }  # fmt: skip
 
 UNLISTED: tuple[tuple[Form, tuple[str, ...], str], ...] = (
-    (Form(1, "magnet sin(theta - t0)", ("moment", "N m", 5e-5, 0.02), (_DIR,)),
-     ("yaw",), "heading_rad"),
-    (Form(2, "sin(3 theta + t0)", ("moment", "N m", 5e-5, 0.02), (_DIR,)), ("yaw",), "heading_rad"),
-    (Form(3, "spring to a point", ("stiffness", "N/m", 0.001, 0.15),
-          (("x", "m", 0.9, 1.7), ("y", "m", 0.5, 1.1))), ("surge", "sway"), "position_m"),
-    (Form(4, "saddle potential", ("stiffness", "N/m", 0.001, 0.15)),
-     ("surge", "sway"), "position_m"),
-    (Form(5, "periodic side force", ("force", "N", 0.0005, 0.15), (("period", "s", 1.5, 3.5),)),
-     ("sway",), "time_s"),
-    (Form(6, "drag bump in speed", ("force", "N", 0.0005, 0.1),
-          (("centre", "m/s", 0.2, 0.38), ("width", "m/s", 0.03, 0.06))), ("surge",), "speed_m_s"),
-    (Form(7, "side force cos(2 theta + t0)", ("force", "N", 0.0005, 0.15), (_DIR,)),
-     ("sway",), "heading_rad"),
-    (Form(8, "moment pulses in time", ("moment", "N m", 5e-5, 0.03),
-          (("period", "s", 2.0, 3.0), ("width", "s", 0.15, 0.3))), ("yaw",), "time_s"),
-    (Form(9, "moment with position", ("moment", "N m", 5e-5, 0.03),
-          (("wave_length", "m", 0.9, 1.4),)),
-     ("yaw",), "position_m"),
-)  # fmt: skip
+    (
+        Form(1, "magnet sin(theta - t0)", ("moment", "N m", 5e-5, 0.02), (_DIRECTION_RANGE,)),
+        ("yaw",),
+        "heading_rad",
+    ),
+    (
+        Form(2, "sin(3 theta + t0)", ("moment", "N m", 5e-5, 0.02), (_DIRECTION_RANGE,)),
+        ("yaw",),
+        "heading_rad",
+    ),
+    (
+        Form(
+            3,
+            "spring to a point",
+            ("stiffness", "N/m", 0.001, 0.15),
+            (("x", "m", 0.9, 1.7), ("y", "m", 0.5, 1.1)),
+        ),
+        ("surge", "sway"),
+        "position_m",
+    ),
+    (
+        Form(4, "saddle potential", ("stiffness", "N/m", 0.001, 0.15)),
+        ("surge", "sway"),
+        "position_m",
+    ),
+    (
+        Form(5, "periodic side force", ("force", "N", 0.0005, 0.15), (("period", "s", 1.5, 3.5),)),
+        ("sway",),
+        "time_s",
+    ),
+    (
+        Form(
+            6,
+            "drag bump in speed",
+            ("force", "N", 0.0005, 0.1),
+            (("centre", "m/s", 0.2, 0.38), ("width", "m/s", 0.03, 0.06)),
+        ),
+        ("surge",),
+        "speed_m_s",
+    ),
+    (
+        Form(7, "side force cos(2 theta + t0)", ("force", "N", 0.0005, 0.15), (_DIRECTION_RANGE,)),
+        ("sway",),
+        "heading_rad",
+    ),
+    (
+        Form(
+            8,
+            "moment pulses in time",
+            ("moment", "N m", 5e-5, 0.03),
+            (("period", "s", 2.0, 3.0), ("width", "s", 0.15, 0.3)),
+        ),
+        ("yaw",),
+        "time_s",
+    ),
+    (
+        Form(
+            9,
+            "moment with position",
+            ("moment", "N m", 5e-5, 0.03),
+            (("wave_length", "m", 0.9, 1.4),),
+        ),
+        ("yaw",),
+        "position_m",
+    ),
+)
 
 
-def draw(rng: np.random.Generator, name: str, form: Form) -> Effect:
+def draw_effect(rng: np.random.Generator, name: str, form: Form) -> Effect:
     """Effect with shape drawn uniformly and strength at the geometric middle of its bounds."""
     low, high = form.strength[2:]
     sign = -1.0 if form.signed and rng.random() < 0.5 else 1.0
@@ -168,14 +215,14 @@ def draw(rng: np.random.Generator, name: str, form: Form) -> Effect:
     return Effect(name, form, sign * float(np.sqrt(low * high)), shape)
 
 
-def table(effects: tuple[Effect, ...]) -> tuple[np.ndarray, np.ndarray]:
+def effect_table(effects: tuple[Effect, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Form codes (effects,) and strengths (effects, 6) for the compiled loads."""
-    k, p = np.zeros(len(ROW), np.int64), np.zeros((len(ROW), 6))
+    k, p = np.zeros(len(EFFECT_ROW), np.int64), np.zeros((len(EFFECT_ROW), 6))
     for e in effects:
-        if e.name in ROW:
-            k[ROW[e.name]] = e.form.code
-            p[ROW[e.name], 0] = e.strength
-            p[ROW[e.name], 1 : 1 + len(e.shape)] = e.shape
+        if e.name in EFFECT_ROW:
+            k[EFFECT_ROW[e.name]] = e.form.code
+            p[EFFECT_ROW[e.name], 0] = e.strength
+            p[EFFECT_ROW[e.name], 1 : 1 + len(e.shape)] = e.shape
     return k, p
 
 
@@ -219,7 +266,7 @@ def frequency(effects: dict[str, Effect], t: np.ndarray, f: float) -> np.ndarray
     return f * gain
 
 
-def depth(effects: dict[str, Effect], t: np.ndarray, f: float, still: float) -> np.ndarray:
+def keypoint_depth(effects: dict[str, Effect], t: np.ndarray, f: float, still: float) -> np.ndarray:
     """Depth (m) of the keypoints: ``still`` plus steady, settling or speed-driven sinking."""
     e = effects.get("sinking")
     if e is None:
@@ -229,6 +276,6 @@ def depth(effects: dict[str, Effect], t: np.ndarray, f: float, still: float) -> 
     return np.minimum(still + e.strength * course, 0.26)
 
 
-def clock(n: int) -> np.ndarray:
+def step_times(n: int) -> np.ndarray:
     """Times (s) of ``n + 1`` steps."""
-    return STEP * np.arange(n + 1)
+    return STEP_S * np.arange(n + 1)

@@ -16,12 +16,12 @@ from numba import njit
 
 jit = njit(cache=True, fastmath=False)
 RHO = 1000.0
-NU = 1.0e-6
+KINEMATIC_VISCOSITY = 1.0e-6
 G = 9.81
 
 
 @jit
-def fin(k, p, u, s, r):
+def fin_force(k, p, u, s, r):
     """Lift of core and tail: 1 Polhamus (NASA TN D-3767), 2 Jones (NACA 835), 3 Helmbold
     (1942), 4 ITTC.
     """
@@ -62,7 +62,7 @@ def surge_drag(k, p, u, s):
     elif k == 2:
         D = p[0] * U**1.5
     elif k == 3:
-        Re = max(U * 0.33 / NU, 300.0)
+        Re = max(U * 0.33 / KINEMATIC_VISCOSITY, 300.0)
         D = 0.5 * RHO * p[0] * U * U * 0.075 / (math.log10(Re) - 2) ** 2
     else:
         D = p[0] * U**1.8
@@ -95,14 +95,14 @@ def thrust_loss(k, p, u, f):
 
 
 @jit
-def current(k, p, t):
+def current_velocity(k, p, t):
     """Uniform current: 1 steady, 2 pulsating (pump, +-30 %), both along ``p[1]`` (rad)."""
     gain = 1.0 if k == 1 else 1 + 0.3 * math.sin(2 * math.pi * t / p[2])
     return p[0] * gain * complex(math.cos(p[1]), math.sin(p[1]))
 
 
 @jit
-def gyre(k, p, z):
+def gyre_velocity(k, p, z):
     """Vortex: 1 Lamb-Oseen (Gaussian), 2 Scully (1975), 3 Rankine, 4 Taylor-Green cell of the
     pool.
     """
@@ -122,7 +122,7 @@ def gyre(k, p, z):
 
 
 @jit
-def wall(k, p, z, U, L, W):
+def wall_force(k, p, z, U, L, W):
     """World force by the four walls: 1 exponential cushion, 2 image suction (Newman 1977, 4.19),
     3 constant exponential repulsion of a bow wave.
     """
@@ -141,7 +141,7 @@ def wall(k, p, z, U, L, W):
 
 
 @jit
-def stall(k, p, alpha):
+def stall_lift_share(k, p, alpha):
     """Remaining fraction of lift: 1 Kirchhoff (Leishman & Beddoes 1989), 2 Viterna (1982) blend,
     3 logistic, 4 linear fall-off beyond the stall angle ``p[1]``.
     """
@@ -163,7 +163,7 @@ def stall(k, p, alpha):
 
 
 @jit
-def trim(k, p, u, f):
+def trim_moment(k, p, u, f):
     """Moment on a straight robot: 1 thrust offset (f^2), 2 bent plate (u |u|), 3 constant
     (tether).
     """
@@ -173,7 +173,7 @@ def trim(k, p, u, f):
 
 
 @jit
-def crossflow(k, p, s, r, arms):
+def crossflow_drag(k, p, s, r, arms):
     """Sideways drag of core and tail (Hoerner 1965, III): 1 uniform strips, 2 tapered strips,
     3 one plate at its centroid, 4 strips with a Reynolds-dependent coefficient.
     """
@@ -222,7 +222,7 @@ def wave_drag(k, p, u, s):
 
 
 @jit
-def coulomb(k, p, u, s):
+def coulomb_friction(k, p, u, s):
     """Dry friction of the cable: 1 Coulomb, 2 Stribeck (Armstrong 1994), smoothed below 5 mm/s."""
     U = math.hypot(u, s)
     level = p[0] if k == 1 else p[0] * (1 + p[1] * math.exp(-((U / p[2]) ** 2)))
@@ -230,7 +230,7 @@ def coulomb(k, p, u, s):
 
 
 @jit
-def wake(k, p, z, t, hist, n_hist):
+def wake_velocity(k, p, z, t, hist, n_hist):
     """Water velocity in the robot's own wake: 1 Gaussian, exponential decay, 2 Gaussian
     momentumless
     t^-2/3 (Tennekes & Lumley 1972, 4), 3 top hat, 4 spreading Gaussian jet; along the old path.
@@ -261,7 +261,7 @@ def wake(k, p, z, t, hist, n_hist):
 
 
 @jit
-def unlisted(k, p, z, t, theta, u, s, r):
+def unlisted_load(k, p, z, t, theta, u, s, r):
     """Load of no named cause, world-axes force, core-axes force, moment: 1 magnet, 2 three-fold
     heading
     moment, 3 spring to a point, 4 saddle, 5 periodic side force, 6 drag bump in speed, 7 side force
@@ -293,4 +293,4 @@ def unlisted(k, p, z, t, theta, u, s, r):
     )
 
 
-NONE_HIST = np.zeros((1, 4))
+EMPTY_HISTORY = np.zeros((1, 4))

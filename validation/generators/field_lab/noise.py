@@ -23,7 +23,7 @@ def likelihoods(rng: np.random.Generator, error: np.ndarray, use: float) -> np.n
     return np.clip(1 - rng.beta(0.6, 12, miss.shape) - 0.03 * use * np.minimum(miss, 6), 0.3, 1.0)
 
 
-def outliers(rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: float) -> None:
+def add_outliers(rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: float) -> None:
     """Move bursts of 1 to 4 frames of one keypoint by 10 to 60 px; four in five of low
     likelihood.
     """
@@ -36,7 +36,9 @@ def outliers(rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: fl
             lk[i : i + run, part] = rng.uniform(0.02, 0.5)
 
 
-def swaps(rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: float) -> None:
+def swap_head_and_tail(
+    rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: float
+) -> None:
     """Exchange head tip and tail tip in single frames."""
     for i in np.flatnonzero(rng.random(len(px)) < share):
         px[i, [0, 4]] = px[i, [4, 0]]
@@ -44,7 +46,7 @@ def swaps(rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, share: float
             lk[i, [0, 4]] = rng.uniform(0.2, 0.7, 2)
 
 
-def gaps(
+def add_gaps(
     rng: np.random.Generator, px: np.ndarray, lk: np.ndarray, per_s: float, fps: float
 ) -> None:
     """Blank 1 to 10 frames of one keypoint or of all: empty cells or likelihood below 0.1."""
@@ -58,27 +60,29 @@ def gaps(
             lk[i : i + run, part] = rng.uniform(0, 0.09)
 
 
-def freeze(rng: np.random.Generator, px: np.ndarray, share: float) -> None:
+def repeat_frames(rng: np.random.Generator, px: np.ndarray, share: float) -> None:
     """Repeat the preceding frame's image in a few frames."""
     for i in np.flatnonzero(rng.random(len(px)) < share):
         if i:
             px[i] = px[i - 1]
 
 
-def track(
+def tracked_keypoints(
     rng: np.random.Generator, px: np.ndarray, noise: dict[str, float], light: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Tracked pixels (n, 5, 2) and likelihoods (n, 5) of exact pixels ``px``."""
     error = tracking_error(rng, len(px), noise, light)
     out, lk = px + error, likelihoods(rng, error, noise["likelihood_use"])
-    freeze(rng, out, noise["frozen_share"])
-    swaps(rng, out, lk, noise["swap_share"])
-    outliers(rng, out, lk, noise["outlier_share"])
-    gaps(rng, out, lk, noise["gaps_per_s"], noise["fps"])
+    repeat_frames(rng, out, noise["frozen_share"])
+    swap_head_and_tail(rng, out, lk, noise["swap_share"])
+    add_outliers(rng, out, lk, noise["outlier_share"])
+    add_gaps(rng, out, lk, noise["gaps_per_s"], noise["fps"])
     return out, lk
 
 
-def shaft(rng: np.random.Generator, angle_deg: np.ndarray, dead_zone: str) -> list[float | None]:
+def logged_shaft_angle(
+    rng: np.random.Generator, angle_deg: np.ndarray, dead_zone: str
+) -> list[float | None]:
     """Logged shaft angle (deg, wrapping at 360) with a dead zone at 342 to 360 degrees."""
     a = (angle_deg + rng.normal(0, 0.4, len(angle_deg))) % 360
     out: list[float | None] = []

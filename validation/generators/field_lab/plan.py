@@ -12,15 +12,22 @@ from . import dynamics as dyn
 from . import effects as eff
 from . import world as wd
 
-GROUPS = (("null", 8), ("clear", 8), ("faint", 6), ("pair", 6), ("measurement", 6), ("unlisted", 6))
-PERMUTATION = np.random.default_rng(2957).permutation(40)
-NINE = frozenset(np.random.default_rng(1163).permutation(40)[:10].tolist())
-TARGET = {"clear": (20, 45), "faint": (8, 14), "pair": (14, 35), "measurement": (12, 40),
+GROUP_COUNTS = (
+    ("null", 8),
+    ("clear", 8),
+    ("faint", 6),
+    ("pair", 6),
+    ("measurement", 6),
+    ("unlisted", 6),
+)
+SLOT_PERMUTATION = np.random.default_rng(2957).permutation(40)
+NINE_TRIAL_SLOTS = frozenset(np.random.default_rng(1163).permutation(40)[:10].tolist())
+TARGET_SIGMAS = {"clear": (20, 45), "faint": (8, 14), "pair": (14, 35), "measurement": (12, 40),
           "unlisted": (14, 40)}  # fmt: skip
 PHYSICS = tuple(name for name in eff.FORMS if name != "tail_fin_lift")
 
 
-class Slot(NamedTuple):
+class StudySlot(NamedTuple):
     """Group of a study, place within the group, whether it has a fin, number of trials."""
 
     group: str
@@ -29,20 +36,20 @@ class Slot(NamedTuple):
     trials: int
 
 
-def slot(index: int) -> Slot:
+def study_slot(index: int) -> StudySlot:
     """Slot of study ``index``: modulo 40 through a fixed permutation."""
-    j = int(PERMUTATION[index % 40])
-    nine = 9 if j in NINE else 24
-    for group, size in GROUPS:
+    j = int(SLOT_PERMUTATION[index % 40])
+    nine = 9 if j in NINE_TRIAL_SLOTS else 24
+    for group, size in GROUP_COUNTS:
         if j < size:
-            return Slot(group, j, j % 2 == 0, nine)
+            return StudySlot(group, j, j % 2 == 0, nine)
         j -= size
     raise AssertionError(index)
 
 
-def dealt(seed: int, index: int) -> tuple[str, ...]:
+def causes_from_deck(seed: int, index: int) -> tuple[str, ...]:
     """Names of causes to try, in order; one deck per seed deals all causes equally often."""
-    s, block = slot(index), index // 40
+    s, block = study_slot(index), index // 40
     rng = np.random.default_rng([seed, 77])
     if s.group == "null":
         return ()
@@ -62,10 +69,12 @@ def dealt(seed: int, index: int) -> tuple[str, ...]:
 def draw_form(rng: np.random.Generator, name: str) -> eff.Effect:
     """Effect called ``name`` with a form at random; ``u3`` is the unlisted load 3."""
     if name in eff.MEASUREMENT:
-        return eff.draw(rng, name, eff.MEASUREMENT[name][rng.integers(len(eff.MEASUREMENT[name]))])
+        return eff.draw_effect(
+            rng, name, eff.MEASUREMENT[name][rng.integers(len(eff.MEASUREMENT[name]))]
+        )
     if name in eff.FORMS:
-        return eff.draw(rng, name, eff.FORMS[name][rng.integers(len(eff.FORMS[name]))])
-    return eff.draw(rng, "unlisted", eff.UNLISTED[int(name[1:])][0])
+        return eff.draw_effect(rng, name, eff.FORMS[name][rng.integers(len(eff.FORMS[name]))])
+    return eff.draw_effect(rng, "unlisted", eff.UNLISTED[int(name[1:])][0])
 
 
 def draw_robot(rng: np.random.Generator) -> tuple[dict[str, float], dyn.Coefficients]:
@@ -110,7 +119,7 @@ def draw_noise(rng: np.random.Generator) -> dict[str, float]:
     }
 
 
-def conditions(rng: np.random.Generator, n: int, heads: tuple[float, ...]) -> list[tuple]:
+def draw_conditions(rng: np.random.Generator, n: int, heads: tuple[float, ...]) -> list[tuple]:
     """(power %, head angle rad, head length m) of every trial, repeats grouped at random."""
     powers = ((50, 75, 100), (45, 70, 95), (55, 80, 110), (60, 80, 100))[rng.integers(4)]
     pick = ((0, 20, -30, 40), (0, -15, 30, 45), (0, 25, -25), (0, 15, -20, 35, -45), (0, 30, -45))
@@ -127,9 +136,9 @@ def conditions(rng: np.random.Generator, n: int, heads: tuple[float, ...]) -> li
     return [(rows[i][0], math.radians(float(sign * rows[i][1])), rows[i][2]) for i in order]
 
 
-def water(rng: np.random.Generator, n: int, std: float, tau: float) -> np.ndarray:
+def random_water_velocity(rng: np.random.Generator, n: int, std: float, tau: float) -> np.ndarray:
     """Random water velocity (n,) m/s per millisecond, complex, Ornstein-Uhlenbeck."""
-    a = math.exp(-dyn.STEP / tau)
+    a = math.exp(-dyn.STEP_S / tau)
     kick = (rng.normal(size=n) + 1j * rng.normal(size=n)) * std * math.sqrt(1 - a * a)
     kick[0] /= math.sqrt(1 - a * a)
     return lfilter([1.0], [1.0, -a], kick)
@@ -148,28 +157,38 @@ def draw_trials(
     two = "thrust_area" in names or rng.random() < 0.85
     heads = (robot["head_length_m"], longer)[: 1 + two]
     out = []
-    for i, (power, phi, head) in enumerate(conditions(rng, n, heads)):
+    for i, (power, phi, head) in enumerate(draw_conditions(rng, n, heads)):
         span = rng.uniform(8, 12) if long or rng.random() < 0.06 else rng.uniform(3.2, 8)
         f = 5.82 * (power / 100) ** 1.296 * rng.normal(1, 0.015)
         swirl = rng.choice([-1, 1]) * noise["swirl_per_s"] * rng.uniform(0.4, 1.4)
         out.append(
             wd.Trial(
-                f"run{i + 1:02d}", int(i >= n // 2), power, phi, head, round(f, 4), round(span, 2),
-                (1.3, 0.8, 0.0), rng.normal(0, noise["servo_rad"]),
-                rng.normal(0, noise["flap_share"]), swirl,
-                water(rng, round(1000 * span) + 6, noise["water_m_s"], noise["water_tau_s"]),
+                f"run{i + 1:02d}",
+                int(i >= n // 2),
+                power,
+                phi,
+                head,
+                round(f, 4),
+                round(span, 2),
+                (1.3, 0.8, 0.0),
+                rng.normal(0, noise["servo_rad"]),
+                rng.normal(0, noise["flap_share"]),
+                swirl,
+                random_water_velocity(
+                    rng, round(1000 * span) + 6, noise["water_m_s"], noise["water_tau_s"]
+                ),
                 float(np.clip(np.exp(rng.normal(0, 0.35)), 0.5, 1.6)),
             )
-        )  # fmt: skip
+        )
     return out
 
 
-def place(rng: np.random.Generator, world: wd.World, trial: wd.Trial) -> wd.Trial:
+def with_start_pose(rng: np.random.Generator, world: wd.StudyWorld, trial: wd.Trial) -> wd.Trial:
     """``trial`` with the start pose, of 60 at random, that keeps its path longest in the pool.
 
     The free path is turned and shifted; the best four poses are simulated.
     """
-    free = wd.path(world, wd.replace(trial, start=(1.3, 0.8, 0.0)), walls=False)
+    free = wd.trial_path(world, wd.replace(trial, start=(1.3, 0.8, 0.0)), walls=False)
     z = free[::50, 0] + 1j * free[::50, 1] - (1.3 + 0.8j)
     nose = z + (trial.head_length + 0.06) * np.exp(1j * free[::50, 2])
     tries = []
@@ -180,28 +199,30 @@ def place(rng: np.random.Generator, world: wd.World, trial: wd.Trial) -> wd.Tria
         n = float(np.argmax(out)) if out.any() else len(z) + rng.random()
         tries.append((n, (z0.real, z0.imag, float(turn))))
     poses = [wd.replace(trial, start=pose) for _, pose in sorted(tries, reverse=True)[:4]]
-    return max(poses, key=lambda t: len(wd.path(world, t)))
+    return max(poses, key=lambda t: len(wd.trial_path(world, t)))
 
 
-def fin_area(rng: np.random.Generator, world: wd.World, fin: eff.Effect) -> eff.Effect:
+def with_stable_fin(rng: np.random.Generator, world: wd.StudyWorld, fin: eff.Effect) -> eff.Effect:
     """``fin`` sized from marginally to strongly stable for the longest head, straight at 100 %."""
     head = max(t.head_length for t in world.trials)
     low, high = fin.form.strength[2:]
     for _ in range(30):
         area = math.sqrt(low * high)
-        k, p = eff.table((wd.replace(fin, strength=area),))
-        growth = dyn.straight_growth_per_s(world.body(head), world.coefficients, 5.8, k, p)
+        k, p = eff.effect_table((wd.replace(fin, strength=area),))
+        growth = dyn.straight_growth_rate_per_s(world.body(head), world.coefficients, 5.8, k, p)
         low, high = (area, high) if growth > 0 else (low, area)
     return wd.replace(fin, strength=math.sqrt(low * high) * rng.uniform(1.02, 1.9))
 
 
-def draw_world(rng: np.random.Generator, s: Slot, names: tuple[str, ...]) -> tuple[wd.World, dict]:
+def draw_study(
+    rng: np.random.Generator, s: StudySlot, names: tuple[str, ...]
+) -> tuple[wd.StudyWorld, dict]:
     """World without concealed effects (but with start poses) and facts about the file layout."""
     robot, c = draw_robot(rng)
     noise = draw_noise(rng)
     flat = s.group not in ("measurement",) and rng.random() < 0.12
     trials = draw_trials(rng, s.trials, robot, noise, names)
-    world = wd.World(
+    world = wd.StudyWorld(
         robot, c, cam.draw_camera(rng, not flat), noise, tuple(trials), (),
         robot["keypoint_depth_m"], float(rng.choice([0.0, 0.05, 0.1])),
     )  # fmt: skip

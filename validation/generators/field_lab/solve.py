@@ -7,19 +7,21 @@ from . import detector, plan
 from . import effects as eff
 from . import world as wd
 
-FIN = "tail_fin_lift"
+FIN_CAUSE = "tail_fin_lift"
 
 
-def placed(rng: np.random.Generator, world: wd.World, least_s: float) -> wd.World:
+def with_new_start_poses(
+    rng: np.random.Generator, world: wd.StudyWorld, least_s: float
+) -> wd.StudyWorld:
     """``world`` with new start poses for trials that would last less than ``least_s`` seconds."""
     out = []
     for trial in world.trials:
-        short = len(wd.path(world, trial)) < 1000 * min(least_s, trial.duration_s)
-        out.append(plan.place(rng, world, trial) if short else trial)
+        short = len(wd.trial_path(world, trial)) < 1000 * min(least_s, trial.duration_s)
+        out.append(plan.with_start_pose(rng, world, trial) if short else trial)
     return wd.replace(world, trials=tuple(out))
 
 
-def scaled(world: wd.World, name: str, factor: float) -> wd.World:
+def with_scaled_strength(world: wd.StudyWorld, name: str, factor: float) -> wd.StudyWorld:
     """``world`` with one strength times ``factor``, within its bounds."""
     e = world.by_name()[name]
     low, high = e.form.strength[2:]
@@ -27,75 +29,81 @@ def scaled(world: wd.World, name: str, factor: float) -> wd.World:
     return wd.with_strength(world, name, float(np.sign(e.strength)) * size)
 
 
-def solve(
-    rng: np.random.Generator, world: wd.World, group: str
-) -> tuple[wd.World, dict[str, float]] | None:
+def solve_strengths(
+    rng: np.random.Generator, world: wd.StudyWorld, group: str
+) -> tuple[wd.StudyWorld, dict[str, float]] | None:
     """World whose effects reach the sigmas of ``group``; None where the bounds forbid it.
 
     Secant steps in logarithms; a fin below 15 sigma is enlarged.
     """
-    low, high = plan.TARGET.get(group, (0, 0))
-    names = [e.name for e in world.effects if e.name != FIN]
+    low, high = plan.TARGET_SIGMAS.get(group, (0, 0))
+    names = [e.name for e in world.effects if e.name != FIN_CAUSE]
     want = {
         n: float(rng.uniform(low + 0.1 * (high - low), high - 0.2 * (high - low))) for n in names
     }
     slope, last = dict.fromkeys(names, 1.0), {}
     for _ in range(10):
-        world = placed(rng, world, 2.8)
-        sigma = detector.sigmas(world)
+        world = with_new_start_poses(rng, world, 2.8)
+        sigma = detector.detectability_sigmas(world)
         fine = all(low <= sigma[n] <= high for n in names)
-        weak_fin = FIN in sigma and sigma[FIN] < 15
+        weak_fin = FIN_CAUSE in sigma and sigma[FIN_CAUSE] < 15
         if fine and not weak_fin:
             return world, sigma
         if weak_fin:
-            world = scaled(world, FIN, 1.35)
+            world = with_scaled_strength(world, FIN_CAUSE, 1.35)
         for n in names:
             now = np.log(abs(world.by_name()[n].strength)), np.log(max(sigma[n], 1e-3))
             if n in last and abs(now[0] - last[n][0]) > 1e-3:
                 slope[n] = float(np.clip((now[1] - last[n][1]) / (now[0] - last[n][0]), 0.6, 4.0))
             last[n] = now
             factor = np.exp(np.clip((np.log(want[n]) - now[1]) / slope[n], -2.3, 2.3))
-            world = scaled(world, n, float(factor))
+            world = with_scaled_strength(world, n, float(factor))
     return None
 
 
-def concealed(
-    rng: np.random.Generator, s: plan.Slot, names: tuple[str, ...]
-) -> tuple[wd.World, dict, dict[str, float]]:
+def concealed_study(
+    rng: np.random.Generator, s: plan.StudySlot, names: tuple[str, ...]
+) -> tuple[wd.StudyWorld, dict, dict[str, float]]:
     """World, file layout and sigmas; the next cause is tried where one cannot be seen."""
     need = {"null": 0, "pair": 2}.get(s.group, 1)
     for attempt in range(12):
         picked = names[attempt : attempt + need]
-        world, layout = plan.draw_world(rng, s, picked)
+        world, layout = plan.draw_study(rng, s, picked)
         effects = [plan.draw_form(rng, n) for n in picked]
-        effects = [wd.replace(e, strength=start(e)) for e in effects]
+        effects = [wd.replace(e, strength=first_strength(e)) for e in effects]
         if s.fin:
-            fin = plan.draw_form(rng, FIN)
-            world = wd.replace(world, effects=(plan.fin_area(rng, world, fin),))
-        world = wd.replace(world, trials=tuple(plan.place(rng, world, t) for t in world.trials))
+            fin = plan.draw_form(rng, FIN_CAUSE)
+            world = wd.replace(world, effects=(plan.with_stable_fin(rng, world, fin),))
+        world = wd.replace(
+            world, trials=tuple(plan.with_start_pose(rng, world, t) for t in world.trials)
+        )
         world = wd.replace(world, effects=(*world.effects, *effects))
-        solved = solve(rng, world, s.group)
-        if solved is not None and lasting(solved[0]) and corners_fit(solved[0]):
+        solved = solve_strengths(rng, world, s.group)
+        if (
+            solved is not None
+            and trials_are_long_enough(solved[0])
+            and corners_fit_stated_lens(solved[0])
+        ):
             return solved[0], layout, solved[1]
     raise RuntimeError("no cause reaches the sigma of its group")
 
 
-def start(e: eff.Effect) -> float:
+def first_strength(e: eff.Effect) -> float:
     """First strength: a third of the way between the bounds, in logarithms."""
     low, high = e.form.strength[2:]
     return float(np.sign(e.strength) * low * (high / low) ** 0.35)
 
 
-def lasting(world: wd.World) -> bool:
+def trials_are_long_enough(world: wd.StudyWorld) -> bool:
     """Whether all trials last 2.4 s or more and nothing swims above 0.9 m/s."""
     for trial in world.trials:
-        s = wd.path(world, trial)
+        s = wd.trial_path(world, trial)
         if len(s) < 2400 or np.hypot(s[:, 3], s[:, 4]).max() > 0.9:
             return False
     return True
 
 
-def corners_fit(world: wd.World) -> bool:
+def corners_fit_stated_lens(world: wd.StudyWorld) -> bool:
     """Whether the stated pool corners fit the stated lens to 10 px rms; worse would be noticed."""
     c, _, _, (length, width, px) = wd.stated_optics(world, wd.corner_pixels(world))
     miss = cam.project_air(c, cam.pool_corners(length, width, world.corner_height)) - px

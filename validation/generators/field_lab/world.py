@@ -8,7 +8,7 @@ from . import camera as cam
 from . import dynamics as dyn
 from . import effects as eff
 
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class World:
+class StudyWorld:
     """A laboratory with its robot, camera, noise levels, trials and concealed effects."""
 
     robot: dict[str, float]
@@ -48,24 +48,26 @@ class World:
         """Effects by name."""
         return {e.name: e for e in self.effects}
 
-    def body(self, head: float) -> dyn.Body:
+    def body(self, head: float) -> dyn.BodyParameters:
         """Body with head length ``head`` (m); arm l as in STUDY.md."""
         r = self.robot
         arm = head + r["hinge_to_com_m"] - (r["body_length_m"] + head - r["head_length_m"]) / 4
         core = r["body_length_m"] - r["head_length_m"]
-        return dyn.Body(
+        return dyn.BodyParameters(
             r["mass_kg"], r["yaw_inertia_kg_m2"], head, r["head_span_m"], arm,
             r["hinge_to_com_m"], core, r["tail_length_m"], r["head_length_m"], 2.6, 1.6,
         )  # fmt: skip
 
 
-def inputs(world: World, trial: Trial, without: str = "") -> tuple[np.ndarray, np.ndarray]:
+def trial_inputs(
+    world: StudyWorld, trial: Trial, without: str = ""
+) -> tuple[np.ndarray, np.ndarray]:
     """Flapping frequency (Hz) and head angle (rad) per millisecond, optionally without one effect.
 
     With ``time_offset`` in its second form the log starts first: the believed motor start is late,
     the actual one is not.
     """
-    t = eff.clock(len(trial.water) - 1)
+    t = eff.step_times(len(trial.water) - 1)
     active = world.by_name()
     if (e := active.get("time_offset")) is not None and e.form.code == 2:
         if without != "time_offset":
@@ -78,12 +80,12 @@ def inputs(world: World, trial: Trial, without: str = "") -> tuple[np.ndarray, n
     return f, eff.head_angle(active, t, trial.head_angle) + trial.servo_error
 
 
-def path(world: World, trial: Trial, walls: bool = True) -> np.ndarray:
+def trial_path(world: StudyWorld, trial: Trial, walls: bool = True) -> np.ndarray:
     """States (n, 8) per millisecond, cut 5 cm from a wall (centre of mass or nose + 3 cm)."""
     start = np.zeros(8)
     start[:3] = trial.start
-    f, phi = inputs(world, trial)
-    k, p = eff.table(world.effects)
+    f, phi = trial_inputs(world, trial)
+    k, p = eff.effect_table(world.effects)
     body = world.body(trial.head_length)
     states = dyn.simulate(body, world.coefficients, start, f, phi, trial.water, trial.swirl, k, p)
     if not walls:
@@ -98,7 +100,9 @@ def path(world: World, trial: Trial, walls: bool = True) -> np.ndarray:
     return states[: max((n - 1) // 200 * 200 + 1, 1)]
 
 
-def points(world: World, trial: Trial, states: np.ndarray, phi: np.ndarray) -> np.ndarray:
+def keypoint_positions(
+    world: StudyWorld, trial: Trial, states: np.ndarray, phi: np.ndarray
+) -> np.ndarray:
     """Marked points (n, 5, 2) in the pool (m), with a shifted centre of mass or shifted labels."""
     b, active = world.body(trial.head_length), world.by_name()
     nose = np.exp(1j * states[:, 2])
@@ -123,7 +127,7 @@ def points(world: World, trial: Trial, states: np.ndarray, phi: np.ndarray) -> n
     return np.stack([z.real, z.imag], -1)
 
 
-def true_optics(world: World, n_trial: int, late: bool) -> tuple[cam.Camera, float, float]:
+def true_optics(world: StudyWorld, n_trial: int, late: bool) -> tuple[cam.Camera, float, float]:
     """Actual camera, keypoint depth and index in trial ``n_trial`` (``late``: after its 40 %)."""
     active, c = world.by_name(), world.camera
     depth, index, n = world.depth, world.index, len(world.trials)
@@ -139,7 +143,9 @@ def true_optics(world: World, n_trial: int, late: bool) -> tuple[cam.Camera, flo
     return c, depth, index
 
 
-def stated_optics(world: World, corners_px: np.ndarray) -> tuple[cam.Camera, float, float, list]:
+def stated_optics(
+    world: StudyWorld, corners_px: np.ndarray
+) -> tuple[cam.Camera, float, float, list]:
     """Camera, depth and index the laboratory states, with the stated pool lengths (m).
 
     The pose follows from the stated lens and the (stated) images of the pool corners.
@@ -161,16 +167,16 @@ def stated_optics(world: World, corners_px: np.ndarray) -> tuple[cam.Camera, flo
             c = c._replace(cx=c.cx + 600 * e.strength, cy=c.cy - 400 * e.strength)
         else:
             c = c._replace(fx=c.fx * (1 + e.strength), fy=c.fy * (1 - e.strength))
-    fitted = cam.fit_pose(c, cam.pool_corners(*size, world.corner_height), px)
+    fitted = cam.with_fitted_pose(c, cam.pool_corners(*size, world.corner_height), px)
     return fitted, world.depth, index, [*size, px]
 
 
-def corner_pixels(world: World) -> np.ndarray:
+def corner_pixels(world: StudyWorld) -> np.ndarray:
     """Exact images (4, 2) of the pool's corner marks."""
     return cam.project_air(world.camera, cam.pool_corners(2.6, 1.6, world.corner_height))
 
 
-def pixels(world: World, n_trial: int, xy: np.ndarray, t: np.ndarray) -> np.ndarray:
+def keypoint_pixels(world: StudyWorld, n_trial: int, xy: np.ndarray, t: np.ndarray) -> np.ndarray:
     """Raw pixels (n, 5, 2) of the marked points ``xy`` (n, 5, 2) at times ``t`` (s)."""
     trial = world.trials[n_trial]
     late = t > 0.4 * trial.duration_s
@@ -179,13 +185,13 @@ def pixels(world: World, n_trial: int, xy: np.ndarray, t: np.ndarray) -> np.ndar
         sel = late == flag
         if sel.any():
             c, still, index = true_optics(world, n_trial, flag)
-            d = eff.depth(world.by_name(), t[sel], trial.flap_hz, still)
+            d = eff.keypoint_depth(world.by_name(), t[sel], trial.flap_hz, still)
             flat = xy[sel].reshape(-1, 2)
             out[sel] = cam.project_water(c, flat, np.repeat(d, 5), index).reshape(-1, 5, 2)
     return out
 
 
-def believed_rate(world: World, n_trial: int) -> float:
+def stated_clock_rate(world: StudyWorld, n_trial: int) -> float:
     """True seconds that pass in one second of the stated clock."""
     e = world.by_name().get("clock_error")
     if e is None:
@@ -195,7 +201,7 @@ def believed_rate(world: World, n_trial: int) -> float:
     return 1 + e.strength
 
 
-def with_strength(world: World, name: str, strength: float) -> World:
+def with_strength(world: StudyWorld, name: str, strength: float) -> StudyWorld:
     """``world`` with the strength of one effect replaced."""
     new = tuple(replace(e, strength=strength) if e.name == name else e for e in world.effects)
     return replace(world, effects=new)

@@ -84,7 +84,7 @@ def project(
     return to_pixels(camera, np.column_stack([crossing, np.zeros(len(place))]))
 
 
-def locate(camera: Camera, pixels: np.ndarray, depth: float, index: float) -> np.ndarray:
+def pixels_to_pool(camera: Camera, pixels: np.ndarray, depth: float, index: float) -> np.ndarray:
     """Underwater points (N, 2) at ``depth`` seen at ``pixels``: the inverse of ``project``."""
     a = undistort(camera, (pixels - camera.matrix[2:]) / camera.matrix[:2])
     ray = np.column_stack([a, np.ones(len(a))]) @ camera.R
@@ -95,13 +95,13 @@ def locate(camera: Camera, pixels: np.ndarray, depth: float, index: float) -> np
     return crossing + ray[:, :2] / sine[:, None] * (depth * slope)[:, None]
 
 
-def corners(pool: tuple[float, float], height: float) -> np.ndarray:
+def pool_corners(pool: tuple[float, float], height: float) -> np.ndarray:
     """Pool corners (4, 3) in the order of study.yaml."""
     L, W = pool
     return np.array([[0, 0, height], [L, 0, height], [L, W, height], [0, W, height]])
 
 
-def posed(camera: Camera, points: np.ndarray, pixels: np.ndarray) -> Camera:
+def with_fitted_pose(camera: Camera, points: np.ndarray, pixels: np.ndarray) -> Camera:
     """Camera whose pose best projects ``points`` (N, 3) onto ``pixels`` (N, 2)."""
 
     def at(p: np.ndarray) -> Camera:

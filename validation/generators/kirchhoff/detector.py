@@ -24,17 +24,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .dynamics import Trials, World, midpoint_step
+from .dynamics import StudyWorld, Trials, midpoint_step
 from .noise import Noise
 
 BLOCK_S = 0.1
-STEPS = 3  # integration steps per block
+STEPS_PER_BLOCK = 3  # integration steps per block
 COEFFICIENTS = ("C_T", "C_La", "C_D0", "C_Da", "C_Ma", "C_Md")
-STATE_STEP = np.array([1e-3, 1e-3, 1e-3, 2e-4, 2e-4, 5e-6])
+STATE_DIFFERENCES = np.array([1e-3, 1e-3, 1e-3, 2e-4, 2e-4, 5e-6])
 
 
 @dataclass(frozen=True)
-class Path:
+class BlockPath:
     """States (8, N) at the start of each of N = blocks x trials blocks, their times and trials."""
 
     y: np.ndarray
@@ -44,12 +44,12 @@ class Path:
     count: int
 
 
-def blocks(path: np.ndarray, trials: Trials, per_second: int) -> Path:
+def cut_into_blocks(path: np.ndarray, trials: Trials, per_second: int) -> BlockPath:
     """Cut a simulated path (steps + 1, 8, B) into blocks."""
     y = path[:: round(BLOCK_S * per_second)][:-1]
     K, _, B = y.shape
     t = np.arange(K) * BLOCK_S
-    return Path(
+    return BlockPath(
         np.moveaxis(y, 1, 0).reshape(8, K * B),
         np.repeat(t, B),
         trials.take(np.tile(np.arange(B), K)),
@@ -58,57 +58,61 @@ def blocks(path: np.ndarray, trials: Trials, per_second: int) -> Path:
     )
 
 
-def advance(world: World, path: Path, y: np.ndarray, push: np.ndarray | float = 0.0) -> np.ndarray:
+def advance_block(
+    world: StudyWorld, path: BlockPath, y: np.ndarray, push: np.ndarray | float = 0.0
+) -> np.ndarray:
     """First six state components (6, N) one block later."""
-    dt = BLOCK_S / STEPS
-    for i in range(STEPS):
+    dt = BLOCK_S / STEPS_PER_BLOCK
+    for i in range(STEPS_PER_BLOCK):
         y = midpoint_step(world, path.trials, path.t + i * dt, y, dt, push)
     return y[:6]
 
 
-def by_block(change: np.ndarray, path: Path) -> np.ndarray:
+def reshape_by_block(change: np.ndarray, path: BlockPath) -> np.ndarray:
     """(6, N) to (blocks, trials, 6)."""
     return np.moveaxis(change.reshape(6, -1, path.count), 0, -1)
 
 
-def transition(world: World, path: Path) -> tuple[np.ndarray, np.ndarray]:
+def block_jacobians(world: StudyWorld, path: BlockPath) -> tuple[np.ndarray, np.ndarray]:
     """Jacobians of a block with respect to the state (K, B, 6, 6) and the gusts (K, B, 6, 3)."""
     F, G = [], []
-    for i, h in enumerate(STATE_STEP):
+    for i, h in enumerate(STATE_DIFFERENCES):
         if i < 2 and not any(world.active(c) for c in ("water", "force")):
             column = np.zeros((6, path.y.shape[1]))
             column[i] = 1
         else:
             moved = np.zeros((8, 1))
             moved[i] = h
-            plus, minus = (advance(world, path, path.y + k * moved) for k in (1, -1))
+            plus, minus = (advance_block(world, path, path.y + k * moved) for k in (1, -1))
             column = (plus - minus) / (2 * h)
-        F.append(by_block(column, path))
+        F.append(reshape_by_block(column, path))
     for i in range(3):
         push = np.zeros((3, 1))
         push[i] = 0.05
-        change = advance(world, path, path.y, push) - advance(world, path, path.y, -push)
-        G.append(by_block(change / 0.1, path))
+        change = advance_block(world, path, path.y, push) - advance_block(
+            world, path, path.y, -push
+        )
+        G.append(reshape_by_block(change / 0.1, path))
     return np.stack(F, -1), np.stack(G, -1)
 
 
-def nuisances(world: World, path: Path, base: np.ndarray) -> tuple[list, list]:
+def nuisance_responses(world: StudyWorld, path: BlockPath, base: np.ndarray) -> tuple[list, list]:
     """Responses (K, B, 6) to shared parameters (one per cent) and to servo and frequency errors."""
     shared, trial = [], []
     for name in COEFFICIENTS:
         robot = replace(world.robot, **{name: getattr(world.robot, name) * 1.01})
-        shared.append(advance(replace(world, robot=robot), path, path.y) - base)
+        shared.append(advance_block(replace(world, robot=robot), path, path.y) - base)
     for i, hidden in enumerate(world.hidden):
         if hidden.form.channel not in ("observe", "report"):
             other = world.with_strength(i, hidden.strength * 1.02)
-            shared.append(advance(other, path, path.y) - base)
+            shared.append(advance_block(other, path, path.y) - base)
     for name, step in (("servo", 1e-3), ("f", 1e-3 * path.trials.f)):
         trials = replace(path.trials, **{name: getattr(path.trials, name) + step})
-        trial.append((advance(world, replace(path, trials=trials), path.y) - base) / 1e-3)
-    return [by_block(c, path) for c in shared], [by_block(c, path) for c in trial]
+        trial.append((advance_block(world, replace(path, trials=trials), path.y) - base) / 1e-3)
+    return [reshape_by_block(c, path) for c in shared], [reshape_by_block(c, path) for c in trial]
 
 
-def tracking_variances(world: World, noise: Noise, pixel_m: float, fps: float) -> tuple:
+def tracking_variances(world: StudyWorld, noise: Noise, pixel_m: float, fps: float) -> tuple:
     """Block-averaged white and correlated variances of x, y (m^2) and heading (rad^2)."""
     robot = world.robot
     lever = np.hypot(robot.head_length, robot.body_length - robot.head_length) / np.sqrt(2)
@@ -116,8 +120,8 @@ def tracking_variances(world: World, noise: Noise, pixel_m: float, fps: float) -
     return scale * noise.white_px**2 / (fps * BLOCK_S), scale * noise.matern_px**2
 
 
-def whiten(
-    path: Path, F: np.ndarray, G: np.ndarray, columns: np.ndarray, levels: tuple
+def whitened_innovations(
+    path: BlockPath, F: np.ndarray, G: np.ndarray, columns: np.ndarray, levels: tuple
 ) -> np.ndarray:
     """Whitened innovations (blocks, trials, 3, P) of the responses.
 
@@ -171,9 +175,9 @@ def residual_norm(
     return float(np.sqrt(max(a @ a - b @ np.linalg.solve(X.T @ X + np.diag(prior**2), b), 0)))
 
 
-def path_sigmas(
-    world: World,
-    path: Path,
+def path_detectability_sigmas(
+    world: StudyWorld,
+    path: BlockPath,
     noise: Noise,
     seen: list[np.ndarray | None],
     *,
@@ -181,13 +185,13 @@ def path_sigmas(
     fps: float,
 ) -> list[float]:
     """Sigma of each effect; ``seen[i]`` (K, B, 3) is the change it makes in what is observed."""
-    base = advance(world, path, path.y)
-    F, G = transition(world, path)
-    shared, trial = nuisances(world, path, base)
+    base = advance_block(world, path, path.y)
+    F, G = block_jacobians(world, path)
+    shared, trial = nuisance_responses(world, path, base)
     signals = []
     for i, observed in enumerate(seen):
-        off = advance(world.with_strength(i, 0.0), path, path.y)
-        response = by_block(base - off, path)
+        off = advance_block(world.with_strength(i, 0.0), path, path.y)
+        response = reshape_by_block(base - off, path)
         unseen = np.zeros((*response.shape[:2], 3))
         signals.append(np.concatenate([response, unseen if observed is None else observed], -1))
     states = np.stack([*shared, *trial], -1)
@@ -195,7 +199,9 @@ def path_sigmas(
     columns = np.concatenate([states, np.stack(signals, -1)], -1) if signals else states
     gust = np.array([noise.gust_m_s2, noise.gust_m_s2, noise.gust_rad_s2])
     variances = tracking_variances(world, noise, pixel_m, fps)
-    w = whiten(path, F, G, columns, (*variances, gust, noise.gust_tau_s, noise.matern_tau_s))
+    w = whitened_innovations(
+        path, F, G, columns, (*variances, gust, noise.gust_tau_s, noise.matern_tau_s)
+    )
     first = len(shared)
     spread = np.array([noise.servo_rad, noise.frequency])
     order = [i for i, h in enumerate(world.hidden) if h.form.channel not in ("observe", "report")]

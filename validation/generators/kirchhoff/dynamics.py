@@ -67,7 +67,7 @@ class Trials:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenEffect:
     """One effect in action: its form, strength (the form's unit) and constants."""
 
     form: Form
@@ -76,18 +76,18 @@ class Hidden:
 
 
 @dataclass(frozen=True)
-class World:
+class StudyWorld:
     """Robot, pool and the hidden effects."""
 
     robot: Robot
     pool: tuple[float, float]
-    hidden: tuple[Hidden, ...] = ()
+    hidden: tuple[HiddenEffect, ...] = ()
 
-    def active(self, channel: str) -> Iterator[Hidden]:
+    def active(self, channel: str) -> Iterator[HiddenEffect]:
         """Effects of non-zero strength that act through ``channel``."""
         return (h for h in self.hidden if h.form.channel == channel and h.strength != 0)
 
-    def with_strength(self, i: int, strength: float) -> World:
+    def with_strength(self, i: int, strength: float) -> StudyWorld:
         """The same world with effect ``i`` at another strength."""
         changed = replace(self.hidden[i], strength=strength)
         return replace(self, hidden=(*self.hidden[:i], changed, *self.hidden[i + 1 :]))
@@ -122,7 +122,7 @@ class Flow:
     alpha: np.ndarray
     area: np.ndarray  # head plate, m^2
     trials: Trials
-    world: World
+    world: StudyWorld
 
     @property
     def head(self) -> np.ndarray:
@@ -147,17 +147,17 @@ class Flow:
         return local.real, local.imag
 
 
-def arm(robot: Robot, head: np.ndarray) -> np.ndarray:
+def aerodynamic_arm(robot: Robot, head: np.ndarray) -> np.ndarray:
     """l(h) = h + hinge_to_com - (body_length + h - head_length)/4, in m."""
     return head + robot.hinge_to_com - (robot.body_length + head - robot.head_length) / 4
 
 
-def moment(lever: np.ndarray, force: np.ndarray) -> np.ndarray:
+def planar_moment(lever: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Moment (N m) of a planar force at ``lever`` from the centre of mass: Im(conj(lever) F)."""
     return (np.conj(lever) * force).imag
 
 
-def mass_matrix(world: World, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def mass_matrix(world: StudyWorld, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Total and added mass matrices (B, 3, 3) in the head frame, order surge, sway, yaw."""
     added = np.zeros((len(phi), 3, 3))
     for h in world.active("mass"):
@@ -166,7 +166,9 @@ def mass_matrix(world: World, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return rigid + added, added
 
 
-def water_velocity(world: World, place: np.ndarray, t: np.ndarray, trials: Trials) -> np.ndarray:
+def water_velocity(
+    world: StudyWorld, place: np.ndarray, t: np.ndarray, trials: Trials
+) -> np.ndarray:
     """Velocity (m/s, complex) of the water itself at ``place``."""
     total = np.zeros(len(place), complex)
     for h in world.active("water"):
@@ -175,7 +177,7 @@ def water_velocity(world: World, place: np.ndarray, t: np.ndarray, trials: Trial
 
 
 def velocities(
-    world: World, trials: Trials, t: np.ndarray, y: np.ndarray
+    world: StudyWorld, trials: Trials, t: np.ndarray, y: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Solve M nu_r = (R^T P - m w, H): world velocity, nu_r (B, 3), added momentum (B, 3), phi."""
     phi = world.head_angle(t, trials)
@@ -195,7 +197,7 @@ def velocities(
 
 def head_lever(flow: Flow) -> np.ndarray:
     """Aerodynamic centre of the head plate, seen from the centre of mass (m, complex)."""
-    lever = arm(flow.world.robot, flow.trials.head) * flow.head
+    lever = aerodynamic_arm(flow.world.robot, flow.trials.head) * flow.head
     for h in flow.world.active("mass_centre"):
         lever = lever - h.form.law(flow, h.strength, h.constants)
     return lever
@@ -211,11 +213,11 @@ def thrust(flow: Flow) -> tuple[np.ndarray, np.ndarray]:
     for h in flow.world.active("thrust_moment"):
         M = M + T * h.form.law(flow, h.strength, h.constants)
     for h in flow.world.active("mass_centre"):
-        M = M - moment(h.form.law(flow, h.strength, h.constants), T * flow.core)
+        M = M - planar_moment(h.form.law(flow, h.strength, h.constants), T * flow.core)
     return T * flow.core, M
 
 
-def plate(flow: Flow, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def head_plate_load(flow: Flow, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Head-plate force (N), moment (N m; Eqs. 2-7) and the rates of the lag states ``z`` (2, B)."""
     robot, alpha = flow.world.robot, flow.alpha
     q = 0.5 * DENSITY * flow.area * flow.U**2
@@ -231,11 +233,11 @@ def plate(flow: Flow, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray
     force = q * (1j * C_L - C_D) * flow.v_hat
     # Eq. 8: only the component of L + D normal to the plate makes a moment at the arm l.
     M = q * robot.C_Ma * np.sin(2 * alpha) - robot.C_Md * flow.r * np.abs(flow.r)
-    return force, M + moment(head_lever(flow), force), rates
+    return force, M + planar_moment(head_lever(flow), force), rates
 
 
 def rates(
-    world: World, trials: Trials, t: np.ndarray, y: np.ndarray, push: np.ndarray | float = 0.0
+    world: StudyWorld, trials: Trials, t: np.ndarray, y: np.ndarray, push: np.ndarray | float = 0.0
 ) -> np.ndarray:
     """Rates y' (8, B); ``push`` (3, B) is the coloured acceleration by random water motion (m/s^2,
     rad/s^2).
@@ -249,7 +251,7 @@ def rates(
         trials.head * world.robot.head_span, trials, world,
     )  # fmt: skip
     force, M = thrust(flow)
-    on_plate, plate_moment, lag = plate(flow, y[6:])
+    on_plate, plate_moment, lag = head_plate_load(flow, y[6:])
     force, M = force + on_plate, M + plate_moment
     for h in world.active("force"):
         extra, extra_moment = h.form.law(flow, h.strength, h.constants)
@@ -261,7 +263,12 @@ def rates(
 
 
 def midpoint_step(  # noqa: PLR0917
-    world: World, trials: Trials, t: np.ndarray, y: np.ndarray, dt: float, push: np.ndarray | float
+    world: StudyWorld,
+    trials: Trials,
+    t: np.ndarray,
+    y: np.ndarray,
+    dt: float,
+    push: np.ndarray | float,
 ) -> np.ndarray:
     """Implicit midpoint: y+ = y + dt f(t + dt/2, (y + y+)/2), by three passes."""
     middle = y
@@ -270,7 +277,7 @@ def midpoint_step(  # noqa: PLR0917
     return 2 * middle - y
 
 
-def rest(world: World, trials: Trials) -> np.ndarray:
+def state_at_rest(world: StudyWorld, trials: Trials) -> np.ndarray:
     """Initial state (8, B) at rest; in moving water the added mass has momentum."""
     y = np.zeros((8, len(trials.phi)))
     y[:3] = trials.x0, trials.y0, trials.theta0
@@ -284,10 +291,10 @@ def rest(world: World, trials: Trials) -> np.ndarray:
     return y
 
 
-def simulate(world: World, trials: Trials, gusts: np.ndarray, per_second: int) -> np.ndarray:
+def simulate(world: StudyWorld, trials: Trials, gusts: np.ndarray, per_second: int) -> np.ndarray:
     """States (steps + 1, 8, B) ``per_second``; ``gusts`` (samples, 3, B) at 40 per s."""
     steps = int(np.ceil(trials.duration.max() * per_second)) + 1
-    dt, y = 1 / per_second, rest(world, trials)
+    dt, y = 1 / per_second, state_at_rest(world, trials)
     out = np.empty((steps + 1, *y.shape))
     out[0] = y
     for k in range(steps):
@@ -299,7 +306,7 @@ def simulate(world: World, trials: Trials, gusts: np.ndarray, per_second: int) -
     return out
 
 
-def straight_growth(world: World, f: float) -> float:
+def straight_growth_rate(world: StudyWorld, f: float) -> float:
     """Largest growth rate (1/s) of sway and yaw about straight swimming at frequency ``f``."""
     robot = world.robot
     U = f * np.sqrt(robot.C_T / robot.C_D0)

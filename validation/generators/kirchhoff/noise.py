@@ -53,7 +53,9 @@ def draw_noise(rng: np.random.Generator) -> Noise:
     )
 
 
-def gusts(rng: np.random.Generator, noise: Noise, trials: int, seconds: float) -> np.ndarray:
+def water_accelerations(
+    rng: np.random.Generator, noise: Noise, trials: int, seconds: float
+) -> np.ndarray:
     """Exact samples (times, 3, trials) at 40 per second of the three coloured accelerations."""
     steps = int(seconds * 40) + 10
     rho = np.exp(-1 / 40 / noise.gust_tau_s)
@@ -64,7 +66,7 @@ def gusts(rng: np.random.Generator, noise: Noise, trials: int, seconds: float) -
     return out * np.array([noise.gust_m_s2, noise.gust_m_s2, noise.gust_rad_s2])[None, :, None]
 
 
-def matern(
+def matern_process(
     rng: np.random.Generator, frames: int, dt: float, tau: float, shape: tuple
 ) -> np.ndarray:
     """Unit Matern-3/2 process (frames, *shape) with kernel (1 + t/l) exp(-t/l), l = tau / 2."""
@@ -81,12 +83,12 @@ def matern(
     return out.reshape(frames, *shape)
 
 
-def tracked(
+def tracked_keypoints(
     rng: np.random.Generator, noise: Noise, pixels: np.ndarray, fps: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Detections of ``pixels`` (frames, parts, 2) and likelihoods (frames, parts), with faults."""
     frames, parts, _ = pixels.shape
-    error = noise.matern_px * matern(rng, frames, 1 / fps, noise.matern_tau_s, (parts, 2))
+    error = noise.matern_px * matern_process(rng, frames, 1 / fps, noise.matern_tau_s, (parts, 2))
     found = pixels + error + rng.normal(0, noise.white_px, pixels.shape)
     likelihood = 1 - rng.beta(1.2, 60, (frames, parts))
     wrong = rng.random((frames, parts)) < noise.outlier_rate

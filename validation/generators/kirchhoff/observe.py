@@ -1,8 +1,7 @@
 """What the camera sees of the robot, and what a reader of the study makes of it.
 
-``Study`` holds the truth; ``stated`` is the camera that study.yaml describes. Without an effect of
-channel
-``report`` or ``observe`` the two agree.
+``StudyTruth`` holds the truth; ``stated_camera`` is the camera that study.yaml describes. Without
+an effect of channel ``report`` or ``observe`` the two agree.
 """
 
 from __future__ import annotations
@@ -12,19 +11,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .camera import Camera, corners, locate, posed, project, to_pixels
-from .dynamics import Robot, Trials, World
-from .effects import com_shift
+from .camera import Camera, pixels_to_pool, pool_corners, project, to_pixels, with_fitted_pose
+from .dynamics import Robot, StudyWorld, Trials
+from .effects import centre_of_mass_shift
 from .noise import Noise
 
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
-class Study:
+class StudyTruth:
     """The truth of one study."""
 
-    world: World
+    world: StudyWorld
     trials: Trials
     noise: Noise
     gusts: np.ndarray
@@ -43,20 +42,20 @@ class Study:
         return 0.0
 
 
-def stated_pool(study: Study) -> tuple[float, float]:
+def stated_pool(study: StudyTruth) -> tuple[float, float]:
     """Length and width (m) that study.yaml states."""
     L, W = study.world.pool
     both, length = study.report("scale_error", 0), study.report("scale_error", 1)
     return L * (1 + both + length), W * (1 + both)
 
 
-def stated_optics(study: Study) -> tuple[float, float]:
+def stated_optics(study: StudyTruth) -> tuple[float, float]:
     """Depth of the keypoints (m) and refractive index that study.yaml states."""
     dry = abs(study.report("uncorrected_refraction", 0))
     return (dry, 1.0) if dry else (study.world.robot.depth, 1.333)
 
 
-def true_depth(study: Study, t: np.ndarray) -> np.ndarray:
+def true_depth(study: StudyTruth, t: np.ndarray) -> np.ndarray:
     """Depth (m) of the keypoints at robot time ``t``."""
     depth = study.world.robot.depth + abs(study.report("uncorrected_refraction", 1))
     depth = abs(study.report("uncorrected_refraction", 0)) or depth
@@ -65,14 +64,14 @@ def true_depth(study: Study, t: np.ndarray) -> np.ndarray:
     return np.minimum(depth + fall, 0.29)
 
 
-def corner_pixels(study: Study) -> np.ndarray:
+def corner_pixels(study: StudyTruth) -> np.ndarray:
     """Images (4, 2) of the marks that the lab took for the pool's corners."""
-    marks = corners(study.world.pool, study.corner_height)
+    marks = pool_corners(study.world.pool, study.corner_height)
     middle = marks.mean(0)
     return to_pixels(study.camera, middle + (marks - middle) / (1 + study.report("scale_error", 2)))
 
 
-def stated_camera(study: Study, pixels: np.ndarray) -> Camera:
+def stated_camera(study: StudyTruth, pixels: np.ndarray) -> Camera:
     """The stated lens, posed by the stated corners."""
     distortion = study.camera.distortion.copy()
     distortion[0] += study.report("lens_error", 0)
@@ -80,10 +79,10 @@ def stated_camera(study: Study, pixels: np.ndarray) -> Camera:
     matrix = study.camera.matrix.copy()
     matrix[2:] += study.report("lens_error", 2) * np.array([0.8, 0.6])
     lens = replace(study.camera, distortion=distortion, matrix=matrix)
-    return posed(lens, corners(stated_pool(study), study.corner_height), pixels)
+    return with_fitted_pose(lens, pool_corners(stated_pool(study), study.corner_height), pixels)
 
 
-def robot_time(study: Study, t: np.ndarray, trial: np.ndarray) -> np.ndarray:
+def robot_time(study: StudyTruth, t: np.ndarray, trial: np.ndarray) -> np.ndarray:
     """Time (s) since the robot started at the stated time ``t`` of the recording."""
     half = np.where(trial % 2 == 0, 1.0, 0.0)
     rate = 1 + study.report("clock_error", 0) + half * study.report("clock_error", 1)
@@ -92,7 +91,9 @@ def robot_time(study: Study, t: np.ndarray, trial: np.ndarray) -> np.ndarray:
     return np.maximum(t * rate - delay, 0)
 
 
-def shifted(study: Study, pixels: np.ndarray, t: np.ndarray, trial: np.ndarray) -> np.ndarray:
+def pixels_after_camera_shift(
+    study: StudyTruth, pixels: np.ndarray, t: np.ndarray, trial: np.ndarray
+) -> np.ndarray:
     """Pixels (N, 2) after movements of the camera at recording time ``t`` (N,)."""
     knock, creep, roll = (study.report("camera_shift", k) for k in range(3))
     when = study.trials.duration[trial] * (0.35 + 0.3 * ((trial * 0.618) % 1))
@@ -114,8 +115,9 @@ def body_points(  # noqa: PLR0917
     labels: np.ndarray,
     swing: np.ndarray,
 ) -> np.ndarray:
-    """Complex positions (N, 5) of ``PARTS``; ``pose`` (3, N): label of the centre (m) and theta.
+    """Complex positions (N, 5) of ``KEYPOINT_NAMES``.
 
+    ``pose`` (3, N): label of the centre (m) and theta.
     ``labels`` (5,) complex (m): placement errors, along the head for the first, along the core for
     the others; ``swing`` (rad) bends the tail about the caudal base.
     """
@@ -129,7 +131,7 @@ def body_points(  # noqa: PLR0917
     return points
 
 
-def label_bias(study: Study) -> np.ndarray:
+def label_bias(study: StudyTruth) -> np.ndarray:
     """Systematic label errors (5,) in m."""
     labels = np.zeros(5, complex)
     labels[2] = -study.report("keypoint_bias", 0) + 1j * study.report("keypoint_bias", 1)
@@ -137,25 +139,27 @@ def label_bias(study: Study) -> np.ndarray:
     return labels
 
 
-def labelled_pose(study: Study, state: np.ndarray, phi: np.ndarray) -> np.ndarray:
+def labelled_pose(study: StudyTruth, state: np.ndarray, phi: np.ndarray) -> np.ndarray:
     """Pose (3, N) of the intended centre label for states (>= 3, N): the centre of mass unless
     shifted.
     """
     pose = state[:3].copy()
     for h in study.world.active("mass_centre"):
         core = np.exp(1j * (pose[2] + phi))
-        shift = -com_shift(_Axis(core), h.strength, h.constants)
+        shift = -centre_of_mass_shift(_CoreAxis(core), h.strength, h.constants)
         pose[0] += shift.real
         pose[1] += shift.imag
     return pose
 
 
 @dataclass(frozen=True)
-class _Axis:
+class _CoreAxis:
     core: np.ndarray
 
 
-def picture(study: Study, points: np.ndarray, t: np.ndarray, trial: np.ndarray) -> np.ndarray:
+def keypoint_pixels(
+    study: StudyTruth, points: np.ndarray, t: np.ndarray, trial: np.ndarray
+) -> np.ndarray:
     """Pixels (N, parts, 2) of complex points (N, parts) at recording time ``t``, of trial
     ``trial``.
     """
@@ -163,11 +167,11 @@ def picture(study: Study, points: np.ndarray, t: np.ndarray, trial: np.ndarray) 
     depth = true_depth(study, robot_time(study, t, trial))
     place = np.column_stack([points.real.ravel(), points.imag.ravel()])
     pixels = project(study.camera, place, np.repeat(depth, parts), 1.333)
-    moved = shifted(study, pixels, np.repeat(t, parts), np.repeat(trial, parts))
+    moved = pixels_after_camera_shift(study, pixels, np.repeat(t, parts), np.repeat(trial, parts))
     return moved.reshape(n, parts, 2)
 
 
-def seen_change(study: Study, path: np.ndarray, per_second: int, t: np.ndarray) -> tuple:
+def observed_change(study: StudyTruth, path: np.ndarray, per_second: int, t: np.ndarray) -> tuple:
     """Change (K, B, 3) of observed x, y, heading and (K, B) of log size that misreporting makes."""
     B = path.shape[2]
     clean = path[:: round((t[1] - t[0]) * per_second)][: len(t)]
@@ -184,16 +188,18 @@ def seen_change(study: Study, path: np.ndarray, per_second: int, t: np.ndarray) 
     pose = labelled_pose(study, state, phi)
     points = body_points(robot, pose, phi, trials.head, label_bias(study), 0 * phi)
     camera = stated_camera(study, corner_pixels(study))
-    pixels = picture(study, points, when, trial).reshape(-1, 2)
-    found = locate(camera, pixels, *stated_optics(study)).reshape(-1, 5, 2) @ np.array([1, 1j])
+    pixels = keypoint_pixels(study, points, when, trial).reshape(-1, 2)
+    found = pixels_to_pool(camera, pixels, *stated_optics(study)).reshape(-1, 5, 2) @ np.array(
+        [1, 1j]
+    )
     heading = np.angle((found[:, 0] - found[:, 1]) * np.exp(-1j * state[2])) + state[2]
     size = np.log(np.abs(found[:, 1] - found[:, 3]) / (robot.hinge_to_com + robot.tail_base))
     seen = np.stack([found[:, 2].real, found[:, 2].imag, heading], -1).reshape(len(t), B, 3)
     return seen - np.moveaxis(clean[:, :3], 1, 2), size.reshape(len(t), B)
 
 
-def static_sigma(
-    study: Study, i: int, size: np.ndarray, inside: np.ndarray, pixel_m: float
+def length_and_label_sigma(
+    study: StudyTruth, i: int, size: np.ndarray, inside: np.ndarray, pixel_m: float
 ) -> float:
     """What body size, label geometry and recoil frequency add to the path, in sigma.
 

@@ -14,14 +14,14 @@ from scipy.interpolate import CubicSpline
 
 from . import observe
 from .camera import draw_camera
-from .detector import BLOCK_S, blocks, path_sigmas
-from .dynamics import Hidden, Robot, Trials, World, simulate, straight_growth
-from .effects import Form, draw_unlisted, forms_of, names
-from .noise import draw_noise, gusts, motor_log, tracked
-from .observe import PARTS, Study
+from .detector import BLOCK_S, cut_into_blocks, path_detectability_sigmas
+from .dynamics import HiddenEffect, Robot, StudyWorld, Trials, simulate, straight_growth_rate
+from .effects import Form, cause_names, draw_unlisted, forms_of
+from .noise import draw_noise, motor_log, tracked_keypoints, water_accelerations
+from .observe import KEYPOINT_NAMES, StudyTruth
 
-NAME = "kirchhoff"
-GROUPS = (
+GENERATOR_NAME = "kirchhoff"
+GROUPS_BY_SLOT = (
     ["null"] * 8
     + ["clear"] * 8
     + ["faint"] * 6
@@ -29,9 +29,9 @@ GROUPS = (
     + ["measurement"] * 6
     + ["unlisted"] * 6
 )
-ORDER = np.random.default_rng(91735).permutation(40)
-NINE = {1, 4, 9, 14, 17, 20, 25, 28, 33, 38}  # places in GROUPS with nine trials
-SIGMA = {
+SLOT_PERMUTATION = np.random.default_rng(91735).permutation(40)
+NINE_TRIAL_SLOTS = {1, 4, 9, 14, 17, 20, 25, 28, 33, 38}  # places in GROUPS with nine trials
+TARGET_SIGMAS = {
     "clear": (20, 45), "faint": (8, 14), "pair": (14, 35),
     "measurement": (12, 40), "unlisted": (14, 40),
 }  # fmt: skip
@@ -39,31 +39,34 @@ COARSE, FINE = 40, 120  # integration steps a second while calibrating and in th
 REPORTED = ("report", "observe", "mass_centre")
 
 
-def slot(index: int) -> tuple[str, bool, int]:
+def study_slot(index: int) -> tuple[str, bool, int]:
     """Group, fin and number of trials of a study index."""
-    k = int(ORDER[index % 40])
-    return GROUPS[k], k % 2 == 1, 9 if k in NINE else 24
+    k = int(SLOT_PERMUTATION[index % 40])
+    return GROUPS_BY_SLOT[k], k % 2 == 1, 9 if k in NINE_TRIAL_SLOTS else 24
 
 
-def dealt(seed: int, kind: str, number: int) -> str:
+def cause_from_deck(seed: int, kind: str, number: int) -> str:
     """Card ``number`` of endless shuffled decks of cause names, so that all come equally often."""
-    cards = names(kind)
+    cards = cause_names(kind)
     deck = np.random.default_rng([seed, number // len(cards), len(cards)]).permutation(len(cards))
     return cards[deck[number % len(cards)]]
 
 
 def causes_of(seed: int, index: int) -> list[str]:
     """Names of the calibrated causes of a study, fin excluded."""
-    group, k, lap = slot(index)[0], int(ORDER[index % 40]), index // 40
+    group, k, lap = study_slot(index)[0], int(SLOT_PERMUTATION[index % 40]), index // 40
     if group == "measurement":
-        return [dealt(seed, "measurement", lap * 6 + k - 28)]
+        return [cause_from_deck(seed, "measurement", lap * 6 + k - 28)]
     if group in ("clear", "faint"):
-        return [dealt(seed, "physics", lap * 26 + k - 8)]
+        return [cause_from_deck(seed, "physics", lap * 26 + k - 8)]
     if group != "pair":
         return []
     number = lap * 26 + 14 + 2 * (k - 22)
-    first, second = dealt(seed, "physics", number), dealt(seed, "physics", number + 1)
-    return [first, second if second != first else dealt(seed, "physics", number + 2)]
+    first, second = (
+        cause_from_deck(seed, "physics", number),
+        cause_from_deck(seed, "physics", number + 1),
+    )
+    return [first, second if second != first else cause_from_deck(seed, "physics", number + 2)]
 
 
 def draw_robot(rng: np.random.Generator) -> Robot:
@@ -107,7 +110,7 @@ def draw_trials(rng: np.random.Generator, robot: Robot, count: int, wishes: set[
     )  # fmt: skip
 
 
-def place(  # noqa: PLR0917
+def draw_start_poses(  # noqa: PLR0917
     rng: np.random.Generator,
     trials: Trials,
     path: np.ndarray,
@@ -137,7 +140,7 @@ def place(  # noqa: PLR0917
     return replace(trials, x0=x0, y0=y0, theta0=theta0, duration=duration)
 
 
-def exits(
+def wall_times(
     path: np.ndarray, trials: Trials, per_second: int, pool: tuple, margin: float
 ) -> np.ndarray:
     """Time (s) at which each trial comes within ``margin`` of a wall, inf if it does not."""
@@ -147,9 +150,11 @@ def exits(
     return np.where(out.any(0), out.argmax(0) / per_second, np.inf)
 
 
-def sigmas(study: Study, path: np.ndarray, per_second: int) -> tuple[list[float], list[float]]:
+def detectability_sigmas(
+    study: StudyTruth, path: np.ndarray, per_second: int
+) -> tuple[list[float], list[float]]:
     """Total and path sigma of each hidden effect of a study."""
-    cut = blocks(path, study.trials, per_second)
+    cut = cut_into_blocks(path, study.trials, per_second)
     t = np.arange(len(cut.seen)) * BLOCK_S
     pixel_m = study.camera.centre[2] / study.camera.matrix[0]
     seen, sizes = [], []
@@ -157,12 +162,14 @@ def sigmas(study: Study, path: np.ndarray, per_second: int) -> tuple[list[float]
         change = (None, None)
         if h.form.channel in REPORTED:
             alone = replace(study, world=replace(study.world, hidden=(h,)))
-            change = observe.seen_change(alone, path, per_second, t)
+            change = observe.observed_change(alone, path, per_second, t)
         seen.append(change[0])
         sizes.append(change[1])
-    on_path = path_sigmas(study.world, cut, study.noise, seen, pixel_m=pixel_m, fps=study.fps)
+    on_path = path_detectability_sigmas(
+        study.world, cut, study.noise, seen, pixel_m=pixel_m, fps=study.fps
+    )
     total = [
-        np.hypot(s, observe.static_sigma(study, i, sizes[i], cut.seen, pixel_m))
+        np.hypot(s, observe.length_and_label_sigma(study, i, sizes[i], cut.seen, pixel_m))
         if study.world.hidden[i].form.channel in ("report", "observe")
         and study.world.hidden[i].form.name not in ("time_offset", "camera_shift")
         else s
@@ -171,14 +178,14 @@ def sigmas(study: Study, path: np.ndarray, per_second: int) -> tuple[list[float]
     return [float(s) for s in total], on_path
 
 
-def calibrate(study: Study, targets: dict[int, float]) -> Study | None:
+def solve_strengths(study: StudyTruth, targets: dict[int, float]) -> StudyTruth | None:
     """Solve for the strengths that give ``targets`` (sigma by index), or None."""
     log_s, log_sigma = [], []
     for _ in range(9):
         path = simulate(study.world, study.trials, study.gusts, COARSE)
         if not np.isfinite(path).all():
             return None
-        total, _ = sigmas(study, path, COARSE)
+        total, _ = detectability_sigmas(study, path, COARSE)
         now = np.array([total[i] for i in targets]).clip(1e-3)
         goal = np.array(list(targets.values()))
         if (np.abs(np.log(now / goal)) < 0.06).all():
@@ -191,7 +198,7 @@ def calibrate(study: Study, targets: dict[int, float]) -> Study | None:
             steep = (log_sigma[-1] - log_sigma[-2]) / np.where(np.abs(moved) > 1e-6, moved, np.inf)
             slope = np.where(np.abs(moved) > 1e-6, np.clip(steep, 0.35, 2.5), 1)
         step = np.clip((np.log(goal) - log_sigma[-1]) / slope, -3, 2.3)
-        if len(log_s) > 1 and stuck(study, targets, step):
+        if len(log_s) > 1 and is_at_bound(study, targets, step):
             return None
         for j, i in enumerate(targets):
             form = study.world.hidden[i].form
@@ -200,7 +207,7 @@ def calibrate(study: Study, targets: dict[int, float]) -> Study | None:
     return None
 
 
-def stuck(study: Study, targets: dict[int, float], step: np.ndarray) -> bool:
+def is_at_bound(study: StudyTruth, targets: dict[int, float], step: np.ndarray) -> bool:
     """Whether a strength at one of its bounds would have to go beyond."""
     for j, i in enumerate(targets):
         h = study.world.hidden[i]
@@ -210,36 +217,39 @@ def stuck(study: Study, targets: dict[int, float], step: np.ndarray) -> bool:
     return False
 
 
-def draw_fin(rng: np.random.Generator, world: World, f: float) -> Hidden:
+def draw_fin(rng: np.random.Generator, world: StudyWorld, f: float) -> HiddenEffect:
     """A fin whose area gives straight swimming a growth rate between -2 and -0.1 per second."""
     form = forms_of("tail_fin_lift")[rng.integers(4)]
     constants, goal = form.draw(rng), rng.uniform(-2.0, -0.1)
     low, high = form.low, form.high
     for _ in range(30):
         area = np.sqrt(low * high)
-        stable = straight_growth(replace(world, hidden=(Hidden(form, area, constants),)), f) < goal
+        stable = (
+            straight_growth_rate(replace(world, hidden=(HiddenEffect(form, area, constants),)), f)
+            < goal
+        )
         low, high = (low, area) if stable else (area, high)
-    return Hidden(form, float(high), constants)
+    return HiddenEffect(form, float(high), constants)
 
 
-def candidates(rng: np.random.Generator, seed: int, index: int) -> list[tuple[Form, ...]]:
+def candidate_form_sets(rng: np.random.Generator, seed: int, index: int) -> list[tuple[Form, ...]]:
     """Sets of forms to try in turn: the dealt causes in all their forms, then other causes."""
     wanted = causes_of(seed, index)
-    kind = "measurement" if slot(index)[0] == "measurement" else "physics"
+    kind = "measurement" if study_slot(index)[0] == "measurement" else "physics"
     sets = []
     for attempt in range(12):
         chosen = wanted
         if attempt >= 6:
-            chosen = list(rng.choice(names(kind), len(wanted), replace=False))
+            chosen = list(rng.choice(cause_names(kind), len(wanted), replace=False))
         forms = [forms_of(str(name)) for name in chosen]
         first = [np.random.default_rng([seed, index, j]).integers(99) for j in range(len(forms))]
         sets.append(tuple(f[(first[j] + attempt) % len(f)] for j, f in enumerate(forms)))
     return sets
 
 
-def set_up(rng: np.random.Generator, index: int, forms: tuple[Form, ...]) -> Study:
+def draw_study(rng: np.random.Generator, index: int, forms: tuple[Form, ...]) -> StudyTruth:
     """A study with effects at trial strengths, not yet placed or calibrated."""
-    group, fin, count = slot(index)
+    group, fin, count = study_slot(index)
     wishes = {form.name for form in forms}
     robot, noise, pool = draw_robot(rng), draw_noise(rng), (2.6, 1.6)
     plain = group in ("null", "clear", "pair") and rng.random() < 0.15 and not wishes & {"sinking"}
@@ -247,30 +257,36 @@ def set_up(rng: np.random.Generator, index: int, forms: tuple[Form, ...]) -> Stu
         robot = replace(robot, depth=0.004)
     trials = draw_trials(rng, robot, count, wishes)
     trials = replace(trials, servo=noise.servo_rad * rng.normal(size=count))
-    world = World(robot, pool)
+    world = StudyWorld(robot, pool)
     hidden = [draw_fin(rng, world, float(trials.f.max()))] if fin else []
     for form in forms:
-        hidden.append(Hidden(form, float(np.sqrt(form.low * form.high)), form.draw(rng)))
+        hidden.append(HiddenEffect(form, float(np.sqrt(form.low * form.high)), form.draw(rng)))
     if group == "unlisted":
         form, constants = draw_unlisted(rng)
-        hidden.append(Hidden(form, float(np.sqrt(form.low * form.high)), constants))
+        hidden.append(HiddenEffect(form, float(np.sqrt(form.low * form.high)), constants))
     fps = float(rng.choice([30000 / 1001, 30000 / 1001, 60000 / 1001, 25.0, 50.0]))
-    return Study(
-        replace(world, hidden=tuple(hidden)), trials, noise, gusts(rng, noise, count, 13.0),
-        draw_camera(rng, pool, plain), fps, float(rng.choice([0, 0, 0.03, 0.06])), plain,
-    )  # fmt: skip
+    return StudyTruth(
+        replace(world, hidden=tuple(hidden)),
+        trials,
+        noise,
+        water_accelerations(rng, noise, count, 13.0),
+        draw_camera(rng, pool, plain),
+        fps,
+        float(rng.choice([0, 0, 0.03, 0.06])),
+        plain,
+    )
 
 
-def attempt(
+def try_calibrated_study(
     rng: np.random.Generator, index: int, forms: tuple[Form, ...], reach: float = 1.0
 ) -> tuple | None:
     """Placed and calibrated study with its fine path and sigmas, or None.
 
     ``reach`` (0 to 1) lowers the upper end of the drawn sigma towards the lower one.
     """
-    study, group = set_up(rng, index, forms), slot(index)[0]
+    study, group = draw_study(rng, index, forms), study_slot(index)[0]
     fins = sum(h.form.name == "tail_fin_lift" for h in study.world.hidden)
-    low, high = SIGMA.get(group, (0, np.inf))
+    low, high = TARGET_SIGMAS.get(group, (0, np.inf))
     targets = {
         i: float(rng.uniform(low * 1.1, low * 1.1 + reach * (0.9 * high - 1.1 * low)))
         for i in range(fins, len(study.world.hidden))
@@ -279,16 +295,16 @@ def attempt(
     bare = replace(study.world, hidden=study.world.hidden[:fins])
     path = simulate(bare, study.trials, 0 * study.gusts, COARSE)
     pool = study.world.pool
-    trials = place(rng, study.trials, path, COARSE, pool, margin)
+    trials = draw_start_poses(rng, study.trials, path, COARSE, pool, margin)
     for _ in range(4):
         study = replace(study, trials=trials)
-        calibrated = calibrate(study, targets) if targets else study
+        calibrated = solve_strengths(study, targets) if targets else study
         if calibrated is None:
             return None
         study = calibrated
         path = simulate(study.world, trials, study.gusts, FINE)
-        left = exits(path, trials, FINE, pool, 0.18)
-        total, on_path = sigmas(study, path, FINE)
+        left = wall_times(path, trials, FINE, pool, 0.18)
+        total, on_path = detectability_sigmas(study, path, FINE)
         fine = all(low <= total[i] <= high for i in targets) and all(s >= 15 for s in total[:fins])
         if np.isinf(left).all() and fine:
             return study, path, total, on_path
@@ -296,7 +312,7 @@ def attempt(
             study = replace(
                 study, world=study.world.with_strength(0, study.world.hidden[0].strength * 1.5)
             )
-        again = place(rng, trials, path, FINE, pool, margin)
+        again = draw_start_poses(rng, trials, path, FINE, pool, margin)
         early = left < 3.3
         trials = Trials(
             **{
@@ -312,8 +328,8 @@ def attempt(
 # ------------------------------------------------------------------------------------------- files
 
 
-def recorded(
-    rng: np.random.Generator, study: Study, path: np.ndarray, labels: np.ndarray, b: int
+def record_trial(
+    rng: np.random.Generator, study: StudyTruth, path: np.ndarray, labels: np.ndarray, b: int
 ) -> tuple:
     """Detections (frames, 5, 2), likelihoods and shaft turns (5 ms grid of robot time) of trial
     ``b``.
@@ -336,9 +352,9 @@ def recorded(
     pose = observe.labelled_pose(study, state, phi)
     swing = np.radians(22) * started * np.sin(beat)
     points = observe.body_points(world.robot, pose, phi, rows.head, labels, swing)
-    pixels = observe.picture(study, points, t, np.full(len(t), b))
+    pixels = observe.keypoint_pixels(study, points, t, np.full(len(t), b))
     log = turns[grid <= trial.duration[0]]
-    return *tracked(rng, noise, pixels, study.fps), log
+    return *tracked_keypoints(rng, noise, pixels, study.fps), log
 
 
 def write_keypoints(
@@ -356,7 +372,7 @@ def write_keypoints(
     file.write_text("\n".join(lines) + "\n")
 
 
-def study_yaml(rng: np.random.Generator, study: Study, parts: list[str]) -> dict:
+def study_yaml(rng: np.random.Generator, study: StudyTruth, parts: list[str]) -> dict:
     """What a competent lab states, with the study's error of reporting if it has one."""
     robot, camera = study.world.robot, study.camera
     L, W = observe.stated_pool(study)
@@ -384,15 +400,17 @@ def study_yaml(rng: np.random.Generator, study: Study, parts: list[str]) -> dict
         },
     }  # fmt: skip
     document["robot"] = {k: round(float(v), 5) for k, v in document["robot"].items()}
-    renamed = {p: n for p, n in zip(PARTS, parts, strict=True) if n and n != p}
+    renamed = {p: n for p, n in zip(KEYPOINT_NAMES, parts, strict=True) if n and n != p}
     return document | ({"bodyparts": renamed} if renamed else {})
 
 
-def write_study(rng: np.random.Generator, study: Study, path: np.ndarray, folder: Path) -> None:
+def write_study(
+    rng: np.random.Generator, study: StudyTruth, path: np.ndarray, folder: Path
+) -> None:
     """study.yaml, trials.csv, keypoints/ and motor/ in ``folder``."""
     (folder / "keypoints").mkdir(parents=True)
     count, trials, noise = len(study.trials.phi), study.trials, study.noise
-    parts, many = list(PARTS), bool(rng.random() < 0.15)
+    parts, many = list(KEYPOINT_NAMES), bool(rng.random() < 0.15)
     if rng.random() < 0.25:
         parts = ["snout", "neck", "com", "peduncle", "fluke"]
     if rng.random() < 0.12:
@@ -407,7 +425,7 @@ def write_study(rng: np.random.Generator, study: Study, path: np.ndarray, folder
         + ("motor_log" if logs else "flap_hz")
     ]
     for b in range(count):
-        found, likelihood, turns = recorded(rng, study, path, labels, b)
+        found, likelihood, turns = record_trial(rng, study, path, labels, b)
         name, error = f"T{b + 1:02d}", 1 + noise.frequency * rng.normal()
         write_keypoints(folder / "keypoints" / f"{name}.csv", found, likelihood, parts, many)
         if logs:
@@ -427,7 +445,7 @@ def write_study(rng: np.random.Generator, study: Study, path: np.ndarray, folder
     (folder / "study.yaml").write_text(yaml.safe_dump(document, sort_keys=False))
 
 
-def described(hidden: Hidden, sigma: float, on_path: float) -> dict:
+def cause_json(hidden: HiddenEffect, sigma: float, on_path: float) -> dict:
     """A cause as in the truth file."""
     form, constants = hidden.form, hidden.constants
     others = {
@@ -442,12 +460,14 @@ def described(hidden: Hidden, sigma: float, on_path: float) -> dict:
     }  # fmt: skip
 
 
-def truth_of(seed: int, index: int, study: Study, total: list[float], on_path: list[float]) -> dict:
+def truth_json(
+    seed: int, index: int, study: StudyTruth, total: list[float], on_path: list[float]
+) -> dict:
     """The truth file's content."""
-    group, fin, count = slot(index)
+    group, fin, count = study_slot(index)
     hidden = study.world.hidden
     causes = [
-        described(h, total[i], on_path[i])
+        cause_json(h, total[i], on_path[i])
         for i, h in enumerate(hidden)
         if h.form.name != "unlisted"
     ]
@@ -472,25 +492,41 @@ def truth_of(seed: int, index: int, study: Study, total: list[float], on_path: l
     t = study.trials
     angles = sorted({round(float(a), 2) for a in np.degrees(t.phi)})
     return {
-        "study": f"{NAME}-{seed}-{index:03d}", "generator": NAME, "seed": seed, "index": index,
-        "group": group, "fin": fin, "trials": count, "verdict": verdict.get(group, "physics"),
-        "causes": sorted(causes, key=lambda cause: -cause["sigma"]), "unlisted": unlisted,
-        "noise": study.noise.as_dict(), "robot": asdict(study.world.robot),
+        "study": f"{GENERATOR_NAME}-{seed}-{index:03d}",
+        "generator": GENERATOR_NAME,
+        "seed": seed,
+        "index": index,
+        "group": group,
+        "fin": fin,
+        "trials": count,
+        "verdict": verdict.get(group, "physics"),
+        "causes": sorted(causes, key=lambda cause: -cause["sigma"]),
+        "unlisted": unlisted,
+        "noise": study.noise.as_dict(),
+        "robot": asdict(study.world.robot),
         "conditions": {
-            "power_pct": sorted(set(t.power.tolist())), "head_angle_deg": angles,
-            "head_length_m": sorted({round(float(h), 5) for h in t.head}), "fps": study.fps,
-            "duration_s": t.duration.round(2).tolist(), "camera": study.camera.model,
-            "homography": study.homography, "flap_hz": t.f.round(3).tolist(),
-            "straight_growth_per_s": straight_growth(study.world, float(t.f.max())),
+            "power_pct": sorted(set(t.power.tolist())),
+            "head_angle_deg": angles,
+            "head_length_m": sorted({round(float(h), 5) for h in t.head}),
+            "fps": study.fps,
+            "duration_s": t.duration.round(2).tolist(),
+            "camera": study.camera.model,
+            "homography": study.homography,
+            "flap_hz": t.f.round(3).tolist(),
+            "straight_growth_per_s": straight_growth_rate(study.world, float(t.f.max())),
         },
-    }  # fmt: skip
+    }
 
 
-def build(seed: int, index: int) -> tuple[np.random.Generator, tuple]:
+def build_study(seed: int, index: int) -> tuple[np.random.Generator, tuple]:
     """Generator and the first candidate study that can be calibrated."""
-    for k, forms in enumerate(candidates(np.random.default_rng([seed, index, 1]), seed, index)):
+    for k, forms in enumerate(
+        candidate_form_sets(np.random.default_rng([seed, index, 1]), seed, index)
+    ):
         rng = np.random.default_rng([seed, index, 2, k])
-        if (result := attempt(rng, index, forms, 0.1 if 3 <= k < 6 else 1.0)) is not None:
+        if (
+            result := try_calibrated_study(rng, index, forms, 0.1 if 3 <= k < 6 else 1.0)
+        ) is not None:
             return rng, result
     raise RuntimeError(f"study {index} of seed {seed}: no candidate reaches its sigma")
 
@@ -499,17 +535,17 @@ def generate(seed: int, index: int, directory: Path) -> dict:
     """Write study ``index`` of ``seed`` below ``directory`` and return its truth; skip if it
     exists.
     """
-    name = f"{NAME}-{seed}-{index:03d}"
+    name = f"{GENERATOR_NAME}-{seed}-{index:03d}"
     truth_file = Path(directory) / "truth" / f"{name}.json"
     if truth_file.exists():
         return json.loads(truth_file.read_text())
-    rng, (study, path, total, on_path) = build(seed, index)
+    rng, (study, path, total, on_path) = build_study(seed, index)
     folder, draft = Path(directory) / "studies" / name, Path(directory) / "studies" / f".{name}"
     for old in (folder, draft):
         shutil.rmtree(old, ignore_errors=True)
     write_study(rng, study, path, draft)
     draft.rename(folder)
-    truth = truth_of(seed, index, study, total, on_path)
+    truth = truth_json(seed, index, study, total, on_path)
     truth_file.parent.mkdir(parents=True, exist_ok=True)
     part = truth_file.with_suffix(".part")
     part.write_text(json.dumps(truth, indent=1))

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from validation.generators.manoeuvring.dynamics import POOL, Array
 
-DOWN = np.diag([1.0, -1.0, -1.0])  # world to camera of a camera looking straight down
+DOWNWARD_ROTATION = np.diag([1.0, -1.0, -1.0])  # world to camera of a camera looking straight down
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Camera:
     @property
     def R(self) -> Array:
         """Rotation world to camera, (3, 3)."""
-        return Rotation.from_rotvec(self.tilt).as_matrix() @ DOWN
+        return Rotation.from_rotvec(self.tilt).as_matrix() @ DOWNWARD_ROTATION
 
 
 def distort(camera: Camera, m: Array) -> Array:
@@ -61,14 +61,14 @@ def undistort(camera: Camera, md: Array) -> Array:
     return m
 
 
-def image(camera: Camera, X: Array) -> Array:
+def project_in_air(camera: Camera, X: Array) -> Array:
     """Pixels (n, 2) of points in air (n, 3), m."""
     c = (X - camera.centre) @ camera.R.T
     d = distort(camera, c[:, :2] / c[:, 2:])
     return d @ camera.K[:2, :2].T + camera.K[:2, 2]
 
 
-def surface_point(camera: Camera, xy: Array, depth: Array) -> Array:
+def surface_crossing(camera: Camera, xy: Array, depth: Array) -> Array:
     """Where the ray from a point at `depth` (m) leaves the water, (n, 2), by Newton's method."""
     H, n = camera.centre[2], camera.index
     d = xy - camera.centre[:2]
@@ -83,11 +83,11 @@ def surface_point(camera: Camera, xy: Array, depth: Array) -> Array:
 
 def project(camera: Camera, xy: Array, depth: Array | float) -> Array:
     """Pixels (n, 2) of keypoints xy (n, 2) m at `depth` below the surface."""
-    s = surface_point(camera, xy, np.broadcast_to(depth, len(xy)).astype(float))
-    return image(camera, np.column_stack([s, np.zeros(len(s))]))
+    s = surface_crossing(camera, xy, np.broadcast_to(depth, len(xy)).astype(float))
+    return project_in_air(camera, np.column_stack([s, np.zeros(len(s))]))
 
 
-def locate(camera: Camera, px: Array, depth: Array | float) -> Array:
+def pixels_to_pool(camera: Camera, px: Array, depth: Array | float) -> Array:
     """Pool position (n, 2) m of raw pixels, for keypoints at `depth`."""
     m = undistort(camera, (px - camera.K[:2, 2]) @ np.linalg.inv(camera.K[:2, :2]).T)
     ray = np.column_stack([m, np.ones(len(m))]) @ camera.R
@@ -97,21 +97,25 @@ def locate(camera: Camera, px: Array, depth: Array | float) -> Array:
     return s + sine * (depth / np.sqrt(1 - (sine**2).sum(1)))[:, None]
 
 
-def corners(length: float, width: float, height: float) -> Array:
+def pool_corners(length: float, width: float, height: float) -> Array:
     """Pool corners (4, 3), m, in the order of study.yaml."""
     flat = np.array([[0, 0], [length, 0], [length, width], [0, width]], float)
     return np.column_stack([flat, np.full(4, height)])
 
 
-def posed(camera: Camera, px: Array, length: float, width: float, height: float) -> Camera:
+def with_fitted_pose(
+    camera: Camera, px: Array, length: float, width: float, height: float
+) -> Camera:
     """The camera with the pose that a lab finds from the corner pixels (4, 2)."""
-    X = corners(length, width, height)
+    X = pool_corners(length, width, height)
 
     def at(p: Array) -> Camera:
         return replace(camera, tilt=p[:3], centre=p[3:])
 
     fit = least_squares(
-        lambda p: (image(at(p), X) - px).ravel(), np.r_[camera.tilt, camera.centre], x_scale=0.1
+        lambda p: (project_in_air(at(p), X) - px).ravel(),
+        np.r_[camera.tilt, camera.centre],
+        x_scale=0.1,
     )
     return at(fit.x)
 
@@ -120,7 +124,7 @@ def draw_camera(rng: np.random.Generator, model: str, height: tuple[float, float
     """A camera tilted by some degrees, `height` (m) above the pool, that sees the whole pool."""
     for _ in range(200):
         camera = _any_camera(rng, model, height)
-        edge = image(camera, corners(*POOL, 0.08))
+        edge = project_in_air(camera, pool_corners(*POOL, 0.08))
         if (edge > 10).all() and (edge < np.array(camera.size) - 10).all():
             return camera
     raise RuntimeError("no camera sees the pool")

@@ -24,19 +24,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.generators.manoeuvring import dynamics, measurement
-from validation.generators.manoeuvring.dynamics import Array, Drive, Effect, Path, Robot
+from validation.generators.manoeuvring.dynamics import (
+    Array,
+    HiddenEffect,
+    Robot,
+    SimulatedPath,
+    TrialInputs,
+)
 from validation.generators.manoeuvring.noise import OCTAVES_S
 
 if TYPE_CHECKING:
-    from validation.generators.manoeuvring.studies import Tank
+    from validation.generators.manoeuvring.studies import StudyTank
 
-STEPS = 3  # Runge-Kutta steps a block
-EPS = 1e-5
-IMAGE_HOOKS = ("depth", "camera_shift", "scale_error", "lens_error", "uncorrected_refraction")
+STEPS_PER_BLOCK = 3  # Runge-Kutta steps a block
+DIFFERENCE_STEP = 1e-5
+OBSERVATION_HOOKS = ("depth", "camera_shift", "scale_error", "lens_error", "uncorrected_refraction")
 
 
 @dataclass(frozen=True)
-class Blocks:
+class LinearisedBlocks:
     """Linear model along the paths; rows are blocks, `trial` and `k` say whose."""
 
     trial: Array
@@ -48,25 +54,27 @@ class Blocks:
     B: Array  # (P, 6, c) coefficients (6), servo, frequency, effects
     dy: Array  # (P, 3, c)
     water: tuple[float, float]  # m/s, correlation a block
-    drive: Drive
+    drive: TrialInputs
     S: Array  # (8, P)
     head: Array
 
 
-def _columns(effects: list[Effect]) -> int:
+def _effect_columns(effects: list[HiddenEffect]) -> int:
     return 17 + len(effects)
 
 
-def step(
-    S: Array, t: Array, dt: float, robot: Robot, *, drive: Drive, effects: list[Effect]
+def advance_block(
+    S: Array, t: Array, dt: float, robot: Robot, *, drive: TrialInputs, effects: list[HiddenEffect]
 ) -> Array:
     """State after one block, (8, n)."""
-    for j in range(STEPS):
-        S = dynamics.rk4(t + j * dt / STEPS, S, dt / STEPS, robot, drive, effects=effects)
+    for j in range(STEPS_PER_BLOCK):
+        S = dynamics.rk4_step(
+            t + j * dt / STEPS_PER_BLOCK, S, dt / STEPS_PER_BLOCK, robot, drive, effects=effects
+        )
     return S
 
 
-def block_starts(tank: Tank) -> tuple[Array, Array, int]:
+def block_starts(tank: StudyTank) -> tuple[Array, Array, int]:
     """Trial and frame of each block start, and frames a block."""
     nb = max(2, round(0.1 * tank.fps))
     pairs = [(j, k) for j, n in enumerate(tank.frames) for k in range(0, n - nb, nb)]
@@ -74,7 +82,9 @@ def block_starts(tank: Tank) -> tuple[Array, Array, int]:
     return trial, frame, nb
 
 
-def calm(tank: Tank, path: Path, trial: Array, frame: Array) -> Drive:
+def drive_with_frozen_water(
+    tank: StudyTank, path: SimulatedPath, trial: Array, frame: Array
+) -> TrialInputs:
     """The drive of each block with the vortices' water frozen at its start value."""
     drive = tank.drive.take(trial)
     x, y, _ = path.core(tank.robot, tank.drive.head)
@@ -85,11 +95,13 @@ def calm(tank: Tank, path: Path, trial: Array, frame: Array) -> Drive:
     )
 
 
-def linearise(tank: Tank, path: Path, effects: list[Effect]) -> Blocks:
+def linearise(
+    tank: StudyTank, path: SimulatedPath, effects: list[HiddenEffect]
+) -> LinearisedBlocks:
     """Jacobians and signatures of every block by forward differences."""
     trial, frame, nb = block_starts(tank)
-    P, dt, c = len(trial), nb / tank.fps, _columns(effects)
-    calm_drive = calm(tank, path, trial, frame)
+    P, dt, c = len(trial), nb / tank.fps, _effect_columns(effects)
+    calm_drive = drive_with_frozen_water(tank, path, trial, frame)
     S0 = path.S[frame, :, trial].T  # (8, P)
     S = np.repeat(S0[:, None], c, axis=1)
     drive = calm_drive.take(np.tile(np.arange(P), c))
@@ -98,13 +110,13 @@ def linearise(tank: Tank, path: Path, effects: list[Effect]) -> Blocks:
     )
     start = drive.start.reshape(c, P).copy()
     for i in range(6):
-        S[i, 1 + i] += EPS
+        S[i, 1 + i] += DIFFERENCE_STEP
     for i in range(2):
-        gust[i, 7 + i] += EPS
+        gust[i, 7 + i] += DIFFERENCE_STEP
     coefficients = np.repeat(tank.robot.coefficients[:, None], c, axis=1)
     coefficients[range(6), range(9, 15)] *= 1 + 1e-4
-    phi[15] += EPS
-    f[16] *= 1 + EPS
+    phi[15] += DIFFERENCE_STEP
+    f[16] *= 1 + DIFFERENCE_STEP
     weights = np.ones((len(effects), c))
     for i, e in enumerate(effects):
         weights[i, 17 + i] = 0.0
@@ -115,16 +127,18 @@ def linearise(tank: Tank, path: Path, effects: list[Effect]) -> Blocks:
     )
     robot = replace(tank.robot, coefficients=np.repeat(coefficients, P, axis=1))
     wide = [e.scaled(e.strength * np.repeat(w, P)) for e, w in zip(effects, weights, strict=True)]
-    end = step(S.reshape(8, -1), np.tile(path.t[frame], c), dt, robot, drive=drive, effects=wide)
+    end = advance_block(
+        S.reshape(8, -1), np.tile(path.t[frame], c), dt, robot, drive=drive, effects=wide
+    )
     end = end[:6].reshape(6, c, P).transpose(2, 0, 1)  # (P, 6, c)
     D = (end - end[..., :1])[..., 1:]
-    scale = np.r_[np.full(6, 1e4), np.radians(tank.noise.servo_deg) / EPS]
-    scale = np.r_[scale, tank.noise.flap_pct / 100 / EPS, -np.ones(len(effects))]
+    scale = np.r_[np.full(6, 1e4), np.radians(tank.noise.servo_deg) / DIFFERENCE_STEP]
+    scale = np.r_[scale, tank.noise.flap_pct / 100 / DIFFERENCE_STEP, -np.ones(len(effects))]
     water = _water_moments(calm_drive.gust, trial)
     dy = observation_errors(tank, path, effects, trial, frame)
-    F, G, B = D[..., :6] / EPS, D[..., 6:8] / EPS, D[..., 8:] * scale
+    F, G, B = D[..., :6] / DIFFERENCE_STEP, D[..., 6:8] / DIFFERENCE_STEP, D[..., 8:] * scale
     head = tank.drive.head[trial]
-    return Blocks(
+    return LinearisedBlocks(
         trial, frame // nb, path.t[frame], dt, F, G, B, dy, water, calm_drive, S0, head
     )  # fmt: skip
 
@@ -137,24 +151,24 @@ def _water_moments(gust: Array, trial: Array) -> tuple[float, float]:
 
 
 def observation_errors(
-    tank: Tank, path: Path, effects: list[Effect], trial: Array, frame: Array
+    tank: StudyTank, path: SimulatedPath, effects: list[HiddenEffect], trial: Array, frame: Array
 ) -> Array:
     """What each effect adds to the observed x, y (m) and heading (rad) of each block, (P, 3, c)."""
     x, y, psi = (a[frame, trial] for a in path.core(tank.robot, tank.drive.head))
     head = tank.drive.head[trial]
     out = np.zeros((len(trial), 3, 8 + len(effects)))
     for i, e in enumerate(effects):
-        if e.hook in IMAGE_HOOKS:
+        if e.hook in OBSERVATION_HOOKS:
             core = np.column_stack([x, y])
             tip = core + (head * np.array([np.cos(psi), np.sin(psi)])).T
             depth = tank.added_depth(path, [e])[frame, trial]
             share = frame / np.array(tank.frames)[trial]
             kw = {"trial": trial, "trials": tank.trials, "share": share, "depth": depth}
-            a, b = (measurement.apparent(e, tank.lab, p, **kw) for p in (core, tip))
+            a, b = (measurement.apparent_displacement(e, tank.lab, p, **kw) for p in (core, tip))
             turn = (np.cos(psi) * (b - a)[:, 1] - np.sin(psi) * (b - a)[:, 0]) / head
             out[:, :, 8 + i] = np.column_stack([a, turn])
         elif e.name == "clock_error":
-            out[:, :, 8 + i] = _stretched(tank, path, e, trial, frame)
+            out[:, :, 8 + i] = _time_stretch_change(tank, path, e, trial, frame)
         elif e.name == "keypoint_bias":
             a = psi + tank.drive.phi[trial] + (np.pi / 2 if e.form == "core_across" else 0)
             core_bias = e.strength * (e.form != "head_across")
@@ -163,7 +177,9 @@ def observation_errors(
     return out
 
 
-def _stretched(tank: Tank, path: Path, e: Effect, trial: Array, frame: Array) -> Array:
+def _time_stretch_change(
+    tank: StudyTank, path: SimulatedPath, e: HiddenEffect, trial: Array, frame: Array
+) -> Array:
     at = path.t[frame] * measurement.time_stretch(e, trial, tank.trials)
     series = np.stack(path.core(tank.robot, tank.drive.head))  # (3, K, n)
     moved = np.empty((len(trial), 3))
@@ -174,7 +190,7 @@ def _stretched(tank: Tank, path: Path, e: Effect, trial: Array, frame: Array) ->
     return moved - series[:, frame, trial].T
 
 
-def noise_model(tank: Tank, b: Blocks) -> tuple[Array, Array, Array, Array]:
+def noise_model(tank: StudyTank, b: LinearisedBlocks) -> tuple[Array, Array, Array, Array]:
     """Transition and variance of the 11 noise states, R (3,), and the start prior (6,)."""
     a = np.r_[np.full(2, b.water[1]), np.tile(np.exp(-b.dt / OCTAVES_S), 3)]
     mpp = (tank.camera.centre[2] + tank.robot.depth / 1.333) / tank.camera.K[0, 0]
@@ -186,7 +202,7 @@ def noise_model(tank: Tank, b: Blocks) -> tuple[Array, Array, Array, Array]:
     return a, var, R, np.r_[0.1, 0.1, 0.1, 0.05, 0.05, 0.2] ** 2
 
 
-def output_matrix(b: Blocks, tank: Tank) -> Array:
+def output_matrix(b: LinearisedBlocks, tank: StudyTank) -> Array:
     """H (P, 3, 17): C's position and the heading from the state, plus tracking errors."""
     H = np.zeros((len(b.t), 3, 17))
     arm, psi = tank.robot.arm(b.head), b.S[2]
@@ -197,7 +213,7 @@ def output_matrix(b: Blocks, tank: Tank) -> Array:
     return H
 
 
-def whitened(tank: Tank, b: Blocks) -> list[Array]:
+def whitened_innovations(tank: StudyTank, b: LinearisedBlocks) -> list[Array]:
     """Whitened innovations of every column, one array (3 K, c) a trial."""
     a, var, R, prior = noise_model(tank, b)
     H, n = output_matrix(b, tank), tank.trials
@@ -227,13 +243,15 @@ def whitened(tank: Tank, b: Blocks) -> list[Array]:
     return [np.concatenate(w) for w in out]
 
 
-def detectability(tank: Tank, path: Path, effects: list[Effect]) -> tuple[Array, Array]:
+def detectability(
+    tank: StudyTank, path: SimulatedPath, effects: list[HiddenEffect]
+) -> tuple[Array, Array]:
     """Sigma of each effect with everything else projected out, and without (raw whitened norm)."""
     if not effects:
         return np.zeros(0), np.zeros(0)
     N = np.zeros((6 + len(effects),) * 2)
     raw = np.zeros(6 + len(effects))
-    for w in whitened(tank, linearise(tank, path, effects)):
+    for w in whitened_innovations(tank, linearise(tank, path, effects)):
         X, Z = np.delete(w, [6, 7], axis=1), w[:, 6:8]
         ZX = Z.T @ X
         raw += (X**2).sum(0)

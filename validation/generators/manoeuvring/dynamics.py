@@ -47,7 +47,7 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Drive:
+class TrialInputs:
     """What a trial is given: head angle (rad), flapping (Hz), head length (m), motor start (s).
 
     `vortices` (5, k, n): x, y (m), circulation (m2/s), drift along x and y (m/s).
@@ -61,13 +61,13 @@ class Drive:
     wake: Array  # (2, n), velocity of the robot's own unit wake, world axes
     gust: Array  # (2, n), m/s, extra uniform water motion (used by the detector)
 
-    def take(self, columns: Array) -> Drive:
+    def take(self, columns: Array) -> TrialInputs:
         """The same drive with columns chosen or repeated."""
-        return Drive(**{k: np.take(v, columns, axis=-1) for k, v in vars(self).items()})
+        return TrialInputs(**{k: np.take(v, columns, axis=-1) for k, v in vars(self).items()})
 
 
 @dataclass(frozen=True)
-class Effect:
+class HiddenEffect:
     """One hidden effect: a form of a cause, its strength (scalar or (n,)) and its fixed shape."""
 
     name: str
@@ -83,7 +83,7 @@ class Effect:
         """The law's value in a flow."""
         return self.law(flow, self.strength, self.form, self.shape)
 
-    def scaled(self, strength: Any) -> Effect:
+    def scaled(self, strength: Any) -> HiddenEffect:
         """The same effect with another strength."""
         return replace(self, strength=strength)
 
@@ -131,7 +131,7 @@ class Flow:
         return fx * c + fy * s, fy * c - fx * s
 
 
-def on(effects: Sequence[Effect], hook: str) -> list[Effect]:
+def effects_of_hook(effects: Sequence[HiddenEffect], hook: str) -> list[HiddenEffect]:
     """The effects of one hook."""
     return [e for e in effects if e.hook == hook]
 
@@ -147,25 +147,25 @@ def vortex_water(t: Array, x: Array, y: Array, vortices: Array) -> tuple[Array, 
     return -(k * dy).sum(0), (k * dx).sum(0)
 
 
-def inputs(t: Array, drive: Drive, flow: Flow, effects: Sequence[Effect]) -> None:
+def apply_drive(t: Array, drive: TrialInputs, flow: Flow, effects: Sequence[HiddenEffect]) -> None:
     """Set flapping frequency (Hz) and head angle (rad) as the robot has them at time t."""
     flow.f = drive.flap_hz * (t >= drive.start - 1e-9)
     flow.phi = drive.phi + 0.0 * flow.t
-    for e in on(effects, "frequency"):
+    for e in effects_of_hook(effects, "frequency"):
         flow.f = e(flow)
-    for e in on(effects, "angle"):
+    for e in effects_of_hook(effects, "angle"):
         flow.phi = e(flow)
 
 
-def head_plate(flow: Flow, robot: Robot, effects: Sequence[Effect]) -> tuple[Array, ...]:
+def head_plate(flow: Flow, robot: Robot, effects: Sequence[HiddenEffect]) -> tuple[Array, ...]:
     """Eqs. (2) to (7) of the paper about C with lift effects: X, Y (N), N (N m), lag rates."""
     C_La, C_D0, C_Da, C_Ma, C_Md = robot.coefficients[1:]
     q = 0.5 * RHO * flow.area * flow.speed**2
     flow.lift = C_La * np.sin(2 * flow.alpha)
-    for e in on(effects, "lift"):
+    for e in effects_of_hook(effects, "lift"):
         flow.lift = flow.lift * e(flow)
     lag_rates = np.zeros_like(flow.lags)
-    for e in on(effects, "lag"):
+    for e in effects_of_hook(effects, "lag"):
         flow.lift, lag_rates = e(flow)
     C_D = C_D0 + C_Da * (1 - np.cos(2 * flow.alpha))
     ca, sa = np.cos(flow.alpha), -np.sin(flow.alpha)  # direction of v in body axes
@@ -175,16 +175,16 @@ def head_plate(flow: Flow, robot: Robot, effects: Sequence[Effect]) -> tuple[Arr
     return X, Y, M + Y * robot.arm(flow.head), lag_rates
 
 
-def forces(flow: Flow, robot: Robot, effects: Sequence[Effect]) -> tuple[Array, ...]:
+def total_forces(flow: Flow, robot: Robot, effects: Sequence[HiddenEffect]) -> tuple[Array, ...]:
     """Sum of thrust, head plate and hidden forces about C, body axes: X, Y, N, lag rates."""
     thrust = robot.coefficients[0] * 0.5 * RHO * flow.area * flow.f**2  # Eq. (1)
     flow.thrust = thrust
-    for e in on(effects, "thrust"):
+    for e in effects_of_hook(effects, "thrust"):
         flow.thrust = flow.thrust * e(flow)
     X, Y, N, lag_rates = head_plate(flow, robot, effects)
     tx, ty = flow.from_core(flow.thrust, 0.0)
     X, Y = X + tx, Y + ty
-    for e in on(effects, "force"):
+    for e in effects_of_hook(effects, "force"):
         dX, dY, dN = e(flow)
         X, Y, N = X + dX, Y + dY, N + dN
     return X, Y, N, lag_rates
@@ -204,18 +204,20 @@ def solve_symmetric(m: tuple[Array, ...], b: tuple[Array, ...]) -> tuple[Array, 
 
 
 def water_velocity(
-    t: Array, drive: Drive, flow: Flow, effects: Sequence[Effect]
+    t: Array, drive: TrialInputs, flow: Flow, effects: Sequence[HiddenEffect]
 ) -> tuple[Array, Array]:
     """Water velocity at C, world axes, m/s: random vortices, gust and hidden currents."""
     wx, wy = vortex_water(t, flow.x, flow.y, drive.vortices)
     wx, wy = wx + drive.gust[0], wy + drive.gust[1]
-    for e in on(effects, "water"):
+    for e in effects_of_hook(effects, "water"):
         ex, ey = e(flow)
         wx, wy = wx + ex, wy + ey
     return wx, wy
 
 
-def rates(t: Array, S: Array, robot: Robot, drive: Drive, effects: Sequence[Effect]) -> Array:
+def rates(
+    t: Array, S: Array, robot: Robot, drive: TrialInputs, effects: Sequence[HiddenEffect]
+) -> Array:
     """Time derivative of the state, (8, n).
 
     Rigid body about O with the mass at (x_G, y_G) (Fossen 2011, sec. 3.3):
@@ -228,15 +230,15 @@ def rates(t: Array, S: Array, robot: Robot, drive: Drive, effects: Sequence[Effe
     flow = Flow(
         robot, drive.head, t - drive.start, x - arm * c, y - arm * s, psi, r, r, r, drive.wake
     )
-    inputs(t, drive, flow, effects)
+    apply_drive(t, drive, flow, effects)
     wx, wy = flow.from_world(*water_velocity(t, drive, flow, effects))
     flow.u, flow.v, flow.lags = u - wx, v - arm * r - wy, S[6:8]
     flow.speed = np.hypot(flow.u, flow.v)
     flow.alpha = -np.arctan2(flow.v, flow.u)
-    X, Y, N, lag_rates = forces(flow, robot, effects)
+    X, Y, N, lag_rates = total_forces(flow, robot, effects)
     N = N - arm * Y  # about O
     m, xG, yG = robot.mass, -arm, 0.0 * arm
-    for e in on(effects, "mass"):
+    for e in effects_of_hook(effects, "mass"):
         dx, dy = flow.from_core(*e(flow))
         xG, yG = xG + dx, yG + dy
     X = X + m * (v * r + xG * r**2)
@@ -244,7 +246,7 @@ def rates(t: Array, S: Array, robot: Robot, drive: Drive, effects: Sequence[Effe
     N = N - m * (xG * u * r + yG * v * r)
     M = [m + 0 * r, 0 * r, -m * yG, m + 0 * r, m * xG]
     M.append(robot.yaw_inertia + m * (xG**2 + yG**2))
-    for e in on(effects, "added_mass"):
+    for e in effects_of_hook(effects, "added_mass"):
         M, X, Y, N = add_fluid_inertia(M, (X, Y, N), flow, (wx, wy), e(flow), arm=arm)
     du, dv, dr = solve_symmetric(tuple(M), (X, Y, N))
     return np.stack([u * c - v * s, u * s + v * c, r, du, dv, dr, *lag_rates])
@@ -274,8 +276,14 @@ def add_fluid_inertia(
     return M, F[0] + X, F[1] + Y, F[2] + N
 
 
-def rk4(
-    t: Array, S: Array, dt: float, robot: Robot, drive: Drive, *, effects: Sequence[Effect]
+def rk4_step(
+    t: Array,
+    S: Array,
+    dt: float,
+    robot: Robot,
+    drive: TrialInputs,
+    *,
+    effects: Sequence[HiddenEffect],
 ) -> Array:
     """State after one classical Runge-Kutta step (Kutta 1901)."""
     k1 = rates(t, S, robot, drive, effects)
@@ -286,7 +294,7 @@ def rk4(
 
 
 @dataclass(frozen=True)
-class Path:
+class SimulatedPath:
     """Simulated trials: time (K,), state (K, 8, n), unit wake velocity (K, 2, n)."""
 
     t: Array
@@ -301,8 +309,14 @@ class Path:
 
 
 def simulate(
-    pose: Array, robot: Robot, drive: Drive, effects: Sequence[Effect], *, fps: float, frames: int
-) -> Path:
+    pose: Array,
+    robot: Robot,
+    drive: TrialInputs,
+    effects: Sequence[HiddenEffect],
+    *,
+    fps: float,
+    frames: int,
+) -> SimulatedPath:
     """Trials from rest at `pose` (3, n): x, y of C (m) and heading (rad), at the frame times."""
     n, sub = pose.shape[1], int(np.ceil(50 / fps))
     arm = robot.arm(drive.head)
@@ -314,17 +328,19 @@ def simulate(
     with np.errstate(all="ignore"):
         for k in range(frames - 1):
             if wakes:
-                wake[k] = own_wake(t[: k + 1], S[: k + 1], drive, arm, wakes[0])
+                wake[k] = own_wake_velocity(t[: k + 1], S[: k + 1], drive, arm, wakes[0])
                 drive = replace(drive, wake=wake[k])
             state = S[k]
             for j in range(sub):
                 tj = t[k] + j / (fps * sub)
-                state = rk4(tj, state, 1 / (fps * sub), robot, drive, effects=effects)
+                state = rk4_step(tj, state, 1 / (fps * sub), robot, drive, effects=effects)
             S[k + 1] = np.clip(state, -50, 50)
-    return Path(t, S, wake)
+    return SimulatedPath(t, S, wake)
 
 
-def own_wake(t: Array, S: Array, drive: Drive, arm: Array, effect: Effect) -> Array:
+def own_wake_velocity(
+    t: Array, S: Array, drive: TrialInputs, arm: Array, effect: HiddenEffect
+) -> Array:
     """Velocity (2, n) of the jet the robot left behind, for unit strength, where it is now.
 
     Gaussian jet of half width b, backward along the core, of age a > 1.5 s. Decay with age:

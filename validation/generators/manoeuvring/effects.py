@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from validation.generators.manoeuvring.dynamics import POOL, RHO, Array, Effect, Flow
+from validation.generators.manoeuvring.dynamics import POOL, RHO, Array, Flow, HiddenEffect
 
 Force = tuple[Any, Any, Any]
 Shape = dict[str, float]
 
 
 # --- motor and servo -------------------------------------------------------------------------
-def _approach(t: Array, s: Array, form: str) -> Array:
+def _step_response(t: Array, s: Array, form: str) -> Array:
     """Share of the final value reached at time t, 0 to 1, for a time scale s."""
     tau = np.maximum(s, 1e-5)
     t = np.maximum(t, 0.0)
@@ -38,12 +38,12 @@ def _approach(t: Array, s: Array, form: str) -> Array:
 
 def servo_lag(flow: Flow, s: Array, form: str, _p: Shape) -> Array:
     """Head angle, rad, that reaches its command with time scale s from 0 at motor start."""
-    return flow.phi * _approach(flow.t, s, form)
+    return flow.phi * _step_response(flow.t, s, form)
 
 
 def motor_spin_up(flow: Flow, s: Array, form: str, _p: Shape) -> Array:
     """Flapping frequency, Hz, that reaches its steady value with time scale s."""
-    return flow.f * _approach(flow.t, s, form)
+    return flow.f * _step_response(flow.t, s, form)
 
 
 def battery_sag(flow: Flow, s: Array, form: str, p: Shape) -> Array:
@@ -100,7 +100,7 @@ def trim_moment(flow: Flow, s: Array, form: str, _p: Shape) -> Force:
 
 
 # --- resistance ------------------------------------------------------------------------------
-def _against(flow: Flow, R: Array) -> tuple[Array, Array]:
+def _opposing_force(flow: Flow, R: Array) -> tuple[Array, Array]:
     """Force of magnitude R against the relative velocity, body axes."""
     U = np.maximum(flow.speed, 1e-6)
     return -R * flow.u / U, -R * flow.v / U
@@ -120,7 +120,7 @@ def viscous_drag(flow: Flow, s: Array, form: str, _p: Shape) -> Force:
         "kuo": lambda: 0.5 * RHO * U**2 * (1.328 / np.sqrt(Re) + 4.12 / Re),
         "ittc57": lambda: 0.5 * RHO * U**2 * 0.075 / (np.log10(Re) - 2) ** 2,
     }[form]()
-    return *_against(flow, s * R), 0.0
+    return *_opposing_force(flow, s * R), 0.0
 
 
 def wave_drag(flow: Flow, s: Array, form: str, p: Shape) -> Force:
@@ -137,7 +137,7 @@ def wave_drag(flow: Flow, s: Array, form: str, p: Shape) -> Force:
         "power4": w**4,
         "power6": w**6,
     }[form]
-    return *_against(flow, s * R), 0.0
+    return *_opposing_force(flow, s * R), 0.0
 
 
 def coulomb_friction(flow: Flow, s: Array, form: str, _p: Shape) -> Force:
@@ -149,7 +149,7 @@ def coulomb_friction(flow: Flow, s: Array, form: str, _p: Shape) -> Force:
     if form == "stribeck":
         level = level * (0.6 + 0.4 * np.exp(-((flow.speed / 0.1) ** 2)))
     N = -0.03 * s * np.tanh(flow.r / 0.05) if form == "with_yaw" else 0.0
-    return *_against(flow, s * level), N
+    return *_opposing_force(flow, s * level), N
 
 
 # --- hull and fin ----------------------------------------------------------------------------
@@ -247,7 +247,7 @@ def stall(flow: Flow, s: Array, form: str, p: Shape) -> Array:
     return 1 - s * g
 
 
-LAGS = {  # (A1, b1, A2, b2) of 1 - A1 exp(-b1 tau) - A2 exp(-b2 tau)
+LAG_CONSTANTS = {  # (A1, b1, A2, b2) of 1 - A1 exp(-b1 tau) - A2 exp(-b2 tau)
     "wagner": (0.165, 0.0455, 0.335, 0.3),  # Jones 1940
     "kussner": (0.5, 0.13, 0.5, 1.0),  # Sears 1940
     "low_aspect": (0.4, 0.2, 0.0, 1.0),  # one lag, after Jones 1940 for aspect ratio 3
@@ -262,7 +262,7 @@ def lift_lag(flow: Flow, s: Array, form: str, p: Shape) -> tuple[Array, Array]:
     if form == "constant":
         a1, a2, k1, k2 = 0.5, 0.0, 1 / p["time_s"], 1.0
     else:
-        a1, b1, a2, b2 = LAGS[form]
+        a1, b1, a2, b2 = LAG_CONSTANTS[form]
         k = 2 * flow.speed / (flow.head * p["chords"])
         k1, k2 = b1 * k, b2 * k
     d1, d2 = flow.lift - flow.lags[0], flow.lift - flow.lags[1]
@@ -318,7 +318,7 @@ def wall_effect(flow: Flow, s: Array, form: str, p: Shape) -> Force:
     b = p["reach_m"]
     g = [(b / np.maximum(d, 0.08)) ** 2 if form == "norrbin" else np.exp(-d / b) for d in gaps]
     if form == "drag":
-        return *_against(flow, s * q * sum(g)), 0.0
+        return *_opposing_force(flow, s * q * sum(g)), 0.0
     X, Y = flow.from_world(s * q * (g[1] - g[0]), s * q * (g[3] - g[2]))
     return X, Y, (-0.05 * Y if form == "vantorre" else 0.0)
 
@@ -380,7 +380,9 @@ class Cause:
     signed: bool = False
 
 
-def _same(names: str, low: float, start: float, high: float) -> dict[str, tuple]:
+def _forms_with_same_strength(
+    names: str, low: float, start: float, high: float
+) -> dict[str, tuple]:
     return dict.fromkeys(names.split(), (low, start, high))
 
 
@@ -396,21 +398,25 @@ CAUSES: dict[str, Cause] = {
         "force",
         tail_fin_lift,
         "m2",
-        _same("fujii polhamus whicker jones", 1e-4, 4e-3, 0.04),
+        _forms_with_same_strength("fujii polhamus whicker jones", 1e-4, 4e-3, 0.04),
         FIN_SHAPE,
     ),
     "added_mass": Cause(
-        "added_mass", added_mass, "1", _same("lamb strip clarke", 0.02, 0.4, 1.5), {}
+        "added_mass",
+        added_mass,
+        "1",
+        _forms_with_same_strength("lamb strip clarke", 0.02, 0.4, 1.5),
+        {},
     ),
     "viscous_drag": Cause(
         "force",
         viscous_drag,
         "SI",
         {
-            **_same("linear", 0.003, 0.05, 1.0),
-            **_same("blasius", 0.005, 0.1, 2.0),
-            **_same("kuo", 0.005, 0.08, 1.2),
-            **_same("ittc57", 0.005, 0.08, 1.2),
+            **_forms_with_same_strength("linear", 0.003, 0.05, 1.0),
+            **_forms_with_same_strength("blasius", 0.005, 0.1, 2.0),
+            **_forms_with_same_strength("kuo", 0.005, 0.08, 1.2),
+            **_forms_with_same_strength("ittc57", 0.005, 0.08, 1.2),
         },
         {},
     ),
@@ -418,28 +424,28 @@ CAUSES: dict[str, Cause] = {
         "force",
         linear_yaw_damping,
         "N m s",
-        _same("linear saturating", 5e-4, 0.01, 0.15),
+        _forms_with_same_strength("linear saturating", 5e-4, 0.01, 0.15),
         {"rate_rad_s": (0.5, 1.5)},
     ),
     "thrust_loss_with_speed": Cause(
         "thrust",
         thrust_loss_with_speed,
         "1",
-        _same("advance parabola reactive deduction", 0.01, 0.2, 0.75),
+        _forms_with_same_strength("advance parabola reactive deduction", 0.01, 0.2, 0.75),
         {"wake_fraction": (0.0, 0.3)},
     ),
     "uniform_current": Cause(
         "water",
         uniform_current,
         "m/s",
-        _same("constant sheared settling", 5e-4, 0.008, 0.08),
+        _forms_with_same_strength("constant sheared settling", 5e-4, 0.008, 0.08),
         {"direction_rad": (-3.1, 3.1), "shear": (-0.6, 0.6), "settling_s": (12.0, 30.0)},
     ),
     "pool_gyre": Cause(
         "water",
         pool_gyre,
         "m/s",
-        _same("solid kaufmann cell", 5e-4, 0.01, 0.08),
+        _forms_with_same_strength("solid kaufmann cell", 5e-4, 0.01, 0.08),
         {"core_m": (0.25, 0.5)},
         True,
     ),
@@ -447,76 +453,116 @@ CAUSES: dict[str, Cause] = {
         "force",
         wall_effect,
         "1",
-        {**_same("norrbin vantorre", 0.005, 0.2, 4.0), **_same("drag", 0.005, 0.3, 3.0)},
+        {
+            **_forms_with_same_strength("norrbin vantorre", 0.005, 0.2, 4.0),
+            **_forms_with_same_strength("drag", 0.005, 0.3, 3.0),
+        },
         {"reach_m": (0.12, 0.3)},
     ),
     "stall": Cause(
         "lift",
         stall,
         "1",
-        _same("kirchhoff logistic ramp gaussian", 0.01, 0.3, 0.95),
+        _forms_with_same_strength("kirchhoff logistic ramp gaussian", 0.01, 0.3, 0.95),
         {"stall_angle_rad": (0.12, 0.28), "width_rad": (0.03, 0.09)},
     ),
-    "servo_lag": Cause("angle", servo_lag, "s", _same(LAG_FORMS, 0.02, 0.2, 1.5), {}),
+    "servo_lag": Cause(
+        "angle", servo_lag, "s", _forms_with_same_strength(LAG_FORMS, 0.02, 0.2, 1.5), {}
+    ),
     "motor_spin_up": Cause(
-        "frequency", motor_spin_up, "s", _same("exponential ramp s_curve", 0.02, 0.2, 2.0), {}
+        "frequency",
+        motor_spin_up,
+        "s",
+        _forms_with_same_strength("exponential ramp s_curve", 0.02, 0.2, 2.0),
+        {},
     ),
     "battery_sag": Cause(
         "frequency",
         battery_sag,
         "1",
-        _same("linear exponential peukert warburg", 0.002, 0.05, 0.3),
+        _forms_with_same_strength("linear exponential peukert warburg", 0.002, 0.05, 0.3),
         {"time_s": (1.0, 4.0)},
     ),
     "trim_moment": Cause(
-        "force", trim_moment, "N m", _same("constant hull thrust", 3e-5, 5e-4, 0.02), {}, True
+        "force",
+        trim_moment,
+        "N m",
+        _forms_with_same_strength("constant hull thrust", 3e-5, 5e-4, 0.02),
+        {},
+        True,
     ),
     "head_angle_offset": Cause(
-        "angle", head_angle_offset, "rad", _same("constant gain play", 0.004, 0.03, 0.2), {}, True
+        "angle",
+        head_angle_offset,
+        "rad",
+        _forms_with_same_strength("constant gain play", 0.004, 0.03, 0.2),
+        {},
+        True,
     ),
     "crossflow_drag": Cause(
-        "force", crossflow_drag, "1", _same("strip taper hooft modulus", 0.01, 0.3, 3.0), {}
+        "force",
+        crossflow_drag,
+        "1",
+        _forms_with_same_strength("strip taper hooft modulus", 0.01, 0.3, 3.0),
+        {},
     ),
     "thrust_line_offset": Cause(
-        "force", thrust_line_offset, "m", _same("sine linear cosine", 3e-4, 3e-3, 0.04), {}, True
+        "force",
+        thrust_line_offset,
+        "m",
+        _forms_with_same_strength("sine linear cosine", 3e-4, 3e-3, 0.04),
+        {},
+        True,
     ),
-    "thrust_area": Cause("thrust", thrust_area, "1", _same("power blend", 0.02, 0.3, 1.0), {}),
+    "thrust_area": Cause(
+        "thrust", thrust_area, "1", _forms_with_same_strength("power blend", 0.02, 0.3, 1.0), {}
+    ),
     "lift_lag": Cause(
         "lag",
         lift_lag,
         "1",
-        _same("wagner kussner low_aspect constant", 0.02, 0.5, 1.9),
+        _forms_with_same_strength("wagner kussner low_aspect constant", 0.02, 0.5, 1.9),
         {"chords": (1.0, 5.0), "time_s": (0.15, 0.6)},
     ),
     "wave_drag": Cause(
         "force",
         wave_drag,
         "N",
-        {**_same("hump power4 power6", 0.001, 0.05, 0.6), **_same("havelock", 0.001, 0.1, 1.5)},
+        {
+            **_forms_with_same_strength("hump power4 power6", 0.001, 0.05, 0.6),
+            **_forms_with_same_strength("havelock", 0.001, 0.1, 1.5),
+        },
         {"a": (0.12, 0.3)},
     ),
     "coulomb_friction": Cause(
-        "force", coulomb_friction, "N", _same("constant stribeck with_yaw", 4e-4, 0.01, 0.07), {}
+        "force",
+        coulomb_friction,
+        "N",
+        _forms_with_same_strength("constant stribeck with_yaw", 4e-4, 0.01, 0.07),
+        {},
     ),
     "wake_reentry": Cause(
         "water",
         wake_reentry,
         "m/s",
-        _same("exponential similarity spreading top_hat", 0.002, 0.05, 0.5),
+        _forms_with_same_strength("exponential similarity spreading top_hat", 0.002, 0.05, 0.5),
         {"decay_s": (5.0, 15.0), "width_m": (0.08, 0.16)},
     ),
     "sinking": Cause(
         "depth",
         sinking,
         "m",
-        {**_same("rate", 4e-4, 0.005, 0.025), **_same("squat settling", 0.002, 0.02, 0.12)},
+        {
+            **_forms_with_same_strength("rate", 4e-4, 0.005, 0.025),
+            **_forms_with_same_strength("squat settling", 0.002, 0.02, 0.12),
+        },
         {},
     ),
     "centre_of_mass_shift": Cause(
         "mass",
         centre_of_mass_shift,
         "m",
-        _same("longitudinal lateral diagonal", 3e-4, 3e-3, 0.03),
+        _forms_with_same_strength("longitudinal lateral diagonal", 3e-4, 3e-3, 0.03),
         {},
         True,
     ),
@@ -524,7 +570,7 @@ CAUSES: dict[str, Cause] = {
         "lift",
         port_starboard_asymmetry,
         "1",
-        _same("lift thrust damping", 0.003, 0.05, 0.7),
+        _forms_with_same_strength("lift thrust damping", 0.003, 0.05, 0.7),
         {},
         True,
     ),
@@ -547,7 +593,7 @@ UNLISTED_CAUSE = Cause(
 HOOKS = {"lift": "lift", "thrust": "thrust", "damping": "force"}  # of port_starboard_asymmetry
 
 
-def draw(name: str, rng: np.random.Generator) -> tuple[Effect, tuple[float, float]]:
+def draw_effect(name: str, rng: np.random.Generator) -> tuple[HiddenEffect, tuple[float, float]]:
     """An effect of a cause with a random form at its start strength, and its bounds."""
     cause = CAUSES.get(name, UNLISTED_CAUSE)
     form = str(rng.choice(list(cause.forms)))
@@ -555,7 +601,7 @@ def draw(name: str, rng: np.random.Generator) -> tuple[Effect, tuple[float, floa
     shape = {k: round(float(rng.uniform(a, b)), 4) for k, (a, b) in cause.shape.items()}
     sign = float(rng.choice([-1, 1])) if cause.signed else 1.0
     hook = HOOKS[form] if name == "port_starboard_asymmetry" else cause.hook
-    return Effect(name, form, "physics", hook, cause.law, sign * start, cause.unit, shape), (
+    return HiddenEffect(name, form, "physics", hook, cause.law, sign * start, cause.unit, shape), (
         low,
         high,
     )

@@ -7,12 +7,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from validation.generators.manoeuvring.camera import Camera, corners, image, locate, posed, project
-from validation.generators.manoeuvring.dynamics import POOL, Array, Effect
+from validation.generators.manoeuvring.camera import (
+    Camera,
+    pixels_to_pool,
+    pool_corners,
+    project,
+    project_in_air,
+    with_fitted_pose,
+)
+from validation.generators.manoeuvring.dynamics import POOL, Array, HiddenEffect
 
 
 @dataclass(frozen=True)
-class Lab:
+class StatedLab:
     """What study.yaml states: lens and index, corners (8 numbers, px), lengths and depth (m)."""
 
     camera: Camera
@@ -23,13 +30,13 @@ class Lab:
     depth: float
 
 
-def measured(rng: np.random.Generator, camera: Camera, depth: float, height: float) -> Lab:
+def measure_lab(rng: np.random.Generator, camera: Camera, depth: float, height: float) -> StatedLab:
     """The statement of a competent lab: corners clicked to 0.2 px."""
-    px = image(camera, corners(*POOL, height)) + rng.normal(0, 0.2, (4, 2))
-    return Lab(camera, tuple(np.round(px, 2).ravel()), height, *POOL, depth)
+    px = project_in_air(camera, pool_corners(*POOL, height)) + rng.normal(0, 0.2, (4, 2))
+    return StatedLab(camera, tuple(np.round(px, 2).ravel()), height, *POOL, depth)
 
 
-def scale_error(lab: Lab, s: float, form: str) -> Lab:
+def scale_error(lab: StatedLab, s: float, form: str) -> StatedLab:
     """Pool lengths (both, or the long side) or corner spacing stated too large by 1 + s."""
     if form == "corners":
         px = np.reshape(lab.corner_px, (4, 2))
@@ -39,7 +46,7 @@ def scale_error(lab: Lab, s: float, form: str) -> Lab:
     return replace(lab, length=lab.length * (1 + s), width=width)
 
 
-def lens_error(lab: Lab, s: float, form: str) -> Lab:
+def lens_error(lab: StatedLab, s: float, form: str) -> StatedLab:
     """Stated lens: k1 off by s, all terms times 1 - s, or principal point off by 300 s px."""
     d, K = lab.camera.distortion.copy(), lab.camera.K.copy()
     if form == "radial":
@@ -51,14 +58,14 @@ def lens_error(lab: Lab, s: float, form: str) -> Lab:
     return replace(lab, camera=replace(lab.camera, K=K, distortion=d))
 
 
-def uncorrected_refraction(lab: Lab, s: float, form: str) -> Lab:
+def uncorrected_refraction(lab: StatedLab, s: float, form: str) -> StatedLab:
     """Stated refractive index 1.333 - 0.333 s, or stated depth times 1 - s."""
     if form == "depth":
         return replace(lab, depth=lab.depth * (1 - s))
     return replace(lab, camera=replace(lab.camera, index=1.333 - 0.333 * s))
 
 
-STATED = {
+STATED_ERRORS = {
     "scale_error": scale_error,
     "lens_error": lens_error,
     "uncorrected_refraction": uncorrected_refraction,
@@ -88,7 +95,7 @@ FORMS: dict[
 }
 
 
-def draw_error(name: str, rng: np.random.Generator) -> tuple[Effect, tuple[float, float]]:
+def draw_error(name: str, rng: np.random.Generator) -> tuple[HiddenEffect, tuple[float, float]]:
     """A measurement error at its start strength with a random form, and its bounds."""
     unit, signed, forms = FORMS[name]
     form = str(rng.choice(list(forms)))
@@ -99,27 +106,34 @@ def draw_error(name: str, rng: np.random.Generator) -> tuple[Effect, tuple[float
         "trial_share": float(rng.uniform(0.2, 0.7)),
     }
     shape = {k: round(v, 4) for k, v in shape.items()}
-    return Effect(
-        name, form, "measurement", name, STATED.get(name, lambda *_: 0), sign * start, unit, shape
+    return HiddenEffect(
+        name,
+        form,
+        "measurement",
+        name,
+        STATED_ERRORS.get(name, lambda *_: 0),
+        sign * start,
+        unit,
+        shape,
     ), (
         float(low),
         float(high),
     )
 
 
-def time_stretch(effect: Effect, trial: Array, trials: int) -> Array:
+def time_stretch(effect: HiddenEffect, trial: Array, trials: int) -> Array:
     """True seconds per stated second: 1 + s, or growing through the session (clock_error)."""
     g = 1.0 if effect.form == "constant" else 2 * trial / max(trials - 1, 1)
     return 1 + effect.strength * g + 0.0 * trial
 
 
-def log_offset(effect: Effect, trial: Array, trials: int) -> Array:
+def log_offset(effect: HiddenEffect, trial: Array, trials: int) -> Array:
     """Seconds by which the log's events come late (time_offset): s, or growing over the session."""
     g = 1.0 if effect.form == "constant" else 2 * trial / max(trials - 1, 1)
     return effect.strength * g + 0.0 * trial
 
 
-def camera_shift(effect: Effect, px: Array, trial: Array, trials: int, share: Array) -> Array:
+def camera_shift(effect: HiddenEffect, px: Array, trial: Array, trials: int, share: Array) -> Array:
     """Pixels (n, 2) in the moved camera; `trial` and `share` (of the trial's time) are (n,).
 
     jump: s px in the middle of one trial, lasting; drift: s px within each trial; tilt: from one
@@ -135,7 +149,7 @@ def camera_shift(effect: Effect, px: Array, trial: Array, trials: int, share: Ar
     return px + np.outer(late if effect.form == "jump" else share, effect.strength * a)
 
 
-def keypoint_bias(effect: Effect, z: Array, phi: Array, psi: Array) -> Array:
+def keypoint_bias(effect: HiddenEffect, z: Array, phi: Array, psi: Array) -> Array:
     """Keypoints (frames, 5, 2) with one label misplaced by s m."""
     out, s = z.copy(), effect.strength
     j = 0 if effect.form == "head_across" else 2
@@ -149,7 +163,7 @@ def keypoint_bias(effect: Effect, z: Array, phi: Array, psi: Array) -> Array:
 
 
 @lru_cache(maxsize=64)
-def _pose(key: tuple) -> Camera:
+def _fitted_camera(key: tuple) -> Camera:
     model, K, d, index, tilt, centre, px, length, width, height = key
     camera = Camera(
         model,
@@ -160,10 +174,10 @@ def _pose(key: tuple) -> Camera:
         np.array(centre),
         index,
     )
-    return posed(camera, np.reshape(px, (4, 2)), length, width, height)
+    return with_fitted_pose(camera, np.reshape(px, (4, 2)), length, width, height)
 
 
-def read(lab: Lab, px: Array) -> Array:
+def pixels_to_stated_pool(lab: StatedLab, px: Array) -> Array:
     """Pool positions (n, 2) that the lab's own statements give to pixels."""
     c = lab.camera
     key = (
@@ -174,19 +188,31 @@ def read(lab: Lab, px: Array) -> Array:
         tuple(c.tilt),
         tuple(c.centre),
     )
-    return locate(
-        _pose((*key, lab.corner_px, lab.length, lab.width, lab.corner_height)), px, lab.depth
+    return pixels_to_pool(
+        _fitted_camera((*key, lab.corner_px, lab.length, lab.width, lab.corner_height)),
+        px,
+        lab.depth,
     )
 
 
-def apparent(
-    effect: Effect, lab: Lab, xy: Array, *, trial: Array, trials: int, share: Array, depth: Array
+def apparent_displacement(
+    effect: HiddenEffect,
+    lab: StatedLab,
+    xy: Array,
+    *,
+    trial: Array,
+    trials: int,
+    share: Array,
+    depth: Array,
 ) -> Array:
     """Change (n, 2), m, of the position read for points xy that an effect on the picture makes."""
     px = project(lab.camera, xy, lab.depth)
-    before = read(lab, px)
+    before = pixels_to_stated_pool(lab, px)
     if effect.hook == "depth":
-        return read(lab, project(lab.camera, xy, lab.depth + depth)) - before
+        return pixels_to_stated_pool(lab, project(lab.camera, xy, lab.depth + depth)) - before
     if effect.name == "camera_shift":
-        return read(lab, camera_shift(effect, px, trial, trials, share)) - before
-    return read(STATED[effect.name](lab, effect.strength, effect.form), px) - before
+        return pixels_to_stated_pool(lab, camera_shift(effect, px, trial, trials, share)) - before
+    return (
+        pixels_to_stated_pool(STATED_ERRORS[effect.name](lab, effect.strength, effect.form), px)
+        - before
+    )

@@ -43,7 +43,7 @@ def draw_noise(rng: np.random.Generator) -> Noise:
     )
 
 
-def pink(rng: np.random.Generator, frames: int, dt: float, shape: tuple[int, ...]) -> Array:
+def pink_noise(rng: np.random.Generator, frames: int, dt: float, shape: tuple[int, ...]) -> Array:
     """Unit-variance noise (frames, *shape) with spectrum near 1/f between 0.3 and 3 Hz.
 
     Sum of three first-order Gauss-Markov processes an octave and a half apart (van der Ziel 1950).
@@ -66,7 +66,9 @@ def draw_vortices(rng: np.random.Generator, n: int, level: float) -> Array:
     return v
 
 
-def keypoints(robot: object, head: float, tracks: Array, phase: Array, noise: Noise) -> Array:
+def keypoint_positions(
+    robot: object, head: float, tracks: Array, phase: Array, noise: Noise
+) -> Array:
     """Keypoints (frames, 5, 2) in m: head_tip, hinge, core_center, tail_base, tail_tip.
 
     tracks (4, frames): x, y, psi, phi of C; recoil moves the whole body at the tail beat.
@@ -83,10 +85,12 @@ def keypoints(robot: object, head: float, tracks: Array, phase: Array, noise: No
     return np.stack([z.real, z.imag], axis=-1)
 
 
-def tracked(rng: np.random.Generator, px: Array, fps: float, noise: Noise) -> tuple[Array, Array]:
+def tracked_keypoints(
+    rng: np.random.Generator, px: Array, fps: float, noise: Noise
+) -> tuple[Array, Array]:
     """Detections (frames, 5, 2) px and likelihoods (frames, 5) of true image points."""
     frames = len(px)
-    out = px + noise.coloured_px * pink(rng, frames, 1 / fps, px.shape[1:])
+    out = px + noise.coloured_px * pink_noise(rng, frames, 1 / fps, px.shape[1:])
     out = out + noise.white_px * rng.standard_normal(px.shape)
     like = 1 - 0.04 * rng.beta(1, 4, px.shape[:2])
     wild = rng.random(px.shape[:2]) < noise.outlier_rate

@@ -19,28 +19,36 @@ from validation.generators.manoeuvring import (
     writing,
 )
 from validation.generators.manoeuvring.camera import Camera, draw_camera
-from validation.generators.manoeuvring.dynamics import POOL, Array, Drive, Effect, Flow, Path, Robot
+from validation.generators.manoeuvring.dynamics import (
+    POOL,
+    Array,
+    Flow,
+    HiddenEffect,
+    Robot,
+    SimulatedPath,
+    TrialInputs,
+)
 
-NAME = "manoeuvring"
-GROUPS = {"null": 8, "clear": 8, "faint": 6, "pair": 6, "measurement": 6, "unlisted": 6}
-RANGES = {
+GENERATOR_NAME = "manoeuvring"
+GROUP_COUNTS = {"null": 8, "clear": 8, "faint": 6, "pair": 6, "measurement": 6, "unlisted": 6}
+TARGET_SIGMA_RANGES = {
     "clear": (20, 45),
     "faint": (8, 14),
     "pair": (14, 35),
     "measurement": (12, 40),
     "unlisted": (14, 40),
 }
-NOT_DRAWN = ("tail_fin_lift",)  # half of all studies have it
+CAUSES_NOT_DRAWN = ("tail_fin_lift",)  # half of all studies have it
 
 
 @dataclass(frozen=True)
-class Tank:
+class StudyTank:
     """Everything of a study but its hidden effects."""
 
     robot: Robot
     camera: Camera
-    lab: measurement.Lab
-    drive: Drive
+    lab: measurement.StatedLab
+    drive: TrialInputs
     noise: noise.Noise
     power: Array
     command: Array  # rad, the commanded head angle
@@ -57,15 +65,15 @@ class Tank:
         """Number of trials."""
         return len(self.power)
 
-    def actuation(self, t: Array, effs: list[Effect]) -> tuple[Array, Array]:
+    def actuation(self, t: Array, effs: list[HiddenEffect]) -> tuple[Array, Array]:
         """Actual flapping frequency (Hz) and head angle (rad) at times t, each (K, n)."""
         t = t[:, None] + 0 * self.drive.phi
         z = 0 * t
         flow = Flow(self.robot, self.drive.head, t - self.drive.start, z, z, z, z, z, z, z)
-        dynamics.inputs(t, self.drive, flow, effs)
+        dynamics.apply_drive(t, self.drive, flow, effs)
         return flow.f, flow.phi
 
-    def added_depth(self, path: Path, effs: list[Effect]) -> Array:
+    def added_depth(self, path: SimulatedPath, effs: list[HiddenEffect]) -> Array:
         """Depth that sinking adds, m, (K, n)."""
         z = 0 * path.S[:, 0]
         flow = Flow(
@@ -76,7 +84,7 @@ class Tank:
 
 
 @dataclass(frozen=True)
-class Slot:
+class StudySlot:
     """What index K of a seed holds."""
 
     group: str
@@ -85,15 +93,15 @@ class Slot:
     causes: tuple[str, ...]
 
 
-def slot(seed: int, index: int) -> Slot:
+def study_slot(seed: int, index: int) -> StudySlot:
     """Composition by index modulo 40: fixed group and fin, causes dealt from a shuffled pack."""
-    table = [(g, i % 2 == 1) for g, n in GROUPS.items() for i in range(n)]
+    table = [(g, i % 2 == 1) for g, n in GROUP_COUNTS.items() for i in range(n)]
     order = np.random.default_rng(4020).permutation(40)
     place = int(order[index % 40])
     group, fin = table[place]
     small = np.random.default_rng(4021).permutation(40)[:10]
     deck = np.random.default_rng([seed, index // 40, 5])
-    physics = [c for c in effects.CAUSES if c not in NOT_DRAWN]
+    physics = [c for c in effects.CAUSES if c not in CAUSES_NOT_DRAWN]
     pack = list(deck.permutation(physics)) + list(deck.permutation(physics))
     errors = list(deck.permutation(list(measurement.FORMS)))
     start = {"clear": 0, "faint": 8, "pair": 14}.get(group, 0)
@@ -105,7 +113,7 @@ def slot(seed: int, index: int) -> Slot:
         causes = (pack[14 + 2 * i], pack[15 + 2 * i])
     elif group == "measurement":
         causes = (errors[i],)
-    return Slot(group, fin, 9 if index % 40 in small else 24, tuple(map(str, causes)))
+    return StudySlot(group, fin, 9 if index % 40 in small else 24, tuple(map(str, causes)))
 
 
 def draw_robot(rng: np.random.Generator, causes: tuple[str, ...]) -> Robot:
@@ -130,7 +138,7 @@ def draw_robot(rng: np.random.Generator, causes: tuple[str, ...]) -> Robot:
     )
 
 
-def conditions(
+def draw_conditions(
     rng: np.random.Generator, robot: Robot, trials: int, causes: tuple[str, ...]
 ) -> tuple:
     """Power (%), head angle (deg) and head length (m) of each trial, in random order."""
@@ -148,21 +156,21 @@ def conditions(
     return rows[:, 0], rows[:, 1], rows[:, 2]
 
 
-def draw_layout(rng: np.random.Generator, s: Slot) -> str:
+def draw_layout(rng: np.random.Generator, s: StudySlot) -> str:
     """Lens model; homography alone only where neither depth nor lens is in question."""
     if s.group == "measurement" or "sinking" in s.causes:
         return str(rng.choice(["pinhole", "fisheye"], p=[0.6, 0.4]))
     return str(rng.choice(["pinhole", "fisheye", "homography"], p=[0.5, 0.35, 0.15]))
 
 
-def draw_tank(rng: np.random.Generator, s: Slot) -> Tank:
+def draw_tank(rng: np.random.Generator, s: StudySlot) -> StudyTank:
     """Robot, camera, trials and noise of a study; poses are provisional."""
     robot, level = draw_robot(rng, s.causes), noise.draw_noise(rng)
     if {"uncorrected_refraction", "scale_error"} & set(s.causes):  # seen in sharp pictures only
         level = replace(
             level, white_px=0.18 + 0.1 * level.white_px, coloured_px=0.07, water_m_s=4e-4
         )
-    power, angle, head = conditions(rng, robot, s.trials, s.causes)
+    power, angle, head = draw_conditions(rng, robot, s.trials, s.causes)
     n, fps = (
         s.trials,
         float(rng.choice([30000 / 1001, 60000 / 1001, 25.0, 50.0], p=[0.45, 0.3, 0.15, 0.1])),
@@ -178,7 +186,7 @@ def draw_tank(rng: np.random.Generator, s: Slot) -> Tank:
         robot = replace(robot, depth=round(float(rng.uniform(0.002, 0.006)), 4))
     height = 0.0 if model == "homography" else float(rng.choice([0.0, 0.03, 0.08]))
     flap = 5.82 * rng.uniform(0.9, 1.1) * (power / 100) ** rng.uniform(1.15, 1.4)
-    drive = Drive(
+    drive = TrialInputs(
         np.radians(angle + rng.normal(0, level.servo_deg, n)),
         flap * (1 + rng.normal(0, 0.008, n)),
         head,
@@ -189,8 +197,8 @@ def draw_tank(rng: np.random.Generator, s: Slot) -> Tank:
     )
     long = "wake_reentry" in s.causes
     seconds = rng.uniform(9, 12, n) if long else np.clip(rng.gamma(12, 0.5, n), 3.5, 11) + lead
-    return Tank(
-        robot, camera, measurement.measured(rng, camera, robot.depth, height), drive, level,
+    return StudyTank(
+        robot, camera, measurement.measure_lab(rng, camera, robot.depth, height), drive, level,
         power, np.radians(angle), fps, np.tile([[POOL[0] / 2], [POOL[1] / 2], [0.0]], n),
         np.round(seconds * fps).astype(int), (), 0.2 if "wall_effect" in s.causes else 0.24,
         has_log, model,
@@ -219,7 +227,7 @@ def fit_in_pool(rel: Array, margin: float, rng: np.random.Generator) -> tuple[Ar
     return best, kept
 
 
-def stay(tank: Tank, path: Path) -> Array:
+def frames_inside_pool(tank: StudyTank, path: SimulatedPath) -> Array:
     """Frames until each trial comes too near a wall (or its wanted end)."""
     x, y, _ = path.core(tank.robot, tank.drive.head)
     gap = np.minimum.reduce([x, POOL[0] - x, y, POOL[1] - y])
@@ -228,16 +236,16 @@ def stay(tank: Tank, path: Path) -> Array:
     return np.minimum(first, tank.wanted)
 
 
-def run(
-    tank: Tank, effs: list[Effect], rng: np.random.Generator, rounds: int = 3
-) -> tuple[Tank, Path]:
+def simulate_in_pool(
+    tank: StudyTank, effs: list[HiddenEffect], rng: np.random.Generator, rounds: int = 3
+) -> tuple[StudyTank, SimulatedPath]:
     """Simulated trials, after new start poses for those that leave the pool too early."""
     frames = int(tank.wanted.max())
     for i in range(rounds + 1):
         path = dynamics.simulate(
             tank.pose, tank.robot, tank.drive, effs, fps=tank.fps, frames=frames
         )
-        kept = stay(tank, path)
+        kept = frames_inside_pool(tank, path)
         early = kept < np.minimum(0.75 * tank.wanted, 4 * tank.fps)
         if i == rounds or not (early.any() or not tank.frames):
             break
@@ -251,11 +259,11 @@ def run(
     return replace(tank, frames=tuple(int(k) for k in kept)), path
 
 
-def fin(rng: np.random.Generator, robot: Robot) -> Effect:
+def draw_fin(rng: np.random.Generator, robot: Robot) -> HiddenEffect:
     """A tail fin from 1.1 to 3 times the area that just makes straight swimming stable."""
-    effect, (low, high) = effects.draw("tail_fin_lift", rng)
+    effect, (low, high) = effects.draw_effect("tail_fin_lift", rng)
     one = np.ones(1)
-    drive = Drive(
+    drive = TrialInputs(
         0 * one, 4 * one, robot.head_1x * one, 0 * one, np.zeros((5, 0, 1)), *np.zeros((2, 2, 1))
     )
     U = 4 * np.sqrt(robot.coefficients[0] / robot.coefficients[2])
@@ -277,8 +285,8 @@ def fin(rng: np.random.Generator, robot: Robot) -> Effect:
     return effect.scaled(float(high * np.exp(rng.uniform(np.log(1.1), np.log(3.0)))))
 
 
-def tune(
-    tank: Tank, drawn: list, fixed: list[Effect], goal: tuple, rng: np.random.Generator
+def solve_strengths(
+    tank: StudyTank, drawn: list, fixed: list[HiddenEffect], goal: tuple, rng: np.random.Generator
 ) -> tuple:
     """Strengths that bring each effect into the range: ok, tank, path, effects, sigma."""
     low, high = goal
@@ -286,7 +294,7 @@ def tune(
     effs, bounds = [e for e, _ in drawn], [b for _, b in drawn]
     path, sigma = None, np.zeros(0)
     for _ in range(7):
-        tank, path = run(tank, [*effs, *fixed], rng, 2)
+        tank, path = simulate_in_pool(tank, [*effs, *fixed], rng, 2)
         if min(tank.frames) < 2 * tank.fps:
             return False, tank, path, effs, sigma
         sigma = detector.detectability(tank, path, [*effs, *fixed])[0]
@@ -302,10 +310,10 @@ def tune(
     return False, tank, path, effs, sigma
 
 
-def candidates(s: Slot, attempt: int, rng: np.random.Generator) -> list:
+def candidate_effects(s: StudySlot, attempt: int, rng: np.random.Generator) -> list:
     """Effects to tune: the dealt causes (three attempts, each its own form), then other causes."""
     if s.group == "unlisted":
-        return [effects.draw("unlisted", rng)]
+        return [effects.draw_effect("unlisted", rng)]
     names = list(s.causes)
     if attempt >= 3 and names:
         pool = list(measurement.FORMS) if s.group == "measurement" else list(effects.CAUSES)[1:]
@@ -314,27 +322,34 @@ def candidates(s: Slot, attempt: int, rng: np.random.Generator) -> list:
         ]
         names = [str(c) for c in rng.choice(others, len(names), replace=False)]
     return [
-        (measurement.draw_error if c in measurement.FORMS else effects.draw)(c, rng) for c in names
+        (measurement.draw_error if c in measurement.FORMS else effects.draw_effect)(c, rng)
+        for c in names
     ]
 
 
-def compose(seed: int, index: int) -> tuple[Slot, Tank, Path, list[Effect], Array]:
+def compose_study(
+    seed: int, index: int
+) -> tuple[StudySlot, StudyTank, SimulatedPath, list[HiddenEffect], Array]:
     """The study in memory: what is asked, tank, paths, all effects and their sigma."""
-    s = slot(seed, index)
+    s = study_slot(seed, index)
     for attempt in range(10):
         rng = np.random.default_rng([seed, index, attempt])
         tank = draw_tank(rng, s)
-        fixed = [fin(rng, tank.robot)] if s.fin else []
-        drawn = candidates(s, attempt, rng)
+        fixed = [draw_fin(rng, tank.robot)] if s.fin else []
+        drawn = candidate_effects(s, attempt, rng)
         if drawn:
-            ok, tank, path, effs, sigma = tune(tank, drawn, fixed, RANGES[s.group], rng)
+            ok, tank, path, effs, sigma = solve_strengths(
+                tank, drawn, fixed, TARGET_SIGMA_RANGES[s.group], rng
+            )
         else:
-            effs, (tank, path) = [], run(tank, fixed, rng)
+            effs, (tank, path) = [], simulate_in_pool(tank, fixed, rng)
             sigma = detector.detectability(tank, path, fixed)[0]
             ok = min(tank.frames) >= 2 * tank.fps
         if ok and (not s.fin or sigma[-1] >= 15):
             return s, tank, path, [*effs, *fixed], sigma
-    raise RuntimeError(f"study {index} of seed {seed}: no strength within {RANGES[s.group]} sigma")
+    raise RuntimeError(
+        f"study {index} of seed {seed}: no strength within {TARGET_SIGMA_RANGES[s.group]} sigma"
+    )
 
 
 def unit_of(key: str) -> str:
@@ -343,7 +358,9 @@ def unit_of(key: str) -> str:
     return next((unit for end, unit in units.items() if key.endswith(end)), "1")
 
 
-def truth(name: str, s: Slot, tank: Tank, effs: list[Effect], sigma: Array) -> dict[str, Any]:
+def truth_json(
+    name: str, s: StudySlot, tank: StudyTank, effs: list[HiddenEffect], sigma: Array
+) -> dict[str, Any]:
     """The truth file's content."""
     causes, hidden = [], None
     for e, sg in sorted(zip(effs, sigma, strict=True), key=lambda p: -p[1]):
@@ -374,23 +391,31 @@ def truth(name: str, s: Slot, tank: Tank, effs: list[Effect], sigma: Array) -> d
         "head_lengths_m": sorted(set(tank.drive.head.tolist())),
     }  # fmt: skip
     return {
-        "study": name, "generator": NAME, "group": s.group, "fin": s.fin, "trials": s.trials,
-        "verdict": verdict, "causes": causes, "unlisted": hidden, "noise": asdict(tank.noise),
-        "robot": robot, "conditions": where,
-    }  # fmt: skip
+        "study": name,
+        "generator": GENERATOR_NAME,
+        "group": s.group,
+        "fin": s.fin,
+        "trials": s.trials,
+        "verdict": verdict,
+        "causes": causes,
+        "unlisted": hidden,
+        "noise": asdict(tank.noise),
+        "robot": robot,
+        "conditions": where,
+    }
 
 
 def generate(seed: int, index: int, directory: Folder) -> dict[str, Any]:
     """Write study and truth under `directory`; return the truth. A finished study is only read."""
-    name = f"{NAME}-{seed}-{index:03d}"
+    name = f"{GENERATOR_NAME}-{seed}-{index:03d}"
     answer, folder = directory / "truth" / f"{name}.json", directory / "studies" / name
     if answer.exists():
         return dict(json.loads(answer.read_text()))
-    s, tank, path, effs, sigma = compose(seed, index)
-    reported = truth(name, s, tank, effs, sigma) | {"seed": seed, "index": index}
+    s, tank, path, effs, sigma = compose_study(seed, index)
+    reported = truth_json(name, s, tank, effs, sigma) | {"seed": seed, "index": index}
     part = directory / "studies" / f".{name}.part"
     shutil.rmtree(part, ignore_errors=True)
-    writing.write(part, tank, path, effs, np.random.default_rng([seed, index, 99]))
+    writing.write_study(part, tank, path, effs, np.random.default_rng([seed, index, 99]))
     shutil.rmtree(folder, ignore_errors=True)
     part.rename(folder)
     answer.parent.mkdir(parents=True, exist_ok=True)

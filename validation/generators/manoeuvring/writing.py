@@ -12,30 +12,32 @@ from scipy.interpolate import CubicSpline
 
 from validation.generators.manoeuvring import measurement, noise
 from validation.generators.manoeuvring.camera import project
-from validation.generators.manoeuvring.dynamics import Array, Effect, Path
+from validation.generators.manoeuvring.dynamics import Array, HiddenEffect, SimulatedPath
 
 if TYPE_CHECKING:
-    from validation.generators.manoeuvring.studies import Tank
+    from validation.generators.manoeuvring.studies import StudyTank
 
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
-OWN_NAMES = ("snout", "neck_joint", "com_mark", "peduncle", "fluke_tip")
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+ALTERNATIVE_PART_NAMES = ("snout", "neck_joint", "com_mark", "peduncle", "fluke_tip")
 
 
-def named(effs: list[Effect], name: str) -> Effect | None:
+def effect_by_name(effs: list[HiddenEffect], name: str) -> HiddenEffect | None:
     """The effect of that name, if it is hidden here."""
     return next((e for e in effs if e.name == name), None)
 
 
-def phases(tank: Tank, effs: list[Effect], seconds: float) -> tuple[Array, Array]:
+def shaft_phases(tank: StudyTank, effs: list[HiddenEffect], seconds: float) -> tuple[Array, Array]:
     """Times (K,) every 5 ms and shaft phase (K, n), rad."""
     t = np.arange(0, seconds + 0.2, 0.005)
     f, _ = tank.actuation(t, effs)
     return t, 2 * np.pi * np.cumsum(f, axis=0) * 0.005
 
 
-def true_pixels(tank: Tank, path: Path, effs: list[Effect], j: int, clock: tuple) -> Array:
+def true_pixels(
+    tank: StudyTank, path: SimulatedPath, effs: list[HiddenEffect], j: int, clock: tuple
+) -> Array:
     """Noise-free raw pixels (frames, 5, 2) of trial j at its frame times."""
-    stretch = named(effs, "clock_error")
+    stretch = effect_by_name(effs, "clock_error")
     c = 1.0 if stretch is None else measurement.time_stretch(stretch, np.array(j), tank.trials)
     n = int((tank.frames[j] - 1) / max(c, 1e-6)) + 1
     t = np.arange(n) / tank.fps * c
@@ -43,15 +45,15 @@ def true_pixels(tank: Tank, path: Path, effs: list[Effect], j: int, clock: tuple
     x, y, psi = CubicSpline(path.t, series, axis=1)(t) if stretch else series[:, :n]
     phi = tank.actuation(t, effs)[1][:, j]
     phase = np.interp(t, clock[0], clock[1][:, j])
-    z = noise.keypoints(
+    z = noise.keypoint_positions(
         tank.robot, tank.drive.head[j], np.stack([x, y, psi, phi]), phase, tank.noise
     )
-    if bias := named(effs, "keypoint_bias"):
+    if bias := effect_by_name(effs, "keypoint_bias"):
         z = measurement.keypoint_bias(bias, z, phi, psi)
     depth = tank.robot.depth + tank.added_depth(path, effs)[:, j]
     depth = np.repeat(np.interp(t, path.t, depth), 5)
     px = project(tank.camera, z.reshape(-1, 2), depth)
-    if moved := named(effs, "camera_shift"):
+    if moved := effect_by_name(effs, "camera_shift"):
         share = np.repeat(np.arange(n) / n, 5)
         px = measurement.camera_shift(moved, px, np.full(5 * n, j), tank.trials, share)
     return px.reshape(n, 5, 2)
@@ -72,8 +74,8 @@ def keypoint_table(
 
 def write_log(
     file: Folder,
-    tank: Tank,
-    effs: list[Effect],
+    tank: StudyTank,
+    effs: list[HiddenEffect],
     j: int,
     clock: tuple,
     *,
@@ -81,7 +83,7 @@ def write_log(
     look: tuple,
 ) -> None:
     """One motor log; its frequency has the trial's small error, its time the hidden offset."""
-    offset = named(effs, "time_offset")
+    offset = effect_by_name(effs, "time_offset")
     late = (
         0.0 if offset is None else float(measurement.log_offset(offset, np.array(j), tank.trials))
     )
@@ -96,16 +98,16 @@ def write_log(
     frame.to_csv(file, index=False)
 
 
-def stated_lab(tank: Tank, effs: list[Effect]) -> measurement.Lab:
+def stated_lab(tank: StudyTank, effs: list[HiddenEffect]) -> measurement.StatedLab:
     """The lab's statement with the hidden error, if any, in it."""
     lab = tank.lab
     for e in effs:
-        if e.name in measurement.STATED:
-            lab = measurement.STATED[e.name](lab, e.strength, e.form)
+        if e.name in measurement.STATED_ERRORS:
+            lab = measurement.STATED_ERRORS[e.name](lab, e.strength, e.form)
     return lab
 
 
-def study_yaml(tank: Tank, effs: list[Effect], names: tuple[str, ...]) -> dict[str, Any]:
+def study_yaml(tank: StudyTank, effs: list[HiddenEffect], names: tuple[str, ...]) -> dict[str, Any]:
     """Content of study.yaml."""
     lab, rb = stated_lab(tank, effs), tank.robot
     camera: dict[str, Any] = {"image_size_px": list(lab.camera.size)}
@@ -130,27 +132,33 @@ def study_yaml(tank: Tank, effs: list[Effect], names: tuple[str, ...]) -> dict[s
         },
         "camera": camera,
     }
-    if names != PARTS:
-        content["bodyparts"] = dict(zip(PARTS, names, strict=True))
+    if names != KEYPOINT_NAMES:
+        content["bodyparts"] = dict(zip(KEYPOINT_NAMES, names, strict=True))
     return content
 
 
-def write(
-    folder: Folder, tank: Tank, path: Path, effs: list[Effect], rng: np.random.Generator
+def write_study(
+    folder: Folder,
+    tank: StudyTank,
+    path: SimulatedPath,
+    effs: list[HiddenEffect],
+    rng: np.random.Generator,
 ) -> None:
     """All files of one study."""
     for sub in ("keypoints", "motor") if tank.has_log else ("keypoints",):
         (folder / sub).mkdir(parents=True)
-    names = OWN_NAMES if rng.random() < 0.2 else PARTS
+    names = ALTERNATIVE_PART_NAMES if rng.random() < 0.2 else KEYPOINT_NAMES
     individual, look = (
         bool(rng.random() < 0.15),
         (float(rng.uniform(8, 25)), str(rng.choice(["hold", "zero", "empty"]))),
     )
-    clock = phases(tank, effs, path.t[-1])
+    clock = shaft_phases(tank, effs, path.t[-1])
     rows = []
     for j in range(tank.trials):
         trial = f"R{j + 1:02d}"
-        px, like = noise.tracked(rng, true_pixels(tank, path, effs, j, clock), tank.fps, tank.noise)
+        px, like = noise.tracked_keypoints(
+            rng, true_pixels(tank, path, effs, j, clock), tank.fps, tank.noise
+        )
         table = keypoint_table(px, like, names, individual)
         table.to_csv(folder / "keypoints" / f"{trial}.csv", index_label=None)
         row = {

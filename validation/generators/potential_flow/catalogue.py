@@ -7,22 +7,22 @@ from . import motors
 from . import surroundings as su
 from .form import Form
 from .form import forms as _forms
-from .physical import BEARING, MOTION, TURN
+from .physical import DIRECTION_RANGES, MOTION_FORMS, TURN_RANGES
 
-UNLISTED = "unexplained"
+UNLISTED_NAME = "unexplained"
 
 PHYSICS = [
-    *MOTION,
+    *MOTION_FORMS,
     *_forms(
         "wake_reentry",
         "thrust",
         "1",
         ("surge",),
         [
-            ("logistic", motors.wake_logistic, 4e-3, 0.7, TURN),
-            ("ramp", motors.wake_ramp, 4e-3, 0.6, TURN),
+            ("logistic", motors.wake_logistic, 4e-3, 0.7, TURN_RANGES),
+            ("ramp", motors.wake_ramp, 4e-3, 0.6, TURN_RANGES),
             ("saturating", motors.wake_saturating, 4e-3, 0.7, {"turn": (2.0, 4.0)}),
-            ("aged", motors.wake_aged, 4e-3, 0.8, TURN),
+            ("aged", motors.wake_decay_with_age, 4e-3, 0.8, TURN_RANGES),
         ],
     ),
     *_forms(
@@ -47,7 +47,7 @@ MEASUREMENT = [
         [
             ("uniform", fa.scale_uniform, 2e-3, 0.2),
             ("one_axis", fa.scale_one_axis, 2e-3, 0.15),
-            ("rim", fa.scale_rim, 2e-3, 0.2),
+            ("rim", fa.scale_corner_marks, 2e-3, 0.2),
         ],
     ),
     *_forms(
@@ -57,7 +57,7 @@ MEASUREMENT = [
         (),
         [
             ("constant", fa.clock_constant, 1e-3, 0.2),
-            ("part", fa.clock_part, 1e-3, 0.2, {"first": (0.3, 0.6)}),
+            ("part", fa.clock_some_trials, 1e-3, 0.2, {"first": (0.3, 0.6)}),
             ("drift", fa.clock_drift, 1e-3, 0.15),
         ],
     ),
@@ -67,9 +67,9 @@ MEASUREMENT = [
         "px",
         (),
         [
-            ("translation", fa.shift_translation, 0.05, 30, {**BEARING, "at": (1.2, 3.2)}),
-            ("drift", fa.shift_drift, 0.02, 20, BEARING),
-            ("several", fa.shift_several, 0.02, 20, BEARING),
+            ("translation", fa.shift_translation, 0.05, 30, {**DIRECTION_RANGES, "at": (1.2, 3.2)}),
+            ("drift", fa.shift_drift, 0.02, 20, DIRECTION_RANGES),
+            ("several", fa.shift_several, 0.02, 20, DIRECTION_RANGES),
         ],
     ),
     *_forms(
@@ -118,38 +118,64 @@ MEASUREMENT = [
         "m",
         (),
         [
-            ("all_labels", fa.bias_all, 5e-4, 0.03),
-            ("one_label", fa.bias_one, 5e-4, 0.03, {"label": (0.0, 2.99)}),
-            ("head_tip", fa.bias_tip, 5e-4, 0.03),
+            ("all_labels", fa.bias_all_labels, 5e-4, 0.03),
+            ("one_label", fa.bias_core_center, 5e-4, 0.03, {"label": (0.0, 2.99)}),
+            ("head_tip", fa.bias_head_tip, 5e-4, 0.03),
         ],
     ),
-    *_forms("keypoint_bias", "label", "m/rad", (), [("turning", fa.bias_turning, 5e-4, 0.08)]),
+    *_forms(
+        "keypoint_bias", "label", "m/rad", (), [("turning", fa.bias_with_head_angle, 5e-4, 0.08)]
+    ),
 ]
 
 
-def _other(name, law, unit, high, channel, *, variable, **ranges):
+def _unlisted_form(name, law, unit, high, channel, *, variable, **ranges):
     return Form(
-        UNLISTED, name, "force", law, unit, high / 1000, high, (channel,), ranges, variable=variable
+        UNLISTED_NAME,
+        name,
+        "force",
+        law,
+        unit,
+        high / 1000,
+        high,
+        (channel,),
+        ranges,
+        variable=variable,
     )
 
 
-OTHERS = [
-    _other("heading", su.other_heading, "N m", 0.02, "yaw", variable="heading_rad", c=(0, 6.28)),
-    _other(
-        "place", su.other_place, "N", 0.2, "surge", variable="x_m", length=(0.5, 1.2), c=(0, 6.28)
+UNLISTED_FORMS = [
+    _unlisted_form(
+        "heading", su.unlisted_heading, "N m", 0.02, "yaw", variable="heading_rad", c=(0, 6.28)
     ),
-    _other("time", su.other_time, "N", 0.3, "sway", variable="time_s", period=(0.8, 2.5)),
-    _other("beat", su.other_beat, "N m", 0.03, "yaw", variable="beat_phase_rad"),
-    _other(
+    _unlisted_form(
+        "place",
+        su.unlisted_place,
+        "N",
+        0.2,
+        "surge",
+        variable="x_m",
+        length=(0.5, 1.2),
+        c=(0, 6.28),
+    ),
+    _unlisted_form(
+        "time", su.unlisted_time, "N", 0.3, "sway", variable="time_s", period=(0.8, 2.5)
+    ),
+    _unlisted_form("beat", su.unlisted_beat, "N m", 0.03, "yaw", variable="beat_phase_rad"),
+    _unlisted_form(
         "rate_angle",
-        su.other_rate_angle,
+        su.unlisted_rate_angle,
         "N s/rad^2",
         0.5,
         "surge",
         variable="yaw_rate_rad_s*head_angle_rad",
     ),
-    _other("compass", su.other_compass, "N s/m", 0.5, "sway", variable="heading_rad", c=(0, 6.28)),
-    _other("saddle", su.other_saddle, "N s", 0.06, "yaw", variable="x_m*y_m"),
-    _other("speed", su.other_speed, "N", 0.2, "surge", variable="speed_m_s", scale=(0.15, 0.3)),
+    _unlisted_form(
+        "compass", su.unlisted_compass, "N s/m", 0.5, "sway", variable="heading_rad", c=(0, 6.28)
+    ),
+    _unlisted_form("saddle", su.unlisted_saddle, "N s", 0.06, "yaw", variable="x_m*y_m"),
+    _unlisted_form(
+        "speed", su.unlisted_speed, "N", 0.2, "surge", variable="speed_m_s", scale=(0.15, 0.3)
+    ),
 ]
-CATALOGUE = [*PHYSICS, *MEASUREMENT, *OTHERS]
+CATALOGUE = [*PHYSICS, *MEASUREMENT, *UNLISTED_FORMS]

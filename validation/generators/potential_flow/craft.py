@@ -13,7 +13,7 @@ COEFFICIENTS = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 
 
 @dataclass(frozen=True)
-class Craft:
+class Robot:
     """Geometry (m), mass (kg), yaw inertia (kg m^2) and coefficients of a robot."""
 
     mass: float
@@ -47,12 +47,12 @@ class Craft:
         return (ends[1:] + ends[:-1]) / 2, float(ends[0] - ends[1])
 
 
-def draw_craft(rng: np.random.Generator) -> Craft:
+def draw_robot(rng: np.random.Generator) -> Robot:
     """A robot like that of the paper, each number changed by up to about a quarter."""
     low = {"C_T": 3.6e-3, "C_D0": 0.42, "C_Da": 1.2, "C_La": 2.3, "C_Ma": 0.06, "C_Md": 0.085}
     high = {"C_T": 5.6e-3, "C_D0": 0.66, "C_Da": 4.5, "C_La": 3.5, "C_Ma": 0.14, "C_Md": 0.150}
     size = rng.uniform(0.92, 1.1)
-    return Craft(
+    return Robot(
         mass=round(0.68 * size**3 * rng.uniform(0.9, 1.1), 3),
         inertia=round(0.0095 * size**5 * rng.uniform(0.88, 1.12), 5),
         body_length=round(0.331 * size * rng.uniform(0.97, 1.03), 3),
@@ -65,7 +65,7 @@ def draw_craft(rng: np.random.Generator) -> Craft:
     )
 
 
-def spheroid(length: float, width: float) -> tuple[float, float, float]:
+def spheroid_added_mass(length: float, width: float) -> tuple[float, float, float]:
     """Added masses of a prolate spheroid: surge and sway (kg), yaw (kg m^2).
 
     k1 = a0/(2 - a0), k2 = b0/(2 - b0),

@@ -19,7 +19,7 @@ def clock_constant(s, k, _):
     return s.t * (1 + k)
 
 
-def clock_part(s, k, p):
+def clock_some_trials(s, k, p):
     """True time t (1 + k) from trial number `first` on."""
     return s.t * (1 + k * (s.order >= p["first"] * s.trials))
 
@@ -47,7 +47,7 @@ def offset_per_trial(s, k, p):
 # Picture: s.px (frames, 5, 2), s.t, s.order, s.centre.
 
 
-def _bumped(s, at):
+def _displacements_so_far(s, at):
     """1 after the trial's bump, in half of the trials, (frames, 1, 1)."""
     return ((s.t > at) & (s.order % 2 == 0)).astype(float)[:, None, None]
 
@@ -55,14 +55,14 @@ def _bumped(s, at):
 def shift_translation(s, k, p):
     """All by k px in the direction `bearing` after a bump, in half of the trials."""
     step = np.array([np.cos(p["bearing"]), np.sin(p["bearing"])])
-    return s.px + k * step * _bumped(s, p["at"])
+    return s.px + k * step * _displacements_so_far(s, p["at"])
 
 
 def shift_rotation(s, k, p):
     """Roll by k (rad) about the picture's centre after a bump, in half of the trials."""
     out = s.px - s.centre
     turned = np.stack([-out[..., 1], out[..., 0]], -1)
-    angle = k * _bumped(s, p["at"])
+    angle = k * _displacements_so_far(s, p["at"])
     return s.centre + out * np.cos(angle) + turned * np.sin(angle)
 
 
@@ -97,7 +97,7 @@ def scale_one_axis(s, k, _):
     return s.camera, (L * (1 + 2 * k), W, d)
 
 
-def scale_rim(s, k, _):
+def scale_corner_marks(s, k, _):
     """Length and width too large by the same k W: outer instead of inner edges of the rim."""
     L, W, d = s.pool
     return s.camera, (L + k * W, W + k * W, d)
@@ -150,24 +150,24 @@ def lens_focal(s, k, _):
 # Labels: s.phi (frames,); returns (frames, 5) complex, ahead and to port.
 
 
-def bias_all(s, k, _):
+def bias_all_labels(s, k, _):
     """All labels to port by k (m)."""
     return 1j * k * np.ones((len(s.phi), 5))
 
 
-def bias_one(s, k, p):
+def bias_core_center(s, k, p):
     """One of hinge, core centre and tail base to port by k."""
     out = np.zeros((len(s.phi), 5), dtype=complex)
     out[:, 1 + int(p["label"])] = 1j * k
     return out
 
 
-def bias_tip(s, k, _):
+def bias_head_tip(s, k, _):
     """The head's tip to port by k and aft by k/2."""
     return (1j - 0.5) * k * np.array([1.0, 0, 0, 0, 0]) * np.ones((len(s.phi), 1))
 
 
-def bias_turning(s, k, _):
+def bias_with_head_angle(s, k, _):
     """Hinge and tip to port by k phi: a label that follows the turned head's edge."""
     return 1j * k * s.phi[:, None] * np.array([1.0, 1.0, 0, 0, 0])
 

@@ -7,13 +7,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .form import Hidden
-from .impulse import Motion, World
-from .lanes import Lanes
-from .lens import Camera, corners, draw_camera, posed
-from .tracker import POINTS, Tracker, draw_tracker
+from .form import HiddenForm
+from .impulse import Motion, StudyWorld
+from .lanes import ParallelTrials
+from .lens import Camera, draw_camera, pool_corners, with_fitted_pose
+from .tracker import KEYPOINT_NAMES, Tracker, draw_tracker
 
-LABEL = 0.35e-3
+LABEL_STD_M = 0.35e-3
 """Standard deviation of a label's place on each axis, m; drawn values are below 0.7 mm."""
 
 
@@ -32,7 +32,7 @@ class Recoil:
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmSetup:
     """Camera, tracker, recoil and labels of a study."""
 
     camera: Camera
@@ -42,17 +42,17 @@ class Film:
     """(5,) complex offsets, m: tip in the head's axes, the others in the core's."""
 
 
-def draw_film(rng: np.random.Generator, pool, depth: float) -> Film:
+def draw_film(rng: np.random.Generator, pool, depth: float) -> FilmSetup:
     """Recoil of 1 to 3.5 degrees and 1 to 4 mm."""
     recoil = Recoil(np.deg2rad(rng.uniform(1.0, 3.5)), rng.uniform(1e-3, 4e-3),
                     rng.uniform(-np.pi, np.pi), rng.uniform(0.2, 0.45))  # fmt: skip
-    labels = np.clip(LABEL * rng.normal(size=(2, 5)), -2 * LABEL, 2 * LABEL)
-    return Film(
+    labels = np.clip(LABEL_STD_M * rng.normal(size=(2, 5)), -2 * LABEL_STD_M, 2 * LABEL_STD_M)
+    return FilmSetup(
         draw_camera(rng, pool, depth), draw_tracker(rng), recoil, labels[0] + 1j * labels[1]
     )
 
 
-def pick(values: np.ndarray, step: float, t: np.ndarray) -> np.ndarray:
+def interpolate_rows(values: np.ndarray, step: float, t: np.ndarray) -> np.ndarray:
     """Rows of `values` (times, n) at the times `t`, linear between steps, held outside."""
     at = np.clip(t / step, 0, len(values) - 1.001)
     i = at.astype(int)
@@ -60,11 +60,13 @@ def pick(values: np.ndarray, step: float, t: np.ndarray) -> np.ndarray:
     return values[i] * (1 - w) + values[i + 1] * w
 
 
-def skeleton(world: World, film: Film, motion: Motion, lanes: Lanes, *, columns, t) -> np.ndarray:
+def keypoint_positions(
+    world: StudyWorld, film: FilmSetup, motion: Motion, lanes: ParallelTrials, *, columns, t
+) -> np.ndarray:
     """(frames, columns, 5) true places of the labelled points in the pool, complex, m."""
     step = motion.times[1]
     place, theta, phi, phase = (
-        pick(v[:, columns], step, t)
+        interpolate_rows(v[:, columns], step, t)
         for v in (motion.place, motion.heading, motion.angle, motion.phase)
     )
     craft, recoil = world.craft, film.recoil
@@ -87,21 +89,31 @@ def skeleton(world: World, film: Film, motion: Motion, lanes: Lanes, *, columns,
     return out + axes * film.labels
 
 
-def exposure(fault: Hidden | None, lanes: Lanes, trial: int, t, trials: int) -> np.ndarray:
+def exposure_times(
+    fault: HiddenForm | None, lanes: ParallelTrials, trial: int, t, trials: int
+) -> np.ndarray:
     """True times of the frames with nominal times `t`."""
     if fault is None or fault.form.stage != "exposure":
         return t
     return fault(SimpleNamespace(t=t, order=trial, power=lanes.power[trial], trials=trials))
 
 
-def pixels(world: World, film: Film, motion: Motion, lanes: Lanes, *, trial: int, t,
-           fault: Hidden | None = None) -> np.ndarray:  # fmt: skip
+def keypoint_pixels(
+    world: StudyWorld,
+    film: FilmSetup,
+    motion: Motion,
+    lanes: ParallelTrials,
+    *,
+    trial: int,
+    t,
+    fault: HiddenForm | None = None,
+) -> np.ndarray:
     """(frames, 5, 2) pixels of the points at the frames' nominal times `t`, without errors."""
-    true = exposure(fault, lanes, trial, t, motion.place.shape[1])
-    points = skeleton(world, film, motion, lanes, columns=[trial], t=true)[:, 0]
+    true = exposure_times(fault, lanes, trial, t, motion.place.shape[1])
+    points = keypoint_positions(world, film, motion, lanes, columns=[trial], t=true)[:, 0]
     stage = fault.form.stage if fault else ""
     if stage == "label":
-        points = points + _label(fault, motion, trial, true)
+        points = points + _label_bias(fault, motion, trial, true)
     depth = film.camera.depth
     if stage == "depth":
         depth = depth + fault(SimpleNamespace(t=true))[:, None]
@@ -112,16 +124,16 @@ def pixels(world: World, film: Film, motion: Motion, lanes: Lanes, *, trial: int
     return px
 
 
-def _label(fault: Hidden, motion: Motion, trial: int, t) -> np.ndarray:
+def _label_bias(fault: HiddenForm, motion: Motion, trial: int, t) -> np.ndarray:
     step = motion.times[1]
-    theta = pick(motion.heading[:, [trial]], step, t)
-    phi = pick(motion.angle[:, [trial]], step, t)
+    theta = interpolate_rows(motion.heading[:, [trial]], step, t)
+    phi = interpolate_rows(motion.angle[:, [trial]], step, t)
     axes = np.exp(1j * (theta + phi * np.array([0.0, 1, 1, 1, 1])))
     return axes * fault(SimpleNamespace(phi=phi[:, 0]))
 
 
 @dataclass(frozen=True)
-class Statement:
+class StatedSetup:
     """What study.yaml says of the camera and the pool, and the corners' pixels."""
 
     camera: Camera
@@ -129,23 +141,36 @@ class Statement:
     corners: np.ndarray
 
 
-def statement(world: World, film: Film, fault: Hidden | None) -> Statement:
+def stated_setup(world: StudyWorld, film: FilmSetup, fault: HiddenForm | None) -> StatedSetup:
     """The truth, unless the fault is one of the statement."""
     camera, pool = film.camera, world.pool
     if fault is not None and fault.form.stage == "stated":
         camera, pool = fault(SimpleNamespace(camera=camera, pool=pool))
-    return Statement(camera, pool, film.camera.project(corners(world.pool)))
+    return StatedSetup(camera, pool, film.camera.project(pool_corners(world.pool)))
 
 
-def reader(said: Statement) -> Camera:
+def stated_camera(said: StatedSetup) -> Camera:
     """The camera by which pixels are mapped back: the stated one, its pose from the corners."""
-    return posed(said.camera, said.pool, said.corners)
+    return with_fitted_pose(said.camera, said.pool, said.corners)
 
 
-def at_strength(fault: Hidden, k: float) -> Hidden:
+def with_strength(fault: HiddenForm, k: float) -> HiddenForm:
     """The same fault with another strength."""
     return replace(fault, strength=k)
 
 
-__all__ = ["LABEL", "POINTS", "Film", "Recoil", "Statement", "at_strength", "draw_film", "exposure",
-           "pick", "pixels", "reader", "skeleton", "statement"]  # fmt: skip
+__all__ = [
+    "KEYPOINT_NAMES",
+    "LABEL_STD_M",
+    "FilmSetup",
+    "Recoil",
+    "StatedSetup",
+    "draw_film",
+    "exposure_times",
+    "interpolate_rows",
+    "keypoint_pixels",
+    "keypoint_positions",
+    "stated_camera",
+    "stated_setup",
+    "with_strength",
+]  # fmt: skip

@@ -13,7 +13,7 @@ STAGES = (
     "depth", "stated", "picture", "exposure", "label",
 )  # fmt: skip
 """Where a form acts. The first eight change the motion, the others what is seen of it."""
-OPTICAL = STAGES[8:]
+OPTICAL_STAGES = STAGES[8:]
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Form:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenForm:
     """A form with its numbers."""
 
     form: Form
@@ -51,11 +51,11 @@ class Hidden:
         return self.form.law(s, self.strength if k is None else k, self.parameters)
 
 
-def draw(rng: np.random.Generator, form: Form) -> Hidden:
+def draw_hidden(rng: np.random.Generator, form: Form) -> HiddenForm:
     """The form with parameters drawn evenly, strength within e^0.9 of its range's middle."""
     parameters = {name: float(rng.uniform(*ends)) for name, ends in form.ranges.items()}
     strength = np.sqrt(form.low * form.high) * np.exp(rng.uniform(-0.9, 0.9))
-    return Hidden(form, float(np.clip(strength, form.low, form.high)), parameters)
+    return HiddenForm(form, float(np.clip(strength, form.low, form.high)), parameters)
 
 
 def forms(cause, stage, unit, channels, rows):

@@ -13,19 +13,19 @@ def _logistic(x):
     return 0.5 * (1 + np.tanh(x / 2))
 
 
-def _attached(s, p):
+def _attached_share(s, p):
     """1 where the flow is attached, 0 beyond the onset of separation."""
     return _logistic((p["onset"] - np.abs(s.alpha)) / p["width"])
 
 
 def stall_step(s, k, p):
     """Lift falls by the share k beyond the onset, smoothly."""
-    return s.lift * (1 - k * (1 - _attached(s, p))), s.drag, s.turning
+    return s.lift * (1 - k * (1 - _attached_share(s, p))), s.drag, s.turning
 
 
 def stall_kirchhoff(s, k, p):
     """Lift times ((1 + sqrt f)/2)^2, f = 1 - k (1 - attached): Kirchhoff's separated plate."""
-    f = np.maximum(1 - k * (1 - _attached(s, p)), 0)
+    f = np.maximum(1 - k * (1 - _attached_share(s, p)), 0)
     factor = ((1 + np.sqrt(f)) / 2) ** 2
     return s.lift * factor, s.drag, s.turning * factor
 
@@ -36,14 +36,14 @@ def stall_goman_khrabrov(s, k, _):
     return s.lift * ((1 + np.sqrt(X)) / 2) ** 2, s.drag, s.turning
 
 
-def separation(s, p):
+def separation_rate(s, p):
     """Rate of the separated share; time constant of `lag` head lengths of travel."""
-    return ((1 - _attached(s, p) - s.memory[0]) * (s.V + 0.02) / (p["lag"] * s.head))[None]
+    return ((1 - _attached_share(s, p) - s.memory[0]) * (s.V + 0.02) / (p["lag"] * s.head))[None]
 
 
 def stall_both(s, k, p):
     """Lift and moment fall by the share k, drag rises by k/2 of itself."""
-    lost = k * (1 - _attached(s, p))
+    lost = k * (1 - _attached_share(s, p))
     return s.lift * (1 - lost), s.drag * (1 + lost / 2), s.turning * (1 - lost)
 
 
@@ -83,25 +83,25 @@ def lag_wagner_state(s, p):
     return np.array([0.0455 * rate * (lift - s.memory[0]), 0.3 * rate * (lift - s.memory[1])])
 
 
-def uneven_step(s, k, _):
+def asymmetry_step(s, k, _):
     """Lift and moment (1 + k) times on one side, (1 - k) times on the other."""
     factor = 1 + k * np.tanh(s.alpha / 0.02)
     return s.lift * factor, s.drag, s.turning * factor
 
 
-def uneven_tanh(s, k, p):
+def asymmetry_tanh(s, k, p):
     """The same, growing with the angle of attack over `width`."""
     factor = 1 + k * np.tanh(s.alpha / p["width"])
     return s.lift * factor, s.drag, s.turning * factor
 
 
-def uneven_large(s, k, p):
+def asymmetry_beyond_onset(s, k, p):
     """Only beyond `onset` of angle of attack."""
     factor = 1 + k * np.sign(s.alpha) * _logistic((np.abs(s.alpha) - p["onset"]) / 0.03)
     return s.lift * factor, s.drag, s.turning * factor
 
 
-def uneven_drag(s, k, _):
+def asymmetry_with_drag(s, k, _):
     """Lift, moment and drag."""
     factor = 1 + k * np.tanh(s.alpha / 0.03)
     return s.lift * factor, s.drag * factor, s.turning * factor

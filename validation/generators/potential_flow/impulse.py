@@ -19,27 +19,27 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .craft import RHO, Craft, spheroid
-from .drive import Drive, drive
-from .eddies import Water, velocity
-from .form import Hidden
-from .lanes import Lanes
+from .craft import RHO, Robot, spheroid_added_mass
+from .drive import DriveHistory, drive_history
+from .eddies import WaterMotion, water_velocity
+from .form import HiddenForm
+from .lanes import ParallelTrials
 
-STEP = 1 / 120
-PULSE = 0.35
+STEP_S = 1 / 120
+THRUST_PULSE_SHARE = 0.35
 """Thrust pulses twice a beat by this share around its mean."""
-FIXED = 6
+RIGID_STATE_ROWS = 6
 """Rows of the state before the states of the laws: x, y, theta, P, K."""
 
 
 @dataclass(frozen=True)
-class World:
+class StudyWorld:
     """What does not change from lane to lane."""
 
-    craft: Craft
-    water: Water
+    craft: Robot
+    water: WaterMotion
     pool: tuple[float, float, float]
-    laws: tuple[Hidden, ...]
+    laws: tuple[HiddenForm, ...]
     wander: np.ndarray
     """(steps, trials)."""
 
@@ -60,14 +60,16 @@ class Motion:
 
 
 def _rows(laws) -> list[slice]:
-    ends = FIXED + np.cumsum([0] + [h.form.rows for h in laws])
+    ends = RIGID_STATE_ROWS + np.cumsum([0] + [h.form.rows for h in laws])
     return [slice(a, b) for a, b in pairwise(ends)]
 
 
-def masses(world: World, lanes: Lanes, angle: np.ndarray) -> tuple[np.ndarray, ...]:
+def added_masses(
+    world: StudyWorld, lanes: ParallelTrials, angle: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """Added masses in the head's axes: surge, cross, sway, coupling (complex), yaw."""
     craft = world.craft
-    ax, ay, j = (craft.background * a for a in spheroid(craft.body_length, craft.span))
+    ax, ay, j = (craft.background * a for a in spheroid_added_mass(craft.body_length, craft.span))
     c = 0.0
     for i, law in enumerate(world.laws):
         if law.form.stage == "mass":
@@ -83,7 +85,7 @@ def _times(tensor, vector):
     return a * vector.real + b * vector.imag + 1j * (b * vector.real + d * vector.imag)
 
 
-def velocities(craft: Craft, added, momentum, spin, water):
+def velocities_from_momentum(craft: Robot, added, momentum, spin, water):
     """Velocity U (complex, m/s) and yaw rate r (rad/s) from P, K and the water's W."""
     a, b, d, c, j = added
     m = craft.mass
@@ -96,7 +98,7 @@ def velocities(craft: Craft, added, momentum, spin, water):
     return _times(inverse, known - c * r), r
 
 
-def impulse(craft: Craft, added, velocity_, rate, water):
+def water_impulse(craft: Robot, added, velocity_, rate, water):
     """P of the water alone, P, and K."""
     a, b, d, c, j = added
     relative = velocity_ - water
@@ -105,7 +107,9 @@ def impulse(craft: Craft, added, velocity_, rate, water):
         np.conj(c) * relative).real  # fmt: skip
 
 
-def moment(world: World, lanes: Lanes, state, time: float, drive_row) -> SimpleNamespace:
+def instantaneous_state(
+    world: StudyWorld, lanes: ParallelTrials, state, time: float, drive_row
+) -> SimpleNamespace:
     """Everything the laws may use at one time; see the assignments for names, SI units."""
     flap, phase, angle = drive_row
     s = SimpleNamespace(t=time, craft=world.craft, pool=world.pool, order=lanes.trial, phi=angle,
@@ -114,13 +118,15 @@ def moment(world: World, lanes: Lanes, state, time: float, drive_row) -> SimpleN
     s.theta = state[2]
     s.turned = state[2] - lanes.start[2]
     turn = np.exp(1j * s.theta)
-    water = velocity(world.water, lanes, s.place, time)
+    water = water_velocity(world.water, lanes, s.place, time)
     for i, law in enumerate(world.laws):
         if law.form.stage == "water":
             water = water + law(s, lanes.strengths[i])
     s.water = water * np.conj(turn)
-    s.added = masses(world, lanes, angle)
-    s.U, s.r = velocities(world.craft, s.added, state[3] + 1j * state[4], state[5], s.water)
+    s.added = added_masses(world, lanes, angle)
+    s.U, s.r = velocities_from_momentum(
+        world.craft, s.added, state[3] + 1j * state[4], state[5], s.water
+    )
     s.turn = turn
     s.v = s.U - s.water
     s.V = np.abs(s.v)
@@ -132,13 +138,15 @@ def moment(world: World, lanes: Lanes, state, time: float, drive_row) -> SimpleN
     return s
 
 
-def forces(world: World, lanes: Lanes, s: SimpleNamespace, state) -> tuple[np.ndarray, np.ndarray]:
+def total_forces(
+    world: StudyWorld, lanes: ParallelTrials, s: SimpleNamespace, state
+) -> tuple[np.ndarray, np.ndarray]:
     """Force F (complex, N) and moment N (N m) on the body: equations 1 to 8 and the laws."""
     C_T, C_D0, C_Da, C_La, C_Ma, C_Md = lanes.coefficients
     rows, calm = _rows(world.laws), s.V**2 + 1e-12
     s.lift = s.turning = -2 * s.u * s.w / calm  # sin 2 alpha
     s.drag = C_D0 + C_Da * 2 * s.w**2 / calm  # 1 - cos 2 alpha = 2 sin^2 alpha
-    s.thrust = C_T * s.q * s.flap**2 * (1 + PULSE * np.cos(2 * s.phase))
+    s.thrust = C_T * s.q * s.flap**2 * (1 + THRUST_PULSE_SHARE * np.cos(2 * s.phase))
     shift, others, torque = 0.0, 0.0, 0.0
     for i, law in enumerate(world.laws):
         k, s.memory = lanes.strengths[i], state[rows[i]]
@@ -160,12 +168,14 @@ def forces(world: World, lanes: Lanes, s: SimpleNamespace, state) -> tuple[np.nd
     return total, M + (np.conj(s.arm - shift) * plate).imag + torque
 
 
-def derivative(world: World, lanes: Lanes, state, time: float, drive_row) -> np.ndarray:
+def state_derivative(
+    world: StudyWorld, lanes: ParallelTrials, state, time: float, drive_row
+) -> np.ndarray:
     """Rate of change of the state, (rows, n)."""
-    s = moment(world, lanes, state, time, drive_row)
-    force, torque = forces(world, lanes, s, state)
+    s = instantaneous_state(world, lanes, state, time, drive_row)
+    force, torque = total_forces(world, lanes, s, state)
     P = state[3] + 1j * state[4]
-    fluid = impulse(world.craft, s.added, s.U, s.r, s.water)[0]
+    fluid = water_impulse(world.craft, s.added, s.U, s.r, s.water)[0]
     over_ground = s.U * s.turn
     dP = force - 1j * s.r * P
     out = np.empty_like(state)
@@ -178,35 +188,39 @@ def derivative(world: World, lanes: Lanes, state, time: float, drive_row) -> np.
     return out
 
 
-def initial(world: World, lanes: Lanes, drive_row) -> np.ndarray:
+def initial_state(world: StudyWorld, lanes: ParallelTrials, drive_row) -> np.ndarray:
     """The state at the start, with momenta that belong to the velocities of `lanes.start`."""
-    state = np.zeros((_rows(world.laws)[-1].stop if world.laws else FIXED, len(lanes)))
+    state = np.zeros((_rows(world.laws)[-1].stop if world.laws else RIGID_STATE_ROWS, len(lanes)))
     state[:3] = lanes.start[:3]
-    s = moment(world, lanes, state, 0.0, drive_row)
+    s = instantaneous_state(world, lanes, state, 0.0, drive_row)
     U = (lanes.start[3] + 1j * lanes.start[4]) * np.conj(s.turn)
-    _, P, K = impulse(world.craft, s.added, U, lanes.start[5], s.water)
+    _, P, K = water_impulse(world.craft, s.added, U, lanes.start[5], s.water)
     state[3], state[4], state[5] = P.real, P.imag, K
     return state
 
 
-def swim(world: World, lanes: Lanes, seconds: float, step: float = STEP) -> Motion:
+def simulate_motion(
+    world: StudyWorld, lanes: ParallelTrials, seconds: float, step: float = STEP_S
+) -> Motion:
     """Motion by the implicit midpoint rule, solved by two fixed-point steps from the last slope."""
     count = int(np.ceil(seconds / step))
-    driven = drive(lanes, list(world.laws), world.wander, step * (np.arange(count) + 0.5))
+    driven = drive_history(lanes, list(world.laws), world.wander, step * (np.arange(count) + 0.5))
     row = (driven.flap[0], 0 * driven.phase[0], driven.angle[0])
-    state = initial(world, lanes, row)
-    slope = derivative(world, lanes, state, 0.0, row)
+    state = initial_state(world, lanes, row)
+    slope = state_derivative(world, lanes, state, 0.0, row)
     states = [state]
     for i in range(count):
         row = (driven.flap[i], driven.phase[i], driven.angle[i])
         for _ in range(2):
-            slope = derivative(world, lanes, state + step / 2 * slope, step * (i + 0.5), row)
+            slope = state_derivative(world, lanes, state + step / 2 * slope, step * (i + 0.5), row)
         state = state + step * slope
         states.append(state)
     return _motion(world, lanes, np.array(states), driven, step)
 
 
-def _motion(world: World, lanes: Lanes, states, driven: Drive, step: float) -> Motion:
+def _motion(
+    world: StudyWorld, lanes: ParallelTrials, states, driven: DriveHistory, step: float
+) -> Motion:
     first = np.zeros((1, len(lanes)))
     last = driven.phase[-1:] + np.pi * step * driven.flap[-1:]
     phase = np.concatenate([first, (driven.phase[1:] + driven.phase[:-1]) / 2, last])
@@ -214,17 +228,19 @@ def _motion(world: World, lanes: Lanes, states, driven: Drive, step: float) -> M
     angle = np.concatenate([1.5 * driven.angle[:1] - 0.5 * driven.angle[1:2], between,
                             driven.angle[-1:]])  # fmt: skip
     times = step * np.arange(len(states))
-    flat = Lanes(**{k: v[..., None, :] for k, v in vars(lanes).items()})
-    s = moment(world, flat, np.moveaxis(states, 1, 0), times[:, None], (0.0, phase, angle))
+    flat = ParallelTrials(**{k: v[..., None, :] for k, v in vars(lanes).items()})
+    s = instantaneous_state(
+        world, flat, np.moveaxis(states, 1, 0), times[:, None], (0.0, phase, angle)
+    )
     return Motion(times, s.place, s.theta, angle, phase, s.U * s.turn, s.r, s.alpha)
 
 
-def with_laws(world: World, laws) -> World:
+def with_laws(world: StudyWorld, laws) -> StudyWorld:
     """The same world with these laws."""
     return replace(world, laws=tuple(laws))
 
 
-def set_strengths(lanes: Lanes, strengths) -> Lanes:
+def set_strengths(lanes: ParallelTrials, strengths) -> ParallelTrials:
     """The lanes with these strengths of the laws, the same in all."""
     column = np.asarray(strengths, dtype=float).reshape(-1, 1)
     return replace(lanes, strengths=np.repeat(column, len(lanes), axis=1))

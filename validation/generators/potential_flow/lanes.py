@@ -6,18 +6,18 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from .craft import COEFFICIENTS, Craft
-from .eddies import MODES, Water
+from .craft import COEFFICIENTS, Robot
+from .eddies import EDDY_COUNT, WaterMotion
 
 SERVO_ERROR = np.deg2rad(0.3)
 """Standard deviation of the head angle's error, trial by trial, rad."""
 FLAP_ERROR = 0.003
 """Relative standard deviation of the flapping frequency, trial by trial."""
-ANGLES = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
+HEAD_ANGLES_DEG = (15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0)
 
 
 @dataclass(frozen=True)
-class Lanes:
+class ParallelTrials:
     """Lanes of a simulation; each array ends in the axis of the lanes, `n`."""
 
     trial: np.ndarray
@@ -47,18 +47,18 @@ class Lanes:
         return len(self.trial)
 
 
-def tiled(lanes: Lanes, copies: int) -> Lanes:
+def repeat_trials(lanes: ParallelTrials, copies: int) -> ParallelTrials:
     """The lanes, `copies` times one after the other."""
 
     def repeat(value):
         return np.tile(value, (1,) * (value.ndim - 1) + (copies,))
 
-    return Lanes(*(repeat(getattr(lanes, f.name)) for f in fields(Lanes)))
+    return ParallelTrials(*(repeat(getattr(lanes, f.name)) for f in fields(ParallelTrials)))
 
 
 def _conditions(rng: np.random.Generator, few: bool) -> list[tuple[int, float, int]]:
     """(power index, head angle in degrees, head index): both signs, both heads, straight runs."""
-    small, large = rng.choice(ANGLES[:3]), rng.choice(ANGLES[3:])
+    small, large = rng.choice(HEAD_ANGLES_DEG[:3]), rng.choice(HEAD_ANGLES_DEG[3:])
     if few:
         near, far = (0, 1) if rng.random() < 0.5 else (1, 0)
         rows = ((0.0, near), (large, far), (-small, near))
@@ -67,7 +67,9 @@ def _conditions(rng: np.random.Generator, few: bool) -> list[tuple[int, float, i
     return [(p, a, h) for p in range(3) for h in (0, 1) for a in angles[h]]
 
 
-def draw_lanes(rng: np.random.Generator, craft: Craft, water: Water, few: bool) -> Lanes:
+def draw_trials(
+    rng: np.random.Generator, craft: Robot, water: WaterMotion, few: bool
+) -> ParallelTrials:
     """The trials of a study in a random order of recording; start and heading are set later."""
     plan = _conditions(rng, few)
     order = rng.permutation(len(plan))
@@ -77,11 +79,11 @@ def draw_lanes(rng: np.random.Generator, craft: Craft, water: Water, few: bool) 
     hertz = (0.0690 * power - 1.1) * rng.uniform(0.93, 1.06)
     heads = craft.head_length * np.array([1.0, rng.uniform(1.3, 1.5)])
     coefficients = np.array([craft.coefficients[c] for c in COEFFICIENTS])
-    return Lanes(
+    return ParallelTrials(
         trial=np.arange(n), power=power[which], command=np.deg2rad(angle),
         servo=SERVO_ERROR * rng.normal(size=n),
         flap=hertz[which], head=np.round(heads, 3)[head],
         start=np.zeros((6, n)), drift=water.drift * rng.normal(size=(2, n)),
-        eddies=water.eddy * rng.normal(size=(MODES, 2, n)),
+        eddies=water.eddy * rng.normal(size=(EDDY_COUNT, 2, n)),
         coefficients=np.repeat(coefficients[:, None], n, axis=1), strengths=np.zeros((0, n)),
     )  # fmt: skip

@@ -77,7 +77,7 @@ class Camera:
         foot, height = self.pose[3] + 1j * self.pose[4], self.pose[5]
         out = np.asarray(place) - foot
         far = np.abs(out) + 1e-12
-        crossing = foot + out / far * surface(far, d, height, self.index)
+        crossing = foot + out / far * surface_crossing_distance(far, d, height, self.index)
         return self.project(np.stack([crossing.real, crossing.imag, 0 * far], -1))
 
     def back(self, pixels):
@@ -91,7 +91,7 @@ class Camera:
         return self.pose[3] + 1j * self.pose[4] + flat * run + below * flat / (np.abs(flat) + 1e-12)
 
 
-def surface(far, depth, height, index):
+def surface_crossing_distance(far, depth, height, index):
     """Distance from the camera's foot at which the ray to a point crosses the surface, m.
 
     Snell: s / sqrt(s^2 + H^2) = n (D - s) / sqrt((D - s)^2 + d^2); Newton's rule from the straight
@@ -123,20 +123,20 @@ def draw_camera(rng: np.random.Generator, pool, depth: float) -> Camera:
     centre = tuple(np.round(np.array(size) / 2 + rng.uniform(-15, 15, 2), 2))
     camera = Camera(fisheye, size, 1000.0, centre, tuple(np.round(distortion, 5)),
                     np.array([*turn.as_rotvec(), *place]), 1.333, depth)  # fmt: skip
-    spread = np.abs(camera.project(corners(pool)) - centre) / (np.array(size) / 2)
+    spread = np.abs(camera.project(pool_corners(pool)) - centre) / (np.array(size) / 2)
     return replace(camera, focal=round(1000.0 * 0.95 / float(spread.max()), 2))
 
 
-def corners(pool, height: float = 0.0) -> np.ndarray:
+def pool_corners(pool, height: float = 0.0) -> np.ndarray:
     """(4, 3) corners of the pool at `height` above the surface, as in study.yaml."""
     L, W, _ = pool
     return np.array([[0, 0, height], [L, 0, height], [L, W, height], [0, W, height]], dtype=float)
 
 
-def posed(camera: Camera, pool, pixels) -> Camera:
+def with_fitted_pose(camera: Camera, pool, pixels) -> Camera:
     """The camera with the pose that fits the corners of `pool` to `pixels` best."""
 
     def miss(pose):
-        return (replace(camera, pose=pose).project(corners(pool)) - pixels).ravel()
+        return (replace(camera, pose=pose).project(pool_corners(pool)) - pixels).ravel()
 
     return replace(camera, pose=least_squares(miss, camera.pose, x_scale=[0.1] * 3 + [1.0] * 3).x)

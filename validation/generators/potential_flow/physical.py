@@ -9,16 +9,16 @@ from . import surroundings as su
 from .form import forms as _forms
 
 SWAY_YAW = ("sway", "yaw")
-ALL = ("surge", "sway", "yaw")
+ALL_CHANNELS = ("surge", "sway", "yaw")
 
-DELAY = {"tau": (0.15, 0.5)}
-BEARING = {"bearing": (0.0, 6.28)}
-TURN = {"turn": (1.5, 2.6)}
-STALL = {"onset": (0.05, 0.09), "width": (0.008, 0.02)}
-CHORDS = {"chords": (1.5, 5.0)}
-REACH = {"reach": (0.15, 0.4)}
+DELAY_RANGES = {"tau": (0.15, 0.5)}
+DIRECTION_RANGES = {"bearing": (0.0, 6.28)}
+TURN_RANGES = {"turn": (1.5, 2.6)}
+STALL_RANGES = {"onset": (0.05, 0.09), "width": (0.008, 0.02)}
+CHORD_RANGES = {"chords": (1.5, 5.0)}
+WALL_RANGES = {"reach": (0.15, 0.4)}
 
-MOTION = [
+MOTION_FORMS = [
     *_forms(
         "tail_fin_lift",
         "force",
@@ -50,33 +50,33 @@ MOTION = [
         "N m s",
         ("yaw",),
         [
-            ("stokes", rs.yaw_stokes, 2e-4, 0.1),
-            ("boundary_layer", rs.yaw_boundary_layer, 2e-4, 0.1),
-            ("translating", rs.yaw_translating, 5e-4, 0.3),
+            ("stokes", rs.yaw_damping_stokes, 2e-4, 0.1),
+            ("boundary_layer", rs.yaw_damping_boundary_layer, 2e-4, 0.1),
+            ("translating", rs.yaw_damping_with_speed, 5e-4, 0.3),
         ],
     ),
     *_forms(
         "added_mass",
         "mass",
         "1",
-        ALL,
+        ALL_CHANNELS,
         [
-            ("spheroid", su.mass_spheroid, 0.01, 2.5),
-            ("slender", su.mass_slender, 0.01, 2.5),
-            ("tapered", su.mass_tapered, 0.01, 2.5),
+            ("spheroid", su.added_mass_spheroid, 0.01, 2.5),
+            ("slender", su.added_mass_slender, 0.01, 2.5),
+            ("tapered", su.added_mass_tapered, 0.01, 2.5),
         ],
     ),
-    *_forms("added_mass", "force", "1", ("yaw",), [("munk", su.mass_munk, 0.003, 1.2)]),
+    *_forms("added_mass", "force", "1", ("yaw",), [("munk", su.added_mass_munk, 0.003, 1.2)]),
     *_forms(
         "viscous_drag",
         "force",
         "SI",
         ("surge", "sway"),
         [
-            ("stokes", rs.stokes, 3e-3, 0.8),
-            ("blasius", rs.blasius, 5e-3, 1.5),
-            ("prandtl", rs.prandtl, 0.02, 3.0),
-            ("ittc", rs.ittc, 0.05, 12.0),
+            ("stokes", rs.viscous_stokes, 3e-3, 0.8),
+            ("blasius", rs.viscous_blasius, 5e-3, 1.5),
+            ("prandtl", rs.viscous_prandtl, 0.02, 3.0),
+            ("ittc", rs.viscous_ittc, 0.05, 12.0),
         ],
     ),
     *_forms(
@@ -109,10 +109,10 @@ MOTION = [
         "1",
         ("surge",),
         [
-            ("linear", motors.loss_linear, 5e-3, 0.45),
-            ("square", motors.loss_square, 4e-3, 0.3),
-            ("exponential", motors.loss_exponential, 5e-3, 0.8),
-            ("strouhal", motors.loss_strouhal, 5e-3, 0.6, {"J_0": (0.7, 1.1)}),
+            ("linear", motors.thrust_loss_linear, 5e-3, 0.45),
+            ("square", motors.thrust_loss_quadratic, 4e-3, 0.3),
+            ("exponential", motors.thrust_loss_exponential, 5e-3, 0.8),
+            ("strouhal", motors.thrust_loss_strouhal, 5e-3, 0.6, {"J_0": (0.7, 1.1)}),
         ],
     ),
     *_forms(
@@ -121,9 +121,9 @@ MOTION = [
         "1",
         ("surge",),
         [
-            ("blend", motors.area_blend, 0.05, 1.3),
-            ("power", motors.area_power, 0.05, 1.3),
-            ("harmonic", motors.area_harmonic, 0.05, 1.3),
+            ("blend", motors.thrust_area_blend, 0.05, 1.3),
+            ("power", motors.thrust_area_power, 0.05, 1.3),
+            ("harmonic", motors.thrust_area_harmonic, 0.05, 1.3),
         ],
     ),
     *_forms(
@@ -135,7 +135,7 @@ MOTION = [
             ("linear", motors.sag_linear, 5e-4, 0.3),
             ("exponential", motors.sag_exponential, 5e-4, 0.3, {"tau": (2.0, 4.0)}),
             ("hyperbolic", motors.sag_hyperbolic, 5e-4, 0.4, {"tau": (4.0, 10.0)}),
-            ("load", motors.sag_load, 5e-4, 0.4),
+            ("load", motors.sag_load_dependent, 5e-4, 0.4),
         ],
     ),
     *_forms(
@@ -144,30 +144,30 @@ MOTION = [
         "s",
         ("surge",),
         [
-            ("first_order", motors.spin_first, 3e-4, 0.8),
-            ("second_order", motors.spin_second, 3e-4, 0.5),
-            ("ramp", motors.spin_ramp, 6e-4, 0.7),
-            ("s_curve", motors.spin_s_curve, 6e-4, 0.7),
+            ("first_order", motors.spin_up_first_order, 3e-4, 0.8),
+            ("second_order", motors.spin_up_critically_damped, 3e-4, 0.5),
+            ("ramp", motors.spin_up_ramp, 6e-4, 0.7),
+            ("s_curve", motors.spin_up_s_curve, 6e-4, 0.7),
         ],
     ),
     *_forms(
         "stall",
         "head",
         "1",
-        ALL,
+        ALL_CHANNELS,
         [
-            ("step", hd.stall_step, 0.01, 0.95, STALL),
-            ("kirchhoff", hd.stall_kirchhoff, 0.01, 0.99, STALL),
+            ("step", hd.stall_step, 0.01, 0.95, STALL_RANGES),
+            ("kirchhoff", hd.stall_kirchhoff, 0.01, 0.99, STALL_RANGES),
             (
                 "goman_khrabrov",
                 hd.stall_goman_khrabrov,
                 0.01,
                 0.99,
-                {**STALL, "lag": (1.0, 4.0)},
-                hd.separation,
+                {**STALL_RANGES, "lag": (1.0, 4.0)},
+                hd.separation_rate,
                 1,
             ),
-            ("lift_and_moment", hd.stall_both, 0.01, 0.95, STALL),
+            ("lift_and_moment", hd.stall_both, 0.01, 0.95, STALL_RANGES),
         ],
     ),
     *_forms(
@@ -176,8 +176,24 @@ MOTION = [
         "1",
         SWAY_YAW,
         [
-            ("coefficient", hd.lag_coefficient, 0.02, 1.0, CHORDS, hd.lag_coefficient_state, 1),
-            ("circulation", hd.lag_circulation, 0.02, 1.0, CHORDS, hd.lag_circulation_state, 1),
+            (
+                "coefficient",
+                hd.lag_coefficient,
+                0.02,
+                1.0,
+                CHORD_RANGES,
+                hd.lag_coefficient_state,
+                1,
+            ),
+            (
+                "circulation",
+                hd.lag_circulation,
+                0.02,
+                1.0,
+                CHORD_RANGES,
+                hd.lag_circulation_state,
+                1,
+            ),
             ("wagner", hd.lag_wagner, 0.02, 1.0, {"stretch": (0.5, 1.5)}, hd.lag_wagner_state, 2),
         ],
     ),
@@ -187,11 +203,17 @@ MOTION = [
         "1",
         SWAY_YAW,
         [
-            ("first_order", motors.servo_first, 2e-3, 1.0, DELAY),
-            ("second_order", motors.servo_second, 2e-3, 1.0, DELAY),
-            ("underdamped", motors.servo_underdamped, 2e-3, 1.0, {**DELAY, "damping": (0.3, 0.7)}),
-            ("rate_limit", motors.servo_rate, 2e-3, 1.0, DELAY),
-            ("dead_time", motors.servo_dead_time, 2e-3, 1.0, DELAY),
+            ("first_order", motors.servo_first_order, 2e-3, 1.0, DELAY_RANGES),
+            ("second_order", motors.servo_second_order, 2e-3, 1.0, DELAY_RANGES),
+            (
+                "underdamped",
+                motors.servo_underdamped,
+                2e-3,
+                1.0,
+                {**DELAY_RANGES, "damping": (0.3, 0.7)},
+            ),
+            ("rate_limit", motors.servo_rate_limited, 2e-3, 1.0, DELAY_RANGES),
+            ("dead_time", motors.servo_dead_time, 2e-3, 1.0, DELAY_RANGES),
         ],
     ),
     *_forms(
@@ -200,10 +222,10 @@ MOTION = [
         "1",
         SWAY_YAW,
         [
-            ("step", hd.uneven_step, 2e-3, 0.5),
-            ("tanh", hd.uneven_tanh, 2e-3, 0.5, {"width": (0.03, 0.1)}),
-            ("large_angles", hd.uneven_large, 2e-3, 0.5, {"onset": (0.04, 0.07)}),
-            ("with_drag", hd.uneven_drag, 2e-3, 0.5),
+            ("step", hd.asymmetry_step, 2e-3, 0.5),
+            ("tanh", hd.asymmetry_tanh, 2e-3, 0.5, {"width": (0.03, 0.1)}),
+            ("large_angles", hd.asymmetry_beyond_onset, 2e-3, 0.5, {"onset": (0.04, 0.07)}),
+            ("with_drag", hd.asymmetry_with_drag, 2e-3, 0.5),
         ],
     ),
     *_forms(
@@ -235,9 +257,9 @@ MOTION = [
         "m",
         ("yaw",),
         [
-            ("sine", rs.line_sine, 2e-4, 0.03),
-            ("angle", rs.line_angle, 2e-4, 0.03),
-            ("double", rs.line_double, 1e-4, 0.02),
+            ("sine", rs.thrust_line_sine, 2e-4, 0.03),
+            ("angle", rs.thrust_line_linear, 2e-4, 0.03),
+            ("double", rs.thrust_line_double_angle, 1e-4, 0.02),
         ],
     ),
     *_forms(
@@ -246,9 +268,9 @@ MOTION = [
         "m",
         ("yaw",),
         [
-            ("along_core", su.balance_core, 2e-4, 0.04),
-            ("sliding", su.balance_turned, 2e-4, 0.06),
-            ("heavy_head", su.balance_head, 2e-4, 0.04),
+            ("along_core", su.mass_shift_along_core, 2e-4, 0.04),
+            ("sliding", su.mass_shift_with_angle, 2e-4, 0.06),
+            ("heavy_head", su.mass_shift_with_head, 2e-4, 0.04),
         ],
     ),
     *_forms(
@@ -257,8 +279,8 @@ MOTION = [
         "m/s",
         ("surge", "sway"),
         [
-            ("constant", su.current_constant, 5e-4, 0.06, BEARING),
-            ("drifting", su.current_drifting, 5e-4, 0.06, {**BEARING, "turn": (0.5, 1.5)}),
+            ("constant", su.current_constant, 5e-4, 0.06, DIRECTION_RANGES),
+            ("drifting", su.current_drifting, 5e-4, 0.06, {**DIRECTION_RANGES, "turn": (0.5, 1.5)}),
             ("sheared", su.current_sheared, 5e-4, 0.06),
         ],
     ),
@@ -280,9 +302,9 @@ MOTION = [
         "1",
         ("surge", "sway"),
         [
-            ("exponential", su.wall_exponential, 5e-3, 2.0, REACH),
-            ("power_law", su.wall_power, 3e-3, 1.0, REACH),
-            ("image_suction", su.wall_suction, 3e-3, 1.0, REACH),
+            ("exponential", su.wall_exponential, 5e-3, 2.0, WALL_RANGES),
+            ("power_law", su.wall_power, 3e-3, 1.0, WALL_RANGES),
+            ("image_suction", su.wall_suction, 3e-3, 1.0, WALL_RANGES),
             ("cushion", su.wall_cushion, 5e-3, 2.0, {"reach": (0.3, 0.6)}),
         ],
     ),

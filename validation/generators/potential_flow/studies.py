@@ -11,36 +11,36 @@ from typing import Any
 import numpy as np
 
 from . import writing
-from .catalogue import MEASUREMENT, UNLISTED
-from .craft import COEFFICIENTS, draw_craft
-from .drive import draw_wander
-from .eddies import draw_water
-from .filming import draw_film, exposure, pixels, statement
-from .fisher import Run, sigmas
-from .form import OPTICAL, Form, Hidden, draw
-from .impulse import STEP, World, set_strengths, swim
-from .lanes import draw_lanes
-from .placing import LONGEST, SHORTEST, inside, placed
-from .plan import Kind, draw_forms, forms_of, kind
-from .stability import draw_fin, growth
-from .tracker import draw_potentiometer, tracked
+from .catalogue import MEASUREMENT, UNLISTED_NAME
+from .craft import COEFFICIENTS, draw_robot
+from .drive import draw_frequency_drift
+from .eddies import draw_water_motion
+from .filming import draw_film, exposure_times, keypoint_pixels, stated_setup
+from .fisher import StudyRun, detectability_sigmas
+from .form import OPTICAL_STAGES, Form, HiddenForm, draw_hidden
+from .impulse import STEP_S, StudyWorld, set_strengths, simulate_motion
+from .lanes import draw_trials
+from .placing import MAX_DURATION_S, MIN_DURATION_S, time_inside_pool, with_start_poses
+from .plan import StudyKind, draw_forms, forms_of, study_kind
+from .stability import draw_fin, straight_growth_rate
+from .tracker import draw_potentiometer, tracked_keypoints
 
-ATTEMPTS = 60
+MAX_ATTEMPTS = 60
 FAINT, CLEAR = 10.0, 60.0
 """Range of the sigma of hidden strengths."""
-HORIZON = LONGEST + 1.0
+SIMULATED_S = MAX_DURATION_S + 1.0
 """Motion is kept for so long, s, so that logs and late videos have an end."""
 
 
-class Unfit(Exception):
+class UnsuitableDrawError(Exception):
     """These draws give no study: too faint within the range of strengths, or out of the pool."""
 
 
 @dataclass(frozen=True)
-class Content:
+class StudyContent:
     """A study ready to be written."""
 
-    run: Run
+    run: StudyRun
     sigma: np.ndarray
     """Of each law of the world, then of the fault."""
     fin: bool
@@ -54,45 +54,45 @@ def generate(
 
     folder/studies/NAME holds the study, folder/truth/NAME.json the truth. forms: hide these.
     """
-    what = kind(seed, index)
+    what = study_kind(seed, index)
     name = f"potential_flow-{seed}-{index:03d}"
-    for attempt in range(ATTEMPTS):
+    for attempt in range(MAX_ATTEMPTS):
         rng = np.random.default_rng([seed, index, attempt, 20117])
         chosen = draw_forms(rng, seed, what) if forms is None else list(forms)
         try:
-            content = compose(rng, what, chosen)
-        except Unfit:
+            content = compose_study(rng, what, chosen)
+        except UnsuitableDrawError:
             continue
         break
     else:
-        raise Unfit(f"{name}: nothing fits in {ATTEMPTS} attempts")
-    write(rng, content, folder / "studies" / name)
+        raise UnsuitableDrawError(f"{name}: nothing fits in {MAX_ATTEMPTS} attempts")
+    write_files(rng, content, folder / "studies" / name)
     truth = {"study": name, "generator": "potential_flow", "seed": seed, "index": index}
-    truth |= describe(content, "chosen" if forms is not None else what.name)
+    truth |= truth_json(content, "chosen" if forms is not None else what.name)
     (folder / "truth").mkdir(parents=True, exist_ok=True)
     text = json.dumps(truth, indent=1) + "\n"
     (folder / "truth" / f"{name}.json").write_text(text, encoding="utf-8")
     return truth
 
 
-def compose(rng: np.random.Generator, what: Kind, forms: Sequence[Form]) -> Content:
+def compose_study(rng: np.random.Generator, what: StudyKind, forms: Sequence[Form]) -> StudyContent:
     """Robot, trials and hidden content of one study.
 
     Raises: Unfit.
     """
-    hidden = [draw(rng, form) for form in forms]
+    hidden = [draw_hidden(rng, form) for form in forms]
     fin = what.fin and all(form.cause != "tail_fin_lift" for form in forms)
     run, wanted = _setup(rng, what, fin, hidden)
     loose = set(range(len(run.world.laws)))
     targets = np.exp(rng.uniform(np.log(14), np.log(48), len(hidden)))
-    run = _fit(run, rng, wanted, targets, loose - ({0} if fin else set()))
-    return Content(*run, fin)
+    run = _solve_strengths(run, rng, wanted, targets, loose - ({0} if fin else set()))
+    return StudyContent(*run, fin)
 
 
 def _setup(
-    rng: np.random.Generator, what: Kind, fin: bool, hidden: list[Hidden]
-) -> tuple[Run, np.ndarray]:
-    craft, few = draw_craft(rng), what.few
+    rng: np.random.Generator, what: StudyKind, fin: bool, hidden: list[HiddenForm]
+) -> tuple[StudyRun, np.ndarray]:
+    craft, few = draw_robot(rng), what.few
     if any(h.form.cause == "uncorrected_refraction" for h in hidden):
         craft = replace(craft, depth=round(rng.uniform(0.09, 0.16), 3))
     pool = tuple(np.round((rng.uniform(3.4, 5.0), rng.uniform(2.2, 3.0), rng.uniform(0.3, 0.6)), 2))
@@ -101,53 +101,62 @@ def _setup(
         shapes = forms_of("tail_fin_lift")
         laws = [draw_fin(rng, craft, shapes[int(rng.integers(len(shapes)))], 5.8)]
         if laws[0] is None:
-            raise Unfit("no fin of this form makes the robot stable")
-    laws += [h for h in hidden if h.form.stage not in OPTICAL]
-    fault = next((h for h in hidden if h.form.stage in OPTICAL), None)
-    water = draw_water(rng)
-    lanes = draw_lanes(rng, craft, water, few)
-    steps = STEP * (np.arange(int(HORIZON / STEP) + 40) + 0.5)
+            raise UnsuitableDrawError("no fin of this form makes the robot stable")
+    laws += [h for h in hidden if h.form.stage not in OPTICAL_STAGES]
+    fault = next((h for h in hidden if h.form.stage in OPTICAL_STAGES), None)
+    water = draw_water_motion(rng)
+    lanes = draw_trials(rng, craft, water, few)
+    steps = STEP_S * (np.arange(int(SIMULATED_S / STEP_S) + 40) + 0.5)
     craft = replace(craft, background=float(rng.uniform(0.001, 0.006)))
-    world = World(craft, water, pool, tuple(laws), draw_wander(rng, steps, len(lanes)))
+    world = StudyWorld(
+        craft, water, pool, tuple(laws), draw_frequency_drift(rng, steps, len(lanes))
+    )
     motor = any(h.form.stage == "motor" for h in hidden)
     logged = bool(rng.random() > (0.6 if motor else 0.12))
     fps = float(rng.choice([30.0, 29.97003, 60.0, 59.94006]))
     lanes = set_strengths(lanes, [h.strength for h in laws])
     film = draw_film(rng, pool, craft.depth)
-    run = Run(world, lanes, film, fps, np.zeros(len(lanes), dtype=int), logged, fault)
-    return run, rng.uniform(5.0, LONGEST, len(lanes))
+    run = StudyRun(world, lanes, film, fps, np.zeros(len(lanes), dtype=int), logged, fault)
+    return run, rng.uniform(5.0, MAX_DURATION_S, len(lanes))
 
 
-def _framed(run: Run, wanted: np.ndarray) -> Run:
+def _cut_to_pool(run: StudyRun, wanted: np.ndarray) -> StudyRun:
     """The run with the frames of each trial that show the robot within the pool.
 
     Raises: Unfit where a trial is shorter than SHORTEST.
     """
-    seconds = np.minimum(inside(swim(run.world, run.lanes, LONGEST), run.world.pool), wanted)
-    if seconds.min() < SHORTEST:
-        raise Unfit("a trial leaves the pool")
-    nominal = np.arange(int(LONGEST * run.fps)) / run.fps
-    frames = [int(np.count_nonzero(exposure(run.fault, run.lanes, k, nominal, len(wanted)) <= s))
-              for k, s in enumerate(seconds)]  # fmt: skip
+    seconds = np.minimum(
+        time_inside_pool(simulate_motion(run.world, run.lanes, MAX_DURATION_S), run.world.pool),
+        wanted,
+    )
+    if seconds.min() < MIN_DURATION_S:
+        raise UnsuitableDrawError("a trial leaves the pool")
+    nominal = np.arange(int(MAX_DURATION_S * run.fps)) / run.fps
+    frames = [
+        int(np.count_nonzero(exposure_times(run.fault, run.lanes, k, nominal, len(wanted)) <= s))
+        for k, s in enumerate(seconds)
+    ]
     return replace(run, frames=np.array(frames))
 
 
-def _placed(run: Run, rng: np.random.Generator, wanted: np.ndarray) -> Run:
+def _place_again(run: StudyRun, rng: np.random.Generator, wanted: np.ndarray) -> StudyRun:
     """The framed run; trials are placed again, up to four times, where one is too short."""
     for _ in range(4):
         try:
-            return _framed(replace(run, lanes=placed(rng, run.world, run.lanes, wanted)), wanted)
-        except Unfit:
+            return _cut_to_pool(
+                replace(run, lanes=with_start_poses(rng, run.world, run.lanes, wanted)), wanted
+            )
+        except UnsuitableDrawError:
             continue
-    raise Unfit("trials leave the pool")
+    raise UnsuitableDrawError("trials leave the pool")
 
 
-def _strengths(run: Run) -> np.ndarray:
+def _run_strengths(run: StudyRun) -> np.ndarray:
     own = [h.strength for h in run.world.laws]
     return np.array(own + ([run.fault.strength] if run.fault else []))
 
 
-def _with(run: Run, strengths: np.ndarray) -> Run:
+def _with_strengths(run: StudyRun, strengths: np.ndarray) -> StudyRun:
     laws = tuple(replace(h, strength=float(k))
                  for h, k in zip(run.world.laws, strengths, strict=False))  # fmt: skip
     fault = replace(run.fault, strength=float(strengths[-1])) if run.fault else None
@@ -155,9 +164,9 @@ def _with(run: Run, strengths: np.ndarray) -> Run:
     return replace(run, world=replace(run.world, laws=laws), fault=fault, lanes=lanes)
 
 
-def _fit(
-    run: Run, rng: np.random.Generator, wanted, targets: np.ndarray, loose: set[int]
-) -> tuple[Run, np.ndarray]:
+def _solve_strengths(
+    run: StudyRun, rng: np.random.Generator, wanted, targets: np.ndarray, loose: set[int]
+) -> tuple[StudyRun, np.ndarray]:
     """The run with strengths at which sigma is near `targets`, and the sigmas."""
     rows = sorted(loose) + ([len(run.world.laws)] if run.fault else [])
     forms = [h.form for h in run.world.laws] + ([run.fault.form] if run.fault else [])
@@ -165,13 +174,13 @@ def _fit(
     below, above = np.zeros(len(forms)), np.full(len(forms), np.inf)
     for step in range(9):
         try:
-            run = _framed(run, wanted) if step else _placed(run, rng, wanted)
-        except Unfit:
-            run = _placed(run, rng, wanted)
-        found = sigmas(run)
+            run = _cut_to_pool(run, wanted) if step else _place_again(run, rng, wanted)
+        except UnsuitableDrawError:
+            run = _place_again(run, rng, wanted)
+        found = detectability_sigmas(run)
         if all(FAINT * 1.05 < found[i] < CLEAR * 0.95 for i in rows):
             return run, found
-        k = _strengths(run)
+        k = _run_strengths(run)
         faint = np.zeros(len(forms), dtype=bool)
         change = np.ones(len(forms))
         change[rows] = np.clip(targets / np.maximum(found[rows], 1e-3), 0.05, 6.0)
@@ -183,60 +192,60 @@ def _fit(
         fixed = np.setdiff1d(np.arange(len(forms)), rows)
         new[fixed] = k[fixed]
         if any(new[i] == k[i] and not FAINT < found[i] < CLEAR for i in rows):
-            raise Unfit("too faint or too clear at any strength of the range")
-        run = _with(run, new)
-    raise Unfit("strengths do not settle")
+            raise UnsuitableDrawError("too faint or too clear at any strength of the range")
+        run = _with_strengths(run, new)
+    raise UnsuitableDrawError("strengths do not settle")
 
 
-def write(rng: np.random.Generator, content: Content, folder: Path) -> None:
+def write_files(rng: np.random.Generator, content: StudyContent, folder: Path) -> None:
     """All files of the study."""
     run = content.run
     for part in ("keypoints", *(["motor"] if run.logged else [])):
         (folder / part).mkdir(parents=True, exist_ok=True)
-    motion = swim(run.world, run.lanes, HORIZON)
-    said = statement(run.world, run.film, run.fault)
-    clicked = said.corners + writing.CORNER * rng.normal(size=(4, 2))
-    writing.study_yaml(folder / "study.yaml", run.world.craft, said, clicked)
-    hertz = writing.reported_hertz(rng, run, motion)
-    writing.trials_csv(folder / "trials.csv", run.lanes, run.fps, hertz, run.logged)
+    motion = simulate_motion(run.world, run.lanes, SIMULATED_S)
+    said = stated_setup(run.world, run.film, run.fault)
+    clicked = said.corners + writing.CORNER_STD_PX * rng.normal(size=(4, 2))
+    writing.write_study_yaml(folder / "study.yaml", run.world.craft, said, clicked)
+    hertz = writing.reported_flap_hz(rng, run, motion)
+    writing.write_trials(folder / "trials.csv", run.lanes, run.fps, hertz, run.logged)
     sensor = draw_potentiometer(rng)
     for k, frames in enumerate(run.frames):
         name = f"P{k + 1:02d}.csv"
         t = np.arange(frames) / run.fps
-        px = pixels(run.world, run.film, motion, run.lanes, trial=k, t=t, fault=run.fault)
-        found = tracked(rng, run.film.tracker, px, run.fps)
+        px = keypoint_pixels(run.world, run.film, motion, run.lanes, trial=k, t=t, fault=run.fault)
+        found = tracked_keypoints(rng, run.film.tracker, px, run.fps)
         outside = np.any((px < 0) | (px > np.array(run.film.camera.size) - 1), axis=-1)
         found[outside, :2], found[outside, 2] = np.nan, 0.01
-        writing.keypoints_csv(folder / "keypoints" / name, found)
+        writing.write_keypoints(folder / "keypoints" / name, found)
         if run.logged:
-            true = exposure(run.fault, run.lanes, k, t, len(run.frames))
+            true = exposure_times(run.fault, run.lanes, k, t, len(run.frames))
             phase = writing.shaft_phase(rng, motion, k, float(true[-1]) + 0.3)
-            writing.motor_csv(rng, folder / "motor" / name, sensor, phase)
+            writing.write_motor_log(rng, folder / "motor" / name, sensor, phase)
 
 
-def describe(content: Content, group: str) -> dict[str, Any]:
+def truth_json(content: StudyContent, group: str) -> dict[str, Any]:
     """The truth: what is hidden, how strong, and what an ideal detector sees of it."""
     run, craft = content.run, content.run.world.craft
     laws = [*run.world.laws, *([run.fault] if run.fault else [])]
     pairs = list(zip(laws, content.sigma, strict=True))
-    others = [_entry(h, s) for h, s in pairs if h.form.cause == UNLISTED]
+    others = [_cause_json(h, s) for h, s in pairs if h.form.cause == UNLISTED_NAME]
     fins = run.world.laws[:1] if content.fin else ()
     return {
         "group": group, "fin": content.fin, "trials": len(run.lanes),
-        "causes": [_entry(h, s) for h, s in pairs if h.form.cause != UNLISTED],
+        "causes": [_cause_json(h, s) for h, s in pairs if h.form.cause != UNLISTED_NAME],
         "unlisted": others[0] if others else None,
         "coefficients": {name: craft.coefficients[name] for name in COEFFICIENTS},
         "background_added_mass_share": craft.background,
-        "stability_per_s": float(growth(craft, list(fins), 5.8)[0]),
+        "stability_per_s": float(straight_growth_rate(craft, list(fins), 5.8)[0]),
         "motor_logs": run.logged,
     }  # fmt: skip
 
 
-def _entry(law: Hidden, sigma: float) -> dict[str, Any]:
+def _cause_json(law: HiddenForm, sigma: float) -> dict[str, Any]:
     form = law.form
     entry = {"form": form.name, "strength": law.strength, "unit": form.unit,
              "parameters": law.parameters, "sigma": round(float(sigma), 1)}  # fmt: skip
-    if form.cause == UNLISTED:
+    if form.cause == UNLISTED_NAME:
         return entry | {"channel": form.channels[0], "variable": form.variable}
     causes = {f.cause for f in MEASUREMENT}
     kind_of = "measurement" if form.cause in causes else "physics"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .craft import RHO, spheroid
+from .craft import RHO, spheroid_added_mass
 
 # Velocity of the water, complex, pool axes, m/s; k in m/s.
 
@@ -24,7 +24,7 @@ def current_sheared(s, k, _):
     return k * (0.4 + 1.2 * s.place.imag / s.pool[1]) + 0j
 
 
-def _round_middle(s, profile):
+def _offset_from_centre(s, profile):
     """Circulation about the middle of the pool with the speed profile(distance)."""
     out = s.place - (s.pool[0] + 1j * s.pool[1]) / 2
     far = np.abs(out) + 1e-9
@@ -47,14 +47,14 @@ def gyre_two_cells(s, k, _):
 
 def gyre_lamb_oseen(s, k, p):
     """Value k 1.4 (c/d) (1 - e^(-(d/c)^2 1.26)): Lamb-Oseen vortex with its peak at c."""
-    return _round_middle(
+    return _offset_from_centre(
         s, lambda d: k * 1.4 * p["c"] / d * (1 - np.exp(-1.256 * (d / p["c"]) ** 2))
     )
 
 
 def gyre_scully(s, k, p):
     """2 k c d / (c^2 + d^2): Scully's vortex (1975)."""
-    return _round_middle(s, lambda d: 2 * k * p["c"] * d / (p["c"] ** 2 + d**2))
+    return _offset_from_centre(s, lambda d: 2 * k * p["c"] * d / (p["c"] ** 2 + d**2))
 
 
 # Walls: sums over the four, gap g of the centre of mass, unit vectors away from the wall.
@@ -98,9 +98,9 @@ def wall_cushion(s, k, p):
 # Added mass in the core's axes: surge, sway (kg), coupling (kg m), yaw (kg m^2); k a factor.
 
 
-def mass_spheroid(s, k, _):
+def added_mass_spheroid(s, k, _):
     """Prolate spheroid of the body's length and height (Lamb, section 114)."""
-    ax, ay, j = spheroid(s.craft.body_length, s.craft.span)
+    ax, ay, j = spheroid_added_mass(s.craft.body_length, s.craft.span)
     return k * ax, k * ay, 0.0, k * j
 
 
@@ -110,38 +110,38 @@ def _strips(craft, height):
     return a.sum(), (a * x).sum(), (a * x**2).sum()
 
 
-def mass_slender(s, k, _):
+def added_mass_slender(s, k, _):
     """Masses rho pi h^2/4 of each section of core and tail, with coupling (Lighthill 1960)."""
     ay, c, j = _strips(s.craft, lambda x: s.craft.span + 0 * x)
     return 0.0, k * ay, k * c, k * j
 
 
-def mass_tapered(s, k, _):
+def added_mass_tapered(s, k, _):
     """The same with a tapering tail and a surge mass of a tenth of the sway mass."""
     ay, c, j = _strips(s.craft, lambda x: s.craft.span * (1 - 0.6 * (x[0] - x) / (x[0] - x[-1])))
     return 0.1 * k * ay, k * ay, k * c, k * j
 
 
-def mass_munk(s, k, _):
+def added_mass_munk(s, k, _):
     """Only the Munk moment N = -(A_y - A_x) u w of the spheroid (Munk 1924), k its share."""
-    ax, ay, _ = spheroid(s.craft.body_length, s.craft.span)
+    ax, ay, _ = spheroid_added_mass(s.craft.body_length, s.craft.span)
     return 0.0, -k * (ay - ax) * s.core.real * s.core.imag
 
 
 # Balance: the centre of mass ahead of `core_center`, complex, head's axes, m.
 
 
-def balance_core(s, k, _):
+def mass_shift_along_core(s, k, _):
     """Value k along the core."""
     return k * np.exp(1j * s.phi)
 
 
-def balance_turned(s, k, _):
+def mass_shift_with_angle(s, k, _):
     """Battery that slides aft with the turned head: -k (1 - cos phi) 4 along the core."""
     return -4 * k * (1 - np.cos(s.phi)) * np.exp(1j * s.phi)
 
 
-def balance_head(s, k, _):
+def mass_shift_with_head(s, k, _):
     """A heavier head: k along the head, growing with its length."""
     return k * s.head / s.craft.head_length + 0 * s.phi
 
@@ -149,43 +149,43 @@ def balance_head(s, k, _):
 # No listed cause: force and moment.
 
 
-def other_heading(s, k, p):
+def unlisted_heading(s, k, p):
     """N = k sin(2 theta + c): a tether or the earth's field."""
     return 0.0, k * np.sin(2 * s.theta + p["c"])
 
 
-def other_place(s, k, p):
+def unlisted_place(s, k, p):
     """Surge force k sin(2 pi x / length + c), at speed."""
     at = 2 * np.pi * s.place.real / p["length"] + p["c"]
     return k * np.sin(at) * np.tanh(s.V / 0.05) + 0j, 0.0
 
 
-def other_time(s, k, p):
+def unlisted_time(s, k, p):
     """Sway force k sin(2 pi t / period), at speed."""
     return 1j * k * np.sin(2 * np.pi * s.t / p["period"]) * np.tanh(s.V / 0.05), 0.0
 
 
-def other_beat(s, k, _):
+def unlisted_beat(s, k, _):
     """N = k sin(phase/6): every sixth beat, a slipping gear."""
     return 0.0, k * np.sin(s.phase / 6)
 
 
-def other_rate_angle(s, k, _):
+def unlisted_rate_angle(s, k, _):
     """Surge force k r phi (even under reflection)."""
     return k * s.r * s.phi + 0j, 0.0
 
 
-def other_compass(s, k, p):
+def unlisted_compass(s, k, p):
     """Sway force k V cos(theta - c)."""
     return 1j * k * s.V * np.cos(s.theta - p["c"]), 0.0
 
 
-def other_saddle(s, k, _):
+def unlisted_saddle(s, k, _):
     """N = k V (x - L/2)(y - W/2) / (L W / 4)."""
     out = s.place - (s.pool[0] + 1j * s.pool[1]) / 2
     return 0.0, k * s.V * out.real * out.imag / (s.pool[0] * s.pool[1] / 4)
 
 
-def other_speed(s, k, p):
+def unlisted_speed(s, k, p):
     """Surge force k sin(2 pi V / scale): vibration that comes and goes with speed."""
     return -k * np.sin(2 * np.pi * s.V / p["scale"]) * s.v / (s.V + 0.02), 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-POINTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,9 @@ def draw_tracker(rng: np.random.Generator) -> Tracker:
     )
 
 
-def errors(rng: np.random.Generator, tracker: Tracker, frames: int, fps: float) -> np.ndarray:
+def correlated_errors(
+    rng: np.random.Generator, tracker: Tracker, frames: int, fps: float
+) -> np.ndarray:
     """(frames, 5, 2) errors without outliers, px; 3 s before the first frame are dropped."""
     a, b, scale = tracker.arma(fps)
     before = int(3 * fps)
@@ -62,11 +64,11 @@ def errors(rng: np.random.Generator, tracker: Tracker, frames: int, fps: float) 
     return lfilter([1, b], [1, -a], e, axis=0)[before:]
 
 
-def tracked(rng: np.random.Generator, tracker: Tracker, pixels, fps: float) -> np.ndarray:
+def tracked_keypoints(rng: np.random.Generator, tracker: Tracker, pixels, fps: float) -> np.ndarray:
     """(frames, 5, 3) detections: x, y (px) and likelihood; NaN with low likelihood where unseen."""
     frames = len(pixels)
     out = np.empty((frames, 5, 3))
-    out[..., :2] = pixels + errors(rng, tracker, frames, fps)
+    out[..., :2] = pixels + correlated_errors(rng, tracker, frames, fps)
     out[..., 2] = 1 - np.minimum(rng.exponential(0.015, (frames, 5)), 0.35)
     wild = rng.random((frames, 5)) < tracker.outliers
     far = rng.uniform(8, 60, wild.sum()) * np.exp(2j * np.pi * rng.random(wild.sum()))
@@ -76,11 +78,11 @@ def tracked(rng: np.random.Generator, tracker: Tracker, pixels, fps: float) -> n
     for point in range(5):
         for _ in range(rng.poisson(tracker.gaps * frames / fps)):
             first = rng.integers(frames)
-            _lose(rng, out[first : first + int(rng.geometric(0.12)), point])
+            _add_gap(rng, out[first : first + int(rng.geometric(0.12)), point])
     return out
 
 
-def _lose(rng: np.random.Generator, part) -> None:
+def _add_gap(rng: np.random.Generator, part) -> None:
     """One gap: half of the gaps have no position, half a wrong one; likelihood below 0.09."""
     part[:, 2] = rng.uniform(0.0, 0.09, len(part))
     if rng.random() < 0.5:

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from .craft import Craft
-from .fisher import Run
-from .impulse import STEP, Motion
-from .lanes import FLAP_ERROR, Lanes
-from .tracker import POINTS, Potentiometer, shaft_log
+from .craft import Robot
+from .fisher import StudyRun
+from .impulse import STEP_S, Motion
+from .lanes import FLAP_ERROR, ParallelTrials
+from .tracker import KEYPOINT_NAMES, Potentiometer, shaft_log
 
-CORNER = 0.1
+CORNER_STD_PX = 0.1
 """Standard deviation of a clicked corner, px."""
 
 
-def study_yaml(path: Path, craft: Craft, said, corners: np.ndarray) -> None:
+def write_study_yaml(path: Path, craft: Robot, said, corners: np.ndarray) -> None:
     """study.yaml: pool, water, robot and camera as the study states them."""
     camera, (L, W, d) = said.camera, said.pool
     u, v = (float(c) for c in camera.centre)
@@ -44,7 +44,9 @@ def study_yaml(path: Path, craft: Craft, said, corners: np.ndarray) -> None:
     path.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
 
 
-def trials_csv(path: Path, lanes: Lanes, fps: float, hertz: np.ndarray, logged: bool) -> None:
+def write_trials(
+    path: Path, lanes: ParallelTrials, fps: float, hertz: np.ndarray, logged: bool
+) -> None:
     """trials.csv with either motor logs or reported frequencies `hertz` (trials,)."""
     last = "motor_log" if logged else "flap_hz"
     lines = [f"trial_id,source,power_pct,head_angle_deg,head_length_m,fps,{last}"]
@@ -57,11 +59,11 @@ def trials_csv(path: Path, lanes: Lanes, fps: float, hertz: np.ndarray, logged: 
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def keypoints_csv(path: Path, found: np.ndarray) -> None:
+def write_keypoints(path: Path, found: np.ndarray) -> None:
     """DeepLabCut's layout; (frames, 5, 3) x, y (px), likelihood."""
     scorer = "DLC_potential_flow"
     heads = [["scorer"] + [scorer] * 15,
-             ["bodyparts", *(p for p in POINTS for _ in range(3))],
+             ["bodyparts", *(p for p in KEYPOINT_NAMES for _ in range(3))],
              ["coords", *("x", "y", "likelihood") * 5]]  # fmt: skip
     lines = [",".join(h) for h in heads]
     digits = (2, 2, 4) * 5
@@ -71,7 +73,7 @@ def keypoints_csv(path: Path, found: np.ndarray) -> None:
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def motor_csv(rng: np.random.Generator, path: Path, sensor: Potentiometer, phase) -> None:
+def write_motor_log(rng: np.random.Generator, path: Path, sensor: Potentiometer, phase) -> None:
     """Shaft angles every 5 ms; `phase` (rad) at these times."""
     cells = shaft_log(rng, sensor, phase)
     lines = [f"{0.005 * i:.3f},{cell}" for i, cell in enumerate(cells)]
@@ -82,16 +84,16 @@ def shaft_phase(rng: np.random.Generator, motion: Motion, trial: int, seconds: f
     """Phase (rad) at the log's times, whose clock errs by FLAP_ERROR; `seconds` of the trial."""
     logged = np.arange(0, seconds, 0.005)
     true = logged * (1 + FLAP_ERROR * rng.normal())
-    times = STEP * np.arange(len(motion.phase))
+    times = STEP_S * np.arange(len(motion.phase))
     return np.interp(true, times, motion.phase[:, trial]) + rng.uniform(0, 0.3)
 
 
-def reported_hertz(rng: np.random.Generator, run: Run, motion: Motion) -> np.ndarray:
+def reported_flap_hz(rng: np.random.Generator, run: StudyRun, motion: Motion) -> np.ndarray:
     """(trials,) mean frequency of the last third of each trial with the error FLAP_ERROR, Hz."""
     out = np.empty(len(run.lanes))
     for k, frames in enumerate(run.frames):
-        last = min(int(frames / run.fps / STEP), len(motion.phase) - 1)
+        last = min(int(frames / run.fps / STEP_S), len(motion.phase) - 1)
         first = 2 * last // 3
         cycles = (motion.phase[last, k] - motion.phase[first, k]) / (2 * np.pi)
-        out[k] = cycles / (STEP * (last - first)) * (1 + FLAP_ERROR * rng.normal())
+        out[k] = cycles / (STEP_S * (last - first)) * (1 + FLAP_ERROR * rng.normal())
     return out

@@ -78,7 +78,7 @@ def project(camera: Camera, points: np.ndarray, wobble: np.ndarray | None = None
     return to_pixels(camera, surface_points(camera, points), wobble)
 
 
-def unproject(camera: Camera, pixels: np.ndarray, depth: float) -> np.ndarray:
+def pixels_to_pool(camera: Camera, pixels: np.ndarray, depth: float) -> np.ndarray:
     """Pool positions (n, 2) of pixels (n, 2) of points at `depth` m below the surface."""
     p = undistort(camera, (pixels - camera.centre) / np.array(camera.focal))
     ray = Rotation.from_rotvec(camera.rotation).inv().apply(np.column_stack([p, np.ones(len(p))]))
@@ -89,12 +89,12 @@ def unproject(camera: Camera, pixels: np.ndarray, depth: float) -> np.ndarray:
     return surface + sideways * (depth / down)[:, None]
 
 
-def corners(length: float, width: float, height: float) -> np.ndarray:
+def pool_corners(length: float, width: float, height: float) -> np.ndarray:
     """The four marks (0,0), (L,0), (L,W), (0,W) at `height` above the water, shape (4, 3)."""
     return np.array([[x * length, y * width, height] for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))])
 
 
-def with_pose(camera: Camera, marks: np.ndarray, pixels: np.ndarray) -> Camera:
+def with_fitted_pose(camera: Camera, marks: np.ndarray, pixels: np.ndarray) -> Camera:
     """The camera at the pose that images the marks (4, 3) best at `pixels` (4, 2)."""
 
     def posed(p: np.ndarray) -> Camera:
@@ -105,7 +105,7 @@ def with_pose(camera: Camera, marks: np.ndarray, pixels: np.ndarray) -> Camera:
     return posed(fit.x)
 
 
-def draw(rng: np.random.Generator, length: float, width: float, model: str) -> Camera:
+def draw_camera(rng: np.random.Generator, length: float, width: float, model: str) -> Camera:
     """A camera above the pool, tilted by some degrees, that sees all of it.
 
     model: pinhole, fisheye, or plain (pinhole without distortion).

@@ -32,23 +32,23 @@ from validation.generators.quasi_steady.trials import (
     Lab,
     Noise,
     Trial,
-    actual_phi,
+    actual_head_angle,
     body_points,
-    inputs,
-    run,
+    simulate_trial,
+    trial_inputs,
     with_head,
 )
 
-BLOCK = 0.1  # s
+BLOCK_S = 0.1  # s
 COEFFICIENTS = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 SERVO, FLAP = np.radians(0.3), 0.003  # prior standard deviations
-START = np.array([1.0, 1.0, 1.0, 3e-3, 3e-3, 0.02])  # prior of the starting state, m, rad, s
-OBSERVED = {"sinking", "centre_of_mass_shift", "scale_error", "camera_shift",
+START_STDS = np.array([1.0, 1.0, 1.0, 3e-3, 3e-3, 0.02])  # prior of the starting state, m, rad, s
+OBSERVATION_EFFECTS = {"sinking", "centre_of_mass_shift", "scale_error", "camera_shift",
             "uncorrected_refraction", "lens_error", "keypoint_bias"}  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Signals:
+class TrialSignals:
     """A trial: transitions F (n, 8, 8), columns G (n, 6, m), B (n + 1, 3, m), lengths (3, m)."""
 
     F: np.ndarray
@@ -76,28 +76,28 @@ def _transitions(
     return F
 
 
-def _removals(lab: Lab, trial: Trial, effects: Sequence[Effect]) -> list[tuple]:
+def _perturbed_inputs(lab: Lab, trial: Trial, effects: Sequence[Effect]) -> list[tuple]:
     """Inputs with one thing changed: each effect gone, each coefficient up, servo, frequency."""
-    out = [inputs(lab, trial, [o for o in effects if o is not e]) for e in effects]
-    robot, table, schedule = inputs(lab, trial, effects)
+    out = [trial_inputs(lab, trial, [o for o in effects if o is not e]) for e in effects]
+    robot, table, schedule = trial_inputs(lab, trial, effects)
     for name in COEFFICIENTS:
         out.append((robot._replace(**{name: getattr(robot, name) * 1.01}), table, schedule))
-    out.append(inputs(lab, trial, effects, servo=SERVO))
-    out.append(inputs(lab, trial, effects, flap=FLAP))
+    out.append(trial_inputs(lab, trial, effects, servo=SERVO))
+    out.append(trial_inputs(lab, trial, effects, flap=FLAP))
     return out
 
 
-def _decoded(
+def _apparent_positions(
     lab: Lab, trial: Trial, effects: Sequence[Effect], times: np.ndarray, states: np.ndarray
 ) -> np.ndarray:
     """Positions (n, 5, 2) that the study's statements give."""
-    given = inputs(lab, trial, effects)
-    points = body_points(states, actual_phi(given, times), given[0])
-    seen = obs.pixels(lab, trial, effects, times, points)
-    return obs.decode(lab, obs.state(lab, effects), seen)
+    given = trial_inputs(lab, trial, effects)
+    points = body_points(states, actual_head_angle(given, times), given[0])
+    seen = obs.keypoint_pixels(lab, trial, effects, times, points)
+    return obs.pixels_to_stated_pool(lab, obs.stated_setup(lab, effects), seen)
 
 
-def _differences(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _pose_change(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Change of core position and of heading (n, 3), and of three mean lengths (3,)."""
     a, b = one[:, :4] @ [1, 1j], other[:, :4] @ [1, 1j]
     a0, b0 = (z - z.mean(axis=1, keepdims=True) for z in (a, b))
@@ -107,37 +107,43 @@ def _differences(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.column_stack([move.real, move.imag, turn]), lengths
 
 
-def signals(lab: Lab, trial: Trial, effects: Sequence[Effect]) -> Signals:
+def trial_signals(lab: Lab, trial: Trial, effects: Sequence[Effect]) -> TrialSignals:
     """Transitions and columns of a trial along its true path."""
-    times, states, path = run(lab, trial, effects, 1 / BLOCK)
-    given = inputs(lab, trial, effects)
+    times, states, path = simulate_trial(lab, trial, effects, 1 / BLOCK_S)
+    given = trial_inputs(lab, trial, effects)
     base = single_steps(times, states, *given, path)
-    changed = [single_steps(times, states, *g, path) for g in _removals(lab, trial, effects)]
+    changed = [
+        single_steps(times, states, *g, path) for g in _perturbed_inputs(lab, trial, effects)
+    ]
     G = np.stack([(base - c)[:, :6] for c in changed], axis=2)
     B = np.zeros((len(times), 3, G.shape[2]))
     lengths = np.zeros((3, G.shape[2]))
     for i, e in enumerate(effects):
-        if e.form.cause in OBSERVED:
+        if e.form.cause in OBSERVATION_EFFECTS:
             fewer = [o for o in effects if o is not e]
-            pair = [_decoded(lab, trial, some, times, states) for some in (effects, fewer)]
-            B[:, :, i], lengths[:, i] = _differences(*pair)
-    return Signals(_transitions(times, states, path, given), G, B, lengths)
+            pair = [
+                _apparent_positions(lab, trial, some, times, states) for some in (effects, fewer)
+            ]
+            B[:, :, i], lengths[:, i] = _pose_change(*pair)
+    return TrialSignals(_transitions(times, states, path, given), G, B, lengths)
 
 
-def covariances(lab: Lab) -> tuple[np.ndarray, np.ndarray]:
+def tracking_variances(lab: Lab) -> tuple[np.ndarray, np.ndarray]:
     """Variances (3,) of x, y, heading: white error of a block, and correlated error."""
     noise, robot = lab.noise, lab.robot
     scale = lab.camera.position[2] / lab.camera.focal[0]
     along = np.array([robot.hinge + robot.head, robot.hinge, 0, -robot.base])
     shape = np.array([1 / 3, 1 / 3, 1 / np.sum((along - along.mean()) ** 2)]) * scale**2
-    frames = max(1.0, lab.fps * BLOCK)
+    frames = max(1.0, lab.fps * BLOCK_S)
     return noise.white_px**2 * shape / frames, noise.drift_px**2 * shape
 
 
-def innovations(s: Signals, noise: Noise, white: np.ndarray, drift: np.ndarray) -> np.ndarray:
+def whitened_innovations(
+    s: TrialSignals, noise: Noise, white: np.ndarray, drift: np.ndarray
+) -> np.ndarray:
     """Whitened innovations (steps, 3, m) of every column."""
-    keep, fade = np.exp(-BLOCK / noise.gust_s), np.exp(-BLOCK / noise.drift_s)
-    P = np.diag(np.r_[START**2, [noise.gust_m_s**2] * 2, drift])
+    keep, fade = np.exp(-BLOCK_S / noise.gust_s), np.exp(-BLOCK_S / noise.drift_s)
+    P = np.diag(np.r_[START_STDS**2, [noise.gust_m_s**2] * 2, drift])
     Q = np.diag(np.r_[[1e-12] * 6, [noise.gust_m_s**2 * (1 - keep**2)] * 2, drift * (1 - fade**2)])
     H = np.zeros((3, 11))
     H[:, :3] = H[:, 8:] = np.eye(3)
@@ -162,8 +168,8 @@ def innovations(s: Signals, noise: Noise, white: np.ndarray, drift: np.ndarray) 
 
 def _trial_gram(lab: Lab, trial: Trial, effects: Sequence[Effect]) -> tuple[np.ndarray, np.ndarray]:
     """Gram matrix of effects and coefficients with servo and frequency absorbed; lengths."""
-    s = signals(lab, trial, effects)
-    E = innovations(s, lab.noise, *covariances(lab)).reshape(-1, s.B.shape[2])
+    s = trial_signals(lab, trial, effects)
+    E = whitened_innovations(s, lab.noise, *tracking_variances(lab)).reshape(-1, s.B.shape[2])
     E, local = E[:, :-2], E[:, -2:]
     cross = local.T @ E
     gram = E.T @ E - cross.T @ np.linalg.solve(np.eye(2) + local.T @ local, cross)
@@ -192,7 +198,7 @@ def detectability(lab: Lab, effects: Sequence[Effect]) -> np.ndarray:
     return np.array(out)
 
 
-def critical_fin(lab: Lab, fin: Effect) -> float:
+def neutral_fin_area(lab: Lab, fin: Effect) -> float:
     """Fin area (m2) at which straight swimming becomes neutral, by bisection (MODEL.md, 5)."""
     from dataclasses import replace  # noqa: PLC0415
 
@@ -201,10 +207,10 @@ def critical_fin(lab: Lab, fin: Effect) -> float:
     state = np.array([[0, 0, 0, speed, 0, 0, 0.0]] * 2)
 
     def growth(area: float) -> float:
-        robot, table, schedule = inputs(lab, trial, [replace(fin, k=area)])
+        robot, table, schedule = trial_inputs(lab, trial, [replace(fin, k=area)])
         schedule[:, 0], schedule[:, 2:] = 0.0, 0.0
         given = (with_head(robot, lab.robot.head), table, schedule)
-        F = _transitions(np.array([0, BLOCK]), state, np.full((1, 5), np.inf), given)[0]
+        F = _transitions(np.array([0, BLOCK_S]), state, np.full((1, 5), np.inf), given)[0]
         return np.max(np.abs(np.linalg.eigvals(F[4:6, 4:6]))) - 1
 
     low, high = 1e-4, 0.1

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from validation.generators.quasi_steady.laws import body_force, lag_rate, water_velocity
+from validation.generators.quasi_steady.laws import lag_rate, total_force, water_velocity
 
-STEP = 0.005  # s, spacing of the schedule's rows
-STATES = 7
-NODES = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
-TABLEAU = np.array([
+STEP_S = 0.005  # s, spacing of the schedule's rows
+STATE_SIZE = 7
+RK_NODES = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
+RK_TABLEAU = np.array([
     [0, 0, 0, 0, 0, 0],
     [1 / 5, 0, 0, 0, 0, 0],
     [3 / 40, 9 / 40, 0, 0, 0, 0],
@@ -26,7 +26,9 @@ TABLEAU = np.array([
     [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
     [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
 ])  # fmt: skip
-ERROR = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+RK_ERROR_WEIGHTS = np.array(
+    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
+)
 
 
 class Robot(NamedTuple):
@@ -76,9 +78,9 @@ class Flow(NamedTuple):
 
 
 @njit(cache=True)
-def lookup(schedule, t):
+def schedule_at(schedule, t):
     """Row of the schedule (phi, flap_hz, gust_x, gust_y) at time t, linear between rows."""
-    at = max(t / STEP, 0.0)
+    at = max(t / STEP_S, 0.0)
     i = min(int(at), schedule.shape[0] - 2)
     w = min(at - i, 1.0)
     return schedule[i] * (1 - w) + schedule[i + 1] * w
@@ -87,7 +89,7 @@ def lookup(schedule, t):
 @njit(cache=True)
 def flow_at(t, s, robot, table, schedule, path):
     """Relative flow at the centre of mass and the water velocity in head axes."""
-    phi, flap, wx, wy = lookup(schedule, t)
+    phi, flap, wx, wy = schedule_at(schedule, t)
     dx, dy, spin = water_velocity(t, s[0], s[1], table, path, robot)
     wx, wy = wx + dx, wy + dy
     c, n = np.cos(s[2]), np.sin(s[2])
@@ -120,7 +122,7 @@ def derivative(t, s, robot, table, schedule, path):
     """Time derivative of the state: Newton in rotating axes, Kirchhoff's added momentum."""
     flow, bu, bv = flow_at(t, s, robot, table, schedule, path)
     X, Y, N = plate_force(flow, robot)
-    dX, dY, dN = body_force(flow, table, robot)
+    dX, dY, dN = total_force(flow, table, robot)
     u, v, r = s[3], s[4], s[5]
     c, n = np.cos(flow.phi), np.sin(flow.phi)
     auu = robot.added_surge * c * c + robot.added_sway * n * n
@@ -133,7 +135,7 @@ def derivative(t, s, robot, table, schedule, path):
     N += dN - (flow.u * pv - flow.v * pu)
     a, b, d = robot.mass + auu, auv, robot.mass + avv
     det = a * d - b * b
-    out = np.empty(STATES)
+    out = np.empty(STATE_SIZE)
     ct, nt = np.cos(s[2]), np.sin(s[2])
     out[0], out[1], out[2] = u * ct - v * nt, u * nt + v * ct, r
     out[3], out[4] = (d * X - b * Y) / det, (a * Y - b * X) / det
@@ -143,13 +145,13 @@ def derivative(t, s, robot, table, schedule, path):
 
 
 @njit(cache=True)
-def advance(t, end, s, tolerance, robot, table, schedule, path):
+def advance_adaptively(t, end, s, tolerance, robot, table, schedule, path):
     """State at `end` by the Dormand-Prince 5(4) pair with an elementary step controller.
 
     Dormand and Prince 1980, J. Comp. Appl. Math. 6, p. 23; Hairer et al. 1993, II.4.
     """
     h = min(end - t, 0.05)
-    K = np.zeros((7, STATES))
+    K = np.zeros((7, STATE_SIZE))
     first = 0
     new = s.copy()
     while end - t > 1e-10:
@@ -157,13 +159,13 @@ def advance(t, end, s, tolerance, robot, table, schedule, path):
         for stage in range(first, 7):
             new = s.copy()
             for j in range(stage):
-                new += h * TABLEAU[stage, j] * K[j]
-            K[stage] = derivative(t + NODES[stage] * h, new, robot, table, schedule, path)
+                new += h * RK_TABLEAU[stage, j] * K[j]
+            K[stage] = derivative(t + RK_NODES[stage] * h, new, robot, table, schedule, path)
         error = 0.0
-        for i in range(STATES):
+        for i in range(STATE_SIZE):
             gap = 0.0
             for j in range(7):
-                gap += ERROR[j] * K[j, i]
+                gap += RK_ERROR_WEIGHTS[j] * K[j, i]
             error = max(error, abs(h * gap) / tolerance)
         first = 1  # K[0] stays valid after a refused step, and is K[6] after an accepted one
         if not error > 1 or h < 1e-4:
@@ -179,15 +181,15 @@ def simulate(times, start, robot, table, schedule):
 
     `start` is the state at times[0]. The path that the robot leaves behind feeds its wake.
     """
-    states = np.empty((times.size, STATES))
+    states = np.empty((times.size, STATE_SIZE))
     path = np.full((times.size, 5), np.inf)
     states[0] = start
     for i in range(times.size):
         if i > 0:
-            states[i] = advance(
+            states[i] = advance_adaptively(
                 times[i - 1], times[i], states[i - 1], 1e-7, robot, table, schedule, path
             )
-        psi = states[i, 2] + lookup(schedule, times[i])[0]
+        psi = states[i, 2] + schedule_at(schedule, times[i])[0]
         path[i] = np.array([times[i], states[i, 0], states[i, 1], np.cos(psi), np.sin(psi)])
     return states, path
 
@@ -195,7 +197,9 @@ def simulate(times, start, robot, table, schedule):
 @njit(cache=True)
 def single_steps(times, states, robot, table, schedule, path):
     """States one interval later from every row of `states`, shape (times - 1, 7)."""
-    out = np.empty((times.size - 1, STATES))
+    out = np.empty((times.size - 1, STATE_SIZE))
     for i in range(times.size - 1):
-        out[i] = advance(times[i], times[i + 1], states[i], 1e-6, robot, table, schedule, path)
+        out[i] = advance_adaptively(
+            times[i], times[i + 1], states[i], 1e-6, robot, table, schedule, path
+        )
     return out

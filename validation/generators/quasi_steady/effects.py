@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from validation.generators.quasi_steady import laws
-from validation.generators.quasi_steady.dynamics import STEP, Robot
+from validation.generators.quasi_steady.dynamics import STEP_S, Robot
 
 
 @dataclass(frozen=True)
@@ -54,107 +54,335 @@ def _forms(cause: str, code: int, strength: tuple, limits: tuple, names: Sequenc
     return out
 
 
-ARM = ("centre", "caudal base distance", 0.75, 1.05)
-RATIO = ("aspect_ratio", "1", 0.9, 1.6)
-STALL = {"a": ("angle_rad", "rad", 0.06, 0.14), "b": ("width_rad", "rad", 0.015, 0.03)}
-PHASE = ("phase_rad", "rad", 0.0, 2 * np.pi)
+ARM_RANGE = ("centre", "caudal base distance", 0.75, 1.05)
+ASPECT_RATIO_RANGE = ("aspect_ratio", "1", 0.9, 1.6)
+STALL_RANGES = {"a": ("angle_rad", "rad", 0.06, 0.14), "b": ("width_rad", "rad", 0.015, 0.03)}
+PHASE_RANGE = ("phase_rad", "rad", 0.0, 2 * np.pi)
 COEFF, METRE, SPEED = ("k", "1"), ("k_m", "m"), ("speed_m_s", "m/s")
-SECOND = ("time_s", "s")
-LENGTH_B = ("length_m", "m", 0.1, 0.1)
+TIME_UNIT = ("time_s", "s")
+LENGTH_RANGE = ("length_m", "m", 0.1, 0.1)
 NEWTON, NEWTON_METRE = ("force_n", "N"), ("moment_n_m", "N m")
 
 FORMS: list[Form] = [
-    *_forms("tail_fin_lift", laws.FIN, ("area_m2", "m2"), (0.006, 1e-4, 0.08), [
-        ("polhamus", {"b": ("potential_lift", "1", 1.4, 2.2)}),
-        ("jones_slender", {"b": RATIO}), ("helmbold_stall", {"b": RATIO}),
-        ("flat_plate", {"b": ("slope", "1", 1.6, 3.0)})], a=ARM),
-    *_forms("viscous_drag", laws.VISCOUS, ("k_n_s_m", "N s/m"), (0.06, 1e-4, 0.8), [
-        "stokes", ("blasius", {"strength": ("k", "N (s/m)^1.5")}),
-        ("axial_linear", {"b": ("across_ratio", "1", 1.0, 4.0)}),
-        ("ittc_1957", {"strength": ("wetted_area_m2", "m2"), "limits": (0.1, 1e-3, 0.8)})]),
-    *_forms("linear_yaw_damping", laws.YAW_LINEAR, ("N_r", "N m s"), (0.006, 1e-4, 0.08), [
-        "linear", ("levelling_off", {"a": ("rate_rad_s", "rad/s", 0.8, 1.6)})]),
-    *_forms("thrust_loss_with_speed", laws.THRUST_LOSS, COEFF, (0.2, 0.005, 0.6), [
-        "advance_linear", ("advance_square", {"strength": ("k", "1")}),
-        ("speed_linear", {"strength": ("k_s_m", "s/m"), "limits": (0.4, 0.01, 1.6)}),
-        ("speed_exponential", {"strength": ("k_s_m", "s/m"), "limits": (0.4, 0.01, 2.5)})],
-        b=LENGTH_B),
-    *_forms("wall_effect", laws.WALL, COEFF, (0.5, 0.01, 30.0), [
-        ("image_suction", {"b": ("moment_arm_m", "m", 0.01, 0.04)}),
-        ("blockage", {"limits": (0.5, 0.01, 4.0), "a": ("range_m", "m", 0.12, 0.25)})]),
-    *_forms("stall", laws.STALL, ("lost_share", "1"), (0.3, 0.01, 0.95), [
-        "logistic", "kirchhoff", ("viterna_cap", {"limits": (0.5, 0.01, 1.0)}), "linear_fall"],
-        **STALL),
-    *_forms("trim_moment", laws.TRIM, METRE, (2e-3, 2e-5, 0.05),
-            ["with_speed_squared", "with_thrust"], signed=True),
-    *_forms("crossflow_drag", laws.CROSSFLOW, ("C_d", "1"), (0.8, 0.01, 6.0), [
-        "strips", "tapered", "lumped", "coupled"], b=("height_m", "m", 0.05, 0.075)),
-    *_forms("thrust_line_offset", laws.THRUST_LINE, METRE, (5e-3, 1e-4, 0.06),
-            ["sine", ("one_minus_cosine", {"limits": (0.01, 1e-4, 0.15)})], signed=True),
+    *_forms(
+        "tail_fin_lift",
+        laws.FIN,
+        ("area_m2", "m2"),
+        (0.006, 1e-4, 0.08),
+        [
+            ("polhamus", {"b": ("potential_lift", "1", 1.4, 2.2)}),
+            ("jones_slender", {"b": ASPECT_RATIO_RANGE}),
+            ("helmbold_stall", {"b": ASPECT_RATIO_RANGE}),
+            ("flat_plate", {"b": ("slope", "1", 1.6, 3.0)}),
+        ],
+        a=ARM_RANGE,
+    ),
+    *_forms(
+        "viscous_drag",
+        laws.VISCOUS,
+        ("k_n_s_m", "N s/m"),
+        (0.06, 1e-4, 0.8),
+        [
+            "stokes",
+            ("blasius", {"strength": ("k", "N (s/m)^1.5")}),
+            ("axial_linear", {"b": ("across_ratio", "1", 1.0, 4.0)}),
+            ("ittc_1957", {"strength": ("wetted_area_m2", "m2"), "limits": (0.1, 1e-3, 0.8)}),
+        ],
+    ),
+    *_forms(
+        "linear_yaw_damping",
+        laws.YAW_LINEAR,
+        ("N_r", "N m s"),
+        (0.006, 1e-4, 0.08),
+        ["linear", ("levelling_off", {"a": ("rate_rad_s", "rad/s", 0.8, 1.6)})],
+    ),
+    *_forms(
+        "thrust_loss_with_speed",
+        laws.THRUST_LOSS,
+        COEFF,
+        (0.2, 0.005, 0.6),
+        [
+            "advance_linear",
+            ("advance_square", {"strength": ("k", "1")}),
+            ("speed_linear", {"strength": ("k_s_m", "s/m"), "limits": (0.4, 0.01, 1.6)}),
+            ("speed_exponential", {"strength": ("k_s_m", "s/m"), "limits": (0.4, 0.01, 2.5)}),
+        ],
+        b=LENGTH_RANGE,
+    ),
+    *_forms(
+        "wall_effect",
+        laws.WALL,
+        COEFF,
+        (0.5, 0.01, 30.0),
+        [
+            ("image_suction", {"b": ("moment_arm_m", "m", 0.01, 0.04)}),
+            ("blockage", {"limits": (0.5, 0.01, 4.0), "a": ("range_m", "m", 0.12, 0.25)}),
+        ],
+    ),
+    *_forms(
+        "stall",
+        laws.STALL,
+        ("lost_share", "1"),
+        (0.3, 0.01, 0.95),
+        ["logistic", "kirchhoff", ("viterna_cap", {"limits": (0.5, 0.01, 1.0)}), "linear_fall"],
+        **STALL_RANGES,
+    ),
+    *_forms(
+        "trim_moment",
+        laws.TRIM,
+        METRE,
+        (2e-3, 2e-5, 0.05),
+        ["with_speed_squared", "with_thrust"],
+        signed=True,
+    ),
+    *_forms(
+        "crossflow_drag",
+        laws.CROSSFLOW,
+        ("C_d", "1"),
+        (0.8, 0.01, 6.0),
+        ["strips", "tapered", "lumped", "coupled"],
+        b=("height_m", "m", 0.05, 0.075),
+    ),
+    *_forms(
+        "thrust_line_offset",
+        laws.THRUST_LINE,
+        METRE,
+        (5e-3, 1e-4, 0.06),
+        ["sine", ("one_minus_cosine", {"limits": (0.01, 1e-4, 0.15)})],
+        signed=True,
+    ),
     *_forms("thrust_area", laws.THRUST_AREA, ("share", "1"), (0.6, 0.02, 1.2), ["power", "mix"]),
-    *_forms("lift_lag", laws.LIFT_LAG, ("chords", "1"), (1.0, 0.02, 8.0), [
-        ("wagner_half", {"a": ("lagged_share", "1", 0.5, 0.6)}),
-        ("constant_time", {"strength": SECOND, "limits": (0.2, 0.01, 1.2),
-                           "a": ("lagged_share", "1", 0.9, 1.0)})]),
-    *_forms("wave_drag", laws.WAVE, ("k", "N (s/m)^4"), (0.4, 0.005, 8.0), [
-        "fourth_power", ("froude_hump", {"strength": ("C_w", "1"), "limits": (0.2, 0.005, 2.5),
-        "a": ("froude", "1", 0.22, 0.28), "b": ("width", "1", 0.02, 0.04)})]),
-    *_forms("coulomb_friction", laws.COULOMB, NEWTON, (0.01, 1e-4, 0.07), [
-        "coulomb", ("stribeck", {"a": ("speed_m_s", "m/s", 0.08, 0.15)})]),
-    *_forms("sinking", laws.SINKING, ("rate_m_s", "m/s"), (0.006, 2e-4, 0.035),
-            ["steady", "accelerating", "levelling_off"]),
-    *_forms("port_starboard_asymmetry", laws.ASYMMETRY, ("share", "1"), (0.1, 0.002, 0.7),
-            ["lift", "yaw_damping"], signed=True),
-    *_forms("uniform_current", laws.CURRENT, SPEED, (0.01, 2e-4, 0.08), [
-        "constant", ("decaying", {"b": ("decay_s", "s", 4.0, 10.0)})],
-        a=("direction_rad", "rad", 0.0, 2 * np.pi)),
-    *_forms("pool_gyre", laws.GYRE, SPEED, (0.015, 2e-4, 0.1), ["single_cell", "lamb_oseen"],
-            a=("core_radius_m", "m", 0.3, 0.5), signed=True),
-    *_forms("wake_reentry", laws.WAKE, SPEED, (0.08, 1e-3, 0.6), [
-        "thrust_jet", "drag_wake", "uniform_jet", "vortex_street"],
-        a=("half_width_m", "m", 0.1, 0.18)),
-    *_forms("servo_lag", laws.NO_FORCE, SECOND, (0.2, 0.005, 1.5),
-            ["first_order", "slew", "second_order", "delayed"]),
-    *_forms("motor_spin_up", laws.NO_FORCE, SECOND, (0.2, 0.005, 1.5),
-            ["first_order", "ramp", "smooth_step"]),
-    *_forms("battery_sag", laws.NO_FORCE, ("loss_per_s", "1/s"), (0.01, 2e-4, 0.06),
-            ["linear", "exponential", "square_root", "with_power"]),
-    *_forms("head_angle_offset", laws.NO_FORCE, ("offset_deg", "deg"), (1.0, 0.02, 10.0), [
-        "constant", ("gain", {"strength": ("gain_error", "1"), "limits": (0.04, 1e-3, 0.3)}),
-        "backlash"], signed=True),
-    *_forms("added_mass", laws.NO_FORCE, ("sway_share_of_mass", "1"), (0.3, 0.01, 1.5), [
-        ("lamb_ellipsoid", {"a": ("slenderness", "1", 4.0, 6.0)}), "sway_only"]),
-    *_forms("centre_of_mass_shift", laws.NO_FORCE, METRE, (5e-3, 1e-4, 0.04),
-            ["aft", "sideways"], signed=True),
-    *_forms("unlisted", laws.UNLISTED, NEWTON_METRE, (2e-3, 2e-5, 0.03), [
-        "sin 3 theta", "compass needle", ("moment along x", {"b": ("wavelength_m", "m", 0.8, 1.4)}),
-        ("moment in time", {"b": ("period_s", "s", 1.5, 3.0)}),
-        ("surge in time", {"strength": NEWTON, "limits": (0.02, 2e-4, 0.15),
-                           "b": ("period_s", "s", 1.5, 3.0)}),
-        ("drag band", {"strength": NEWTON, "limits": (0.03, 2e-4, 0.2),
-                       "b": ("speed_m_s", "m/s", 0.2, 0.4)}),
-        ("tether", {"strength": ("k_n_m", "N/m"), "limits": (0.03, 2e-4, 0.25)}),
-        ("sway sin 2 theta", {"strength": NEWTON, "limits": (0.02, 2e-4, 0.2)}),
-        ("moment in a speed band", {"b": ("speed_m_s", "m/s", 0.2, 0.4)})], a=PHASE, signed=True),
-    *_forms("scale_error", laws.NO_FORCE, ("share", "1"), (0.05, 1e-3, 0.2),
-            ["both_sides", "long_side"], signed=True, kind="measurement"),
-    *_forms("clock_error", laws.NO_FORCE, ("share", "1"), (0.02, 1e-3, 0.2),
-            ["rate", "lost_frames"], kind="measurement"),
-    *_forms("camera_shift", laws.NO_FORCE, ("angle_deg", "deg"), (0.2, 1e-3, 3.0),
-            ["knock", "creep"], a=("axis_rad", "rad", 0.0, 6.28),
-            b=("share_of_trial", "1", 0.4, 0.7), kind="measurement"),
-    *_forms("uncorrected_refraction", laws.NO_FORCE, ("depth_beyond_stated_m", "m"),
-            (0.1, 1e-3, 0.22), ["depth", ("index", {"strength": ("index_beyond_stated", "1"),
-            "limits": (0.25, 0.01, 0.333)})], kind="measurement"),
-    *_forms("lens_error", laws.NO_FORCE, ("k1_error", "1"), (0.03, 1e-3, 0.3), [
-        "radial", ("principal_point", {"strength": ("offset_px", "px"),
-                                       "limits": (40.0, 1.0, 200.0)})],
-        signed=True, kind="measurement"),
-    *_forms("time_offset", laws.NO_FORCE, SECOND, (0.2, 0.005, 1.2), ["constant", "scattered"],
-            kind="measurement"),
-    *_forms("keypoint_bias", laws.NO_FORCE, METRE, (8e-3, 2e-4, 0.04), ["aft", "sideways"],
-            signed=True, kind="measurement"),
-]  # fmt: skip
+    *_forms(
+        "lift_lag",
+        laws.LIFT_LAG,
+        ("chords", "1"),
+        (1.0, 0.02, 8.0),
+        [
+            ("wagner_half", {"a": ("lagged_share", "1", 0.5, 0.6)}),
+            (
+                "constant_time",
+                {
+                    "strength": TIME_UNIT,
+                    "limits": (0.2, 0.01, 1.2),
+                    "a": ("lagged_share", "1", 0.9, 1.0),
+                },
+            ),
+        ],
+    ),
+    *_forms(
+        "wave_drag",
+        laws.WAVE,
+        ("k", "N (s/m)^4"),
+        (0.4, 0.005, 8.0),
+        [
+            "fourth_power",
+            (
+                "froude_hump",
+                {
+                    "strength": ("C_w", "1"),
+                    "limits": (0.2, 0.005, 2.5),
+                    "a": ("froude", "1", 0.22, 0.28),
+                    "b": ("width", "1", 0.02, 0.04),
+                },
+            ),
+        ],
+    ),
+    *_forms(
+        "coulomb_friction",
+        laws.COULOMB,
+        NEWTON,
+        (0.01, 1e-4, 0.07),
+        ["coulomb", ("stribeck", {"a": ("speed_m_s", "m/s", 0.08, 0.15)})],
+    ),
+    *_forms(
+        "sinking",
+        laws.SINKING,
+        ("rate_m_s", "m/s"),
+        (0.006, 2e-4, 0.035),
+        ["steady", "accelerating", "levelling_off"],
+    ),
+    *_forms(
+        "port_starboard_asymmetry",
+        laws.ASYMMETRY,
+        ("share", "1"),
+        (0.1, 0.002, 0.7),
+        ["lift", "yaw_damping"],
+        signed=True,
+    ),
+    *_forms(
+        "uniform_current",
+        laws.CURRENT,
+        SPEED,
+        (0.01, 2e-4, 0.08),
+        ["constant", ("decaying", {"b": ("decay_s", "s", 4.0, 10.0)})],
+        a=("direction_rad", "rad", 0.0, 2 * np.pi),
+    ),
+    *_forms(
+        "pool_gyre",
+        laws.GYRE,
+        SPEED,
+        (0.015, 2e-4, 0.1),
+        ["single_cell", "lamb_oseen"],
+        a=("core_radius_m", "m", 0.3, 0.5),
+        signed=True,
+    ),
+    *_forms(
+        "wake_reentry",
+        laws.WAKE,
+        SPEED,
+        (0.08, 1e-3, 0.6),
+        ["thrust_jet", "drag_wake", "uniform_jet", "vortex_street"],
+        a=("half_width_m", "m", 0.1, 0.18),
+    ),
+    *_forms(
+        "servo_lag",
+        laws.NO_FORCE,
+        TIME_UNIT,
+        (0.2, 0.005, 1.5),
+        ["first_order", "slew", "second_order", "delayed"],
+    ),
+    *_forms(
+        "motor_spin_up",
+        laws.NO_FORCE,
+        TIME_UNIT,
+        (0.2, 0.005, 1.5),
+        ["first_order", "ramp", "smooth_step"],
+    ),
+    *_forms(
+        "battery_sag",
+        laws.NO_FORCE,
+        ("loss_per_s", "1/s"),
+        (0.01, 2e-4, 0.06),
+        ["linear", "exponential", "square_root", "with_power"],
+    ),
+    *_forms(
+        "head_angle_offset",
+        laws.NO_FORCE,
+        ("offset_deg", "deg"),
+        (1.0, 0.02, 10.0),
+        [
+            "constant",
+            ("gain", {"strength": ("gain_error", "1"), "limits": (0.04, 1e-3, 0.3)}),
+            "backlash",
+        ],
+        signed=True,
+    ),
+    *_forms(
+        "added_mass",
+        laws.NO_FORCE,
+        ("sway_share_of_mass", "1"),
+        (0.3, 0.01, 1.5),
+        [("lamb_ellipsoid", {"a": ("slenderness", "1", 4.0, 6.0)}), "sway_only"],
+    ),
+    *_forms(
+        "centre_of_mass_shift",
+        laws.NO_FORCE,
+        METRE,
+        (5e-3, 1e-4, 0.04),
+        ["aft", "sideways"],
+        signed=True,
+    ),
+    *_forms(
+        "unlisted",
+        laws.UNLISTED,
+        NEWTON_METRE,
+        (2e-3, 2e-5, 0.03),
+        [
+            "sin 3 theta",
+            "compass needle",
+            ("moment along x", {"b": ("wavelength_m", "m", 0.8, 1.4)}),
+            ("moment in time", {"b": ("period_s", "s", 1.5, 3.0)}),
+            (
+                "surge in time",
+                {
+                    "strength": NEWTON,
+                    "limits": (0.02, 2e-4, 0.15),
+                    "b": ("period_s", "s", 1.5, 3.0),
+                },
+            ),
+            (
+                "drag band",
+                {
+                    "strength": NEWTON,
+                    "limits": (0.03, 2e-4, 0.2),
+                    "b": ("speed_m_s", "m/s", 0.2, 0.4),
+                },
+            ),
+            ("tether", {"strength": ("k_n_m", "N/m"), "limits": (0.03, 2e-4, 0.25)}),
+            ("sway sin 2 theta", {"strength": NEWTON, "limits": (0.02, 2e-4, 0.2)}),
+            ("moment in a speed band", {"b": ("speed_m_s", "m/s", 0.2, 0.4)}),
+        ],
+        a=PHASE_RANGE,
+        signed=True,
+    ),
+    *_forms(
+        "scale_error",
+        laws.NO_FORCE,
+        ("share", "1"),
+        (0.05, 1e-3, 0.2),
+        ["both_sides", "long_side"],
+        signed=True,
+        kind="measurement",
+    ),
+    *_forms(
+        "clock_error",
+        laws.NO_FORCE,
+        ("share", "1"),
+        (0.02, 1e-3, 0.2),
+        ["rate", "lost_frames"],
+        kind="measurement",
+    ),
+    *_forms(
+        "camera_shift",
+        laws.NO_FORCE,
+        ("angle_deg", "deg"),
+        (0.2, 1e-3, 3.0),
+        ["knock", "creep"],
+        a=("axis_rad", "rad", 0.0, 6.28),
+        b=("share_of_trial", "1", 0.4, 0.7),
+        kind="measurement",
+    ),
+    *_forms(
+        "uncorrected_refraction",
+        laws.NO_FORCE,
+        ("depth_beyond_stated_m", "m"),
+        (0.1, 1e-3, 0.22),
+        [
+            "depth",
+            ("index", {"strength": ("index_beyond_stated", "1"), "limits": (0.25, 0.01, 0.333)}),
+        ],
+        kind="measurement",
+    ),
+    *_forms(
+        "lens_error",
+        laws.NO_FORCE,
+        ("k1_error", "1"),
+        (0.03, 1e-3, 0.3),
+        [
+            "radial",
+            ("principal_point", {"strength": ("offset_px", "px"), "limits": (40.0, 1.0, 200.0)}),
+        ],
+        signed=True,
+        kind="measurement",
+    ),
+    *_forms(
+        "time_offset",
+        laws.NO_FORCE,
+        TIME_UNIT,
+        (0.2, 0.005, 1.2),
+        ["constant", "scattered"],
+        kind="measurement",
+    ),
+    *_forms(
+        "keypoint_bias",
+        laws.NO_FORCE,
+        METRE,
+        (8e-3, 2e-4, 0.04),
+        ["aft", "sideways"],
+        signed=True,
+        kind="measurement",
+    ),
+]
 CAUSES = {c: [f for f in FORMS if f.cause == c] for c in dict.fromkeys(f.cause for f in FORMS)}
 PHYSICS = [
     c
@@ -164,7 +392,7 @@ PHYSICS = [
 MEASUREMENTS = [c for c, f in CAUSES.items() if f[0].kind == "measurement"]
 
 
-def draw(form: Form, rng: np.random.Generator) -> Effect:
+def draw_effect(form: Form, rng: np.random.Generator) -> Effect:
     """Effect at half to twice the form's starting strength, random sign and constants."""
     sign = rng.choice([-1.0, 1.0]) if form.signed else 1.0
     a, b = (rng.uniform(c[2], c[3]) for c in (form.a, form.b))
@@ -177,19 +405,19 @@ def with_strength(effect: Effect, size: float) -> Effect:
     return replace(effect, k=np.sign(effect.k) * np.clip(size, effect.form.low, effect.form.high))
 
 
-def table(effects: Sequence[Effect]) -> np.ndarray:
+def effect_table(effects: Sequence[Effect]) -> np.ndarray:
     """Rows of the compiled laws, shape (effects, 5)."""
     return np.array([e.row() for e in effects], float).reshape(-1, 5)
 
 
-def parameters(effect: Effect) -> dict[str, dict]:
+def parameters_json(effect: Effect) -> dict[str, dict]:
     """Name, value and unit of the strength and of the constants."""
     f = effect.form
     items = [(*f.strength, effect.k), (*f.a[:2], effect.a), (*f.b[:2], effect.b)]
     return {n: {"value": float(x), "unit": u} for n, u, x in items if n}
 
 
-def changed_robot(robot: Robot, effects: Sequence[Effect]) -> Robot:
+def robot_with_effects(robot: Robot, effects: Sequence[Effect]) -> Robot:
     """Robot with added mass (Lamb 1932, 114; Fossen 2011, 6.3) and the true centre of mass."""
     for e in effects:
         if e.form.cause == "added_mass":
@@ -230,12 +458,12 @@ def _sag(variant: int, k: float, t: np.ndarray, power: float) -> np.ndarray:
     return np.maximum(1 - k * t * ((power / 75) ** 1.5 if variant == 3 else 1.0), 0.4)
 
 
-def changed_schedule(
+def schedule_with_effects(
     schedule: np.ndarray, effects: Sequence[Effect], power: float, late: float
 ) -> np.ndarray:
     """Schedule (rows, 4) with lag, offset, spin-up, sag and a late motor; `late` scatters it."""
     out = schedule.copy()
-    t = np.arange(len(out)) * STEP
+    t = np.arange(len(out)) * STEP_S
     for e in effects:
         cause, variant, k = e.form.cause, e.form.variant, e.k
         if cause == "head_angle_offset":

@@ -26,14 +26,14 @@ def core_axes(flow):
 
 
 @njit(cache=True)
-def from_core(X, Y, s, flow):
+def core_force_in_head_axes(X, Y, s, flow):
     """Force at s behind the centre of mass, from core axes to head axes, and its moment."""
     c, n = np.cos(flow.phi), np.sin(flow.phi)
     return X * c - Y * n, X * n + Y * c, -s * Y
 
 
 @njit(cache=True)
-def fin(variant, k, a, b, flow, robot):
+def fin_force(variant, k, a, b, flow, robot):
     """Side force of core and tail, area k (m2), centre at a times the caudal base's distance.
 
     0 Polhamus 1966 (NASA TN D-3767): potential lift plus leading-edge suction turned sideways;
@@ -46,18 +46,20 @@ def fin(variant, k, a, b, flow, robot):
     w = v - s * flow.r
     q = 0.5 * robot.rho * k
     if variant == 0:
-        return from_core(0.0, -q * (b * abs(u) + np.pi * abs(w)) * w, s, flow)
+        return core_force_in_head_axes(0.0, -q * (b * abs(u) + np.pi * abs(w)) * w, s, flow)
     if variant == 1:
-        return from_core(0.0, -q * 0.5 * np.pi * b * abs(u) * w, s, flow)
+        return core_force_in_head_axes(0.0, -q * 0.5 * np.pi * b * abs(u) * w, s, flow)
     if variant == 2:
         speed = np.sqrt(u * u + w * w) + 1e-9
         slope = 2 * np.pi * b / (2 + np.sqrt(4 + b * b))
         lift = slope * 0.35 * np.tanh(np.arctan2(w, abs(u) + 1e-9) / 0.35)
         drag = lift * lift / (np.pi * b)
-        return from_core(
+        return core_force_in_head_axes(
             q * speed * (lift * w - drag * u), -q * speed * (lift * abs(u) + drag * w), s, flow
         )
-    return from_core(0.0, -q * b * u * w * u / (np.sqrt(u * u + w * w) + 1e-9), s, flow)
+    return core_force_in_head_axes(
+        0.0, -q * b * u * w * u / (np.sqrt(u * u + w * w) + 1e-9), s, flow
+    )
 
 
 @njit(cache=True)
@@ -69,7 +71,7 @@ def viscous_drag(variant, k, a, b, flow, robot):
     """
     if variant == 2:
         u, v = core_axes(flow)
-        return from_core(-k * u, -b * k * v, 0.0, flow)
+        return core_force_in_head_axes(-k * u, -b * k * v, 0.0, flow)
     per_speed = k
     if variant == 1:
         per_speed = k * np.sqrt(flow.speed + 1e-9)
@@ -103,7 +105,7 @@ def thrust_loss(variant, k, a, b, flow, robot):
         lost = k * u
     if variant == 3:
         lost = 1 - np.exp(-k * u)
-    return from_core(-lost * flow.thrust, 0.0, 0.0, flow)
+    return core_force_in_head_axes(-lost * flow.thrust, 0.0, 0.0, flow)
 
 
 @njit(cache=True)
@@ -187,7 +189,7 @@ def crossflow_drag(variant, k, a, b, flow, robot):
         size = b * (1.5 - at) if variant == 1 else b
         speed = np.sqrt(u * u + w * w) if variant == 3 else abs(w)
         F = -0.5 * robot.rho * k * size * share * length * speed * w
-        dX, dY, dN = from_core(0.0, F, s, flow)
+        dX, dY, dN = core_force_in_head_axes(0.0, F, s, flow)
         X, Y, N = X + dX, Y + dY, N + dN
     return X, Y, N
 
@@ -206,7 +208,7 @@ def thrust_area(variant, k, a, b, flow, robot):
     """Thrust with the reference head: 0 area A^(1-k) A_ref^k; 1 (1 - k) A + k A_ref."""
     ratio = robot.area_ref / robot.area
     change = ratio**k - 1 if variant == 0 else k * (ratio - 1)
-    return from_core(change * flow.thrust, 0.0, 0.0, flow)
+    return core_force_in_head_axes(change * flow.thrust, 0.0, 0.0, flow)
 
 
 @njit(cache=True)
@@ -231,7 +233,7 @@ def wave_drag(variant, k, a, b, flow, robot):
 
 
 @njit(cache=True)
-def coulomb(variant, k, a, b, flow, robot):
+def coulomb_friction(variant, k, a, b, flow, robot):
     """Friction of constant size k (N): 0 Coulomb, 1 Stribeck with half more below the speed a."""
     size = k * np.tanh(flow.speed / 0.02) / (flow.speed + 1e-9)
     if variant == 1:
@@ -257,7 +259,7 @@ def sinking(variant, k, a, b, flow, robot):
 
 
 @njit(cache=True)
-def asymmetry(variant, k, a, b, flow, robot):
+def port_starboard_asymmetry(variant, k, a, b, flow, robot):
     """0 lift stronger by k on one side and weaker on the other; 1 yaw damping alike."""
     if variant == 0:
         beta = np.tanh(10 * np.arctan2(flow.v, abs(flow.u) + 1e-6))
@@ -266,7 +268,7 @@ def asymmetry(variant, k, a, b, flow, robot):
 
 
 @njit(cache=True)
-def unlisted(variant, k, a, b, flow, robot):
+def unlisted_force(variant, k, a, b, flow, robot):
     """Forces without a name in STUDY.md; phase a (rad), scale b.
 
     Moment of 0 sin(3 theta + a), 1 sin(theta + a) (a compass needle), 2 sin(2 pi x/b + a),
@@ -291,10 +293,10 @@ def unlisted(variant, k, a, b, flow, robot):
 
 
 @njit(cache=True)
-def law(cause, variant, k, a, b, flow, robot):  # noqa: C901, PLR0911, PLR0912 - a switch
+def force_of_row(cause, variant, k, a, b, flow, robot):  # noqa: C901, PLR0911, PLR0912 - a switch
     """Force and moment of one row of the table."""
     if cause == FIN:
-        return fin(variant, k, a, b, flow, robot)
+        return fin_force(variant, k, a, b, flow, robot)
     if cause == VISCOUS:
         return viscous_drag(variant, k, a, b, flow, robot)
     if cause == YAW_LINEAR:
@@ -318,23 +320,23 @@ def law(cause, variant, k, a, b, flow, robot):  # noqa: C901, PLR0911, PLR0912 -
     if cause == WAVE:
         return wave_drag(variant, k, a, b, flow, robot)
     if cause == COULOMB:
-        return coulomb(variant, k, a, b, flow, robot)
+        return coulomb_friction(variant, k, a, b, flow, robot)
     if cause == SINKING:
         return sinking(variant, k, a, b, flow, robot)
     if cause == ASYMMETRY:
-        return asymmetry(variant, k, a, b, flow, robot)
+        return port_starboard_asymmetry(variant, k, a, b, flow, robot)
     if cause == UNLISTED:
-        return unlisted(variant, k, a, b, flow, robot)
+        return unlisted_force(variant, k, a, b, flow, robot)
     return 0.0, 0.0, 0.0
 
 
 @njit(cache=True)
-def body_force(flow, table, robot):
+def total_force(flow, table, robot):
     """Sum of the table's force laws: X, Y (N), N (N m)."""
     X, Y, N = 0.0, 0.0, 0.0
     for i in range(table.shape[0]):
         row = table[i]
-        dX, dY, dN = law(int(row[0]), int(row[1]), row[2], row[3], row[4], flow, robot)
+        dX, dY, dN = force_of_row(int(row[0]), int(row[1]), row[2], row[3], row[4], flow, robot)
         X, Y, N = X + dX, Y + dY, N + dN
     return X, Y, N
 
@@ -352,7 +354,7 @@ def lag_rate(flow, table, robot):
 
 
 @njit(cache=True)
-def gyre(variant, k, a, x, y, robot):
+def gyre_velocity(variant, k, a, x, y, robot):
     """Velocity (m/s) and half the vorticity (1/s) of a gyre with peak speed k.
 
     0 one cell, stream function sin sin (Stommel's basin); 1 Lamb-Oseen vortex of core radius a (m).
@@ -369,7 +371,7 @@ def gyre(variant, k, a, x, y, robot):
 
 
 @njit(cache=True)
-def wake(variant, k, a, t, x, y, path):
+def wake_velocity(variant, k, a, t, x, y, path):
     """Velocity (m/s) of the wake left along the path, half width a (m) growing with age.
 
     0 thrust jet backwards, decaying as age^-1/2 (Tennekes and Lumley 1972, 4); 1 drag wake
@@ -406,9 +408,9 @@ def water_velocity(t, x, y, table, path, robot):
             speed = k if variant == 0 else k * np.exp(-t / table[i, 4])
             wx, wy = wx + speed * np.cos(a), wy + speed * np.sin(a)
         elif cause == GYRE:
-            dx, dy, half = gyre(variant, k, a, x, y, robot)
+            dx, dy, half = gyre_velocity(variant, k, a, x, y, robot)
             wx, wy, spin = wx + dx, wy + dy, spin + half
         elif cause == WAKE and k != 0:
-            dx, dy = wake(variant, k, a, t, x, y, path)
+            dx, dy = wake_velocity(variant, k, a, t, x, y, path)
             wx, wy = wx + dx, wy + dy
     return wx, wy, spin

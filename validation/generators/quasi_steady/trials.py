@@ -6,13 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from validation.generators.quasi_steady import effects as fx
-from validation.generators.quasi_steady.camera import Camera
-from validation.generators.quasi_steady.camera import draw as draw_camera
-from validation.generators.quasi_steady.dynamics import STATES, STEP, Robot, simulate
+from validation.generators.quasi_steady.camera import Camera, draw_camera
+from validation.generators.quasi_steady.dynamics import STATE_SIZE, STEP_S, Robot, simulate
 
 LENGTH, WIDTH = 2.6, 1.6  # m
-LONGEST = 12.5  # s of gusts drawn for a trial
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+MAX_DURATION_S = 12.5  # s of gusts drawn for a trial
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
 
 
 @dataclass(frozen=True)
@@ -97,9 +96,9 @@ def draw_gusts(rng: np.random.Generator, rms: float, tau: float) -> np.ndarray:
 
     Bumps exp(-((t - t_j) / tau)^2) come as a Poisson process, six a correlation time.
     """
-    t = np.arange(0, LONGEST + STEP, STEP)
-    span = LONGEST + 6 * tau
-    at = rng.uniform(-3 * tau, LONGEST + 3 * tau, rng.poisson(6 * span / tau))
+    t = np.arange(0, MAX_DURATION_S + STEP_S, STEP_S)
+    span = MAX_DURATION_S + 6 * tau
+    at = rng.uniform(-3 * tau, MAX_DURATION_S + 3 * tau, rng.poisson(6 * span / tau))
     bumps = np.exp(-(((t[:, None] - at) / tau) ** 2))
     return bumps @ rng.normal(0, 1, (len(at), 2)) * rms / np.sqrt(6 * np.sqrt(np.pi / 2))
 
@@ -113,7 +112,7 @@ def draw_noise(rng: np.random.Generator) -> Noise:
     )  # fmt: skip
 
 
-def conditions(rng: np.random.Generator, count: int, heads: Sequence[float]) -> list[tuple]:
+def draw_conditions(rng: np.random.Generator, count: int, heads: Sequence[float]) -> list[tuple]:
     """Power (%), head angle (deg) and head (m) of each trial, shuffled."""
     powers = [(50, 75, 100), (50, 75, 100), (55, 75, 100), (60, 80, 100)][rng.integers(4)]
     sets = [(0, 30, -30, 45), (0, 20, -20, 40, -40), (0, 30, -45, 15), (0, -25, 35, 45, -45),
@@ -137,7 +136,7 @@ def draw_trials(
     """Trials with wished durations (s, range) but not yet placed in the pool."""
     pace = rng.uniform(0.92, 1.1)
     out = []
-    for i, (power, angle, head) in enumerate(conditions(rng, count, heads)):
+    for i, (power, angle, head) in enumerate(draw_conditions(rng, count, heads)):
         flap = pace * (2.37 + 0.069 * (power - 50))
         out.append(Trial(
             f"T{i + 1:02d}", float(power), np.radians(angle), float(head), rng.uniform(*seconds),
@@ -169,7 +168,7 @@ def draw_lab(
 Inputs = tuple[Robot, np.ndarray, np.ndarray]
 
 
-def inputs(
+def trial_inputs(
     lab: Lab, trial: Trial, effects: Sequence[fx.Effect], servo: float = 0.0, flap: float = 0.0
 ) -> Inputs:
     """Robot, table and schedule of a trial; `servo` (rad), `flap` (share) are extra errors."""
@@ -177,25 +176,25 @@ def inputs(
     schedule[:, 0] = trial.head_angle + trial.servo_error + servo
     schedule[:, 1] = trial.flap * (1 + trial.flap_error + flap)
     schedule[:, 2:] = trial.gusts
-    schedule = fx.changed_schedule(schedule, effects, trial.power, trial.late)
-    robot = fx.changed_robot(with_head(lab.robot, trial.head), effects)
-    return robot, fx.table(effects), schedule
+    schedule = fx.schedule_with_effects(schedule, effects, trial.power, trial.late)
+    robot = fx.robot_with_effects(with_head(lab.robot, trial.head), effects)
+    return robot, fx.effect_table(effects), schedule
 
 
-def run(
+def simulate_trial(
     lab: Lab, trial: Trial, effects: Sequence[fx.Effect], rate: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (n,), states (n, 7) and path (n, 5) of a trial at `rate` samples a second."""
     times = np.arange(int(trial.seconds * rate) + 1) / rate
-    start = np.zeros(STATES)
+    start = np.zeros(STATE_SIZE)
     start[:3] = trial.start
-    return times, *simulate(times, start, *inputs(lab, trial, effects))
+    return times, *simulate(times, start, *trial_inputs(lab, trial, effects))
 
 
-def actual_phi(given: Inputs, times: np.ndarray) -> np.ndarray:
+def actual_head_angle(given: Inputs, times: np.ndarray) -> np.ndarray:
     """Actual head angle (rad) at `times`."""
     schedule = given[2]
-    return np.interp(times, np.arange(len(schedule)) * STEP, schedule[:, 0])
+    return np.interp(times, np.arange(len(schedule)) * STEP_S, schedule[:, 0])
 
 
 def body_points(states: np.ndarray, phi: np.ndarray, robot: Robot) -> np.ndarray:
@@ -208,7 +207,7 @@ def body_points(states: np.ndarray, phi: np.ndarray, robot: Robot) -> np.ndarray
     return np.stack([z.real, z.imag], axis=2)
 
 
-def clearance(points: np.ndarray) -> np.ndarray:
+def wall_clearance(points: np.ndarray) -> np.ndarray:
     """Least distance (m) of each frame's keypoints (n, 5, 2) to the walls; negative outside."""
     gaps = np.concatenate([points, [LENGTH, WIDTH] - points], axis=2)
     return gaps.min(axis=(1, 2))
@@ -228,43 +227,45 @@ def _fit_in_pool(rng: np.random.Generator, points: np.ndarray, margin: float) ->
     return None
 
 
-def place(rng: np.random.Generator, lab: Lab, trial: Trial, effects: Sequence[fx.Effect]) -> Trial:
+def with_start_pose(
+    rng: np.random.Generator, lab: Lab, trial: Trial, effects: Sequence[fx.Effect]
+) -> Trial:
     """The trial at a start pose, and of a length, that keep it in the pool.
 
     The pose comes from a run around the origin; effects that depend on place are then checked.
     """
     homeless = [e for e in effects if e.form.cause not in ("wall_effect", "pool_gyre", "unlisted")]
     here = replace(trial, start=(0.0, 0.0, 0.0))
-    given = inputs(lab, here, homeless)
-    times, states, _ = run(lab, here, homeless, 15)
-    points = body_points(states, actual_phi(given, times), given[0])
+    given = trial_inputs(lab, here, homeless)
+    times, states, _ = simulate_trial(lab, here, homeless, 15)
+    points = body_points(states, actual_head_angle(given, times), given[0])
     for _ in range(12):
         stay = times <= here.seconds
         pose = _fit_in_pool(rng, points[stay], 0.1)
         if pose is not None:
             placed = replace(here, start=pose)
-            seconds = stays_until(lab, placed, effects)
+            seconds = time_inside_pool(lab, placed, effects)
             if seconds > min(2.9, here.seconds) - 0.1:
                 return replace(placed, seconds=seconds)
         here = replace(here, seconds=max(0.88 * here.seconds, 2.5))
     return replace(here, start=(0.45, 0.4, 0.45), seconds=2.5)
 
 
-def stays_until(lab: Lab, trial: Trial, effects: Sequence[fx.Effect]) -> float:
+def time_inside_pool(lab: Lab, trial: Trial, effects: Sequence[fx.Effect]) -> float:
     """Seconds of the trial before a keypoint comes within 3 cm of a wall."""
-    given = inputs(lab, trial, effects)
-    times, states, _ = run(lab, trial, effects, 15)
-    near = clearance(body_points(states, actual_phi(given, times), given[0])) < 0.03
+    given = trial_inputs(lab, trial, effects)
+    times, states, _ = simulate_trial(lab, trial, effects, 15)
+    near = wall_clearance(body_points(states, actual_head_angle(given, times), given[0])) < 0.03
     return float(times[np.argmax(near)] - 0.1) if near.any() else trial.seconds
 
 
-def settle(rng: np.random.Generator, lab: Lab, effects: Sequence[fx.Effect]) -> Lab:
+def place_all_trials(rng: np.random.Generator, lab: Lab, effects: Sequence[fx.Effect]) -> Lab:
     """The laboratory with every trial in the pool, those that leave it shortened or moved."""
     out = []
     for trial in lab.trials:
-        seconds = stays_until(lab, trial, effects)
+        seconds = time_inside_pool(lab, trial, effects)
         if seconds < min(trial.seconds, 3.0) - 1e-9:
-            out.append(place(rng, lab, trial, effects))
+            out.append(with_start_pose(rng, lab, trial, effects))
         else:
             out.append(replace(trial, seconds=seconds))
     return replace(lab, trials=tuple(out))

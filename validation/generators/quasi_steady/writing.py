@@ -10,16 +10,16 @@ import yaml
 from validation.generators.quasi_steady import observation as obs
 from validation.generators.quasi_steady.effects import Effect
 from validation.generators.quasi_steady.trials import (
-    PARTS,
+    KEYPOINT_NAMES,
     Lab,
     Trial,
-    actual_phi,
+    actual_head_angle,
     body_points,
-    inputs,
-    run,
+    simulate_trial,
+    trial_inputs,
 )
 
-RENAMED = {
+ALTERNATIVE_PART_NAMES = {
     "head_tip": "nose",
     "hinge": "neck",
     "core_center": "com",
@@ -49,16 +49,16 @@ def with_recoil(
     return out, 0.35 * size * np.sin(beat + 1.9)
 
 
-def true_points(
+def true_keypoints(
     lab: Lab, trial: Trial, effects: Sequence[Effect]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frame times (n,), keypoints (n, 5, 2) with recoil and static label errors, states."""
-    times, states, _ = run(lab, trial, effects, lab.fps)
-    given = inputs(lab, trial, effects)
+    times, states, _ = simulate_trial(lab, trial, effects, lab.fps)
+    given = trial_inputs(lab, trial, effects)
     turns = shaft_turns(given[2], 0.005)
     beat = 2 * np.pi * np.interp(times, np.arange(len(turns)) * 0.005, turns)
     moved, swing = with_recoil(lab, trial, states, beat, times)
-    phi = actual_phi(given, times)
+    phi = actual_head_angle(given, times)
     points = body_points(moved, phi, given[0])
     tail = (points[:, 4] - points[:, 3]) @ [1, 1j] * np.exp(1j * swing)
     points[:, 4] = points[:, 3] + np.column_stack([tail.real, tail.imag])
@@ -66,7 +66,9 @@ def true_points(
     return times, points + np.stack([turn.real, turn.imag], axis=2), states
 
 
-def tracked(rng: np.random.Generator, lab: Lab, clean: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def tracked_keypoints(
+    rng: np.random.Generator, lab: Lab, clean: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Tracked pixels (n, 5, 2) and likelihoods (n, 5): drift, white noise, outliers, gaps."""
     n, noise = len(clean), lab.noise
     keep = np.exp(-1 / (lab.fps * noise.drift_s))
@@ -90,9 +92,9 @@ def tracked(rng: np.random.Generator, lab: Lab, clean: np.ndarray) -> tuple[np.n
     return seen, sure
 
 
-def kept_frames(rng: np.random.Generator, effects: Sequence[Effect], n: int) -> np.ndarray:
+def recorded_frames(rng: np.random.Generator, effects: Sequence[Effect], n: int) -> np.ndarray:
     """Indices of recorded frames; a recorder that loses frames drops a share of them."""
-    lost = obs.strength(effects, "clock_error", 1)
+    lost = obs.strength_of(effects, "clock_error", 1)
     return np.flatnonzero(rng.uniform(0, 1, n) >= lost / (1 + lost))
 
 
@@ -143,13 +145,13 @@ def write_motor(
 
 def log_delay(trial: Trial, effects: Sequence[Effect]) -> float:
     """Seconds by which the log's zero lies after the first frame (time_offset)."""
-    k, scattered = (obs.strength(effects, "time_offset", v) for v in (0, 1))
+    k, scattered = (obs.strength_of(effects, "time_offset", v) for v in (0, 1))
     return k + scattered * trial.late
 
 
 def study_yaml(lab: Lab, effects: Sequence[Effect], *, renamed: bool, homography: bool) -> str:
     """study.yaml: what the lab states."""
-    stated, robot = obs.state(lab, effects), lab.robot
+    stated, robot = obs.stated_setup(lab, effects), lab.robot
     c = stated.camera
     camera: dict = {"image_size_px": list(c.size)}
     if not homography:
@@ -172,7 +174,7 @@ def study_yaml(lab: Lab, effects: Sequence[Effect], *, renamed: bool, homography
         "camera": camera,
     }  # fmt: skip
     if renamed:
-        content["bodyparts"] = dict(RENAMED)
+        content["bodyparts"] = dict(ALTERNATIVE_PART_NAMES)
     return yaml.safe_dump(content, sort_keys=False)
 
 
@@ -186,19 +188,23 @@ def write_trial(
     layout: dict,
 ) -> dict:
     """Keypoints and motor log of a trial; its row of trials.csv."""  # fmt: skip
-    times, points, _ = true_points(lab, trial, effects)
-    seen, sure = tracked(rng, lab, obs.pixels(lab, trial, effects, times, points))
-    rows = kept_frames(rng, effects, len(times))
+    times, points, _ = true_keypoints(lab, trial, effects)
+    seen, sure = tracked_keypoints(
+        rng, lab, obs.keypoint_pixels(lab, trial, effects, times, points)
+    )
+    rows = recorded_frames(rng, effects, len(times))
     source = f"keypoints/{trial.name}.csv"
-    names = [RENAMED[p] for p in PARTS] if layout["renamed"] else PARTS
+    names = (
+        [ALTERNATIVE_PART_NAMES[p] for p in KEYPOINT_NAMES] if layout["renamed"] else KEYPOINT_NAMES
+    )
     write_keypoints(folder / source, seen[rows], sure[rows], names, multi=layout["multi"])
     row = {
         "trial_id": trial.name, "source": source, "power_pct": trial.power,
         "head_angle_deg": round(float(np.degrees(trial.head_angle)), 3),
         "head_length_m": trial.head,
-        "fps": round(lab.fps * (1 + obs.strength(effects, "clock_error", 0)), 6),
+        "fps": round(lab.fps * (1 + obs.strength_of(effects, "clock_error", 0)), 6),
     }  # fmt: skip
-    schedule = inputs(lab, trial, effects)[2]
+    schedule = trial_inputs(lab, trial, effects)[2]
     if layout["motor"]:
         row["motor_log"] = f"motor/{trial.name}.csv"
         delay = log_delay(trial, effects)

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.generators.strip_theory.parameters import K
+from validation.generators.strip_theory.parameters import KEYS
 
 Floats = NDArray[np.float64]
 
@@ -15,7 +15,7 @@ def head_angle(t: Floats, command: float, error: float, P: Floats) -> Floats:
     3 critically damped second order; 4 dead time tau/2, then first order tau/2 (Pade-type servo).
     Offset: 1 constant; 2 backlash, the same loss towards either side.
     """
-    tau, form = P[K.SERVO], P[K.SERVO_FORM]
+    tau, form = P[KEYS.SERVO], P[KEYS.SERVO_FORM]
     share = np.ones_like(t)
     if tau > 0.0:
         t = np.maximum(t, 0.0)
@@ -28,7 +28,7 @@ def head_angle(t: Floats, command: float, error: float, P: Floats) -> Floats:
             share = 1.0 - (1.0 + 2.0 * t / tau) * np.exp(-2.0 * t / tau)
         else:
             share = 1.0 - np.exp(-np.maximum(t - 0.5 * tau, 0.0) / (0.5 * tau))
-    offset = P[K.OFF] * (np.sign(command) if P[K.OFF_FORM] == 2 else 1.0)
+    offset = P[KEYS.OFF] * (np.sign(command) if P[KEYS.OFF_FORM] == 2 else 1.0)
     return command * share + offset + error
 
 
@@ -40,12 +40,12 @@ def flapping_frequency(t: Floats, f: float, P: Floats) -> Floats:
     in the cell); 4 ohmic drop with slow recovery.
     """
     since = np.maximum(t, 0.0)
-    tau, form = P[K.SPIN], P[K.SPIN_FORM]
+    tau, form = P[KEYS.SPIN], P[KEYS.SPIN_FORM]
     share = np.ones_like(t)
     if tau > 0.0:
         ramp = np.minimum(since / (2.0 * tau), 1.0)
         share = {1: 1.0 - np.exp(-since / tau), 2: ramp, 3: np.tanh(since / tau)}[int(form)]
-    sag, form, slow = P[K.SAG], P[K.SAG_FORM], P[K.SAG_TAU]
+    sag, form, slow = P[KEYS.SAG], P[KEYS.SAG_FORM], P[KEYS.SAG_TAU]
     if sag > 0.0:
         fall = {1: since / 6.0, 2: 1.0 - np.exp(-since / slow), 3: np.sqrt(since / 6.0),
                 4: (1.0 - np.exp(-since / 0.3)) * (0.4 + 0.6 * np.exp(-since / slow))}  # fmt: skip

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
-FACING_DOWN = np.diag([1.0, -1.0, -1.0])
+DOWNWARD_ROTATION = np.diag([1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Camera:
     @property
     def rotation(self) -> Floats:
         """World to camera, (3, 3)."""
-        return Rotation.from_rotvec(self.turn).as_matrix() @ FACING_DOWN
+        return Rotation.from_rotvec(self.turn).as_matrix() @ DOWNWARD_ROTATION
 
 
 def distort(xy: Floats, model: str, k: tuple[float, ...]) -> Floats:
@@ -92,7 +92,7 @@ def project(camera: Camera, points: Floats) -> Floats:
     return uv * camera.focal + camera.center
 
 
-def locate(camera: Camera, pixels: Floats, depth: float) -> Floats:
+def pixels_to_pool(camera: Camera, pixels: Floats, depth: float) -> Floats:
     """Positions `(n, 2)` (m) at `depth` below the surface whose images are `pixels`."""
     C = np.array(camera.position)
     xy = undistort((pixels - camera.center) / camera.focal, camera.model, camera.distortion)
@@ -105,7 +105,7 @@ def locate(camera: Camera, pixels: Floats, depth: float) -> Floats:
     return hit + ray[:, :2] / (across + 1e-12)[:, None] * (depth * tangent)[:, None]
 
 
-def posed_by_corners(camera: Camera, corners: Floats, pixels: Floats) -> Camera:
+def with_fitted_pose(camera: Camera, corners: Floats, pixels: Floats) -> Camera:
     """Return `camera` posed so that corners `(4, 3)` are imaged at `pixels` (least squares)."""
 
     def residual(q: Floats) -> Floats:
@@ -128,7 +128,7 @@ def homography(source: Floats, target: Floats) -> Floats:
     return np.append(h, 1.0).reshape(3, 3)
 
 
-def random_camera(
+def draw_camera(
     rng: np.random.Generator,
     pool: tuple[float, float],
     plain: bool,

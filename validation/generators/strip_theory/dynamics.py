@@ -16,12 +16,12 @@ import math
 import numpy as np
 from numba import njit
 
-from validation.generators.strip_theory.parameters import K
-from validation.generators.strip_theory.water import velocity, wake_velocity
+from validation.generators.strip_theory.parameters import KEYS
+from validation.generators.strip_theory.water import wake_velocity, water_velocity
 
-STATES = 8  # x, y, vx, vy, heading, yaw rate, two lag states
-SECTIONS = 10
-CLA_FIN = 1.8 * math.pi  # numerator of Whicker and Fehlner's slope
+STATE_SIZE = 8  # x, y, vx, vy, heading, yaw rate, two lag states
+SECTION_COUNT = 10
+FIN_LIFT_SLOPE = 1.8 * math.pi  # numerator of Whicker and Fehlner's slope
 
 
 @njit(cache=True)
@@ -32,7 +32,7 @@ def stall_factor(alpha, P):
     3 Kirchhoff flow ((1 + sqrt f)/2)^2 (Leishman and Beddoes 1989); 4 flat plate after Viterna and
     Corrigan (1982): lift held at the stalled value.
     """
-    form, s, a0, width = P[K.STALL_FORM], P[K.STALL], P[K.STALL_A], P[K.STALL_W]
+    form, s, a0, width = P[KEYS.STALL_FORM], P[KEYS.STALL], P[KEYS.STALL_A], P[KEYS.STALL_W]
     a = abs(alpha)
     if form == 1.0:
         return 1.0 - s * min(max((a - a0) / width, 0.0), 1.0)
@@ -54,10 +54,10 @@ def lagged_lift(C_L, V, x1, x2, P):
     (1 - 0.165 exp(-0.0455 s) - 0.335 exp(-0.3 s), NACA R-681), with s V/LAG-scaled semichords; here
     LAG is the time that 4 semichords take at 0.4 m/s.
     """
-    tau = P[K.LAG]
+    tau = P[KEYS.LAG]
     if tau <= 0.0:
         return C_L, 0.0, 0.0
-    if P[K.LAG_FORM] == 1.0:
+    if P[KEYS.LAG_FORM] == 1.0:
         return x1, (C_L - x1) / tau, 0.0
     rate = 4.0 / tau * max(V, 0.02) / 0.4
     acts = 0.5 * C_L + 0.165 * x1 + 0.335 * x2
@@ -69,17 +69,19 @@ def head_plate(v, e, om, x1, x2, P):
     """Force (N, complex), moment without the arm (N m) and lag rates; equations (2) to (7)."""
     V = abs(v) + 1e-12
     alpha = cmath.phase(e * v.conjugate())
-    q = 0.5 * P[K.RHO] * P[K.AREA] * V * V
-    side = 1.0 + P[K.ASYM] * math.tanh(alpha / 0.05) if P[K.ASYM] != 0.0 else 1.0
-    form = P[K.ASYM_FORM]
-    C_L = P[K.C_LA] * math.sin(2.0 * alpha) * (side if form == 1.0 else 1.0)
-    C_D = P[K.C_D0] + P[K.C_DA] * (1.0 - math.cos(2.0 * alpha)) * (side if form == 2.0 else 1.0)
-    C_M = P[K.C_MA] * math.sin(2.0 * alpha) * (side if form == 3.0 else 1.0)
-    if P[K.STALL] != 0.0:
+    q = 0.5 * P[KEYS.RHO] * P[KEYS.AREA] * V * V
+    side = 1.0 + P[KEYS.ASYM] * math.tanh(alpha / 0.05) if P[KEYS.ASYM] != 0.0 else 1.0
+    form = P[KEYS.ASYM_FORM]
+    C_L = P[KEYS.C_LA] * math.sin(2.0 * alpha) * (side if form == 1.0 else 1.0)
+    C_D = P[KEYS.C_D0] + P[KEYS.C_DA] * (1.0 - math.cos(2.0 * alpha)) * (
+        side if form == 2.0 else 1.0
+    )
+    C_M = P[KEYS.C_MA] * math.sin(2.0 * alpha) * (side if form == 3.0 else 1.0)
+    if P[KEYS.STALL] != 0.0:
         C_L *= stall_factor(alpha, P)
     C_L, r1, r2 = lagged_lift(C_L, V, x1, x2, P)
     force = q * (1j * C_L - C_D) * v / V
-    return force, q * C_M - P[K.C_MD] * om * abs(om), r1, r2
+    return force, q * C_M - P[KEYS.C_MD] * om * abs(om), r1, r2
 
 
 @njit(cache=True)
@@ -93,14 +95,14 @@ def thrust(V, freq, P):
     """
     if freq <= 0.0:
         return 0.0
-    area, s = P[K.AREA], P[K.TAREA]
-    if P[K.TAREA_FORM] == 1.0:
-        area = area ** (1.0 - s) * P[K.AREA_1X] ** s
-    elif P[K.TAREA_FORM] == 2.0:
-        area = (1.0 - s) * area + s * P[K.AREA_1X]
-    T = P[K.C_T] * 0.5 * P[K.RHO] * area * freq * freq
-    form, loss = P[K.LOSS_FORM], P[K.LOSS]
-    J, ratio = V / (freq * 0.1), V / P[K.LOSS_V]
+    area, s = P[KEYS.AREA], P[KEYS.TAREA]
+    if P[KEYS.TAREA_FORM] == 1.0:
+        area = area ** (1.0 - s) * P[KEYS.AREA_1X] ** s
+    elif P[KEYS.TAREA_FORM] == 2.0:
+        area = (1.0 - s) * area + s * P[KEYS.AREA_1X]
+    T = P[KEYS.C_T] * 0.5 * P[KEYS.RHO] * area * freq * freq
+    form, loss = P[KEYS.LOSS_FORM], P[KEYS.LOSS]
+    J, ratio = V / (freq * 0.1), V / P[KEYS.LOSS_V]
     if form == 1.0:
         T *= max(1.0 - loss * J, 0.0)
     elif form == 2.0:
@@ -123,26 +125,26 @@ def resistance(V, P):
     2 Stribeck (Armstrong-Helouvry 1994). VISC and WAVE are forces at 1 m/s and at WAVE_V.
     """
     D = 0.0
-    if P[K.VISC] != 0.0:
-        form = P[K.VISC_FORM]
+    if P[KEYS.VISC] != 0.0:
+        form = P[KEYS.VISC_FORM]
         if form == 3.0:
             Re = max(V * 0.33 / 1.0e-6, 1.0e3)
-            D += P[K.VISC] * 2.0 * V * V * (2.995 / (math.log10(Re) - 2.0)) ** 2
+            D += P[KEYS.VISC] * 2.0 * V * V * (2.995 / (math.log10(Re) - 2.0)) ** 2
         else:
-            D += P[K.VISC] * V ** (1.0 if form == 1.0 else (1.5 if form == 2.0 else 1.8))
-    if P[K.WAVE] != 0.0:
-        r = V / P[K.WAVE_V]
-        form = P[K.WAVE_FORM]
+            D += P[KEYS.VISC] * V ** (1.0 if form == 1.0 else (1.5 if form == 2.0 else 1.8))
+    if P[KEYS.WAVE] != 0.0:
+        r = V / P[KEYS.WAVE_V]
+        form = P[KEYS.WAVE_FORM]
         if form == 1.0:
-            D += P[K.WAVE] * r**4
+            D += P[KEYS.WAVE] * r**4
         elif form == 2.0:
-            D += P[K.WAVE] * r * r * math.exp(2.0 - 2.0 / max(r * r, 0.02))
+            D += P[KEYS.WAVE] * r * r * math.exp(2.0 - 2.0 / max(r * r, 0.02))
         else:
-            D += P[K.WAVE] * r * r / (1.0 + math.exp(-10.0 * (r - 1.0)))
-    if P[K.COUL] != 0.0:
-        D += P[K.COUL] * math.tanh(V / 0.02)
-        if P[K.COUL_FORM] == 2.0:
-            D += P[K.COUL] * 0.6 * math.tanh(V / 0.02) * math.exp(-((V / P[K.COUL_V]) ** 2))
+            D += P[KEYS.WAVE] * r * r / (1.0 + math.exp(-10.0 * (r - 1.0)))
+    if P[KEYS.COUL] != 0.0:
+        D += P[KEYS.COUL] * math.tanh(V / 0.02)
+        if P[KEYS.COUL_FORM] == 2.0:
+            D += P[KEYS.COUL] * 0.6 * math.tanh(V / 0.02) * math.exp(-((V / P[KEYS.COUL_V]) ** 2))
     return D
 
 
@@ -155,16 +157,16 @@ def section_normal_force(form, s, U, v_n, reach, P):
     3 growing along the length from the hinge as the separation develops (Faltinsen 1990, 6.5);
     4 square root of the incidence |v_n|/V (Taylor 1952, oblique cylinder: laminar layer).
     """
-    share = (P[K.HINGE] - s) / reach
-    b = P[K.SPAN] * (1.0 - 0.4 * share)
-    Cd = P[K.CROSS_CD]
+    share = (P[KEYS.HINGE] - s) / reach
+    b = P[KEYS.SPAN] * (1.0 - 0.4 * share)
+    Cd = P[KEYS.CROSS_CD]
     if form == 2.0:
-        Cd *= 1.0 - 0.5 * max(0.0, 1.0 - (1.0 - share) * reach / P[K.SPAN])
+        Cd *= 1.0 - 0.5 * max(0.0, 1.0 - (1.0 - share) * reach / P[KEYS.SPAN])
     elif form == 3.0:
         Cd *= 1.5 * (1.0 - math.exp(-3.0 * share))
     elif form == 4.0:
         Cd *= math.sqrt(abs(v_n) / (math.hypot(U, v_n) + 1e-9))
-    return -0.5 * P[K.RHO] * Cd * b * abs(v_n) * v_n
+    return -0.5 * P[KEYS.RHO] * Cd * b * abs(v_n) * v_n
 
 
 @njit(cache=True)
@@ -178,51 +180,51 @@ def fin_section(form, area, U, v_n, P):
     """
     if U <= 0.0:
         return 0.0
-    AR, rho = P[K.FIN_ASPECT], P[K.RHO]
-    slope = CLA_FIN * AR / (1.8 + math.sqrt(AR * AR + 4.0))
+    AR, rho = P[KEYS.FIN_ASPECT], P[KEYS.RHO]
+    slope = FIN_LIFT_SLOPE * AR / (1.8 + math.sqrt(AR * AR + 4.0))
     if form == 1.0:
         return -0.5 * rho * area * slope * U * v_n
     if form == 2.0:
-        return -0.5 * rho * area * (slope * U * v_n + math.pi * P[K.FIN_VORTEX] * abs(v_n) * v_n)
+        return -0.5 * rho * area * (slope * U * v_n + math.pi * P[KEYS.FIN_VORTEX] * abs(v_n) * v_n)
     if form == 3.0:  # b^2 = AR S
         return -0.25 * math.pi * rho * AR * area * U * v_n
     return -0.5 * rho * area * (0.5 * math.pi * AR * U * v_n + 1.2 * abs(v_n) * v_n)
 
 
 @njit(cache=True)
-def strips(v, c, om, P):
+def section_forces(v, c, om, P):
     """Force (N, complex, world) and moment (N m) of the sections of core and tail."""
     U, sway = (v * c.conjugate()).real, (v * c.conjugate()).imag
-    reach = P[K.HINGE] + P[K.AFT] + P[K.TAIL]
+    reach = P[KEYS.HINGE] + P[KEYS.AFT] + P[KEYS.TAIL]
     Y, N = 0.0, 0.0
-    if P[K.CROSS_CD] != 0.0:
-        ds = reach / SECTIONS
-        for k in range(SECTIONS):
-            s = P[K.HINGE] - (k + 0.5) * ds
-            dY = ds * section_normal_force(P[K.CROSS_FORM], s, U, sway + om * s, reach, P)
+    if P[KEYS.CROSS_CD] != 0.0:
+        ds = reach / SECTION_COUNT
+        for k in range(SECTION_COUNT):
+            s = P[KEYS.HINGE] - (k + 0.5) * ds
+            dY = ds * section_normal_force(P[KEYS.CROSS_FORM], s, U, sway + om * s, reach, P)
             Y, N = Y + dY, N + s * dY
-    if P[K.FIN_AREA] != 0.0:
-        count = 1 if P[K.FIN_FORM] == 3.0 else 5
-        chord = P[K.TAIL] + 0.3 * P[K.AFT]
+    if P[KEYS.FIN_AREA] != 0.0:
+        count = 1 if P[KEYS.FIN_FORM] == 3.0 else 5
+        chord = P[KEYS.TAIL] + 0.3 * P[KEYS.AFT]
         for k in range(count):
-            s = -(P[K.AFT] + P[K.TAIL]) + (chord * (k + 0.5) / 5.0 if count == 5 else 0.0)
-            dY = fin_section(P[K.FIN_FORM], P[K.FIN_AREA] / count, U, sway + om * s, P)
+            s = -(P[KEYS.AFT] + P[KEYS.TAIL]) + (chord * (k + 0.5) / 5.0 if count == 5 else 0.0)
+            dY = fin_section(P[KEYS.FIN_FORM], P[KEYS.FIN_AREA] / count, U, sway + om * s, P)
             Y, N = Y + dY, N + s * dY
     return 1j * c * Y, N
 
 
 @njit(cache=True)
-def walls(z, v, P):
+def wall_force(z, v, P):
     """Force (N, complex) of the four walls, with q A and a range WALL_D (m).
 
     Forms: 1 cushion, away from the wall, exp(-d/D); 2 suction towards it, (D/d)^2 (Bernoulli
     between body and wall, Newman 1965); 3 drag rise exp(-d/D) (blockage).
     """
     V = abs(v) + 1e-12
-    q = 0.5 * P[K.RHO] * P[K.AREA] * V * V * P[K.WALL]
-    form, D = P[K.WALL_FORM], P[K.WALL_D]
+    q = 0.5 * P[KEYS.RHO] * P[KEYS.AREA] * V * V * P[KEYS.WALL]
+    form, D = P[KEYS.WALL_FORM], P[KEYS.WALL_D]
     total = 0j
-    gaps = (z.real, P[K.POOL_L] - z.real, z.imag, P[K.POOL_W] - z.imag)
+    gaps = (z.real, P[KEYS.POOL_L] - z.real, z.imag, P[KEYS.POOL_W] - z.imag)
     inward = (1 + 0j, -1 + 0j, 1j, -1j)
     for k in range(4):
         gap = max(gaps[k], 0.05)
@@ -236,9 +238,9 @@ def walls(z, v, P):
 
 
 @njit(cache=True)
-def unlisted(z, v, e, t, P):
+def unlisted_force(z, v, e, t, P):
     """Force (N, complex) and moment (N m) outside the list of causes; see `effects.UNLISTED`."""
-    form, F, M, a, b = P[K.U_FORM], P[K.U_FORCE], P[K.U_MOMENT], P[K.U_A], P[K.U_B]
+    form, F, M, a, b = P[KEYS.U_FORM], P[KEYS.U_FORCE], P[KEYS.U_MOMENT], P[KEYS.U_A], P[KEYS.U_B]
     th = cmath.phase(e)
     x, y, V = z.real, z.imag, abs(v)
     if form == 1.0:
@@ -256,7 +258,7 @@ def unlisted(z, v, e, t, P):
     if form == 7.0:
         return -F * math.exp(-(((V - a) / b) ** 2)) * e, 0.0
     if form == 8.0:
-        d = z - complex(0.5 * P[K.POOL_L], 0.5 * P[K.POOL_W])
+        d = z - complex(0.5 * P[KEYS.POOL_L], 0.5 * P[KEYS.POOL_W])
         return -F * max(abs(d) - a, 0.0) * d / (abs(d) + 1e-9), 0.0
     if form == 9.0:
         return 0j, M * math.cos(2.0 * math.pi * y / b + a)
@@ -271,17 +273,17 @@ def added_mass(P):
     2 prolate spheroid of the whole body (Lamb, art. 114; slenderness 5: k1 0.059, k2 0.895, k'
     0.70).
     """
-    share, rho = P[K.AM_SHARE], P[K.RHO]
-    if P[K.AM_FORM] == 2.0:
-        a, b = 0.5 * P[K.BODY], 0.4 * P[K.SPAN]
+    share, rho = P[KEYS.AM_SHARE], P[KEYS.RHO]
+    if P[KEYS.AM_FORM] == 2.0:
+        a, b = 0.5 * P[KEYS.BODY], 0.4 * P[KEYS.SPAN]
         m = rho * 4.0 / 3.0 * math.pi * a * b * b * share
         return 0.059 * m, 0.895 * m, 0.0, 0.70 * m * (a * a + b * b) / 5.0
-    front, back = P[K.HINGE] + P[K.HEAD], -(P[K.AFT] + P[K.TAIL])
-    ds = (front - back) / SECTIONS
+    front, back = P[KEYS.HINGE] + P[KEYS.HEAD], -(P[KEYS.AFT] + P[KEYS.TAIL])
+    ds = (front - back) / SECTION_COUNT
     A22, A26, A66 = 0.0, 0.0, 0.0
-    for k in range(SECTIONS):
+    for k in range(SECTION_COUNT):
         s = front - (k + 0.5) * ds
-        b = P[K.SPAN] * (1.0 - 0.4 * (k + 0.5) / SECTIONS)
+        b = P[KEYS.SPAN] * (1.0 - 0.4 * (k + 0.5) / SECTION_COUNT)
         a = share * rho * 0.25 * math.pi * b * b * ds
         A22, A26, A66 = A22 + a, A26 + s * a, A66 + s * s * a
     return 0.06 * A22, A22, A26, A66
@@ -293,8 +295,8 @@ def accelerations(F, N, v, c, om, P):
 
     Kirchhoff's equations in core axes with the relative velocity (Lamb, art. 124; Fossen 6.3).
     """
-    m, I = P[K.MASS], P[K.INERTIA]
-    if P[K.AM_SHARE] == 0.0:
+    m, I = P[KEYS.MASS], P[KEYS.INERTIA]
+    if P[KEYS.AM_SHARE] == 0.0:
         return F / m, N / I
     A11, A22, A26, A66 = added_mass(P)
     body, Fb = v * c.conjugate(), F * c.conjugate()
@@ -309,20 +311,20 @@ def accelerations(F, N, v, c, om, P):
 
 
 @njit(cache=True)
-def yaw_extras(V, om, phi, T, P):
+def further_yaw_moments(V, om, phi, T, P):
     """Moments (N m) of yaw damping, trim and thrust line.
 
     Damping: 1 linear; 2 Stokes layer, linear only at small rates. Trim: 1 constant; 2 with V^2;
     3 with thrust. Thrust line: 1 T d sin phi (shifted mass of the head); 2 T d phi.
     """
     N = 0.0
-    if P[K.YAW_LIN] != 0.0:
-        N -= P[K.YAW_LIN] * om / (1.0 + (abs(om) if P[K.YAW_FORM] == 2.0 else 0.0))
-    if P[K.TRIM] != 0.0:
-        form = P[K.TRIM_FORM]
-        N += P[K.TRIM] * (1.0 if form == 1.0 else ((V / 0.3) ** 2 if form == 2.0 else T / 0.2))
-    if P[K.LINE] != 0.0:
-        N += T * P[K.LINE] * (math.sin(phi) if P[K.LINE_FORM] == 1.0 else phi)
+    if P[KEYS.YAW_LIN] != 0.0:
+        N -= P[KEYS.YAW_LIN] * om / (1.0 + (abs(om) if P[KEYS.YAW_FORM] == 2.0 else 0.0))
+    if P[KEYS.TRIM] != 0.0:
+        form = P[KEYS.TRIM_FORM]
+        N += P[KEYS.TRIM] * (1.0 if form == 1.0 else ((V / 0.3) ** 2 if form == 2.0 else T / 0.2))
+    if P[KEYS.LINE] != 0.0:
+        N += T * P[KEYS.LINE] * (math.sin(phi) if P[KEYS.LINE_FORM] == 1.0 else phi)
     return N
 
 
@@ -331,23 +333,23 @@ def derivative(z, w, th, om, x1, x2, t, phi, freq, extra, P, W):
     """Rates of the state at time t (s); `extra` is the wake's velocity (m/s, complex)."""
     e = cmath.exp(1j * th)
     c = cmath.exp(1j * (th + phi))
-    v = w - velocity(z, t, P, W) - extra
+    v = w - water_velocity(z, t, P, W) - extra
     V = abs(v) + 1e-12
     T = thrust(V, freq, P)
     F, N, r1, r2 = head_plate(v, e, om, x1, x2, P)
     # centre of mass forward (form 1) or to port (form 2) of core_center by COM_SHIFT
-    ahead = P[K.COM_SHIFT] if P[K.COM_FORM] == 1.0 else 0.0
-    port = P[K.COM_SHIFT] if P[K.COM_FORM] == 2.0 else 0.0
-    arm = P[K.ARM] * e - (ahead + 1j * port) * c
+    ahead = P[KEYS.COM_SHIFT] if P[KEYS.COM_FORM] == 1.0 else 0.0
+    port = P[KEYS.COM_SHIFT] if P[KEYS.COM_FORM] == 2.0 else 0.0
+    arm = P[KEYS.ARM] * e - (ahead + 1j * port) * c
     N += (arm.conjugate() * F).imag + T * port
-    N += yaw_extras(V, om, phi, T, P)
-    Fs, Ns = strips(v, c, om, P)
+    N += further_yaw_moments(V, om, phi, T, P)
+    Fs, Ns = section_forces(v, c, om, P)
     F += T * c + Fs - resistance(V, P) * v / V
     N += Ns
-    if P[K.WALL] != 0.0:
-        F += walls(z, v, P)
-    if P[K.U_FORM] != 0.0:
-        Fu, Nu = unlisted(z, v, e, t, P)
+    if P[KEYS.WALL] != 0.0:
+        F += wall_force(z, v, P)
+    if P[KEYS.U_FORM] != 0.0:
+        Fu, Nu = unlisted_force(z, v, e, t, P)
         F, N = F + Fu, N + Nu
     a, om_dot = accelerations(F, N, v, c, om, P)
     return w, a, om, om_dot, r1, r2
@@ -392,7 +394,7 @@ def simulate(y0, dt, sub, phi, freq, P, W):
         path[n] = complex(out[n, 0], out[n, 1])
         if n == frames - 1:
             break
-        if P[K.WAKE] != 0.0:
+        if P[KEYS.WAKE] != 0.0:
             extra[2 * n * sub : 2 * (n + 1) * sub + 1] = wake_velocity(path, n, dt * sub, P)
         y = out[n].copy()
         for j in range(n * sub, (n + 1) * sub):

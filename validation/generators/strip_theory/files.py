@@ -10,23 +10,25 @@ import pandas as pd
 import yaml
 from numpy.typing import NDArray
 
-from validation.generators.strip_theory.detector import Scene
-from validation.generators.strip_theory.noise import shaft_log, tracked
+from validation.generators.strip_theory.detector import ObservationScene
+from validation.generators.strip_theory.noise import shaft_log, tracked_keypoints
 from validation.generators.strip_theory.optics import (
-    POINTS,
-    Stated,
-    images,
-    keypoints,
+    KEYPOINT_NAMES,
+    StatedSetup,
+    keypoint_pixels,
+    labelled_keypoints,
     stated_optics,
 )
-from validation.generators.strip_theory.parameters import K
-from validation.generators.strip_theory.tank import Run
+from validation.generators.strip_theory.parameters import KEYS
+from validation.generators.strip_theory.tank import SimulatedTrial
 
 Floats = NDArray[np.float64]
-OTHER_NAMES = ("nose", "neck", "body", "peduncle", "fluke")
+ALTERNATIVE_PART_NAMES = ("nose", "neck", "body", "peduncle", "fluke")
 
 
-def recoiling(run: Run, scene: Scene, phase: float) -> NDArray[np.complex128]:
+def keypoints_with_recoil(
+    run: SimulatedTrial, scene: ObservationScene, phase: float
+) -> NDArray[np.complex128]:
     """World keypoints (frames, 5) with tail-beat recoil and the wag of the tail."""
     Y, noise = run.Y.copy(), scene.noise
     phi = run.phi[:: 2 * run.sub]
@@ -39,23 +41,23 @@ def recoiling(run: Run, scene: Scene, phase: float) -> NDArray[np.complex128]:
     Y[:, 4] += noise.recoil_heading_rad * beat
     sway = noise.recoil_sway_m * lagging * side
     Y[:, 0], Y[:, 1] = Y[:, 0] + sway.real, Y[:, 1] + sway.imag
-    points = keypoints(run, Y, phi)
+    points = labelled_keypoints(run, Y, phi)
     points[:, 3] += 0.1 * noise.tail_wag_m * lagging * side
     points[:, 4] += noise.tail_wag_m * lagging * side
     return points
 
 
-def kept_frames(run: Run, rng: np.random.Generator) -> NDArray[np.bool_]:
+def recorded_frames(run: SimulatedTrial, rng: np.random.Generator) -> NDArray[np.bool_]:
     """Frames that reach the file: all, or those left when frames were dropped unnoticed."""
     kept = np.ones(len(run.Y), dtype=bool)
-    if run.P[K.CLOCK_FORM] == 2:
-        kept[1:] = rng.random(len(kept) - 1) >= abs(run.P[K.CLOCK])
+    if run.P[KEYS.CLOCK_FORM] == 2:
+        kept[1:] = rng.random(len(kept) - 1) >= abs(run.P[KEYS.CLOCK])
     return kept
 
 
-def stated_fps(run: Run) -> float:
+def stated_fps(run: SimulatedTrial) -> float:
     """Frames per second as trials.csv states them."""
-    wrong = run.P[K.CLOCK] if run.P[K.CLOCK_FORM] == 1 else 0.0
+    wrong = run.P[KEYS.CLOCK] if run.P[KEYS.CLOCK_FORM] == 1 else 0.0
     return run.trial.fps * (1.0 + wrong)
 
 
@@ -72,8 +74,9 @@ def keypoint_table(pixels: Floats, likelihood: Floats, names: tuple[str, ...], a
     return pd.DataFrame(np.round(data, 3), columns=columns)
 
 
-def study_yaml(P: Floats, stated: Stated, depth_pool: float, names: tuple[str, ...], plain: bool
-               ) -> dict:  # fmt: skip
+def study_yaml(
+    P: Floats, stated: StatedSetup, depth_pool: float, names: tuple[str, ...], plain: bool
+) -> dict:
     """Content of study.yaml."""
     camera = stated.camera
     (fx, fy), (cx, cy) = camera.focal, camera.center
@@ -83,9 +86,9 @@ def study_yaml(P: Floats, stated: Stated, depth_pool: float, names: tuple[str, .
                    [0.0, 0.0, 1.0]],
         "distortion": [round(float(k), 7) for k in camera.distortion],
     }  # fmt: skip
-    keys = {"mass_kg": K.MASS, "yaw_inertia_kg_m2": K.INERTIA, "body_length_m": K.BODY,
-            "head_length_m": K.HEAD_1X, "head_span_m": K.SPAN, "hinge_to_com_m": K.HINGE,
-            "tail_length_m": K.TAIL}  # fmt: skip
+    keys = {"mass_kg": KEYS.MASS, "yaw_inertia_kg_m2": KEYS.INERTIA, "body_length_m": KEYS.BODY,
+            "head_length_m": KEYS.HEAD_1X, "head_span_m": KEYS.SPAN, "hinge_to_com_m": KEYS.HINGE,
+            "tail_length_m": KEYS.TAIL}  # fmt: skip
     pool = [round(float(side), 4) for side in stated.pool]
     out: dict = {
         "pool": {"length_m": pool[0], "width_m": pool[1], "depth_m": depth_pool},
@@ -98,19 +101,27 @@ def study_yaml(P: Floats, stated: Stated, depth_pool: float, names: tuple[str, .
                                for u, v in stated.corners_px],
            "pool_corners_height_m": 0.0},
     }  # fmt: skip
-    if names != POINTS:
-        out["bodyparts"] = dict(zip(POINTS, names, strict=True))
+    if names != KEYPOINT_NAMES:
+        out["bodyparts"] = dict(zip(KEYPOINT_NAMES, names, strict=True))
     return out
 
 
-def write_trial(folder: Path, run: Run, scene: Scene, style: dict, rng: np.random.Generator
-                ) -> dict[str, object]:  # fmt: skip
+def write_trial(
+    folder: Path,
+    run: SimulatedTrial,
+    scene: ObservationScene,
+    style: dict,
+    rng: np.random.Generator,
+) -> dict[str, object]:
     """Write keypoints and motor log of one trial; return its row of trials.csv."""
     name, fps = run.trial.name, stated_fps(run)
-    kept = kept_frames(run, rng)
-    points = recoiling(run, scene, rng.uniform(0, 2 * np.pi))
-    pixels, likelihood = tracked(
-        images(run, points, run.times, scene.camera, scene.depth), run.trial.fps, scene.noise, rng
+    kept = recorded_frames(run, rng)
+    points = keypoints_with_recoil(run, scene, rng.uniform(0, 2 * np.pi))
+    pixels, likelihood = tracked_keypoints(
+        keypoint_pixels(run, points, run.times, scene.camera, scene.depth),
+        run.trial.fps,
+        scene.noise,
+        rng,
     )
     table = keypoint_table(pixels[kept], likelihood[kept], style["names"], style["animal"])
     table.to_csv(folder / "keypoints" / f"{name}.csv")
@@ -120,7 +131,9 @@ def write_trial(folder: Path, run: Run, scene: Scene, style: dict, rng: np.rando
         "head_length_m": run.trial.head_length, "fps": round(fps, 5),
     }  # fmt: skip
     logged = run.freq / (1.0 + run.trial.flap_error)  # as the log shows it, without the gear's slip
-    late = round(run.P[K.TIME] / (0.5 * run.dt))  # half steps that the log runs ahead of the video
+    late = round(
+        run.P[KEYS.TIME] / (0.5 * run.dt)
+    )  # half steps that the log runs ahead of the video
     logged = np.concatenate([logged[late:], np.full(late, logged[-1])])
     if style["log"]:
         t, angle = shaft_log(logged, 0.5 * run.dt, style["dead_zone"], rng)
@@ -130,14 +143,21 @@ def write_trial(folder: Path, run: Run, scene: Scene, style: dict, rng: np.rando
     return row | {"flap_hz": round(float(np.median(logged[len(logged) // 2 :])), 4)}
 
 
-def write_study(folder: Path, runs: list[Run], P: Floats, scene: Scene, *, plain: bool,
-                rng: np.random.Generator) -> dict[str, object]:  # fmt: skip
+def write_study(
+    folder: Path,
+    runs: list[SimulatedTrial],
+    P: Floats,
+    scene: ObservationScene,
+    *,
+    plain: bool,
+    rng: np.random.Generator,
+) -> dict[str, object]:
     """Write the whole folder, or nothing; return the layout for the truth file."""
     corner_error = np.zeros((4, 2)) if plain else rng.normal(0.0, 0.25, (4, 2))
     stated = stated_optics(scene.camera, scene.depth, P, corner_error)
-    shows_start = P[K.TIME] != 0.0 or runs[0].trial.lead_in > 0.0
+    shows_start = P[KEYS.TIME] != 0.0 or runs[0].trial.lead_in > 0.0
     style = {
-        "names": OTHER_NAMES if rng.random() < 0.2 else POINTS,
+        "names": ALTERNATIVE_PART_NAMES if rng.random() < 0.2 else KEYPOINT_NAMES,
         "animal": "koi1" if rng.random() < 0.15 else None,
         "log": bool(rng.random() < 0.8 or shows_start),
         "dead_zone": (float(rng.uniform(8, 30)), str(rng.choice(["hold", "zero", "empty"]))),

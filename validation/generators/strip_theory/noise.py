@@ -39,7 +39,7 @@ def draw_noise(rng: np.random.Generator) -> Noise:
     )
 
 
-def low_passed(rng: np.random.Generator, shape: tuple[int, ...], dt: float, tau: float) -> Floats:
+def arma_noise(rng: np.random.Generator, shape: tuple[int, ...], dt: float, tau: float) -> Floats:
     """Unit-variance ARMA(2, 1) noise along axis 0: two real poles exp(-dt/tau), exp(-3 dt/tau)."""
     p, q = np.exp(-dt / tau), np.exp(-3.0 * dt / tau)
     a, b = [1.0, -(p + q), p * q], [1.0, 0.3]
@@ -49,14 +49,14 @@ def low_passed(rng: np.random.Generator, shape: tuple[int, ...], dt: float, tau:
     return lfilter(b, a, white, axis=0)[burn:] / np.sqrt(np.sum(impulse**2))
 
 
-def tracked(
+def tracked_keypoints(
     pixels: Floats, fps: float, noise: Noise, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
     """Return detections `(frames, points, 2)` and likelihoods `(frames, points)`."""
     n, points, _ = pixels.shape
     tau = noise.correlation_s
-    own = low_passed(rng, (n, points, 2), 1 / fps, tau)
-    common = low_passed(rng, (n, 1, 2), 1 / fps, tau)
+    own = arma_noise(rng, (n, points, 2), 1 / fps, tau)
+    common = arma_noise(rng, (n, 1, 2), 1 / fps, tau)
     out = pixels + noise.correlated_px * np.sqrt(0.5) * (own + common)
     out = out + rng.normal(0.0, noise.white_px, out.shape)
     likelihood = np.clip(1.0 - rng.gamma(1.2, 0.012, (n, points)), 0.6, 1.0)

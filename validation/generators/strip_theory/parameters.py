@@ -42,5 +42,5 @@ PARAMETERS = (
 NAMES = tuple(name for name, _ in PARAMETERS)
 UNITS = dict(PARAMETERS)
 INDEX = {name: index for index, name in enumerate(NAMES)}
-K = namedtuple("Keys", NAMES)(*range(len(NAMES)))  # compiled code reads P[K.MASS]
+KEYS = namedtuple("Keys", NAMES)(*range(len(NAMES)))  # compiled code reads P[K.MASS]
 COEFFICIENTS = ("C_T", "C_LA", "C_DA", "C_D0", "C_MA", "C_MD")

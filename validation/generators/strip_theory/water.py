@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from validation.generators.strip_theory.parameters import K
+from validation.generators.strip_theory.parameters import KEYS
 
 GRAVITY = 9.81
 SLOSH, EDDY = 0.0, 1.0
@@ -59,12 +59,12 @@ def gyre_velocity(z, P):
 
     Forms: 1 Rankine vortex; 2 basin mode psi = sin sin; 3 Lamb-Oseen vortex (Saffman 1992, 13.1).
     """
-    form, speed, radius = P[K.GYRE_FORM], P[K.GYRE], P[K.GYRE_R]
+    form, speed, radius = P[KEYS.GYRE_FORM], P[KEYS.GYRE], P[KEYS.GYRE_R]
     if form == 2.0:
-        kx, ky = math.pi / P[K.POOL_L], math.pi / P[K.POOL_W]
+        kx, ky = math.pi / P[KEYS.POOL_L], math.pi / P[KEYS.POOL_W]
         x, y = kx * z.real, ky * z.imag
         return speed * complex(math.sin(x) * math.cos(y), -kx / ky * math.cos(x) * math.sin(y))
-    d = z - complex(P[K.GYRE_X], P[K.GYRE_Y])
+    d = z - complex(P[KEYS.GYRE_X], P[KEYS.GYRE_Y])
     r = abs(d) + 1e-9
     ratio = r / radius
     if form == 1.0:
@@ -75,13 +75,13 @@ def gyre_velocity(z, P):
 
 
 @njit(cache=True)
-def velocity(z, t, P, W):
+def water_velocity(z, t, P, W):
     """Complex water velocity (m/s) at z without the wake, which `dynamics` adds."""
     u = mode_velocity(z, t, W)
-    if P[K.GYRE] != 0.0:
+    if P[KEYS.GYRE] != 0.0:
         u += gyre_velocity(z, P)
-    if P[K.CUR] != 0.0:
-        u += P[K.CUR] * P[K.CUR_NOW] * cmath.exp(1j * P[K.CUR_DIR])
+    if P[KEYS.CUR] != 0.0:
+        u += P[KEYS.CUR] * P[KEYS.CUR_NOW] * cmath.exp(1j * P[KEYS.CUR_DIR])
     return u
 
 
@@ -94,7 +94,7 @@ def wake_velocity(path, now, dt, P):
     3 far wake of power-law decay age^(-2/3), width as age^(1/3) (Tennekes and Lumley, 4.2),
     following the body; 4 top hat with linear decay. `path` is complex, one point every `dt` s.
     """
-    form, u0, w0, tau = P[K.WAKE_FORM], P[K.WAKE], P[K.WAKE_W], P[K.WAKE_TAU]
+    form, u0, w0, tau = P[KEYS.WAKE_FORM], P[KEYS.WAKE], P[KEYS.WAKE_W], P[KEYS.WAKE_TAU]
     u = 0j
     for k in range(1, now - int(1.2 / dt)):
         step = path[k] - path[k - 1]

@@ -13,17 +13,17 @@ import numpy as np
 from .form import Form, Shape, forms
 from .motion import Flow
 
-NU = 1.0e-6
+KINEMATIC_VISCOSITY = 1.0e-6
 
 
-def _sum(c: Flow, per_length: Any, along: Any = 0.0) -> Any:
+def _blade_sum(c: Flow, per_length: Any, along: Any = 0.0) -> Any:
     x, _, ds = c.robot.stations
     return np.sum(along * ds + 0 * per_length, 0), np.sum(per_length * ds, 0), np.sum(
         x * per_length * ds, 0
     )  # fmt: skip
 
 
-def _side(c: Flow) -> tuple[Any, Any, Any]:
+def _blade_side_flow(c: Flow) -> tuple[Any, Any, Any]:
     """Height of each blade, side speed there, and the height with weight on the fin."""
     x, height, _ = c.robot.stations
     aft = height * np.clip((c.robot.hinge_to_com - x) / 0.25, 0, None) ** 2
@@ -31,13 +31,13 @@ def _side(c: Flow) -> tuple[Any, Any, Any]:
 
 
 def _fin_axial(c: Flow, k: float, _: Shape) -> Any:
-    _, w, aft = _side(c)  # lift slope times |u| w, more of it aft
-    return _sum(c, -0.5 * c.robot.density * k * aft * np.abs(c.u) * w)
+    _, w, aft = _blade_side_flow(c)  # lift slope times |u| w, more of it aft
+    return _blade_sum(c, -0.5 * c.robot.density * k * aft * np.abs(c.u) * w)
 
 
 def _fin_speed(c: Flow, k: float, _: Shape) -> Any:
-    _, w, aft = _side(c)
-    return _sum(c, -0.5 * c.robot.density * k * aft * np.hypot(c.u, w) * w)
+    _, w, aft = _blade_side_flow(c)
+    return _blade_sum(c, -0.5 * c.robot.density * k * aft * np.hypot(c.u, w) * w)
 
 
 def _fin_polhamus(c: Flow, k: float, p: Shape) -> Any:
@@ -59,39 +59,41 @@ def _fin_lighthill(c: Flow, k: float, _: Shape) -> Any:
 
 
 def _fin_stalling(c: Flow, k: float, p: Shape) -> Any:
-    _, w, aft = _side(c)
+    _, w, aft = _blade_side_flow(c)
     V2, a = c.u**2 + w**2, np.arctan2(w, np.maximum(np.abs(c.u), 1e-6))
-    return _sum(c, -0.5 * c.robot.density * k * aft * V2 * p["angle"] * np.tanh(a / p["angle"]))
+    return _blade_sum(
+        c, -0.5 * c.robot.density * k * aft * V2 * p["angle"] * np.tanh(a / p["angle"])
+    )
 
 
 def _fin_induced(c: Flow, k: float, p: Shape) -> Any:
-    _, w, aft = _side(c)
+    _, w, aft = _blade_side_flow(c)
     pressure = -0.5 * c.robot.density * k * aft
-    return _sum(c, pressure * np.abs(c.u) * w, pressure * p["induced"] * w**2)
+    return _blade_sum(c, pressure * np.abs(c.u) * w, pressure * p["induced"] * w**2)
 
 
 def _cross_square(c: Flow, k: float, _: Shape) -> Any:
-    h, w, _ = _side(c)
-    return _sum(c, -0.5 * c.robot.density * k * h * w * np.abs(w))
+    h, w, _ = _blade_side_flow(c)
+    return _blade_sum(c, -0.5 * c.robot.density * k * h * w * np.abs(w))
 
 
 def _cross_power(c: Flow, k: float, p: Shape) -> Any:
-    h, w, _ = _side(c)
+    h, w, _ = _blade_side_flow(c)
     size = 0.1 ** (2 - p["power"]) * np.abs(w) ** p["power"]
-    return _sum(c, -0.5 * c.robot.density * k * h * np.sign(w) * size)
+    return _blade_sum(c, -0.5 * c.robot.density * k * h * np.sign(w) * size)
 
 
 def _cross_tapered(c: Flow, k: float, _: Shape) -> Any:
-    h, w, _ = _side(c)  # bluff near the hinge, thin towards the tail
+    h, w, _ = _blade_side_flow(c)  # bluff near the hinge, thin towards the tail
     x = c.robot.stations[0]
     bluff = np.clip((x - x[-1]) / (x[0] - x[-1]), 0, 1)
-    return _sum(c, -c.robot.density * k * bluff * h * w * np.abs(w))
+    return _blade_sum(c, -c.robot.density * k * bluff * h * w * np.abs(w))
 
 
 def _cross_reynolds(c: Flow, k: float, _: Shape) -> Any:
-    h, w, _ = _side(c)  # C_d (1 + 10 Re^-2/3), as for cylinders (White 1974)
-    Re = np.abs(w) * h / NU + 1.0
-    return _sum(c, -0.5 * c.robot.density * k * (1 + 10 * Re ** (-2 / 3)) * h * w * np.abs(w))
+    h, w, _ = _blade_side_flow(c)  # C_d (1 + 10 Re^-2/3), as for cylinders (White 1974)
+    Re = np.abs(w) * h / KINEMATIC_VISCOSITY + 1.0
+    return _blade_sum(c, -0.5 * c.robot.density * k * (1 + 10 * Re ** (-2 / 3)) * h * w * np.abs(w))
 
 
 FORMS: list[Form] = [

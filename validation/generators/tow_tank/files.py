@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from .faults import LABELS
-from .filming import GAP, Film
-from .optics import Stated
-from .robots import Array, Lanes, Robot
+from .faults import KEYPOINT_NAMES
+from .filming import GAP_LIKELIHOOD, FilmSetup
+from .optics import StatedSetup
+from .robots import Array, ParallelTrials, Robot
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ def draw_potentiometer(rng: np.random.Generator) -> Potentiometer:
                          str(rng.choice(["hold", "zero", "empty"])))  # fmt: skip
 
 
-def write_motor(
+def write_motor_log(
     rng: np.random.Generator, path: Path, sensor: Potentiometer, t: Array, turns: Array
 ) -> None:
     """Shaft angle every 5 ms."""
@@ -49,17 +49,19 @@ def write_motor(
 
 def write_keypoints(path: Path, scorer: str, found: Array) -> None:
     """Keypoints in DeepLabCut's layout, (frames, labels, 3)."""
-    columns = [(label, kind) for label in LABELS for kind in ("x", "y", "likelihood")]
+    columns = [(label, kind) for label in KEYPOINT_NAMES for kind in ("x", "y", "likelihood")]
     head = [["scorer"] + [scorer] * len(columns), ["bodyparts"] + [c[0] for c in columns],
             ["coords"] + [c[1] for c in columns]]  # fmt: skip
     lines = [",".join(row) for row in head]
     for i, frame in enumerate(found.tolist()):
-        cells = [",," if p == GAP else f"{x:.3f},{y:.3f},{p:.4f}" for x, y, p in frame]
+        cells = [",," if p == GAP_LIKELIHOOD else f"{x:.3f},{y:.3f},{p:.4f}" for x, y, p in frame]
         lines.append(f"{i}," + ",".join(cells))
     path.write_text("\n".join(lines) + "\n")
 
 
-def write_study(path: Path, robot: Robot, film: Film, said: Stated, corners: Array) -> None:
+def write_study(
+    path: Path, robot: Robot, film: FilmSetup, said: StatedSetup, corners: Array
+) -> None:
     """study.yaml."""
     body = {"mass_kg": robot.mass, "yaw_inertia_kg_m2": robot.inertia,
             "body_length_m": robot.body_length, "head_length_m": robot.head_length,
@@ -72,10 +74,10 @@ def write_study(path: Path, robot: Robot, film: Film, said: Stated, corners: Arr
     pool = dict(zip(("length_m", "width_m", "depth_m"), said.pool, strict=True))
     water = {"density_kg_m3": robot.density, "refractive_index": said.index}
     content = {"pool": pool, "water": water, "robot": body, "camera": camera}
-    path.write_text(yaml.safe_dump(_plain(content), sort_keys=False))
+    path.write_text(yaml.safe_dump(_builtin_types(content), sort_keys=False))
 
 
-def write_trials(path: Path, lanes: Lanes, stated_fps: float) -> None:
+def write_trials(path: Path, lanes: ParallelTrials, stated_fps: float) -> None:
     """trials.csv."""
     rows = ["trial_id,source,power_pct,head_angle_deg,head_length_m,fps,motor_log"]
     for k, (power, angle, head) in enumerate(
@@ -87,10 +89,10 @@ def write_trials(path: Path, lanes: Lanes, stated_fps: float) -> None:
     path.write_text("\n".join(rows) + "\n")
 
 
-def _plain(value: Any) -> Any:
+def _builtin_types(value: Any) -> Any:
     """Lists and rounded floats instead of arrays."""
     if isinstance(value, dict):
-        return {k: _plain(v) for k, v in value.items()}
+        return {k: _builtin_types(v) for k, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
-        return [_plain(v) for v in value]
+        return [_builtin_types(v) for v in value]
     return round(float(value), 7) if isinstance(value, float | np.floating) else value

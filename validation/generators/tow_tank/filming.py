@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .faults import LABELS, Moment
-from .ideal import RATE, Noise, Swim
-from .motion import Flow, Hidden, actuated
-from .optics import Camera, Stated, stated
-from .robots import Array, Lanes, Robot
+from .faults import KEYPOINT_NAMES, FrameTimes
+from .ideal import OBSERVATION_RATE_HZ, Noise, SimulatedMotion
+from .motion import Flow, HiddenLaw, actual_drive
+from .optics import Camera, StatedSetup, true_statement
+from .robots import Array, ParallelTrials, Robot
 
-GAP = -1.0
+GAP_LIKELIHOOD = -1.0
 """Likelihood that marks a point without coordinates."""
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmSetup:
     """Camera, tracker and recoil of a study. Errors in px, times in s, recoil in rad and m."""
 
     camera: Camera
@@ -32,58 +32,66 @@ class Film:
     tail_swing: float
     scorer: str
 
-    def noise(self, fps: float, lanes: Lanes) -> Noise:
+    def noise(self, fps: float, lanes: ParallelTrials) -> Noise:
         """The same as the ideal detector sees it."""
         per_metre = self.camera.matrix[0, 0] / self.camera.place[2]
-        var = self.white**2 * RATE / fps + self.slow**2 * max(1.0, 2 * self.slow_time * RATE)
+        var = self.white**2 * OBSERVATION_RATE_HZ / fps + self.slow**2 * max(
+            1.0, 2 * self.slow_time * OBSERVATION_RATE_HZ
+        )
         water = np.sqrt((np.abs(lanes.flow) ** 2).sum(0).mean() / 4)
         position = float(np.sqrt(var) / per_metre)
         return Noise(position, 1.4 * position / 0.2, float(water))
 
 
-def draw_film(rng: np.random.Generator, camera: Camera) -> Film:
+def draw_film(rng: np.random.Generator, camera: Camera) -> FilmSetup:
     """A tracker of average quality."""
-    return Film(camera, rng.uniform(0.3, 0.8), rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.35),
+    return FilmSetup(camera, rng.uniform(0.3, 0.8), rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.35),
                 rng.uniform(0.001, 0.012), rng.uniform(0.002, 0.015),
                 (np.deg2rad(rng.uniform(0.4, 2.0)), rng.uniform(5e-4, 2.5e-3)),
                 np.deg2rad(rng.uniform(14, 28)),
                 str(rng.choice(["DLC_resnet50", "DLC_hrnet", "DLC_dlcrnet"])))  # fmt: skip
 
 
-def moment(swim: Swim, k: int) -> Moment:
+def frame_times(swim: SimulatedMotion, k: int) -> FrameTimes:
     """Frames of one trial."""
     t = swim.times[: swim.frames[k]]
-    return Moment(t, float(t[-1]), k, len(swim.frames))
+    return FrameTimes(t, float(t[-1]), k, len(swim.frames))
 
 
-def actuation(swim: Swim, times: Array) -> tuple[Array, Array]:
+def actuation_at(swim: SimulatedMotion, times: Array) -> tuple[Array, Array]:
     """Shaft frequency (Hz) and head angle (rad) at times, (times, lanes)."""
     zero = np.zeros(len(swim.frames))
-    out = [actuated(Flow(t, swim.robot, swim.lanes, zero, zero, np.stack([zero, zero]), zero,
+    out = [actual_drive(Flow(t, swim.robot, swim.lanes, zero, zero, np.stack([zero, zero]), zero,
                          zero + 0j), swim.laws) for t in np.maximum(times, 0)]  # fmt: skip
     return np.array([o[0] for o in out]), np.array([o[1] for o in out])
 
 
-def shaft(swim: Swim, first: Array, step: float, length: float) -> tuple[Array, Array]:
+def shaft_turns(
+    swim: SimulatedMotion, first: Array, step: float, length: float
+) -> tuple[Array, Array]:
     """Times and shaft angle in turns, (times, lanes); at rest before time 0."""
     t = np.arange(0, length + step, step)
-    f = actuation(swim, t)[0]
+    f = actuation_at(swim, t)[0]
     turns = np.vstack([np.zeros_like(f[:1]), np.cumsum(0.5 * step * (f[1:] + f[:-1]), 0)])
     return t, first + turns
 
 
-def points(
-    swim: Swim, k: int, turns: tuple[Array, Array], fault: Hidden | None, film: Film | None
+def labelled_points(
+    swim: SimulatedMotion,
+    k: int,
+    turns: tuple[Array, Array],
+    fault: HiddenLaw | None,
+    film: FilmSetup | None,
 ) -> dict[str, Array]:
     """Labels of a trial in the pool, each (frames,) complex m, and `depth`, `phi`, `psi`.
 
     film: its recoil and swing of the tail are added.
     """
-    m = moment(swim, k)
+    m = frame_times(swim, k)
     t = m.t
-    at = fault.form.law(m, fault.strength, fault.shape) if _is(fault, "time") else t
+    at = fault.form.law(m, fault.strength, fault.shape) if _has_stage(fault, "time") else t
     x, y, psi = (CubicSpline(swim.times, swim.states[:, i, k])(np.maximum(at, 0)) for i in range(3))
-    phi = np.interp(at, swim.times, actuation_of(swim)[:, k])
+    phi = np.interp(at, swim.times, actual_head_angles(swim)[:, k])
     z = x + 1j * y
     angle = np.interp(at, turns[0], turns[1][:, k]) * 2 * np.pi
     swing = 0.0
@@ -99,20 +107,20 @@ def points(
         if law.form.stage == "centre":
             c = Flow(t, swim.robot, swim.lanes.take(np.array([k])), psi, psi, psi, psi, z, phi=phi)
             out = {name: v + law(c) * axis for name, v in out.items()}
-    if _is(fault, "label"):
+    if _has_stage(fault, "label"):
         for name, offset in fault.form.law(phi, fault.strength, fault.shape).items():
             out[name] = out[name] + offset * axis
-    sunk = fault.form.law(m, fault.strength, fault.shape) if _is(fault, "sink") else 0.0
-    depth = fault.strength if _is(fault, "depth") else swim.robot.depth
+    sunk = fault.form.law(m, fault.strength, fault.shape) if _has_stage(fault, "sink") else 0.0
+    depth = fault.strength if _has_stage(fault, "depth") else swim.robot.depth
     return out | {"depth": depth + sunk + 0 * t, "phi": phi, "psi": psi}
 
 
-def actuation_of(swim: Swim) -> Array:
+def actual_head_angles(swim: SimulatedMotion) -> Array:
     """Head angles at the times of the swim, (times, lanes)."""
-    return actuation(swim, swim.times)[1]
+    return actuation_at(swim, swim.times)[1]
 
 
-def _is(fault: Hidden | None, stage: str) -> Any:
+def _has_stage(fault: HiddenLaw | None, stage: str) -> Any:
     return fault is not None and fault.form.stage == stage
 
 
@@ -121,16 +129,16 @@ def _labels(r: Robot, z: Array, axis: Array, nose: Array, swing: Any) -> dict[st
     base = z - (r.body_length - r.head_length - r.hinge_to_com) * axis
     base = base - 0.12j * r.tail_length * np.sin(swing) * axis
     tip = base - r.tail_length * axis * np.exp(1j * np.asarray(swing))
-    return dict(zip(LABELS, (hinge + nose, hinge, z, base, tip), strict=True))
+    return dict(zip(KEYPOINT_NAMES, (hinge + nose, hinge, z, base, tip), strict=True))
 
 
-def pixels(
-    camera: Camera, seen: dict[str, Array], swim: Swim, k: int, fault: Hidden | None
+def keypoint_pixels(
+    camera: Camera, seen: dict[str, Array], swim: SimulatedMotion, k: int, fault: HiddenLaw | None
 ) -> Array:
     """Images of the labels, (frames, labels, 2) px, in a camera that may be jolted."""
-    px = np.stack([camera.see(seen[name], seen["depth"]) for name in LABELS], 1)
-    if _is(fault, "picture"):
-        move = fault.form.law(moment(swim, k), fault.strength, fault.shape)
+    px = np.stack([camera.see(seen[name], seen["depth"]) for name in KEYPOINT_NAMES], 1)
+    if _has_stage(fault, "picture"):
+        move = fault.form.law(frame_times(swim, k), fault.strength, fault.shape)
         centre = np.array(camera.size) / 2
         if fault.form.name == "rotation":  # strength: px at 0.4 of the width from the middle
             turn = np.exp(1j * move / (0.4 * camera.size[0]))[:, None]
@@ -140,16 +148,16 @@ def pixels(
     return px
 
 
-def statement(film: Film, robot: Robot, fault: Hidden | None) -> Stated:
+def stated_setup(film: FilmSetup, robot: Robot, fault: HiddenLaw | None) -> StatedSetup:
     """What study.yaml says, wrong where the fault makes it."""
-    depth = fault.strength if _is(fault, "depth") else robot.depth
-    out = stated(film.camera, depth)
-    if _is(fault, "depth") or _is(fault, "stated"):
+    depth = fault.strength if _has_stage(fault, "depth") else robot.depth
+    out = true_statement(film.camera, depth)
+    if _has_stage(fault, "depth") or _has_stage(fault, "stated"):
         out = fault.form.law(out, fault.strength, fault.shape)
     return out
 
 
-def tracked(rng: np.random.Generator, film: Film, px: Array, fps: float) -> Array:
+def tracked_keypoints(rng: np.random.Generator, film: FilmSetup, px: Array, fps: float) -> Array:
     """(frames, labels, 3): px with errors, and likelihood. Points not seen have GAP."""
     n, labels, _ = px.shape
     rho = np.exp(-1 / (fps * film.slow_time))
@@ -166,5 +174,5 @@ def tracked(rng: np.random.Generator, film: Film, px: Array, fps: float) -> Arra
     likelihood[wild] = rng.uniform(0.01, 0.55, int(wild.sum()))
     for begin, label in zip(*np.nonzero(rng.random((n, labels)) < film.gaps / 4), strict=True):
         end = begin + int(rng.integers(2, 9))
-        likelihood[begin:end, label] = rng.choice([GAP, 0.02])
+        likelihood[begin:end, label] = rng.choice([GAP_LIKELIHOOD, 0.02])
     return np.concatenate([out, likelihood[..., None]], -1)

@@ -43,32 +43,32 @@ def _separation(c: Flow, _k: float, p: Shape) -> Any:
     return np.stack([(_logistic(c, p) - c.z[0]) / time, 0 * c.z[0]])
 
 
-def _sine(c: Flow) -> Any:
+def _sine_of_double_angle(c: Flow) -> Any:
     s = np.sin(2 * c.alpha)
     return np.where(np.abs(s) < 1e-6, 1e-6, s)
 
 
 def _lag_first(c: Flow, _k: float, _: Shape) -> None:
-    ratio = c.z[0] / _sine(c)
+    ratio = c.z[0] / _sine_of_double_angle(c)
     c.lift, c.moment = c.lift * ratio, c.moment * ratio
 
 
 def _lag_lift_only(c: Flow, _k: float, _: Shape) -> None:
-    c.lift = c.lift * c.z[0] / _sine(c)
+    c.lift = c.lift * c.z[0] / _sine_of_double_angle(c)
 
 
 def _lag_wagner(c: Flow, _k: float, _: Shape) -> None:
     # Jones: 1 - 0.165 exp(-0.0455 s) - 0.335 exp(-0.3 s), s in half chords
-    ratio = 0.5 + (0.165 * c.z[0] + 0.335 * c.z[1]) / _sine(c)
+    ratio = 0.5 + (0.165 * c.z[0] + 0.335 * c.z[1]) / _sine_of_double_angle(c)
     c.lift, c.moment = c.lift * ratio, c.moment * ratio
 
 
 def _lag_circulation(c: Flow, _k: float, _: Shape) -> None:
-    ratio = c.z[0] / np.maximum(c.V, 0.02) / _sine(c)  # z is V sin(2 alpha)
+    ratio = c.z[0] / np.maximum(c.V, 0.02) / _sine_of_double_angle(c)  # z is V sin(2 alpha)
     c.lift, c.moment = c.lift * ratio, c.moment * ratio
 
 
-def _follow(c: Flow, k: float, p: Shape) -> Any:
+def _lift_memory_rate(c: Flow, k: float, p: Shape) -> Any:
     """Memory of sin(2 alpha) over k chords; with `jones`, over two lengths."""
     s, rate = np.sin(2 * c.alpha), np.maximum(c.V, 0.02) / (k * c.lanes.head)
     if "jones" in p:
@@ -78,7 +78,7 @@ def _follow(c: Flow, k: float, p: Shape) -> Any:
     return np.stack([rate * (target - c.z[0]), 0 * s])
 
 
-def _side(name: str) -> Any:
+def _side_asymmetry(name: str) -> Any:
     def law(c: Flow, k: float, p: Shape) -> None:
         a = c.alpha
         size = {"step": np.tanh(a / 0.01), "drag too": np.tanh(a / 0.01),
@@ -91,19 +91,52 @@ def _side(name: str) -> Any:
     return law
 
 
-_ONSET = {"onset": (0.18, 0.35), "width": (0.02, 0.06)}
+_ONSET_RANGES = {"onset": (0.18, 0.35), "width": (0.02, 0.06)}
 FORMS: list[Form] = [
-    *forms("stall", "head", 0.02, 0.95, "", "sway yaw", {
-        "step": _stall_step, "kirchhoff": _stall_kirchhoff, "separate moment": _stall_moment,
-        "delayed": (_stall_delayed, {**_ONSET, "delay": (0.5, 3.0)}),
-    }, _ONSET, memory=_separation),
-    *forms("lift_lag", "head", 0.06, 8.0, "chords", "sway yaw", {
-        "first order": _lag_first, "lift alone": _lag_lift_only,
-        "wagner": (_lag_wagner, {"jones": (1, 1)}),
-        "circulation": (_lag_circulation, {"circulation": (1, 1)}),
-    }, memory=_follow),
-    *forms("port_starboard_asymmetry", "head", 0.002, 0.5, "", "sway yaw", {
-        "step": _side("step"), "drag too": _side("drag too"), "large": _side("large"),
-        "smooth": (_side("smooth"), {"width": (0.1, 0.35)}),
-    }, signed=True),
-]  # fmt: skip
+    *forms(
+        "stall",
+        "head",
+        0.02,
+        0.95,
+        "",
+        "sway yaw",
+        {
+            "step": _stall_step,
+            "kirchhoff": _stall_kirchhoff,
+            "separate moment": _stall_moment,
+            "delayed": (_stall_delayed, {**_ONSET_RANGES, "delay": (0.5, 3.0)}),
+        },
+        _ONSET_RANGES,
+        memory=_separation,
+    ),
+    *forms(
+        "lift_lag",
+        "head",
+        0.06,
+        8.0,
+        "chords",
+        "sway yaw",
+        {
+            "first order": _lag_first,
+            "lift alone": _lag_lift_only,
+            "wagner": (_lag_wagner, {"jones": (1, 1)}),
+            "circulation": (_lag_circulation, {"circulation": (1, 1)}),
+        },
+        memory=_lift_memory_rate,
+    ),
+    *forms(
+        "port_starboard_asymmetry",
+        "head",
+        0.002,
+        0.5,
+        "",
+        "sway yaw",
+        {
+            "step": _side_asymmetry("step"),
+            "drag too": _side_asymmetry("drag too"),
+            "large": _side_asymmetry("large"),
+            "smooth": (_side_asymmetry("smooth"), {"width": (0.1, 0.35)}),
+        },
+        signed=True,
+    ),
+]

@@ -13,23 +13,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .motion import Hidden, derivative
-from .robots import Array, Lanes, Robot
+from .motion import HiddenLaw, derivative
+from .robots import Array, ParallelTrials, Robot
 
-RATE = 15.0
+OBSERVATION_RATE_HZ = 15.0
 """Observations that the filter takes in a second."""
-WATER_TIME = 3.0
+WATER_CORRELATION_S = 3.0
 """Correlation time of the restless water, s."""
 COEFFICIENTS = ("C_T", "C_D0", "C_Da", "C_La", "C_Ma", "C_Md")
 
 
 @dataclass(frozen=True)
-class Swim:
+class SimulatedMotion:
     """Motion of all trials: states (times, 9, lanes) every frame, and frames used of each."""
 
-    lanes: Lanes
+    lanes: ParallelTrials
     robot: Robot
-    laws: Sequence[Hidden]
+    laws: Sequence[HiddenLaw]
     times: Array
     states: Array
     frames: Array
@@ -44,17 +44,20 @@ class Noise:
     water: float
 
 
-def sigmas(
-    swim: Swim, noise: Noise, effects: Sequence[Sequence[Hidden]], seen: Sequence[Array] = ()
+def detectability_sigmas(
+    swim: SimulatedMotion,
+    noise: Noise,
+    effects: Sequence[Sequence[HiddenLaw]],
+    seen: Sequence[Array] = (),
 ) -> Array:
     """Detectability of each group of laws, then of each direct change of x, y and psi.
 
     effects: laws of the swim that belong together. seen: (times, 3, lanes).
     """
-    step = max(1, round((1 / RATE) / (swim.times[1] - swim.times[0])))
+    step = max(1, round((1 / OBSERVATION_RATE_HZ) / (swim.times[1] - swim.times[0])))
     pick = np.arange(0, len(swim.times), step)
-    line = _Linear(swim, pick)
-    every = _Linear(swim, np.arange(len(swim.times)))
+    line = _LinearisedMotion(swim, pick)
+    every = _LinearisedMotion(swim, np.arange(len(swim.times)))
     forces = [_mean_until_next(every.without(group), pick) for group in effects]
     forces += [line.coefficient(name) for name in COEFFICIENTS]
     nothing = np.zeros((len(pick), 3, len(swim.frames)))
@@ -81,10 +84,10 @@ def _mean_until_next(rate: Array, pick: Array) -> Array:
     return (total[end] - total[pick]) / step
 
 
-class _Linear:
+class _LinearisedMotion:
     """Accelerations along the true path and their derivatives, all times at once."""
 
-    def __init__(self, swim: Swim, pick: Array) -> None:
+    def __init__(self, swim: SimulatedMotion, pick: Array) -> None:
         n = len(swim.frames)
         self.shape = (len(pick), n)
         self.times = np.repeat(swim.times[pick], n)
@@ -97,9 +100,9 @@ class _Linear:
     def _at(
         self,
         state: Array | None = None,
-        lanes: Lanes | None = None,
+        lanes: ParallelTrials | None = None,
         robot: Robot | None = None,
-        laws: Sequence[Hidden] | None = None,
+        laws: Sequence[HiddenLaw] | None = None,
     ) -> Array:
         rate = derivative(
             self.times, self.state if state is None else state, lanes or self.lanes,
@@ -107,7 +110,7 @@ class _Linear:
         )  # fmt: skip
         return rate[3:6].reshape(3, *self.shape).transpose(1, 0, 2)
 
-    def without(self, group: Sequence[Hidden]) -> Array:
+    def without(self, group: Sequence[HiddenLaw]) -> Array:
         """Accelerations that these laws cause, (times, 3, lanes)."""
         return self.base - self._at(laws=[law for law in self.laws if law not in group])
 
@@ -135,7 +138,7 @@ class _Linear:
 
 
 def _whitened(
-    line: _Linear, noise: Noise, columns: Sequence[tuple[Array, Array]], dt: float
+    line: _LinearisedMotion, noise: Noise, columns: Sequence[tuple[Array, Array]], dt: float
 ) -> Array:
     """Innovations of each column in units of their deviation, (times x lanes x 3, columns)."""
     J = line.jacobian()
@@ -143,10 +146,10 @@ def _whitened(
     A = np.zeros((n, lanes, 10, 10))
     A[..., [0, 1, 2], [3, 4, 5]] = 1
     A[..., 3:6, :] = J
-    A[..., [6, 7], [6, 7]] = -1 / WATER_TIME
+    A[..., [6, 7], [6, 7]] = -1 / WATER_CORRELATION_S
     F = np.eye(10) + dt * A + 0.5 * dt**2 * A @ A
     Q = np.zeros((10, 10))
-    Q[[6, 7], [6, 7]] = 2 * noise.water**2 * dt / WATER_TIME
+    Q[[6, 7], [6, 7]] = 2 * noise.water**2 * dt / WATER_CORRELATION_S
     Q[[3, 4, 5], [3, 4, 5]] = np.array([1e-4, 1e-4, 1e-3]) ** 2 * dt  # eddies
     R = np.diag([noise.position, noise.position, noise.heading]) ** 2
     P = np.diag([1.0, 1.0, 1.0, 1e-3, 1e-3, 5e-3, noise.water, noise.water, 5e-3, 3e-3]) ** 2

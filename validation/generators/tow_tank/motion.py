@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from .robots import Array, Lanes, Robot
+from .robots import Array, ParallelTrials, Robot
 
-STATES = 9
+STATE_SIZE = 9
 
 
 @dataclass
@@ -24,7 +24,7 @@ class Flow:
 
     t: Any
     robot: Robot
-    lanes: Lanes
+    lanes: ParallelTrials
     psi: Array
     r: Array
     z: Array
@@ -49,7 +49,7 @@ class Flow:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenLaw:
     """A law at work: `form` from the catalogue, its strength and the numbers of its shape."""
 
     form: Any
@@ -61,15 +61,17 @@ class Hidden:
         return self.form.law(flow, self.strength, self.shape)
 
 
-def derivative(t: Any, state: Array, lanes: Lanes, robot: Robot, laws: Sequence[Hidden]) -> Array:
+def derivative(
+    t: Any, state: Array, lanes: ParallelTrials, robot: Robot, laws: Sequence[HiddenLaw]
+) -> Array:
     """Rate of the state. Reduces to the published model without laws."""
 
-    def of(stage: str) -> list[Hidden]:
+    def of(stage: str) -> list[HiddenLaw]:
         return [law for law in laws if law.form.stage == stage]
 
     x, y, psi, vx, vy, r, z1, z2, turned = state
     c = Flow(t, robot, lanes, psi, r, np.stack([z1, z2]), turned, x + 1j * y)
-    c.f, c.phi = actuated(c, laws)
+    c.f, c.phi = actual_drive(c, laws)
     axis = np.exp(1j * psi)
     water = lanes.water(t) + sum(law(c) for law in of("water"))
     v_core = (vx + 1j * vy - water) * np.conj(axis)
@@ -83,7 +85,7 @@ def derivative(t: Any, state: Array, lanes: Lanes, robot: Robot, laws: Sequence[
         c.T = c.T * law(c)
     for law in of("head"):
         law(c)
-    hydro, N = _plate(c, v_core, robot.arm(lanes.head))
+    hydro, N = _head_plate_load(c, v_core, robot.arm(lanes.head))
     for law in of("body"):
         X, Y, more = law(c)
         hydro, N = hydro + X + 1j * Y, N + more
@@ -98,7 +100,7 @@ def derivative(t: Any, state: Array, lanes: Lanes, robot: Robot, laws: Sequence[
     return np.stack([vx, vy, r, a.real, a.imag, r_dot, z_dot[0], z_dot[1], np.abs(r)])
 
 
-def actuated(c: Flow, laws: Sequence[Hidden]) -> tuple[Array, Array]:
+def actual_drive(c: Flow, laws: Sequence[HiddenLaw]) -> tuple[Array, Array]:
     """Flapping frequency (Hz) and head angle (rad) that motor and servo reach at c.t."""
     f = c.lanes.flap * (1 + c.lanes.wobble(c.t))
     phi = c.lanes.head_angle + c.lanes.servo_error + 0 * f
@@ -110,7 +112,7 @@ def actuated(c: Flow, laws: Sequence[Hidden]) -> tuple[Array, Array]:
     return f, phi
 
 
-def _plate(c: Flow, v_core: Array, arm: Array) -> tuple[Array, Array]:
+def _head_plate_load(c: Flow, v_core: Array, arm: Array) -> tuple[Array, Array]:
     """Force of the head in core axes and its moment: equations (2) to (7)."""
     k, one = c.robot, v_core / np.maximum(c.V, 1e-9)
     C_L = k.C_La * np.sin(2 * c.alpha) * c.lift
@@ -121,7 +123,7 @@ def _plate(c: Flow, v_core: Array, arm: Array) -> tuple[Array, Array]:
     return force, M + (force * np.conj(normal)).real * arm
 
 
-def _accelerations(c: Flow, force: Array, N: Array, inertia: Sequence[Hidden]) -> Any:
+def _accelerations(c: Flow, force: Array, N: Array, inertia: Sequence[HiddenLaw]) -> Any:
     """Acceleration in core axes (complex) and of the yaw, with the added masses of the laws."""
     m, moment = c.robot.mass, c.robot.inertia
     if not inertia:
@@ -138,18 +140,22 @@ def _accelerations(c: Flow, force: Array, N: Array, inertia: Sequence[Hidden]) -
     return (u_dot - w * r) + 1j * (w_dot + u * r), r_dot
 
 
-def rest(lanes: Lanes) -> Array:
+def state_at_rest(lanes: ParallelTrials) -> Array:
     """State before a trial: at rest at the start."""
-    state = np.zeros((STATES, len(lanes.flap)))
+    state = np.zeros((STATE_SIZE, len(lanes.flap)))
     state[0], state[1], state[2] = lanes.start.real, lanes.start.imag, lanes.heading
     return state
 
 
-def swim(
-    lanes: Lanes, robot: Robot, laws: Sequence[Hidden], times: Array, state: Array | None = None
+def simulate_motion(
+    lanes: ParallelTrials,
+    robot: Robot,
+    laws: Sequence[HiddenLaw],
+    times: Array,
+    state: Array | None = None,
 ) -> Array:
     """States at `times`, (times, 9, lanes), by Runge and Kutta's rule, a step between each two."""
-    s = rest(lanes) if state is None else state
+    s = state_at_rest(lanes) if state is None else state
     out = np.empty((len(times), *s.shape))
     out[0] = s
     for k, (t, end) in enumerate(pairwise(times)):
@@ -163,7 +169,7 @@ def swim(
     return out
 
 
-def stability(robot: Robot, laws: Sequence[Hidden], lanes: Lanes) -> float:
+def straight_growth_rate(robot: Robot, laws: Sequence[HiddenLaw], lanes: ParallelTrials) -> float:
     """Largest real part of the eigenvalues of sway and yaw on a straight course, 1/s."""
     k = int(np.argsort(lanes.flap)[len(lanes.flap) // 2])
     one = lanes.take(np.array([k]))

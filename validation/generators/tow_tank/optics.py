@@ -13,8 +13,8 @@ import numpy as np
 
 from .robots import Array
 
-AIR_TO_WATER = 1.333
-DOWN = np.diag([1.0, -1.0, -1.0])
+WATER_INDEX = 1.333
+DOWNWARD_ROTATION = np.diag([1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Camera:
     pool: tuple[float, float, float]
     corner_height: float
     fisheye: bool = False
-    index: float = AIR_TO_WATER
+    index: float = WATER_INDEX
 
     def corners(self) -> Array:
         """Images of the pool's corners, (4, 2), px."""
@@ -41,7 +41,7 @@ class Camera:
         """Images of points in air, (n, 3) m -> (n, 2) px."""
         p = (points - self.place) @ self.rotation.T
         a, b = p[:, 0] / p[:, 2], p[:, 1] / p[:, 2]
-        distort = _fisheye if self.fisheye else _brown
+        distort = _fisheye_distortion if self.fisheye else _brown_distortion
         a, b = distort(a, b, self.distortion)
         fx, fy = self.matrix[0, 0], self.matrix[1, 1]
         return np.column_stack([fx * a + self.matrix[0, 2], fy * b + self.matrix[1, 2]])
@@ -59,14 +59,14 @@ class Camera:
         return self.lens(np.column_stack([surface.real, surface.imag, np.zeros(len(points))]))
 
 
-def _brown(a: Array, b: Array, k: Array) -> tuple[Array, Array]:
+def _brown_distortion(a: Array, b: Array, k: Array) -> tuple[Array, Array]:
     r2 = a * a + b * b
     radial = 1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))
     return (a * radial + 2 * k[2] * a * b + k[3] * (r2 + 2 * a * a),
             b * radial + k[2] * (r2 + 2 * b * b) + 2 * k[3] * a * b)  # fmt: skip
 
 
-def _fisheye(a: Array, b: Array, k: Array) -> tuple[Array, Array]:
+def _fisheye_distortion(a: Array, b: Array, k: Array) -> tuple[Array, Array]:
     r = np.hypot(a, b)
     t = np.arctan(r)
     bent = t * (1 + k[0] * t**2 + k[1] * t**4 + k[2] * t**6 + k[3] * t**8)
@@ -88,7 +88,7 @@ def draw_camera(rng: np.random.Generator, pool: tuple[float, float, float]) -> C
         lens = np.array([rng.uniform(-0.16, 0.04), rng.uniform(-0.01, 0.03),
                          *rng.normal(0, 3e-4, 2), 0.0])  # fmt: skip
     tilt = np.deg2rad(rng.normal(0, [1.5, 1.5, 1.0]))
-    rotation = cv2.Rodrigues(tilt)[0] @ DOWN
+    rotation = cv2.Rodrigues(tilt)[0] @ DOWNWARD_ROTATION
     middle = np.array([pool[0] / 2, pool[1] / 2]) + rng.normal(0, 0.05, 2)
     camera = Camera(size, matrix, lens, rotation, np.array([*middle, 1.0]), pool,
                     float(rng.choice([0.0, rng.uniform(0.03, 0.12)])), fisheye)  # fmt: skip
@@ -101,7 +101,7 @@ def draw_camera(rng: np.random.Generator, pool: tuple[float, float, float]) -> C
 
 
 @dataclass(frozen=True)
-class Stated:
+class StatedSetup:
     """What study.yaml says: pool, water, depth of the keypoints, lens and corners."""
 
     pool: tuple[float, float, float]
@@ -121,8 +121,16 @@ class Stated:
         flat = self._undistorted(self.corners)
         # the flat target has mirrored solutions; iteration starts at a camera above the middle
         above = np.array([length / 2, width / 2, 2.0])
-        done = cv2.solvePnP(world, flat, np.eye(3), None, cv2.Rodrigues(DOWN)[0], -DOWN @ above,
-                            True, cv2.SOLVEPNP_ITERATIVE)  # fmt: skip
+        done = cv2.solvePnP(
+            world,
+            flat,
+            np.eye(3),
+            None,
+            cv2.Rodrigues(DOWNWARD_ROTATION)[0],
+            -DOWNWARD_ROTATION @ above,
+            True,
+            cv2.SOLVEPNP_ITERATIVE,
+        )
         R, t = cv2.Rodrigues(done[1])[0], done[2].ravel()
         eye = -R.T @ t
         ray = np.column_stack([self._undistorted(px), np.ones(len(px))]) @ R
@@ -137,14 +145,14 @@ class Stated:
         """Ideal image at unit focal length, (n, 2): fixed point of the stated lens."""
         focal, middle = self.matrix[[0, 1], [0, 1]], self.matrix[[0, 1], [2, 2]]
         a0, b0 = a, b = ((px - middle) / focal).T
-        distort = _fisheye if self.fisheye else _brown
+        distort = _fisheye_distortion if self.fisheye else _brown_distortion
         for _ in range(45):
             x, y = distort(a, b, self.distortion)
             a, b = np.clip(a + a0 - x, -2, 2), np.clip(b + b0 - y, -2, 2)
         return np.column_stack([a, b])
 
 
-def stated(camera: Camera, depth: float) -> Stated:
+def true_statement(camera: Camera, depth: float) -> StatedSetup:
     """A true statement of everything."""
-    return Stated(camera.pool, camera.index, depth, camera.matrix, camera.distortion,
+    return StatedSetup(camera.pool, camera.index, depth, camera.matrix, camera.distortion,
                   camera.corners(), camera.corner_height, camera.fisheye)  # fmt: skip

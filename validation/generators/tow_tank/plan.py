@@ -10,24 +10,24 @@ import numpy as np
 from . import blades, drive, head, resistance, water
 from .faults import FAULTS, SINKING
 from .form import Form
-from .motion import Hidden, stability
-from .robots import Lanes, Robot
+from .motion import HiddenLaw, straight_growth_rate
+from .robots import ParallelTrials, Robot
 
-KINDS = MappingProxyType({"null": 3, "single": 9, "pair": 3, "unlisted": 2, "measurement": 3})
-FIN = "tail_fin_lift"
-UNLISTED = "unexplained"
+KIND_COUNTS = MappingProxyType({"null": 3, "single": 9, "pair": 3, "unlisted": 2, "measurement": 3})
+FIN_CAUSE = "tail_fin_lift"
+UNLISTED_NAME = "unexplained"
 LEAST, MOST, FAINT = 10.0, 60.0, 25.0
 CATALOGUE: tuple[Form, ...] = (*blades.FORMS, *resistance.FORMS, *drive.FORMS, *head.FORMS,
                                *water.FORMS, *FAULTS, *SINKING)  # fmt: skip
 MEASUREMENT = frozenset(f.cause for f in FAULTS)
-PHYSICS = frozenset(f.cause for f in CATALOGUE) - MEASUREMENT - {UNLISTED}
-ALIKE = (("motor_spin_up", "battery_sag"), ("stall", "lift_lag"), ("lift_lag", "stall"),
+PHYSICS = frozenset(f.cause for f in CATALOGUE) - MEASUREMENT - {UNLISTED_NAME}
+CONFUSABLE_PAIRS = (("motor_spin_up", "battery_sag"), ("stall", "lift_lag"), ("lift_lag", "stall"),
          ("uniform_current", "pool_gyre"))  # fmt: skip
 """Pairs that share an internal state or a place in the drive, not hidden together."""
 
 
 @dataclass(frozen=True)
-class Kind:
+class StudyKind:
     """Kind of a study, whether its robot has a fin, whether it has nine trials."""
 
     name: str
@@ -35,53 +35,57 @@ class Kind:
     few: bool
 
 
-def kind(seed: int, index: int) -> Kind:
+def study_kind(seed: int, index: int) -> StudyKind:
     """Kind of one study of a series; shares hold over each block of twenty."""
     rng = np.random.default_rng([seed, index // 20, 7013])
-    names = [n for n, count in KINDS.items() for _ in range(count)]
+    names = [n for n, count in KIND_COUNTS.items() for _ in range(count)]
     order, fins, few = (rng.permutation(20) for _ in range(3))
     k = index % 20
-    return Kind(names[order[k]], bool(fins[k] < 10), bool(few[k] < 4))
+    return StudyKind(names[order[k]], bool(fins[k] < 10), bool(few[k] < 4))
 
 
 def draw_forms(rng: np.random.Generator, name: str) -> list[Form]:
     """Forms that a study of this kind hides, beside its fin."""
-    single = sorted(PHYSICS - {FIN, "head_angle_offset"})
+    single = sorted(PHYSICS - {FIN_CAUSE, "head_angle_offset"})
     if name == "null":
         return []
     if name == "measurement":
         causes = [str(rng.choice(sorted(MEASUREMENT | {"head_angle_offset"})))]
     elif name == "unlisted":
-        causes = [UNLISTED]
+        causes = [UNLISTED_NAME]
     elif name == "single":
         causes = [str(rng.choice(single))]
     else:
         causes = [str(c) for c in rng.choice(sorted(set(single) - {"sinking"}), 2, replace=False)]
-        if tuple(causes) in ALIKE or tuple(causes[::-1]) in ALIKE:
+        if tuple(causes) in CONFUSABLE_PAIRS or tuple(causes[::-1]) in CONFUSABLE_PAIRS:
             return draw_forms(rng, name)
-    return [_one_of(rng, [f for f in CATALOGUE if f.cause == cause]) for cause in causes]
+    return [_choose_one(rng, [f for f in CATALOGUE if f.cause == cause]) for cause in causes]
 
 
-def _one_of(rng: np.random.Generator, among: list[Form]) -> Form:
+def _choose_one(rng: np.random.Generator, among: list[Form]) -> Form:
     return among[int(rng.integers(len(among)))]
 
 
-def hidden(rng: np.random.Generator, form: Form, pool: tuple[float, float, float]) -> Hidden:
+def draw_hidden_law(
+    rng: np.random.Generator, form: Form, pool: tuple[float, float, float]
+) -> HiddenLaw:
     """A form with its shape and a strength in the middle of its range."""
     shape = form.draw(rng)
     if "length" in shape:
         shape |= {"length": pool[0], "width": pool[1]}
     sign = rng.choice([-1, 1]) if form.signed else 1
-    return Hidden(form, float(sign * np.sqrt(form.low * form.high)), shape)
+    return HiddenLaw(form, float(sign * np.sqrt(form.low * form.high)), shape)
 
 
-def draw_fin(rng: np.random.Generator, robot: Robot, lanes: Lanes) -> Hidden:
+def draw_fin(rng: np.random.Generator, robot: Robot, lanes: ParallelTrials) -> HiddenLaw:
     """A fin between marginal and strong stability: slowest rate of return -0.1 to -2.5 1/s."""
-    form = _one_of(rng, [f for f in blades.FORMS if f.cause == FIN])
+    form = _choose_one(rng, [f for f in blades.FORMS if f.cause == FIN_CAUSE])
     shape = form.draw(rng)
     target = -np.exp(rng.uniform(np.log(0.1), np.log(2.5)))
     grid = np.geomspace(form.low, form.high, 70)
-    rates = np.array([stability(robot, [Hidden(form, k, shape)], lanes) for k in grid])
+    rates = np.array(
+        [straight_growth_rate(robot, [HiddenLaw(form, k, shape)], lanes) for k in grid]
+    )
     reached = np.flatnonzero(rates < target)
     best = int(reached[0]) if len(reached) else int(rates.argmin())
-    return Hidden(form, float(grid[best]), shape)
+    return HiddenLaw(form, float(grid[best]), shape)

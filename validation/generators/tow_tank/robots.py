@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 Array = np.ndarray
-STATIONS = 14
+BLADE_COUNT = 14
 """Blade elements from the hinge to the tip of the tail."""
-MODES = 7
+WATER_MODES = 7
 """Slow motions of the water that differ from trial to trial."""
 
 
@@ -38,13 +38,13 @@ class Robot:
     def stations(self) -> tuple[Array, Array, Array]:
         """Place ahead of the centre of mass, height and length of each blade, (stations, 1), m."""
         aft = self.body_length - self.head_length - self.hinge_to_com + self.tail_length
-        edges = np.linspace(self.hinge_to_com, -aft, STATIONS + 1)
+        edges = np.linspace(self.hinge_to_com, -aft, BLADE_COUNT + 1)
         x = 0.5 * (edges[1:] + edges[:-1])
         along = (self.hinge_to_com - x) / (self.hinge_to_com + aft)
         body = np.sqrt(np.clip(1 - (along / 0.8) ** 2, 0.04, 1))  # tapers to the peduncle
         fin = 1.25 * np.clip((along - 0.82) / 0.18, 0, 1)
         height = self.span * np.maximum(body, fin)
-        return x[:, None], height[:, None], np.full((STATIONS, 1), edges[0] - edges[1])
+        return x[:, None], height[:, None], np.full((BLADE_COUNT, 1), edges[0] - edges[1])
 
     def area(self, head: Array | float) -> Array:
         """Area of a head plate, m^2."""
@@ -57,7 +57,7 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Lanes:
+class ParallelTrials:
     """Trials side by side: what differs between them, each of shape (lanes,) or (modes, lanes)."""
 
     power: Array
@@ -74,9 +74,9 @@ class Lanes:
     jitter: Array
     flow_bias: Array
 
-    def take(self, index: Array) -> Lanes:
+    def take(self, index: Array) -> ParallelTrials:
         """Lanes of these numbers, repeated where a number is."""
-        return Lanes(**{k: v[..., index] for k, v in vars(self).items()})
+        return ParallelTrials(**{k: v[..., index] for k, v in vars(self).items()})
 
     def water(self, t: Any) -> Array:
         """Velocity of the restless water as a complex number, m/s."""
@@ -102,7 +102,7 @@ def draw_robot(rng: np.random.Generator, fin: bool) -> Robot:
     )  # fmt: skip
 
 
-def draw_trials(rng: np.random.Generator, robot: Robot, few: bool) -> Lanes:
+def draw_trials(rng: np.random.Generator, robot: Robot, few: bool) -> ParallelTrials:
     """24 trials, or nine: powers, head angles to both sides, two lengths of the head."""
     count = 9 if few else 24
     powers = np.array([50, 75, 100] if few or rng.random() < 0.6 else [45, 60, 80, 100])
@@ -117,10 +117,10 @@ def draw_trials(rng: np.random.Generator, robot: Robot, few: bool) -> Lanes:
     level = np.array([c[0] for c in cells])
     head = np.where(rng.random(count) < 0.35, longer, robot.head_length)
     head[:2] = robot.head_length, longer
-    shape = (MODES, count)
-    speed = rng.uniform(4e-4, 1.4e-3) / np.sqrt(MODES / 2)
+    shape = (WATER_MODES, count)
+    speed = rng.uniform(4e-4, 1.4e-3) / np.sqrt(WATER_MODES / 2)
     flow = speed * (rng.normal(size=shape) + 1j * rng.normal(size=shape)) / np.sqrt(2)
-    return Lanes(
+    return ParallelTrials(
         power=powers[level].astype(float), head_angle=np.deg2rad([float(c[1]) for c in cells]),
         servo_error=np.deg2rad(rng.uniform(0.1, 0.35)) * rng.normal(size=count),
         flap=hertz[level] * (1 + 1e-3 * rng.normal(size=count)),

@@ -34,7 +34,7 @@ class Camera:
         x, y, z = self.eye
         rays = np.stack([plan.real - x, plan.imag - y, height - z + 0 * plan.real], axis=-1)
         X, Y, Z = np.moveaxis(rays @ Rotation.from_rotvec(self.turn).as_matrix().T, -1, 0)
-        a, b = _distorted(self.model, X / Z, Y / Z, self.distortion)
+        a, b = _apply_distortion(self.model, X / Z, Y / Z, self.distortion)
         (fx, fy), (cx, cy) = self.focal, self.centre
         return np.stack([fx * a + cx, fy * b + cy], axis=-1)
 
@@ -42,7 +42,7 @@ class Camera:
         """Pixels of points at a depth below the surface, m."""
         foot = complex(self.eye[0], self.eye[1])
         offset = np.asarray(plan) - foot
-        share = surface_share(np.abs(offset), self.eye[2], depth, index)
+        share = surface_crossing_share(np.abs(offset), self.eye[2], depth, index)
         return self.image(foot + share * offset, 0.0)
 
     def locate(self, pixels: Array, depth: float, index: float) -> Array:
@@ -72,7 +72,7 @@ class Camera:
         return replace(self, turn=tuple(found[:3]), eye=tuple(found[3:]))
 
 
-def surface_share(radius: Array, height: float, depth: float, index: float) -> Array:
+def surface_crossing_share(radius: Array, height: float, depth: float, index: float) -> Array:
     """Share of the way from the camera's foot at which the ray crosses the surface.
 
     Snell: s / sqrt(s^2 + H^2) = n (r - s) / sqrt((r - s)^2 + d^2), by Newton's method.
@@ -88,7 +88,7 @@ def surface_share(radius: Array, height: float, depth: float, index: float) -> A
     return np.where(radius > 1e-9, s / np.maximum(radius, 1e-9), 1.0)
 
 
-def _distorted(model: str, x: Array, y: Array, k: tuple[float, ...]) -> tuple[Array, Array]:
+def _apply_distortion(model: str, x: Array, y: Array, k: tuple[float, ...]) -> tuple[Array, Array]:
     """OpenCV's lens models, calib3d documentation."""
     if model == "fisheye":
         radius = np.maximum(np.hypot(x, y), 1e-12)
@@ -128,7 +128,7 @@ def draw_camera(rng: np.random.Generator, pool: tuple[float, float]) -> Camera:
                   tuple(turn.as_rotvec()), tuple(map(float, eye)))  # fmt: skip
 
 
-def corners_of(pool: tuple[float, float]) -> Array:
+def pool_corners(pool: tuple[float, float]) -> Array:
     """The four corners in the order of study.yaml."""
     length, width = pool
     return np.array([0, length, length + 1j * width, 1j * width])

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from .camera import Camera, corners_of
-from .faults import Viewing
-from .form import Array, Hidden, Lanes
-from .motion import STEP, frequency, head_angle
+from .camera import Camera, pool_corners
+from .faults import ViewingConditions
+from .form import Array, HiddenCause, ParallelTrials
+from .motion import STEP_S, frequency, head_angle
 from .robots import Robot
 
 BODY_PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
-INDEX = 1.333
+REFRACTIVE_INDEX = 1.333
 """Refractive index of the basin's water."""
 
 
@@ -45,14 +45,14 @@ class Scene:
     """Camera, its true viewing conditions, images of the corner marks and their height, m."""
 
     camera: Camera
-    true: Viewing
+    true: ViewingConditions
     corner_pixels: Array
     corner_height: float
     tracker: Tracker
     recoil: Recoil
 
 
-def viewed(scene: Scene, hidden: Sequence[Hidden]) -> Viewing:
+def with_measurement_errors(scene: Scene, hidden: Sequence[HiddenCause]) -> ViewingConditions:
     """The viewing with the hidden measurement errors in it."""
     view = scene.true
     for h in hidden:
@@ -61,25 +61,25 @@ def viewed(scene: Scene, hidden: Sequence[Hidden]) -> Viewing:
     return view
 
 
-def stated_camera(scene: Scene, view: Viewing) -> Camera:
+def stated_camera(scene: Scene, view: ViewingConditions) -> Camera:
     """The camera that a reader of study.yaml takes it to be."""
     focal = (scene.camera.focal[0] * view.focal, scene.camera.focal[1] * view.focal)
     lens = replace(scene.camera, focal=focal, distortion=view.distortion)
-    return lens.posed(scene.corner_pixels, corners_of(view.pool), scene.corner_height)
+    return lens.posed(scene.corner_pixels, pool_corners(view.pool), scene.corner_height)
 
 
 @dataclass(frozen=True)
-class Film:
+class FilmedMotion:
     """Motion of all trials as functions of true time, on the grid of the integration."""
 
     states: Array
-    lanes: Lanes
+    lanes: ParallelTrials
     robot: Robot
-    hidden: tuple[Hidden, ...]
+    hidden: tuple[HiddenCause, ...]
 
     def times(self) -> Array:
         """Grid of the integration, s."""
-        return np.arange(len(self.states)) * STEP
+        return np.arange(len(self.states)) * STEP_S
 
     def frequencies(self) -> Array:
         """Flapping frequency on the grid, Hz, shape (steps + 1, trials)."""
@@ -88,7 +88,7 @@ class Film:
     def cycles(self) -> Array:
         """Beats since the start on the grid, shape (steps + 1, trials)."""
         hertz = self.frequencies()
-        steps = 0.5 * STEP * (hertz[1:] + hertz[:-1])
+        steps = 0.5 * STEP_S * (hertz[1:] + hertz[:-1])
         return np.concatenate([np.zeros((1, hertz.shape[1])), np.cumsum(steps, axis=0)])
 
     def pose(self, k: int, t: Array) -> tuple[Array, Array, Array]:
@@ -100,16 +100,16 @@ class Film:
 
 
 @dataclass(frozen=True)
-class _Angles:
+class _HeadAngles:
     """The part of a moment that laws of the centre of mass read."""
 
     angle: Array
 
 
-def mass_offset(film: Film, hidden: Sequence[Hidden]) -> Array:
+def mass_offset(film: FilmedMotion, hidden: Sequence[HiddenCause]) -> Array:
     """Distance (trials, 1) by which the centre of mass lies ahead of its label, m."""
     total = np.zeros((film.lanes.angle.size, 1))
-    angles = _Angles(film.lanes.angle[:, None])
+    angles = _HeadAngles(film.lanes.angle[:, None])
     for h in hidden:
         if h.form.stage == "arm":
             total = total + h.form.law(angles, h.strength, h.parameters)
@@ -133,7 +133,7 @@ def body_points(
 
 
 def pixels_of(
-    film: Film, scene: Scene, view: Viewing, k: int, t: Array, *, recoil: bool
+    film: FilmedMotion, scene: Scene, view: ViewingConditions, k: int, t: Array, *, recoil: bool
 ) -> Mapping[str, Array]:
     """Exact pixels (frames, 2) of the body parts of trial k at stated times t."""
     true_t = view.clock(k, t)
@@ -157,7 +157,9 @@ def pixels_of(
     return images
 
 
-def perceived_poses(film: Film, scene: Scene, view: Viewing, knots: Array) -> Array:
+def perceived_poses(
+    film: FilmedMotion, scene: Scene, view: ViewingConditions, knots: Array
+) -> Array:
     """x, y, core heading, head angle (trials, knots, 4) as a careful reader of the files sees them.
 
     Without recoil and tracking errors; place from the core's label, heading from hinge to base.
@@ -211,9 +213,11 @@ def _detected(
 def draw_scene(rng: np.random.Generator, camera: Camera, robot: Robot,
                pool: tuple[float, float]) -> Scene:  # fmt: skip
     """True viewing conditions, clicked corner marks, a tracker and a tail beat."""
-    true = Viewing(robot.keypoint_depth, INDEX, pool, distortion=camera.distortion)
+    true = ViewingConditions(
+        robot.keypoint_depth, REFRACTIVE_INDEX, pool, distortion=camera.distortion
+    )
     height = float(rng.choice([0.0, 0.0, 0.08, 0.15]))
-    marks = camera.image(corners_of(pool), height) + rng.normal(0, 0.15, (4, 2))
+    marks = camera.image(pool_corners(pool), height) + rng.normal(0, 0.15, (4, 2))
     tracker = Tracker(*map(float, rng.uniform((0.25, 0.15, 0.2, 0.003, 0.004),
                                               (0.6, 0.4, 0.7, 0.015, 0.02))))  # fmt: skip
     recoil = Recoil(*map(float, rng.uniform((0.2, 0.004, 2e-4, -3), (0.5, 0.02, 1e-3, 3))))

@@ -39,20 +39,20 @@ class Form:
 
 
 @dataclass(frozen=True)
-class Hidden:
+class HiddenCause:
     """A form with its strength (in the form's unit) and its shape parameters."""
 
     form: Form
     strength: float
     parameters: Mapping[str, float]
 
-    def sized(self, strength: float) -> Hidden:
+    def sized(self, strength: float) -> HiddenCause:
         """The same with another strength."""
         return replace(self, strength=strength)
 
 
 @dataclass(frozen=True)
-class Lanes:
+class ParallelTrials:
     """Trials side by side, each array (trials,) or (trials, 1).
 
     angle: commanded head angle plus the constant error of the servo, rad. hertz: flapping frequency
@@ -67,14 +67,14 @@ class Lanes:
     heading: Array
     pool: tuple[float, float]
 
-    def columns(self) -> Lanes:
+    def columns(self) -> ParallelTrials:
         """The same with arrays of shape (trials, 1), to go with many knots."""
         names = ("angle", "hertz", "head", "start", "heading")
         return replace(self, **{name: getattr(self, name)[:, None] for name in names})
 
 
 @dataclass(frozen=True)
-class Moment:
+class InstantaneousState:
     """What laws may depend on; SI units and radians.
 
     place: complex position. flow: velocity relative to the water in core axes, complex.
@@ -94,7 +94,7 @@ class Moment:
     area: Array
     turned: Array
     lag: Array
-    lanes: Lanes
+    lanes: ParallelTrials
 
     @property
     def speed(self) -> Array:

@@ -21,39 +21,39 @@ from dataclasses import replace
 import numpy as np
 
 from .fins import fin_force
-from .form import Array, Hidden, Lanes, Moment
+from .form import Array, HiddenCause, InstantaneousState, ParallelTrials
 from .robots import DENSITY, Robot
 
-STEP = 1 / 60
+STEP_S = 1 / 60
 """Step of integration, s."""
 
 
-def _acting(hidden: Sequence[Hidden], stage: str) -> Iterator[Hidden]:
+def _causes_of_stage(hidden: Sequence[HiddenCause], stage: str) -> Iterator[HiddenCause]:
     return (h for h in hidden if h.form.stage == stage)
 
 
-def head_angle(t: Array, lanes: Lanes, hidden: Sequence[Hidden]) -> Array:
+def head_angle(t: Array, lanes: ParallelTrials, hidden: Sequence[HiddenCause]) -> Array:
     """The head angle as it is, rad."""
     angle = lanes.angle + 0 * t
-    for h in _acting(hidden, "angle"):
+    for h in _causes_of_stage(hidden, "angle"):
         angle = h.form.law(t, angle, h.strength, h.parameters)
     return angle
 
 
-def frequency(t: Array, lanes: Lanes, hidden: Sequence[Hidden]) -> Array:
+def frequency(t: Array, lanes: ParallelTrials, hidden: Sequence[HiddenCause]) -> Array:
     """The flapping frequency as it is, Hz."""
     hertz = lanes.hertz + 0 * t
-    for h in _acting(hidden, "frequency"):
+    for h in _causes_of_stage(hidden, "frequency"):
         hertz = hertz * h.form.law(t, lanes, h.strength, h.parameters)
     return hertz
 
 
-def observe_moment(
-    t: Array, state: Array, lanes: Lanes, robot: Robot, hidden: Sequence[Hidden]
-) -> Moment:
+def instantaneous_state(
+    t: Array, state: Array, lanes: ParallelTrials, robot: Robot, hidden: Sequence[HiddenCause]
+) -> InstantaneousState:
     """Flow, angles and thrust at one time, hidden drive and water included."""
     place, velocity = state[0] + 1j * state[1], state[3] + 1j * state[4]
-    for h in _acting(hidden, "water"):
+    for h in _causes_of_stage(hidden, "water"):
         velocity = velocity - h.form.law(t, place, lanes, h.strength, h.parameters)
     flow = velocity * np.exp(-1j * state[2])
     angle, hertz = head_angle(t, lanes, hidden), frequency(t, lanes, hidden)
@@ -62,15 +62,15 @@ def observe_moment(
     thrust = robot.coefficients.C_T * 0.5 * DENSITY * area * hertz**2
     # alpha = theta - arg v, theta = core direction - phi
     attack = np.angle(np.exp(-1j * angle) * np.conj(flow))
-    m = Moment(t, place, flow, state[2], state[5], angle, attack, hertz, thrust, area,
+    m = InstantaneousState(t, place, flow, state[2], state[5], angle, attack, hertz, thrust, area,
                state[2] - lanes.heading, state[6:8], lanes)  # fmt: skip
-    for h in _acting(hidden, "thrust"):
+    for h in _causes_of_stage(hidden, "thrust"):
         m = replace(m, thrust=m.thrust * h.form.law(m, h.strength, h.parameters))
     return m
 
 
 def head_forces(
-    m: Moment, robot: Robot, hidden: Sequence[Hidden], shift: Array | float
+    m: InstantaneousState, robot: Robot, hidden: Sequence[HiddenCause], shift: Array | float
 ) -> tuple[Array, Array, Array]:
     """Force of the head plate (core axes, N), its moment (N m), rates of the two memory states."""
     k = robot.coefficients
@@ -79,9 +79,9 @@ def head_forces(
     C_D = k.C_D0 + k.C_Da * (1 - np.cos(2 * m.attack))  # (6)
     C_M = k.C_Ma * np.sin(2 * m.attack)  # (7)
     memory = np.zeros_like(m.lag)
-    for h in _acting(hidden, "head"):
+    for h in _causes_of_stage(hidden, "head"):
         C_L, C_D, C_M = h.form.law(m, (C_L, C_D, C_M), h.strength, h.parameters)
-    for h in _acting(hidden, "lag"):
+    for h in _causes_of_stage(hidden, "lag"):
         C_L, memory = h.form.law(m, C_L, h.strength, h.parameters)
     force = q * m.ahead * (1j * C_L - C_D)  # (2), (3)
     # N = Re[(L + D) conj(n)], n = i e^{i theta}; M = q C_M - C_Md r |r|   (4), (8)
@@ -93,26 +93,26 @@ def head_forces(
 def rates(
     t: Array,
     state: Array,
-    lanes: Lanes,
+    lanes: ParallelTrials,
     robot: Robot,
-    hidden: Sequence[Hidden] = (),
+    hidden: Sequence[HiddenCause] = (),
     *,
     push: Array | float = 0.0,
 ) -> Array:
     """Time derivative of the state. push: random accelerations (3, ...), surge, sway and yaw."""
-    m = observe_moment(t, state, lanes, robot, hidden)
+    m = instantaneous_state(t, state, lanes, robot, hidden)
     shift: Array | float = 0.0
-    for h in _acting(hidden, "arm"):
+    for h in _causes_of_stage(hidden, "arm"):
         shift = shift + h.form.law(m, h.strength, h.parameters)
     force, moment, memory = head_forces(m, robot, hidden, shift)
     force = force + m.thrust
     if robot.fin is not None:
         side, turning = fin_force(m.flow, m.rate, robot.fin)
         force, moment = force + side, moment + turning - shift * side.imag
-    for h in _acting(hidden, "force"):
+    for h in _causes_of_stage(hidden, "force"):
         extra, turning = h.form.law(m, h.strength, h.parameters)
         force, moment = force + extra, moment + turning
-    masses = [h.form.law(m, h.strength, h.parameters) for h in _acting(hidden, "inertia")]
+    masses = [h.form.law(m, h.strength, h.parameters) for h in _causes_of_stage(hidden, "inertia")]
     linear, angular = _accelerations(m, force, moment, robot, masses)
     pushes = np.broadcast_to(push, (3, *state.shape[1:]))
     linear = (linear + pushes[0] + 1j * pushes[1]) * np.exp(1j * state[2])
@@ -121,7 +121,7 @@ def rates(
 
 
 def _accelerations(
-    m: Moment,
+    m: InstantaneousState,
     force: Array,
     moment: Array,
     robot: Robot,
@@ -145,12 +145,12 @@ def _accelerations(
 def advance(
     t: Array,
     state: Array,
-    lanes: Lanes,
+    lanes: ParallelTrials,
     robot: Robot,
-    hidden: Sequence[Hidden] = (),
+    hidden: Sequence[HiddenCause] = (),
     *,
     push: Array | float = 0.0,
-    step: float = STEP,
+    step: float = STEP_S,
 ) -> Array:
     """The state a step later, by the classical Runge-Kutta method of fourth order."""
     half = t + step / 2
@@ -161,10 +161,10 @@ def advance(
     return state + step / 6 * (a + 2 * b + 2 * c + d)
 
 
-def swim(
-    lanes: Lanes,
+def simulate_motion(
+    lanes: ParallelTrials,
     robot: Robot,
-    hidden: Sequence[Hidden],
+    hidden: Sequence[HiddenCause],
     *,
     first: Array,
     pushes: Array,
@@ -180,6 +180,6 @@ def swim(
     state[3], state[4], state[5] = turned.real, turned.imag, first[2]
     states = [state]
     for k, push in enumerate(pushes):
-        state = advance(np.full(count, k * STEP), state, lanes, robot, hidden, push=push)
+        state = advance(np.full(count, k * STEP_S), state, lanes, robot, hidden, push=push)
         states.append(state)
     return np.array(states)

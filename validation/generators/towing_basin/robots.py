@@ -82,10 +82,10 @@ def growth_rate(robot: Robot, hertz: float = 4.0) -> float:
     The modes scale with the speed, so that their sign does not depend on the frequency.
     """
     from .motion import rates  # noqa: PLC0415  the equations need robots
-    from .trials import straight_lane  # noqa: PLC0415
+    from .trials import straight_trial  # noqa: PLC0415
 
     k = robot.coefficients
-    lane = straight_lane(robot, hertz)
+    lane = straight_trial(robot, hertz)
     state = np.zeros((8, 1))
     state[3] = hertz * np.sqrt(k.C_T / k.C_D0)
     # sideways velocity relative to the core: heading fixed, so the world's y velocity

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from .camera import draw_camera
-from .filming import Film, detections, draw_scene, pixels_of, viewed
-from .form import MEASUREMENT, UNLISTED, Array, Form, Hidden
-from .ideal import Noise, sigmas
-from .motion import swim
-from .plan import TARGET_RANGE, chosen_forms, drawn, kind_of
+from .filming import FilmedMotion, detections, draw_scene, pixels_of, with_measurement_errors
+from .form import MEASUREMENT, UNLISTED, Array, Form, HiddenCause
+from .ideal import Noise, detectability_sigmas
+from .motion import simulate_motion
+from .plan import TARGET_SIGMA_RANGE, hidden_forms, study_kind, with_drawn_shape
 from .robots import Robot, draw_robot, growth_rate, with_fin
-from .trials import Design, calibrated, draw_design, ends_of, placed
+from .trials import TrialDesign, calibrate_unrest, draw_design, trial_ends, with_start_poses
 from .writing import (
     motor_log,
     write_keypoints,
@@ -26,21 +26,21 @@ from .writing import (
     write_truth,
 )
 
-VISIBLE_RANGE = (10.0, 45.0)
+VISIBLE_SIGMA_RANGE = (10.0, 45.0)
 LEAST_TRIAL_S = 4.0
-CLOSE = 0.3
+MAX_LOG_SIGMA_ERROR = 0.3
 """Logarithm of sigma over the wanted one at which the strength is left as it is."""
-ROUNDS = 8
-ATTEMPTS = 6
+MAX_ROUNDS = 8
+MAX_ATTEMPTS = 6
 GENERATOR = "towing_basin"
 
 
 @dataclass(frozen=True)
-class Made:
+class StudyContent:
     """A study before it is written. ends: s. sigma: cause -> sigma."""
 
-    design: Design
-    film: Film
+    design: TrialDesign
+    film: FilmedMotion
     ends: Array
     noise: Noise
     sigma: Mapping[str, float]
@@ -48,7 +48,7 @@ class Made:
     @property
     def visible(self) -> bool:
         """Whether each hidden cause has its sigma in the range and no trial is too short."""
-        low, high = VISIBLE_RANGE
+        low, high = VISIBLE_SIGMA_RANGE
         seen = all(low <= self.sigma[h.form.cause] <= high for h in self.film.hidden)
         return seen and bool(self.ends.min() >= LEAST_TRIAL_S)
 
@@ -61,23 +61,23 @@ def generate(
     forms: hidden in place of those of the plan. The truth is returned.
     Raises: RuntimeError where no strength makes the causes visible.
     """
-    kind = kind_of(seed, index)
-    for attempt in range(ATTEMPTS):
+    kind = study_kind(seed, index)
+    for attempt in range(MAX_ATTEMPTS):
         rng = np.random.default_rng([seed, index, attempt])
-        own = list(chosen_forms(rng, seed, kind, attempt) if forms is None else forms)
-        made = make(rng, own, fin=kind.fin)
+        own = list(hidden_forms(rng, seed, kind, attempt) if forms is None else forms)
+        made = make_study(rng, own, fin=kind.fin)
         if made.visible:
             name = f"{GENERATOR}-{seed}-{index:03d}"
-            logged = _write(rng, folder / "studies" / name, made)
-            group = kind.group if forms is None else _group(own)
+            logged = _write_files(rng, folder / "studies" / name, made)
+            group = kind.group if forms is None else _visibility_group(own)
             truth = {"study": name, "generator": GENERATOR, "seed": seed, "index": index,
-                     "group": group, **_truth(made), "logged": logged}  # fmt: skip
+                     "group": group, **_truth_json(made), "logged": logged}  # fmt: skip
             write_truth(folder, truth)
             return truth
     raise RuntimeError(f"study {index} of series {seed}: no cause became visible")
 
 
-def _group(forms: Sequence[Form]) -> str:
+def _visibility_group(forms: Sequence[Form]) -> str:
     kinds = [f.kind for f in forms]
     if len(kinds) > 1:
         return "pair"
@@ -85,7 +85,7 @@ def _group(forms: Sequence[Form]) -> str:
     return names.get(kinds[0], "single") if kinds else "null"
 
 
-def make(rng: np.random.Generator, forms: Sequence[Form], *, fin: bool) -> Made:
+def make_study(rng: np.random.Generator, forms: Sequence[Form], *, fin: bool) -> StudyContent:
     """A robot, a basin and trials, with the strengths of the forms set by the ideal detector."""
     robot = draw_robot(rng)
     if any(f.cause == "uncorrected_refraction" for f in forms):
@@ -93,61 +93,65 @@ def make(rng: np.random.Generator, forms: Sequence[Form], *, fin: bool) -> Made:
     robot = with_fin(rng, robot) if fin else robot
     length = float(np.round(rng.uniform(5.0, 7.0), 2))
     pool = (length, float(np.round(length * rng.uniform(0.48, 0.56), 2)))
-    unrest = calibrated(rng, robot)
+    unrest = calibrate_unrest(rng, robot)
     causes = {f.cause for f in forms}
     design = draw_design(rng, robot, unrest, pool=pool, two_heads="thrust_area" in causes,
                          margin=0.16 if "wall_effect" in causes else 0.3)  # fmt: skip
     scene = draw_scene(rng, draw_camera(rng, pool), robot, pool)
     noise = Noise(unrest, scene, float(rng.choice([30.0, 60.0])))
-    hidden = [drawn(rng, form) for form in forms]
-    targets = np.exp(rng.uniform(*np.log(TARGET_RANGE), len(forms)))
-    return _sized(rng, placed(rng, design, robot, hidden), robot, hidden, targets, noise=noise)
+    hidden = [with_drawn_shape(rng, form) for form in forms]
+    targets = np.exp(rng.uniform(*np.log(TARGET_SIGMA_RANGE), len(forms)))
+    return _with_visible_strengths(
+        rng, with_start_poses(rng, design, robot, hidden), robot, hidden, targets, noise=noise
+    )
 
 
-def _sized(
+def _with_visible_strengths(
     rng: np.random.Generator,
-    design: Design,
+    design: TrialDesign,
     robot: Robot,
-    hidden: Sequence[Hidden],
+    hidden: Sequence[HiddenCause],
     targets: Array,
     *,
     noise: Noise,
-) -> Made:
+) -> StudyContent:
     """The study whose causes have the wanted sigma, by repeated proportion."""
-    for _ in range(ROUNDS):
-        made = _swum(design, robot, hidden, noise)
+    for _ in range(MAX_ROUNDS):
+        made = _simulate_design(design, robot, hidden, noise)
         if made.ends.min() < LEAST_TRIAL_S:
-            design = placed(rng, design, robot, hidden)
+            design = with_start_poses(rng, design, robot, hidden)
             continue
         found = np.array([made.sigma[h.form.cause] for h in hidden])
-        if made.visible and np.all(np.abs(np.log(found / targets)) < CLOSE):
+        if made.visible and np.all(np.abs(np.log(found / targets)) < MAX_LOG_SIGMA_ERROR):
             break
         factors = np.clip(targets / np.maximum(found, 1e-3), 0.2, 4)
-        larger = [_scaled(h, float(f)) for h, f in zip(hidden, factors, strict=True)]
+        larger = [_with_scaled_strength(h, float(f)) for h, f in zip(hidden, factors, strict=True)]
         if larger == list(hidden):
             break
         hidden = larger
     return made
 
 
-def _scaled(hidden: Hidden, factor: float) -> Hidden:
+def _with_scaled_strength(hidden: HiddenCause, factor: float) -> HiddenCause:
     limit = hidden.form.limit
     return hidden.sized(float(f"{np.clip(hidden.strength * factor, -limit, limit):.4g}"))
 
 
-def _swum(design: Design, robot: Robot, hidden: Sequence[Hidden], noise: Noise) -> Made:
-    states = swim(design.lanes, robot, hidden, first=design.first, pushes=design.pushes)
-    film = Film(states, design.lanes, robot, tuple(hidden))
-    ends = ends_of(states, design)
-    return Made(design, film, ends, noise, sigmas(film, noise, ends))
+def _simulate_design(
+    design: TrialDesign, robot: Robot, hidden: Sequence[HiddenCause], noise: Noise
+) -> StudyContent:
+    states = simulate_motion(design.lanes, robot, hidden, first=design.first, pushes=design.pushes)
+    film = FilmedMotion(states, design.lanes, robot, tuple(hidden))
+    ends = trial_ends(states, design)
+    return StudyContent(design, film, ends, noise, detectability_sigmas(film, noise, ends))
 
 
-def _truth(made: Made) -> dict[str, Any]:
+def _truth_json(made: StudyContent) -> dict[str, Any]:
     film = made.film
     listed = [h for h in film.hidden if h.form.kind != UNLISTED]
     other = [h for h in film.hidden if h.form.kind == UNLISTED]
     fin = film.robot.fin
-    causes = [_cause(h, made.sigma[h.form.cause]) for h in listed]
+    causes = [_cause_json(h, made.sigma[h.form.cause]) for h in listed]
     if fin is not None:
         sizes = {"arm_m": fin.arm, "cross": fin.cross, "onset_rad": fin.onset}
         causes.insert(0, {
@@ -157,7 +161,7 @@ def _truth(made: Made) -> dict[str, Any]:
         })  # fmt: skip
     unlisted = None
     if other:
-        unlisted = {k: v for k, v in _cause(other[0], made.sigma["unexplained"]).items()
+        unlisted = {k: v for k, v in _cause_json(other[0], made.sigma["unexplained"]).items()
                     if k not in {"name", "kind", "channels"}}  # fmt: skip
         unlisted |= {"channel": other[0].form.channels[0], "variable": other[0].form.variable}
     unrest, tracker = made.noise.unrest, made.noise.scene.tracker
@@ -175,7 +179,7 @@ def _truth(made: Made) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _cause(hidden: Hidden, sigma: float) -> dict[str, Any]:
+def _cause_json(hidden: HiddenCause, sigma: float) -> dict[str, Any]:
     form = hidden.form
     return {
         "name": form.cause, "kind": form.kind, "form": form.name, "channels": list(form.channels),
@@ -184,10 +188,10 @@ def _cause(hidden: Hidden, sigma: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _write(rng: np.random.Generator, folder: Path, made: Made) -> bool:
+def _write_files(rng: np.random.Generator, folder: Path, made: StudyContent) -> bool:
     """Files of a study; whether it has motor logs."""
     film, design, scene, fps = made.film, made.design, made.noise.scene, made.noise.fps
-    view = viewed(scene, film.hidden)
+    view = with_measurement_errors(scene, film.hidden)
     logged = bool(rng.random() < 0.7) or any(h.form.cause == "time_offset" for h in film.hidden)
     write_study(folder, scene, view, film.robot)
     rows = []

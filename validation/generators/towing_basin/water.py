@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .form import Array
-from .motion import STEP
+from .motion import STEP_S
 
 
 @dataclass(frozen=True)
-class Unrest:
+class RandomAccelerations:
     """linear: m/s^2 along and across. turning: rad/s^2. memory: s. release: m/s and rad/s of the
     motion at release.
     """
@@ -27,9 +27,11 @@ class Unrest:
         return np.array([self.linear, self.linear, self.turning])
 
 
-def draw_pushes(rng: np.random.Generator, unrest: Unrest, steps: int, trials: int) -> Array:
+def draw_accelerations(
+    rng: np.random.Generator, unrest: RandomAccelerations, steps: int, trials: int
+) -> Array:
     """Accelerations (steps, 3, trials) for each step of the integration."""
-    fade = np.exp(-STEP / unrest.memory)
+    fade = np.exp(-STEP_S / unrest.memory)
     scale = unrest.deviations[:, None]
     now = scale * rng.normal(size=(3, trials))
     pushes = np.empty((steps, 3, trials))
@@ -39,7 +41,7 @@ def draw_pushes(rng: np.random.Generator, unrest: Unrest, steps: int, trials: in
     return pushes
 
 
-def draw_release(rng: np.random.Generator, unrest: Unrest, trials: int) -> Array:
+def draw_release(rng: np.random.Generator, unrest: RandomAccelerations, trials: int) -> Array:
     """Velocities and yaw rate at release (3, trials)."""
     speed, turning = unrest.release
     return rng.normal(size=(3, trials)) * np.array([[speed], [speed], [turning]])

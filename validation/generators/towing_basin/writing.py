@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from .camera import Camera
-from .faults import Viewing
+from .faults import ViewingConditions
 from .filming import BODY_PARTS, Scene
 from .form import Array
 from .robots import DENSITY, Robot
@@ -20,7 +20,7 @@ LOG_STEP = 0.005
 """Interval of a motor log, s."""
 
 
-def write_study(folder: Path, scene: Scene, view: Viewing, robot: Robot) -> None:
+def write_study(folder: Path, scene: Scene, view: ViewingConditions, robot: Robot) -> None:
     """study.yaml with the stated values of the camera, the pool and the robot."""
     camera: Camera = scene.camera
     length, width = view.pool

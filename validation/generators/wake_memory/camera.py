@@ -84,7 +84,7 @@ def project(camera: Camera, points: Array) -> Array:
     return bent * np.asarray(camera.focal) + np.asarray(camera.centre)
 
 
-def locate(camera: Camera, pixels: Array, depth: float) -> Array:
+def pixels_to_pool(camera: Camera, pixels: Array, depth: float) -> Array:
     """Pool coordinates (..., 2) at a depth (m) below the surface, from raw pixels (..., 2)."""
     R, C = Rotation.from_rotvec(camera.pose[:3]).as_matrix(), np.asarray(camera.pose[3:])
     p = undistort(camera, (pixels - np.asarray(camera.centre)) / np.asarray(camera.focal))
@@ -102,7 +102,7 @@ def corner_points(length: float, width: float, height: float) -> Array:
     return np.column_stack([xy, np.full(4, height)])
 
 
-def pose_from_corners(camera: Camera, pixels: Array, corners: Array) -> Camera:
+def with_fitted_pose(camera: Camera, pixels: Array, corners: Array) -> Camera:
     """The camera with the pose that best explains the corners' pixels (4, 2)."""
 
     def residual(pose: Array) -> Array:
@@ -112,7 +112,7 @@ def pose_from_corners(camera: Camera, pixels: Array, corners: Array) -> Camera:
     return replace(camera, pose=tuple(fit.x))
 
 
-def look_at(rng: np.random.Generator, height: float, tilt: float) -> tuple[float, ...]:
+def draw_pose(rng: np.random.Generator, height: float, tilt: float) -> tuple[float, ...]:
     """Pose of a camera at a height (m), tilted (rad), aimed near the pool's middle."""
     azimuth = rng.uniform(-np.pi, np.pi)
     away = height * np.tan(tilt)
@@ -135,7 +135,7 @@ def draw_camera(rng: np.random.Generator, *, low: bool = False, tilted: bool = F
     size = ((1920, 1080), (1280, 720), (2704, 1520), (3840, 2160))[
         rng.choice(4, p=[0.5, 0.1, 0.25, 0.15])
     ]
-    pose = look_at(rng, height, tilt)
+    pose = draw_pose(rng, height, tilt)
     bare = Camera(
         model, size, (1.0, 1.0), (0.0, 0.0), (0.0,) * (4 if model == "fisheye" else 5), pose
     )

@@ -26,8 +26,8 @@ from . import dynamics as dy
 from .effects import C_T
 
 Array = NDArray[np.float64]
-N_STATE = 14
-TAPE = 0.003
+FILTER_STATE_SIZE = 14
+LENGTH_STD_SHARE = 0.003
 
 
 class ErrorModel(NamedTuple):
@@ -43,14 +43,14 @@ class ErrorModel(NamedTuple):
 
 
 @njit(cache=True)
-def _stack(t, s, trial, R, E, stream, moment):
+def _acceleration_vector(t, s, trial, R, E, stream, moment):
     """Accelerations as (3,)."""
     a, r_dot = dy.acceleration(t, s, trial, R, E, stream, moment)
     return np.array([a.real, a.imag, r_dot])
 
 
 @njit(cache=True)
-def linearised(times, path, wakes, trial, R, E):
+def block_jacobians(times, path, wakes, trial, R, E):
     """Jacobians (blocks, 3, 11) for motion, gust, servo, frequency; (blocks, 3, 6) coefficients."""
     n = len(times)
     J, G = np.zeros((n, 3, 11)), np.zeros((n, 3, 6))
@@ -59,20 +59,30 @@ def linearised(times, path, wakes, trial, R, E):
         for c in range(6):
             h = np.zeros(18)
             h[c] = 1e-4
-            up = _stack(t, path[i] + h, trial, R, E, stream, 0.0)
-            J[i, :, c] = (up - _stack(t, path[i] - h, trial, R, E, stream, 0.0)) / 2e-4
-        here = _stack(t, path[i], trial, R, E, stream, 0.0)
-        J[i, :, 6] = (_stack(t, path[i], trial, R, E, stream + 1e-4, 0.0) - here) / 1e-4
-        J[i, :, 7] = (_stack(t, path[i], trial, R, E, stream + 1e-4j, 0.0) - here) / 1e-4
-        J[i, :, 8] = (_stack(t, path[i], trial, R, E, stream, 1e-5) - here) / 1e-5
+            up = _acceleration_vector(t, path[i] + h, trial, R, E, stream, 0.0)
+            J[i, :, c] = (
+                up - _acceleration_vector(t, path[i] - h, trial, R, E, stream, 0.0)
+            ) / 2e-4
+        here = _acceleration_vector(t, path[i], trial, R, E, stream, 0.0)
+        J[i, :, 6] = (
+            _acceleration_vector(t, path[i], trial, R, E, stream + 1e-4, 0.0) - here
+        ) / 1e-4
+        J[i, :, 7] = (
+            _acceleration_vector(t, path[i], trial, R, E, stream + 1e-4j, 0.0) - here
+        ) / 1e-4
+        J[i, :, 8] = (_acceleration_vector(t, path[i], trial, R, E, stream, 1e-5) - here) / 1e-5
         for c in range(2):
             moved = trial.copy()
             moved[c] = moved[c] + 1e-4 if c == 0 else moved[c] * (1 + 1e-4)
-            J[i, :, 9 + c] = (_stack(t, path[i], moved, R, E, stream, 0.0) - here) / 1e-4
+            J[i, :, 9 + c] = (
+                _acceleration_vector(t, path[i], moved, R, E, stream, 0.0) - here
+            ) / 1e-4
         for c in range(6):
             moved = R.copy()
             moved[C_T + c] *= 1 + 1e-3
-            G[i, :, c] = (_stack(t, path[i], trial, moved, E, stream, 0.0) - here) / 1e-3
+            G[i, :, c] = (
+                _acceleration_vector(t, path[i], trial, moved, E, stream, 0.0) - here
+            ) / 1e-3
     return J, G
 
 
@@ -81,16 +91,22 @@ def accelerations(times, path, wakes, trial, R, E):
     """Accelerations (blocks, 3) along a path."""
     out = np.zeros((len(times), 3))
     for i in range(len(times)):
-        out[i] = _stack(times[i], path[i], trial, R, E, complex(wakes[i, 0], wakes[i, 1]), 0.0)
+        out[i] = _acceleration_vector(
+            times[i], path[i], trial, R, E, complex(wakes[i, 0], wakes[i, 1]), 0.0
+        )
     return out
 
 
 @njit(cache=True)
-def whitened(J, d, e, dt, white, tracking, tracking_s, gust, gust_s, servo, flap):
+def whitened_innovations(J, d, e, dt, white, tracking, tracking_s, gust, gust_s, servo, flap):
     """Whitened innovations (blocks * 3, signals) of accelerations d and offsets e."""
     n, m = d.shape[0], d.shape[2]
-    P, err = np.zeros((N_STATE, N_STATE)), np.zeros((N_STATE, m))
-    Q, H, Rn = np.zeros((N_STATE, N_STATE)), np.zeros((3, N_STATE)), np.zeros((3, 3))
+    P, err = np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE)), np.zeros((FILTER_STATE_SIZE, m))
+    Q, H, Rn = (
+        np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE)),
+        np.zeros((3, FILTER_STATE_SIZE)),
+        np.zeros((3, 3)),
+    )
     for c in range(3):
         P[c, c], P[c + 3, c + 3] = 4.0, 1.0
         P[c + 6, c + 6], P[c + 11, c + 11] = gust[c] ** 2, tracking[c] ** 2
@@ -105,18 +121,18 @@ def whitened(J, d, e, dt, white, tracking, tracking_s, gust, gust_s, servo, flap
         out[3 * i : 3 * i + 3] = np.linalg.solve(np.linalg.cholesky(S), innovation)
         K = np.linalg.solve(S, H @ P).T.copy()
         err = err - K @ innovation
-        I_KH = np.eye(N_STATE) - K @ H
+        I_KH = np.eye(FILTER_STATE_SIZE) - K @ H
         P = I_KH @ P @ I_KH.T + K @ Rn @ K.T
-        A = np.zeros((N_STATE, N_STATE))
+        A = np.zeros((FILTER_STATE_SIZE, FILTER_STATE_SIZE))
         for c in range(3):
             A[c, c + 3] = dt
             A[c + 3, :11] = J[i, c] * dt
             A[c + 6, c + 6], A[c + 11, c + 11] = -dt / gust_s, -dt / tracking_s
-        F, term = np.eye(N_STATE), np.eye(N_STATE)
+        F, term = np.eye(FILTER_STATE_SIZE), np.eye(FILTER_STATE_SIZE)
         for order in range(1, 7):
             term = term @ A / order
             F = F + term
-        push = np.zeros((N_STATE, m))
+        push = np.zeros((FILTER_STATE_SIZE, m))
         push[3:6] = d[i] * dt
         err = F @ err + push + 0.5 * A @ push
         P = F @ P @ F.T + Q
@@ -133,9 +149,11 @@ def projected_norm(signal: Array, nuisance: Array) -> float:
     return float(np.linalg.norm(signal - basis @ (basis.T @ signal)))
 
 
-def layout_norm(change: list[Array], std: tuple[float, float], servo: float) -> float:
+def head_angle_and_length_sigma(
+    change: list[Array], std: tuple[float, float], servo: float
+) -> float:
     """Sigma of head angle and log length changes (blocks, 2) per trial, beyond servo and tape."""
-    total, weighted, weight = 0.0, 0.0, 1 / TAPE**2
+    total, weighted, weight = 0.0, 0.0, 1 / LENGTH_STD_SHARE**2
     for part in change:
         phi, length, n = part[:, 0], part[:, 1], len(part)
         spread = np.sum((phi - phi.mean()) ** 2) / std[0] ** 2

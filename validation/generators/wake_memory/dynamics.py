@@ -15,17 +15,17 @@ import numpy as np
 from numba import njit
 
 from . import effects as fx
-from .catalogue import ROW
+from .catalogue import CAUSE_ROW
 from .effects import BODY, C_D0, C_DA, C_LA, C_MA, C_MD, C_T, HEAD1, HINGE, INERTIA, MASS, RHO, SPAN
 
-STATES = 18
+STATE_SIZE = 18
 PHI, F, HEAD, START, ORDER, PULSE, RECOIL = range(7)
 FIN, ADDED, VISCOUS, DAMPING, LOSS, CURRENT, GYRE, WALL, STALL, SERVO, SPIN, SAG = range(12)
 TRIM, OFFSET, CROSS, LINE, AREA, LAG, WAVE, COULOMB, WAKE, SINK, COM, SIDES, UNLISTED = range(
     12, 25
 )
-assert ROW["battery_sag"] == SAG
-assert ROW["unlisted"] == UNLISTED
+assert CAUSE_ROW["battery_sag"] == SAG
+assert CAUSE_ROW["unlisted"] == UNLISTED
 
 
 @njit(cache=True)
@@ -151,7 +151,7 @@ def acceleration(t, s, trial, R, E, stream, moment):
     N += (np.conj(-shift * k.e_core) * (T + F)).imag
     F_fin, N_fin = fx.tail_fin_lift(E[FIN], k, k.v - E[FIN, 2] * k.rate - fin_downwash(k, s, E))
     F_cross, N_cross = fx.crossflow_drag(E[CROSS], k, R)
-    F_free, N_free = fx.unlisted(E[UNLISTED], k)
+    F_free, N_free = fx.unlisted_force(E[UNLISTED], k)
     F += T + F_fin + F_cross + F_free + fx.wall_effect(E[WALL], k)
     F += fx.along_path_drag(E[VISCOUS], E[WAVE], E[COULOMB], k)
     N += N_fin + N_cross + N_free + moment + fx.yaw_moments(E[DAMPING], E[TRIM], E[LINE], k)
@@ -230,15 +230,20 @@ def wake_velocity(p, trail, count, t, z):
 
 
 @njit(cache=True)
-def swim(trial, R, E, start, gusts, fps, substeps):
+def simulate_trial(trial, R, E, start, gusts, fps, substeps):
     """States (frames, 18) and wake velocity (frames, 2) of one trial.
 
     Adams-Bashforth of order 3, first two steps by Heun (Hairer, Norsett, Wanner 1993, III.1).
     `start`: x, y, theta; `gusts`: (frames, 3) water velocity (m/s) and moment (N m).
     """
     n, h = gusts.shape[0], 1.0 / (fps * substeps)
-    path, wakes, trail = np.zeros((n, STATES)), np.zeros((n, 2)), np.zeros((400, 5))
-    s, d0, d1, d2 = np.zeros(STATES), np.zeros(STATES), np.zeros(STATES), np.zeros(STATES)
+    path, wakes, trail = np.zeros((n, STATE_SIZE)), np.zeros((n, 2)), np.zeros((400, 5))
+    s, d0, d1, d2 = (
+        np.zeros(STATE_SIZE),
+        np.zeros(STATE_SIZE),
+        np.zeros(STATE_SIZE),
+        np.zeros(STATE_SIZE),
+    )
     s[0], s[1], s[2], s[9] = start[0], start[1], start[2], 1.0
     count, wake, step = 0, 0j, 0
     for i in range(n):
@@ -261,7 +266,7 @@ def swim(trial, R, E, start, gusts, fps, substeps):
             rates(t, s, trial, R, E, stream, g[2], d0)
             if step < 2:
                 probe = s + h * d0
-                ahead = np.zeros(STATES)
+                ahead = np.zeros(STATE_SIZE)
                 rates(t + h, probe, trial, R, E, stream, g[2], ahead)
                 s = s + 0.5 * h * (d0 + ahead)
             else:

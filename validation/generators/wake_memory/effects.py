@@ -19,7 +19,7 @@ Flow = namedtuple("Flow", "t z w speed alpha theta phi rate f head u v e_core q 
 
 
 @njit(cache=True)
-def sway(k, side):
+def sway_force_in_pool_axes(k, side):
     """Pool-axes force of a side force (N) normal to the core."""
     return 1j * side * k.e_core
 
@@ -45,7 +45,7 @@ def tail_fin_lift(p, k, lag):
         side = -half * 2.6 * k.u * (w - lag)
     else:
         side = -half * 2.6 * k.u * w
-    return sway(k, side) + ahead * k.e_core, -p[2] * side
+    return sway_force_in_pool_axes(k, side) + ahead * k.e_core, -p[2] * side
 
 
 @njit(cache=True)
@@ -70,7 +70,7 @@ def crossflow_drag(p, k, R):
             law = W * np.sqrt(abs(W) * np.hypot(k.u, W))
         strip = -0.5 * RHO * p[1] * depth * (front - back) / n * law
         side, moment = side + strip, moment + s * strip
-    return sway(k, side), moment
+    return sway_force_in_pool_axes(k, side), moment
 
 
 @njit(cache=True)
@@ -305,7 +305,7 @@ def stall_ratio(p, X, alpha):
 
 
 @njit(cache=True)
-def unlisted(p, k):  # noqa: PLR0911
+def unlisted_force(p, k):  # noqa: PLR0911
     """Force (N) and moment (N m) of no named cause; strength: amplitude; shape 1: phase (rad).
 
     1 moment sin(3 theta); 2 moment along x; 3 standing wave force along x; 4 periodic side gust;

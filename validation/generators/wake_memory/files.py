@@ -10,12 +10,12 @@ import yaml
 from numpy.typing import NDArray
 
 from . import dynamics as dy
-from .noise import shaft_log, tracked
-from .observation import imaged, stated
+from .noise import shaft_log, tracked_keypoints
+from .observation import keypoint_pixels, stated_setup
 
 Array = NDArray[np.float64]
-PARTS = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
-OTHER_NAMES = (
+KEYPOINT_NAMES = ("head_tip", "hinge", "core_center", "tail_base", "tail_tip")
+ALTERNATIVE_PART_NAMES = (
     {"head_tip": "snout", "core_center": "body"},
     {"head_tip": "nose", "hinge": "neck", "core_center": "com", "tail_base": "peduncle",
      "tail_tip": "fluke"},
@@ -23,7 +23,9 @@ OTHER_NAMES = (
 LAYOUTS = ("csv", "csv", "multi_csv", "csv", "h5", "csv", "csv", "multi_h5", "csv")
 
 
-def table(seen: Array, likelihood: Array, names: list[str], *, multi: bool) -> pd.DataFrame:
+def keypoint_table(
+    seen: Array, likelihood: Array, names: list[str], *, multi: bool
+) -> pd.DataFrame:
     """DeepLabCut's table: columns scorer, (individuals,) bodyparts, coords."""
     scorer = "DLC_resnet50_tankJun8shuffle1_200000"
     values = np.concatenate([seen, likelihood[..., None]], axis=-1).reshape(len(seen), -1)
@@ -69,7 +71,7 @@ def write_h5(path: Path, data: pd.DataFrame) -> None:
 
 def study_yaml(plan: object, errors: dict, names: dict[str, str]) -> dict:
     """What the lab states about pool, water, robot and camera."""
-    R, view = plan.R, stated(plan.optics, errors)
+    R, view = plan.R, stated_setup(plan.optics, errors)
     camera, (u, v) = view.camera, view.camera.centre
     keys = ("mass_kg", "yaw_inertia_kg_m2", "body_length_m", "head_length_m", "head_span_m",
             "hinge_to_com_m", "tail_length_m")  # fmt: skip
@@ -120,7 +122,7 @@ def write_study(
     for part in ("keypoints", "motor"):
         (folder / part).mkdir(parents=True)
     layout, rows = LAYOUTS[rng.integers(len(LAYOUTS))], []
-    names = OTHER_NAMES[rng.integers(2)] if rng.random() < 0.3 else {}
+    names = ALTERNATIVE_PART_NAMES[rng.integers(2)] if rng.random() < 0.3 else {}
     with_log = rng.random() < 0.8 or bool({"time_offset", "clock_error"} & set(errors))
     fill, dead = str(rng.choice(["hold", "zero", "empty"])), float(rng.uniform(4, 20))
     form, size = errors.get("clock_error", (1, 0.0))
@@ -128,9 +130,11 @@ def write_study(
     for i, (path, _) in enumerate(runs):
         trial, trial_id = plan.trials[i], f"T{i + 1:02d}"
         times = np.arange(len(path)) / plan.fps
-        pixels = imaged(path, times, trial, plan.R, E, optics=plan.optics, errors=errors)
-        seen, sure = tracked(rng, plan.noise, pixels, path[:, 2], plan.fps)
-        data = table(seen, sure, [names.get(p, p) for p in PARTS], multi=layout.startswith("multi"))
+        pixels = keypoint_pixels(path, times, trial, plan.R, E, optics=plan.optics, errors=errors)
+        seen, sure = tracked_keypoints(rng, plan.noise, pixels, path[:, 2], plan.fps)
+        data = keypoint_table(
+            seen, sure, [names.get(p, p) for p in KEYPOINT_NAMES], multi=layout.startswith("multi")
+        )
         ratio = 1 + rng.normal(0, plan.noise.flap_ratio)
         row = {"trial_id": trial_id, "source": write_keypoints(folder, trial_id, layout, data),
                "power_pct": int(plan.power[i]),

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 Array = NDArray[np.float64]
-LEVELS = np.array([1.15, 0.85, 0.75, 1.0, 1.6])  # head_tip, hinge, core_center, tail_base, tail_tip
+KEYPOINT_NOISE_FACTORS = np.array(
+    [1.15, 0.85, 0.75, 1.0, 1.6]
+)  # head_tip, hinge, core_center, tail_base, tail_tip
 
 
 @dataclass(frozen=True)
@@ -52,13 +54,13 @@ def ornstein_uhlenbeck(
     return lfilter([1.0], [1.0, -a], kicks, axis=0)
 
 
-def gusts(rng: np.random.Generator, noise: Noise, frames: int, fps: float) -> Array:
+def water_motion(rng: np.random.Generator, noise: Noise, frames: int, fps: float) -> Array:
     """Water velocity (m/s, 2) and disturbing moment (N m) at every frame, (frames, 3)."""
     scale = np.array([noise.gust_m_s, noise.gust_m_s, noise.gust_nm])
     return ornstein_uhlenbeck(rng, (frames, 3), 1 / fps, noise.gust_s) * scale
 
 
-def tracked(
+def tracked_keypoints(
     rng: np.random.Generator, noise: Noise, pixels: Array, heading: Array, fps: float
 ) -> tuple[Array, Array]:
     """Detections (frames, 5, 2) and likelihoods (frames, 5) of exact pixels.
@@ -66,7 +68,7 @@ def tracked(
     The detector's bias turns with the heading; outliers mostly show a low likelihood.
     """
     n = len(pixels)
-    level = np.repeat(LEVELS, 2)
+    level = np.repeat(KEYPOINT_NOISE_FACTORS, 2)
     error = noise.white_px * rng.normal(size=(n, 10)) * level
     error += noise.tracking_px * ornstein_uhlenbeck(rng, (n, 10), 1 / fps, noise.tracking_s) * level
     phase = np.arange(10) * 1.7

@@ -6,7 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import dynamics as dy
-from .camera import Camera, corner_points, distort, locate, pose_from_corners, project, undistort
+from .camera import (
+    Camera,
+    corner_points,
+    distort,
+    pixels_to_pool,
+    project,
+    undistort,
+    with_fitted_pose,
+)
 from .effects import BODY, HEAD1, HINGE, TAIL
 
 Array = NDArray[np.float64]
@@ -24,7 +32,7 @@ class Optics:
 
 
 @dataclass(frozen=True)
-class Stated:
+class StatedSetup:
     """What study.yaml says of the optics."""
 
     camera: Camera
@@ -60,7 +68,7 @@ def label_bias(points: Array, errors: dict[str, tuple[int, float]]) -> Array:
     return moved
 
 
-def depths(depth: float, p: Array, path: Array, times: Array) -> Array:
+def keypoint_depths(depth: float, p: Array, path: Array, times: Array) -> Array:
     """Depth (m) of the keypoints in time; sinking: 1 constant rate; 2 terminal; 3 squat, U^2."""
     drop = np.zeros_like(times)
     if p[0] == 1:
@@ -72,7 +80,9 @@ def depths(depth: float, p: Array, path: Array, times: Array) -> Array:
     return np.minimum(depth + drop, 0.28)
 
 
-def pointing_error(errors: dict[str, tuple[int, float]], order: float, times: Array) -> Array:
+def camera_displacement_px(
+    errors: dict[str, tuple[int, float]], order: float, times: Array
+) -> Array:
     """Displacement (px) by a moved camera: 1 bumps in some trials; 2 creep; 3 sway, 4.1 s."""
     form, size = errors.get("camera_shift", (0, 0.0))
     if form == 1:
@@ -85,7 +95,7 @@ def pointing_error(errors: dict[str, tuple[int, float]], order: float, times: Ar
     return np.zeros_like(times)
 
 
-def turned(camera: Camera, pixels: Array, shift: Array, axis: float) -> Array:
+def pixels_of_turned_camera(camera: Camera, pixels: Array, shift: Array, axis: float) -> Array:
     """Pixels (frames, parts, 2) after the camera turned by shift (px) / focal about `axis`."""
     if not np.any(shift):
         return pixels
@@ -99,17 +109,17 @@ def turned(camera: Camera, pixels: Array, shift: Array, axis: float) -> Array:
     return distort(camera, p) * np.asarray(camera.focal) + np.asarray(camera.centre)
 
 
-def imaged(
+def keypoint_pixels(
     path: Array, times: Array, trial: Array, R: Array, E: Array, *, optics: Optics,
     errors: dict[str, tuple[int, float]],
 ) -> Array:  # fmt: skip
     """Exact raw pixels (frames, 5, 2) of the keypoints."""
     points = label_bias(body_points(path, trial, R, E, times), errors)
-    z = -depths(optics.depth, E[dy.SINK], path, times)
+    z = -keypoint_depths(optics.depth, E[dy.SINK], path, times)
     xyz = np.stack([points.real, points.imag, np.repeat(z[:, None], 5, axis=1)], axis=-1)
     pixels = project(optics.camera, xyz)
-    shift = pointing_error(errors, trial[dy.ORDER], times)
-    return turned(optics.camera, pixels, shift, optics.axis)
+    shift = camera_displacement_px(errors, trial[dy.ORDER], times)
+    return pixels_of_turned_camera(optics.camera, pixels, shift, optics.axis)
 
 
 def wrong_lens(camera: Camera, form: int, size: float) -> Camera:
@@ -132,7 +142,7 @@ def wrong_lens(camera: Camera, form: int, size: float) -> Camera:
     return replace(camera, distortion=tuple(k))
 
 
-def stated(optics: Optics, errors: dict[str, tuple[int, float]]) -> Stated:
+def stated_setup(optics: Optics, errors: dict[str, tuple[int, float]]) -> StatedSetup:
     """What a lab states, and the camera pose that follows from it."""
     camera, depth, pool, corners = optics.camera, optics.depth, (2.6, 1.6), optics.corners_px
     form, size = errors.get("scale_error", (0, 0.0))
@@ -154,12 +164,12 @@ def stated(optics: Optics, errors: dict[str, tuple[int, float]]) -> Stated:
     elif form == 2:
         depth = round(depth * (1 - size), 4)
     marks = corner_points(*pool, optics.corner_height)
-    return Stated(pose_from_corners(camera, corners, marks), depth, pool, corners)
+    return StatedSetup(with_fitted_pose(camera, corners, marks), depth, pool, corners)
 
 
-def apparent_pose(pixels: Array, view: Stated) -> Array:
+def apparent_pose(pixels: Array, view: StatedSetup) -> Array:
     """Core centre x, y (m), heading, head angle (rad) and log length as the lab sees them."""
-    xy = locate(view.camera, pixels, view.depth)
+    xy = pixels_to_pool(view.camera, pixels, view.depth)
     p = xy[..., 0] + 1j * xy[..., 1]
     head, core = p[:, 0] - p[:, 1], p[:, 1] - p[:, 3]
     length = np.log(np.abs(head) + np.abs(core))

@@ -7,20 +7,27 @@ from numpy.typing import NDArray
 
 from . import dynamics as dy
 from .camera import corner_points, draw_camera, project
-from .catalogue import CAUSES, MEASUREMENT, PHYSICS, ROW
+from .catalogue import CAUSE_ROW, CAUSES, MEASUREMENT, PHYSICS
 from .effects import HEAD1, MASS
-from .noise import Noise, draw_noise, gusts
+from .noise import Noise, draw_noise, water_motion
 from .observation import Optics
 
 Array = NDArray[np.float64]
-GROUPS = (("null", 8), ("clear", 8), ("faint", 6), ("pair", 6), ("measurement", 6), ("unlisted", 6))
+GROUP_COUNTS = (
+    ("null", 8),
+    ("clear", 8),
+    ("faint", 6),
+    ("pair", 6),
+    ("measurement", 6),
+    ("unlisted", 6),
+)
 NINE_TRIALS = frozenset({2, 7, 8, 13, 19, 20, 25, 30, 33, 38})  # five with a fin, five without
-SUBSTEPS_HZ = 480.0
-MARGIN_M = 0.26
+INTEGRATION_RATE_HZ = 480.0
+WALL_MARGIN_M = 0.26
 
 
 @dataclass(frozen=True)
-class Plan:
+class StudyPlan:
     """A study without its strengths. `trials`: (n, 7), `starts`: (n, 3), `power`: (n,), %."""
 
     group: str
@@ -39,39 +46,42 @@ class Plan:
     fin_row: Array
 
 
-def position(seed: int, index: int) -> tuple[str, int, int]:
+def study_slot(seed: int, index: int) -> tuple[str, int, int]:
     """Group, slot in the group and place in the block of 40 of a study."""
     block = index // 40
     order = np.random.default_rng([seed, 40, 17]).permutation(40)
     place, first = int(order[index % 40]), 0
-    for group, size in GROUPS:
+    for group, size in GROUP_COUNTS:
         if place < first + size:
             return group, place - first + size * block, place
         first += size
     raise AssertionError(place)
 
 
-def dealt(seed: int, deck: tuple[str, ...], count: int, salt: int) -> str:
+def card_from_deck(seed: int, deck: tuple[str, ...], count: int, salt: int) -> str:
     """Card number `count` of repeatedly shuffled decks, so that all names come equally often."""
     rng = np.random.default_rng([seed, salt, count // len(deck)])
     return deck[rng.permutation(len(deck))[count % len(deck)]]
 
 
-def dealt_names(seed: int, group: str, slot: int) -> tuple[str, ...]:
+def effect_names_of_study(seed: int, group: str, slot: int) -> tuple[str, ...]:
     """Names of the effects of a study; physics groups share one deck, 26 cards per block."""
-    block, size = divmod(slot, dict(GROUPS)[group])
+    block, size = divmod(slot, dict(GROUP_COUNTS)[group])
     if group == "measurement":
-        return (dealt(seed, MEASUREMENT, slot, 3),)
+        return (card_from_deck(seed, MEASUREMENT, slot, 3),)
     if group == "unlisted":
         return ("unlisted",)
     if group in {"clear", "faint"}:
         card = 26 * block + size + (8 if group == "faint" else 0)
-        return (dealt(seed, PHYSICS, card, 5),)
+        return (card_from_deck(seed, PHYSICS, card, 5),)
     if group == "pair":
         card = 26 * block + 14 + 2 * size
-        first, second = dealt(seed, PHYSICS, card, 5), dealt(seed, PHYSICS, card + 1, 5)
+        first, second = (
+            card_from_deck(seed, PHYSICS, card, 5),
+            card_from_deck(seed, PHYSICS, card + 1, 5),
+        )
         if first == second:
-            second = dealt(seed, PHYSICS, card + 9, 5)
+            second = card_from_deck(seed, PHYSICS, card + 9, 5)
         return (first, second)
     return ()
 
@@ -87,7 +97,9 @@ def draw_robot(rng: np.random.Generator) -> Array:
     return R
 
 
-def conditions(rng: np.random.Generator, count: int, R: Array, names: tuple[str, ...]) -> tuple:
+def draw_conditions(
+    rng: np.random.Generator, count: int, R: Array, names: tuple[str, ...]
+) -> tuple:
     """Power (%), flapping frequency (Hz), commanded angle (rad), head length (m), all (count,)."""
     powers = np.array([[50, 75, 100], [40, 70, 100], [60, 80, 100], [50, 70, 90]][rng.integers(4)])
     scale = rng.uniform(5.2, 6.2) * (powers / 100.0) ** rng.uniform(1.0, 1.3)
@@ -105,9 +117,9 @@ def conditions(rng: np.random.Generator, count: int, R: Array, names: tuple[str,
     return powers[which][mix], scale[which][mix], angle[mix], head[mix]
 
 
-def placed(path: Array, wanted: int, rng: np.random.Generator) -> tuple[Array, int]:
+def start_pose_in_pool(path: Array, wanted: int, rng: np.random.Generator) -> tuple[Array, int]:
     """Start pose (3,) and frames so that a path from the origin fits into the pool."""
-    room, best = np.array([2.6, 1.6]) - 2 * MARGIN_M, (np.zeros(3), 0)
+    room, best = np.array([2.6, 1.6]) - 2 * WALL_MARGIN_M, (np.zeros(3), 0)
     z = path[:, 0] + 1j * path[:, 1]
     for turn in rng.uniform(-np.pi, np.pi, 40):
         p = z * np.exp(1j * turn)
@@ -116,7 +128,7 @@ def placed(path: Array, wanted: int, rng: np.random.Generator) -> tuple[Array, i
         frames = min(int(np.sum(np.all(high - low <= room, axis=1))), wanted)
         if frames > best[1]:
             slack = room - (high - low)[frames - 1]
-            start = MARGIN_M + rng.uniform(0, 1, 2) * slack - low[frames - 1]
+            start = WALL_MARGIN_M + rng.uniform(0, 1, 2) * slack - low[frames - 1]
             best = (np.array([start[0], start[1], turn]), frames)
     return best
 
@@ -135,12 +147,18 @@ def effect_rows(rng: np.random.Generator, names: tuple[str, ...]) -> Array:
     """Rows (25, 5) of form, start strength with its sign, shape 1 and two spare shapes."""
     E = np.zeros((25, 5))
     for name in names:
-        cause = CAUSES[ROW[name]]
-        if ROW[name] < len(E):
+        cause = CAUSES[CAUSE_ROW[name]]
+        if CAUSE_ROW[name] < len(E):
             sign = -1.0 if cause.signed and rng.random() < 0.5 else 1.0
             form = rng.integers(1, len(cause.forms) + 1)
             jitter = np.exp(rng.uniform(-0.7, 0.4))
-            E[ROW[name]] = [form, sign * jitter * cause.start, rng.uniform(*cause.shape), 0.0, 0.0]
+            E[CAUSE_ROW[name]] = [
+                form,
+                sign * jitter * cause.start,
+                rng.uniform(*cause.shape),
+                0.0,
+                0.0,
+            ]
     return E
 
 
@@ -148,7 +166,7 @@ def draw_trials(
     rng: np.random.Generator, count: int, R: Array, names: tuple[str, ...], noise: Noise
 ) -> tuple[Array, Array, Array]:
     """Trial rows (count, 7) with servo and frequency errors, commanded angles, powers."""
-    power, f, angle, head = conditions(rng, count, R, names)
+    power, f, angle, head = draw_conditions(rng, count, R, names)
     trials = np.zeros((count, 7))
     trials[:, dy.PHI] = angle + rng.normal(0, noise.servo_rad, count)
     trials[:, dy.F] = f * (1 + rng.normal(0, 0.01, count))
@@ -177,14 +195,14 @@ def is_stable(row: Array, R: Array, trial: Array, fps: float) -> bool:
     E[dy.FIN] = row
     gust = np.zeros((frames, 3))
     gust[frames // 2 : frames // 2 + 3, 2] = 1e-6
-    path, _ = dy.swim(trial, R, E, np.zeros(3), gust, fps, 8)
+    path, _ = dy.simulate_trial(trial, R, E, np.zeros(3), gust, fps, 8)
     rate = np.abs(path[:, 5])
     return bool(rate[-1] < 0.5 * rate[frames // 2 : frames // 2 + 8].max())
 
 
-def draw_plan(seed: int, index: int, names: tuple[str, ...], rng: np.random.Generator) -> Plan:
+def draw_plan(seed: int, index: int, names: tuple[str, ...], rng: np.random.Generator) -> StudyPlan:
     """Everything random about a study apart from effects and their strengths."""
-    group, slot, place = position(seed, index)
+    group, slot, place = study_slot(seed, index)
     count = 9 if place in NINE_TRIALS else 24
     R, noise = draw_robot(rng), draw_noise(rng)
     trials, commanded, power = draw_trials(rng, count, R, names, noise)
@@ -198,9 +216,9 @@ def draw_plan(seed: int, index: int, names: tuple[str, ...], rng: np.random.Gene
         base[dy.FIN] = fin_row(rng, R, trials, fps)
     for i in range(count):
         frames = int(wanted[i] * fps)
-        path, _ = dy.swim(trials[i], R, base, np.zeros(3), np.zeros((frames, 3)), fps, 8)
-        starts[i], fit = placed(path, frames, rng)
+        path, _ = dy.simulate_trial(trials[i], R, base, np.zeros(3), np.zeros((frames, 3)), fps, 8)
+        starts[i], fit = start_pose_in_pool(path, frames, rng)
         wanted[i] = max(fit / fps, 3.15)
-    water = tuple(gusts(rng, noise, int(d * fps) + 1, fps) for d in wanted)
-    return Plan(group, slot % 2 == 1, names, R, trials, commanded, power, starts, wanted, fps,
+    water = tuple(water_motion(rng, noise, int(d * fps) + 1, fps) for d in wanted)
+    return StudyPlan(group, slot % 2 == 1, names, R, trials, commanded, power, starts, wanted, fps,
                 noise, draw_optics(rng, names), water, base[dy.FIN])  # fmt: skip

@@ -11,19 +11,26 @@ from numpy.typing import NDArray
 
 from . import detector as det
 from . import dynamics as dy
-from .catalogue import CAUSES, MEASUREMENT, PHYSICS, ROW, UNLISTED
+from .catalogue import CAUSE_ROW, CAUSES, MEASUREMENT, PHYSICS, UNLISTED
 from .effects import BODY, HEAD1, HINGE, TAIL
 from .files import write_study
-from .noise import LEVELS
-from .observation import apparent_pose, imaged, stated
-from .plan import SUBSTEPS_HZ, Plan, dealt_names, draw_plan, effect_rows, position
+from .noise import KEYPOINT_NOISE_FACTORS
+from .observation import apparent_pose, keypoint_pixels, stated_setup
+from .plan import (
+    INTEGRATION_RATE_HZ,
+    StudyPlan,
+    draw_plan,
+    effect_names_of_study,
+    effect_rows,
+    study_slot,
+)
 
 Array = NDArray[np.float64]
 Errors = dict[str, tuple[int, float]]
-TARGET = {"clear": (20, 45), "faint": (8, 14), "pair": (14, 35), "measurement": (12, 40),
+TARGET_SIGMAS = {"clear": (20, 45), "faint": (8, 14), "pair": (14, 35), "measurement": (12, 40),
           "unlisted": (14, 40)}  # fmt: skip
 BLOCK_S = 0.1
-EDGE_M = 0.02
+POOL_EDGE_MARGIN_M = 0.02
 
 
 def start_delay(errors: Errors, order: Array) -> Array:
@@ -37,26 +44,28 @@ def start_delay(errors: Errors, order: Array) -> Array:
     return np.full(count, size if form == 1 else 0.0)
 
 
-def delayed(plan: Plan, errors: Errors) -> Array:
+def with_start_delays(plan: StudyPlan, errors: Errors) -> Array:
     """Trial rows with the start delays."""
     trials = plan.trials.copy()
     trials[:, dy.START] = start_delay(errors, trials[:, dy.ORDER])
     return trials
 
 
-def simulated(plan: Plan, E: Array, errors: Errors) -> list[tuple[Array, Array]]:
+def simulate_trials(plan: StudyPlan, E: Array, errors: Errors) -> list[tuple[Array, Array]]:
     """Path (frames, 18) and wake (frames, 2) of every trial, cut where it would leave the pool."""
-    runs, substeps = [], max(round(SUBSTEPS_HZ / plan.fps), 4)
-    for trial, start, gust in zip(delayed(plan, errors), plan.starts, plan.gust, strict=True):
-        path, wake = dy.swim(trial, plan.R, E, start, gust, plan.fps, substeps)
-        reach = clearance(path, trial, plan.R)
-        inside = np.all(np.isfinite(path), axis=1) & (reach > EDGE_M)
+    runs, substeps = [], max(round(INTEGRATION_RATE_HZ / plan.fps), 4)
+    for trial, start, gust in zip(
+        with_start_delays(plan, errors), plan.starts, plan.gust, strict=True
+    ):
+        path, wake = dy.simulate_trial(trial, plan.R, E, start, gust, plan.fps, substeps)
+        reach = wall_clearance(path, trial, plan.R)
+        inside = np.all(np.isfinite(path), axis=1) & (reach > POOL_EDGE_MARGIN_M)
         frames = len(path) if inside.all() else int(np.argmin(inside))
         runs.append((path[:frames], wake[:frames]))
     return runs
 
 
-def clearance(path: Array, trial: Array, R: Array) -> Array:
+def wall_clearance(path: Array, trial: Array, R: Array) -> Array:
     """Distance (m) of the nose or the tail tip, whichever is nearer, from the pool's walls."""
     z, head = path[:, 0] + 1j * path[:, 1], np.exp(1j * path[:, 2])
     nose = z + (R[HINGE] + trial[dy.HEAD]) * head
@@ -75,18 +84,18 @@ def steady_frequency(trial: Array, E: Array, times: Array) -> float:
     return float(np.mean([dy.flapping_frequency(t, trial, plain) for t in times[times > trial[3]]]))
 
 
-def without(E: Array, errors: Errors, name: str) -> tuple[Array, Errors]:
+def without_effect(E: Array, errors: Errors, name: str) -> tuple[Array, Errors]:
     """Effects and errors with one of them off."""
     rest, others = E.copy(), {k: v for k, v in errors.items() if k != name}
-    if ROW[name] < len(rest):
-        rest[ROW[name]] = 0.0
+    if CAUSE_ROW[name] < len(rest):
+        rest[CAUSE_ROW[name]] = 0.0
     return rest, others
 
 
-def error_model(plan: Plan, frames: int) -> det.ErrorModel:
+def error_model(plan: StudyPlan, frames: int) -> det.ErrorModel:
     """Block-mean errors of x, y, heading from the rigid fit of four keypoints."""
     metre = plan.optics.camera.pose[5] / plan.optics.camera.focal[0]
-    level = LEVELS[:4]
+    level = KEYPOINT_NOISE_FACTORS[:4]
     lever = np.array([plan.R[5] + plan.R[3], plan.R[5], 0.0, -(plan.R[2] - plan.R[3] - plan.R[5])])
     weight = 1 / level**2
     info = np.array([[weight.sum(), weight @ lever], [weight @ lever, weight @ lever**2]])
@@ -98,19 +107,24 @@ def error_model(plan: Plan, frames: int) -> det.ErrorModel:
 
 
 def trial_signals(
-    plan: Plan, E: Array, errors: Errors, number: int, run: tuple[Array, Array], names: list[str]
+    plan: StudyPlan,
+    E: Array,
+    errors: Errors,
+    number: int,
+    run: tuple[Array, Array],
+    names: list[str],
 ) -> tuple[Array, Array]:
     """Whitened signals (rows, 6 + names) of one trial, and layout changes (blocks, names, 2)."""
     step = max(round(BLOCK_S * plan.fps), 1)
     path, wake = run[0][::step], run[1][::step]
-    times, trial = np.arange(len(path)) * step / plan.fps, delayed(plan, errors)[number]
-    J, G = det.linearised(times, path, wake, trial, plan.R, prompt(E))
+    times, trial = np.arange(len(path)) * step / plan.fps, with_start_delays(plan, errors)[number]
+    J, G = det.block_jacobians(times, path, wake, trial, plan.R, without_memory(E))
     full = block_means(run, step, plan, trial, E)
     d, e = np.zeros((len(path), 3, 6 + len(names))), np.zeros((len(path), 3, 6 + len(names)))
     layout = np.zeros((len(path), len(names), 2))
     d[:, :, :6] = G
     for j, name in enumerate(names):
-        rest, others = without(E, errors, name)
+        rest, others = without_effect(E, errors, name)
         plain = trial.copy()
         plain[dy.START] = trial[dy.START] if name != "time_offset" else 0.0
         if name == "battery_sag":
@@ -121,10 +135,10 @@ def trial_signals(
             change = pose_change(plan, (E, errors), (rest, others), path, times, trial)
             e[:, :, 6 + j], layout[:, j] = change[:, :3], change[:, 3:]
     m = error_model(plan, step)
-    return det.whitened(J, d, e, step / plan.fps, *m), layout
+    return det.whitened_innovations(J, d, e, step / plan.fps, *m), layout
 
 
-def prompt(E: Array) -> Array:
+def without_memory(E: Array) -> Array:
     """Effects without memory, for Jacobians: with frozen lags the lift would not follow alpha."""
     E = E.copy()
     E[dy.LAG] = 0.0
@@ -135,7 +149,9 @@ def prompt(E: Array) -> Array:
     return E
 
 
-def block_means(run: tuple[Array, Array], step: int, plan: Plan, trial: Array, E: Array) -> Array:
+def block_means(
+    run: tuple[Array, Array], step: int, plan: StudyPlan, trial: Array, E: Array
+) -> Array:
     """Accelerations (blocks, 3): means over the frames of a block, at the frames' half-times."""
     times = (np.arange(len(run[0])) + 0.5) / plan.fps
     a = det.accelerations(times, *run, trial, plan.R, E)
@@ -145,30 +161,30 @@ def block_means(run: tuple[Array, Array], step: int, plan: Plan, trial: Array, E
 
 
 def pose_change(
-    plan: Plan, all_on: tuple, one_off: tuple, path: Array, times: Array, trial: Array
+    plan: StudyPlan, all_on: tuple, one_off: tuple, path: Array, times: Array, trial: Array
 ) -> Array:
     """Change (blocks, 5) of the apparent pose that one effect's optics or labels make."""
     poses = []
     for E, errors in (all_on, one_off):
-        pixels = imaged(path, times, trial, plan.R, E, optics=plan.optics, errors=errors)
-        poses.append(apparent_pose(pixels, stated(plan.optics, errors)))
+        pixels = keypoint_pixels(path, times, trial, plan.R, E, optics=plan.optics, errors=errors)
+        poses.append(apparent_pose(pixels, stated_setup(plan.optics, errors)))
     change = poses[0] - poses[1]
     change[:, 2:4] = (change[:, 2:4] + np.pi) % (2 * np.pi) - np.pi
     return change
 
 
 def detectability(
-    plan: Plan, E: Array, errors: Errors, runs: list[tuple[Array, Array]]
+    plan: StudyPlan, E: Array, errors: Errors, runs: list[tuple[Array, Array]]
 ) -> dict[str, float]:
     """Sigma of every effect and error that is on."""
-    names = [c.name for c in CAUSES[:25] if E[ROW[c.name], 0] > 0] + list(errors)
+    names = [c.name for c in CAUSES[:25] if E[CAUSE_ROW[c.name], 0] > 0] + list(errors)
     parts = [trial_signals(plan, E, errors, i, run, names) for i, run in enumerate(runs)]
     signals, sigma = np.concatenate([p[0] for p in parts]), {}
     for j, name in enumerate(names):
         rest = np.delete(signals, 6 + j, axis=1)
         sigma[name] = det.projected_norm(signals[:, 6 + j], rest)
         if name in MEASUREMENT:
-            extra = layout_sigma(plan, [p[1][:, j] for p in parts])
+            extra = head_angle_and_length_sigmas(plan, [p[1][:, j] for p in parts])
             sigma[name] = float(np.hypot(sigma[name], extra))
         if name == "clock_error":
             form, size = errors[name]
@@ -176,7 +192,7 @@ def detectability(
     return sigma
 
 
-def layout_sigma(plan: Plan, change: list[Array]) -> float:
+def head_angle_and_length_sigmas(plan: StudyPlan, change: list[Array]) -> float:
     """Sigma of head angle and body length changes, with tracking errors per independent block."""
     step = max(round(BLOCK_S * plan.fps), 1)
     m, R, n = error_model(plan, step), plan.R, plan.noise
@@ -184,7 +200,7 @@ def layout_sigma(plan: Plan, change: list[Array]) -> float:
     runs = 1 + 2 * n.tracking_s / BLOCK_S
     px = np.sqrt(n.white_px**2 / step + (n.tracking_px**2 + n.bias_px**2 / 2) * runs)
     std = (px * metre / R[3] * 1.6, px * metre * 1.5 / (R[2] - 0.0))
-    return det.layout_norm(change, std, m.servo)
+    return det.head_angle_and_length_sigma(change, std, m.servo)
 
 
 def clock_factors(form: int, size: float, count: int) -> Array:
@@ -192,19 +208,21 @@ def clock_factors(form: int, size: float, count: int) -> Array:
     return np.full(count, size) if form == 1 else size * 1.7 * np.arange(count) / count
 
 
-def strengths(E: Array, errors: Errors, name: str) -> float:
+def strength_of(E: Array, errors: Errors, name: str) -> float:
     """Strength of an effect or error."""
-    return float(E[ROW[name], 1]) if ROW[name] < len(E) else errors[name][1]
+    return float(E[CAUSE_ROW[name], 1]) if CAUSE_ROW[name] < len(E) else errors[name][1]
 
 
-def scaled(E: Array, errors: Errors, name: str, factor: float) -> tuple[Array, Errors]:
+def with_scaled_strength(
+    E: Array, errors: Errors, name: str, factor: float
+) -> tuple[Array, Errors]:
     """Effects and errors with one strength multiplied, kept within its bound."""
-    value, bound = strengths(E, errors, name) * factor, CAUSES[ROW[name]].bound
+    value, bound = strength_of(E, errors, name) * factor, CAUSES[CAUSE_ROW[name]].bound
     least = 0.05 if name == "lift_lag" else 0.0  # a faster lag is too stiff for Adams-Bashforth
     value = max(float(np.clip(value, -bound, bound)), least or -bound)
-    if ROW[name] < len(E):
+    if CAUSE_ROW[name] < len(E):
         changed = E.copy()
-        changed[ROW[name], 1] = value
+        changed[CAUSE_ROW[name], 1] = value
         return changed, errors
     return E, {**errors, name: (errors[name][0], value)}
 
@@ -217,62 +235,62 @@ def secant_step(here: tuple[float, float], last: tuple[float, float] | None, aim
     return float(np.clip((aim - here[1]) / np.clip(slope, 0.5, 4.0), -1.4, 1.4))
 
 
-def solved(
-    plan: Plan, E: Array, errors: Errors, rng: np.random.Generator
+def solve_strengths(
+    plan: StudyPlan, E: Array, errors: Errors, rng: np.random.Generator
 ) -> tuple[Array, Errors, list, dict[str, float]]:
     """Strengths that reach drawn sigmas, by secants in the logarithm (ten at most)."""
-    low, high = TARGET.get(plan.group, (0, 0))
+    low, high = TARGET_SIGMAS.get(plan.group, (0, 0))
     aim = {
         n: float(np.exp(rng.uniform(np.log(low * 1.1), np.log(high * 0.92)))) for n in plan.names
     }
     last: dict[str, tuple[float, float]] = {}
     for _ in range(10):
-        runs = simulated(plan, E, errors)
+        runs = simulate_trials(plan, E, errors)
         sigma = dict.fromkeys(plan.names, 0.0)
         if min(len(r[0]) for r in runs) < 1.5 * plan.fps:
             for n in plan.names:
-                E, errors = scaled(E, errors, n, 0.4)
+                E, errors = with_scaled_strength(E, errors, n, 0.4)
             continue
         sigma = detectability(plan, E, errors, runs)
         if all(low <= sigma[n] <= high for n in plan.names):
             break
         for n in plan.names:
-            here = (np.log(abs(strengths(E, errors, n))), np.log(max(sigma[n], 1e-6)))
+            here = (np.log(abs(strength_of(E, errors, n))), np.log(max(sigma[n], 1e-6)))
             step = secant_step(here, last.get(n), np.log(aim[n]))
             last[n] = here
-            E, errors = scaled(E, errors, n, float(np.exp(step)))
+            E, errors = with_scaled_strength(E, errors, n, float(np.exp(step)))
     return E, errors, runs, sigma
 
 
-def attempt(seed: int, index: int, names: tuple[str, ...], trial_number: int) -> tuple | None:
+def try_plan(seed: int, index: int, names: tuple[str, ...], trial_number: int) -> tuple | None:
     """A plan with effects that reach their sigma, or None."""
     rng = np.random.default_rng([seed, index, trial_number, 2026])
     plan = draw_plan(seed, index, names, rng)
     E = effect_rows(rng, names)
     errors: Errors = {}
     for name in set(names) & set(MEASUREMENT):
-        cause = CAUSES[ROW[name]]
+        cause = CAUSES[CAUSE_ROW[name]]
         sign = -1.0 if cause.signed and rng.random() < 0.5 else 1.0
         form = int(rng.integers(1, len(cause.forms) + 1))
         errors[name] = (form, sign * cause.start * float(np.exp(rng.uniform(-0.5, 0.4))))
     E[dy.FIN] = plan.fin_row
-    E, errors, runs, sigma = solved(plan, E, errors, rng)
-    low, high = TARGET.get(plan.group, (0, np.inf))
+    E, errors, runs, sigma = solve_strengths(plan, E, errors, rng)
+    low, high = TARGET_SIGMAS.get(plan.group, (0, np.inf))
     good = all(low <= sigma[n] <= high for n in names) and sigma.get("tail_fin_lift", 99) >= 15
     whole = min(len(r[0]) for r in runs) >= 2.95 * plan.fps
     return (plan, E, errors, runs, sigma, rng) if good and whole else None
 
 
-def composed(seed: int, index: int) -> tuple:
+def compose_study(seed: int, index: int) -> tuple:
     """The first attempt that succeeds: three with the dealt names, then with other names."""
-    group, slot, _ = position(seed, index)
-    names = dealt_names(seed, group, slot)
+    group, slot, _ = study_slot(seed, index)
+    names = effect_names_of_study(seed, group, slot)
     spare = np.random.default_rng([seed, index, 99])
     for number in range(40):
         if number >= 4 and number % 2 == 0 and names and group != "unlisted":
             deck = MEASUREMENT if group == "measurement" else PHYSICS
             names = tuple(str(n) for n in spare.choice(deck, len(names), replace=False))
-        found = attempt(seed, index, names, number)
+        found = try_plan(seed, index, names, number)
         if found:
             return found
     raise RuntimeError(f"study {index} of seed {seed}: no effect reached its sigma")
@@ -280,7 +298,7 @@ def composed(seed: int, index: int) -> tuple:
 
 def cause_entry(name: str, form: int, value: float, shape: float, sigma: float) -> dict:
     """One entry of the truth's `causes`."""
-    cause = CAUSES[ROW[name]]
+    cause = CAUSES[CAUSE_ROW[name]]
     parameters = {cause.parameter: {"value": value, "unit": cause.unit}}
     if shape:
         parameters["shape"] = {"value": shape, "unit": "see effects.py"}
@@ -288,17 +306,17 @@ def cause_entry(name: str, form: int, value: float, shape: float, sigma: float) 
             "sigma": round(sigma, 2), "parameters": parameters}  # fmt: skip
 
 
-def truth_of(study: str, seed: int, index: int, found: tuple) -> dict:
+def truth_json(study: str, seed: int, index: int, found: tuple) -> dict:
     """The truth file's content."""
     plan, E, errors, runs, sigma, _ = found
-    causes = [cause_entry(n, int(E[ROW[n], 0]), E[ROW[n], 1], E[ROW[n], 2], s)
-              for n, s in sigma.items() if ROW[n] < len(E) and n != "unlisted"]  # fmt: skip
+    causes = [cause_entry(n, int(E[CAUSE_ROW[n], 0]), E[CAUSE_ROW[n], 1], E[CAUSE_ROW[n], 2], s)
+              for n, s in sigma.items() if CAUSE_ROW[n] < len(E) and n != "unlisted"]  # fmt: skip
     causes += [cause_entry(n, f, v, 0.0, sigma[n]) for n, (f, v) in errors.items()]
     free, row = None, E[dy.UNLISTED]
     if row[0] > 0:
         channels, variable = UNLISTED[int(row[0])]
         free = {"channels": channels, "variable": variable, "sigma": round(sigma["unlisted"], 2),
-                "form": CAUSES[ROW["unlisted"]].forms[int(row[0]) - 1],
+                "form": CAUSES[CAUSE_ROW["unlisted"]].forms[int(row[0]) - 1],
                 "amplitude": row[1]}  # fmt: skip
     kinds = {c["kind"] for c in causes}
     verdict = "unexplained" if free else "measurement" if "measurement" in kinds else (
@@ -327,16 +345,16 @@ def generate(seed: int, index: int, directory: Path) -> dict:
     )
     if answer.exists():
         return json.loads(answer.read_text(encoding="utf-8"))
-    found = composed(seed, index)
+    found = compose_study(seed, index)
     plan, E, errors, runs, _, rng = found
     unfinished = folder.with_name(f".{study}.unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
-    placed = replace(plan, trials=delayed(plan, errors))
+    placed = replace(plan, trials=with_start_delays(plan, errors))
     write_study(unfinished, placed, E, errors, runs, rng=rng)
     shutil.rmtree(folder, ignore_errors=True)
     unfinished.rename(folder)
     answer.parent.mkdir(parents=True, exist_ok=True)
-    truth = truth_of(study, seed, index, found)
+    truth = truth_json(study, seed, index, found)
     draft = answer.with_suffix(".part")
     draft.write_text(json.dumps(truth, indent=1), encoding="utf-8")
     draft.rename(answer)

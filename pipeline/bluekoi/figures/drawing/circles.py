@@ -61,10 +61,10 @@ def draw_turns(
     if not trials:
         placeholder(axes, "no turn of this kind in the study")
         return
-    lines = _dashes(campaign, trials, vary)
+    lines = _dash_patterns(campaign, trials, vary)
     for trial in trials:
         colour = styles[trial.power_pct].colour
-        dash = lines[_key(trial, vary)][0]
+        dash = lines[_condition_key(trial, vary)][0]
         ring = circle(campaign.steady[trial.trial_id].radius_m)
         axes.plot(*ring.T, color=colour, ls=dash, lw=0.7, alpha=0.75)
         axes.plot(*measured_arc(campaign, trial).T, color=colour, lw=2, gid=trial.trial_id)
@@ -81,11 +81,13 @@ def equal_axes(axes: Axes) -> None:
     axes.set_ylabel("y - centre (m)")
 
 
-def _key(trial: Trial, vary: str) -> float:
+def _condition_key(trial: Trial, vary: str) -> float:
     return abs(trial.head_angle_deg) if vary == "angle" else trial.head_length_m
 
 
-def _dashes(campaign: Campaign, trials: Iterable[Trial], vary: str) -> dict[float, tuple[str, str]]:
+def _dash_patterns(
+    campaign: Campaign, trials: Iterable[Trial], vary: str
+) -> dict[float, tuple[str, str]]:
     """Dash pattern and label of each head angle or head length."""
     trials = list(trials)
     values = angles_deg(trials) if vary == "angle" else head_lengths(campaign)

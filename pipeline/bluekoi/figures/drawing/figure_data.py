@@ -48,53 +48,53 @@ class Point(NamedTuple):
 def extract_points(figure: Figure) -> list[Point]:
     """All data points of a figure in drawing order; colour bars and annotations are skipped."""
     names = {
-        _look(handle): str(handle.get_label())
+        _line_kind(handle): str(handle.get_label())
         for legend in figure.legends
         for handle in legend.legend_handles
         if isinstance(handle, Line2D)
     }
     every = [inner for axes in figure.axes for inner in (axes, *axes.child_axes)]
     panels = [a for a in every if isinstance(a, Axes) and a.get_label() != "<colorbar>"]
-    return [point for i, axes in enumerate(panels) for point in _panel(i, axes, names)]
+    return [point for i, axes in enumerate(panels) for point in _panel_points(i, axes, names)]
 
 
-def _panel(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
-    x_label = _label(axes, axes.get_shared_x_axes().get_siblings(axes), "get_xlabel")
-    y_label = _label(axes, axes.get_shared_y_axes().get_siblings(axes), "get_ylabel")
+def _panel_points(number: int, axes: Axes, names: dict[Any, str]) -> Iterator[Point]:
+    x_label = _axis_label(axes, axes.get_shared_x_axes().get_siblings(axes), "get_xlabel")
+    y_label = _axis_label(axes, axes.get_shared_y_axes().get_siblings(axes), "get_ylabel")
     head = (number, axes.get_title(), x_label, y_label, axes.get_aspect() == 1.0)
     bars = {id(line) for c in axes.containers if isinstance(c, ErrorbarContainer)
             for line in (c.lines[0], *c.lines[1])}  # fmt: skip
     found = [
         *(
-            _band(c)
+            _band_points(c)
             for c in axes.collections
             if isinstance(c, PolyCollection) and not isinstance(c, Quiver)
         ),
-        *(_arrows(c) for c in axes.collections if isinstance(c, Quiver)),
-        *(_coloured(c) for c in axes.collections if isinstance(c, LineCollection)),
-        *(_mesh(c) for c in axes.collections if isinstance(c, QuadMesh)),
-        *(_line(axes, line, names) for line in axes.lines if id(line) not in bars),
-        *(_errorbar(c) for c in axes.containers if isinstance(c, ErrorbarContainer)),
-        *(_bar(axes, c) for c in axes.containers if isinstance(c, BarContainer)),
+        *(_arrow_points(c) for c in axes.collections if isinstance(c, Quiver)),
+        *(_coloured_line_points(c) for c in axes.collections if isinstance(c, LineCollection)),
+        *(_mesh_points(c) for c in axes.collections if isinstance(c, QuadMesh)),
+        *(_line_points(axes, line, names) for line in axes.lines if id(line) not in bars),
+        *(_errorbar_points(c) for c in axes.containers if isinstance(c, ErrorbarContainer)),
+        *(_bar_points(axes, c) for c in axes.containers if isinstance(c, BarContainer)),
     ]
     for artist, (kind, series, trial_id, colour, rows) in enumerate(found):
         name = "" if series.startswith("_") else series
         for row in rows:
-            yield Point(*head, kind, name, trial_id, colour, artist, *map(_rounded, row))
+            yield Point(*head, kind, name, trial_id, colour, artist, *map(_rounded_text, row))
 
 
-def _label(axes: Axes, siblings: Iterable[Any], get: str) -> str:
+def _axis_label(axes: Axes, siblings: Iterable[Any], get: str) -> str:
     """Label of an axis, of an axis that it is shared with, or of the whole figure."""
     labels = (str(getattr(one, get)()) for one in (axes, *siblings))
     shared = getattr(axes.figure, get.replace("_", "_sup"))()  # supxlabel of the figure
     return next((label for label in labels if label), str(shared))
 
 
-Artist = tuple[str, str, str, str, Iterable[Sequence[Any]]]
+ArtistPoints = tuple[str, str, str, str, Iterable[Sequence[Any]]]
 
 
-def _line(axes: Axes, line: Line2D, names: dict[Any, str]) -> Artist:
-    x, y = _xy(line)
+def _line_points(axes: Axes, line: Line2D, names: dict[Any, str]) -> ArtistPoints:
+    x, y = _line_xy(line)
     in_data = line.get_transform().contains_branch_seperately(axes.transData)
     if not in_data[0]:  # axhline: x in fractions of the axis
         low, high = axes.get_xlim()
@@ -106,20 +106,32 @@ def _line(axes: Axes, line: Line2D, names: dict[Any, str]) -> Artist:
     if line.get_linestyle() in ("None", "", " ") or len(x) == 1:
         kind = "points"
     label = str(line.get_label())
-    label = names.get(_look(line), label) if label.startswith("_") else label
-    return kind, label, str(line.get_gid() or ""), _hex(line.get_color()), zip(x, y, strict=True)
+    label = names.get(_line_kind(line), label) if label.startswith("_") else label
+    return (
+        kind,
+        label,
+        str(line.get_gid() or ""),
+        _hex_colour(line.get_color()),
+        zip(x, y, strict=True),
+    )
 
 
-def _errorbar(bars: ErrorbarContainer) -> Artist:
+def _errorbar_points(bars: ErrorbarContainer) -> ArtistPoints:
     line, _, collections = bars.lines
-    x, y = _xy(line)
+    x, y = _line_xy(line)
     ends = np.array([np.asarray(s)[:, 1] for c in collections for s in c.get_segments()])
     low, high = ends.T if ends.shape == (len(x), 2) else (np.full(len(x), np.nan),) * 2
     rows = zip(x, y, low, high, strict=True)
-    return "points", str(bars.get_label()), str(line.get_gid() or ""), _hex(line.get_color()), rows
+    return (
+        "points",
+        str(bars.get_label()),
+        str(line.get_gid() or ""),
+        _hex_colour(line.get_color()),
+        rows,
+    )
 
 
-def _bar(axes: Axes, bars: BarContainer) -> Artist:
+def _bar_points(axes: Axes, bars: BarContainer) -> ArtistPoints:
     horizontal = bars.orientation == "horizontal"
     axis = axes.yaxis if horizontal else axes.xaxis
     names = {round(at, 6): text.get_text() for at, text in
@@ -137,11 +149,11 @@ def _bar(axes: Axes, bars: BarContainer) -> Artist:
 
 def _bar_colour(bar: Rectangle) -> str:
     """Colour of a bar; of a hollow one, that of its edge."""
-    face = _hex(bar.get_facecolor())
-    return _hex(bar.get_edgecolor()) if face == "#ffffff" else face
+    face = _hex_colour(bar.get_facecolor())
+    return _hex_colour(bar.get_edgecolor()) if face == "#ffffff" else face
 
 
-def _band(shape: PolyCollection) -> Artist:
+def _band_points(shape: PolyCollection) -> ArtistPoints:
     rows = []
     for path in shape.get_paths():
         x, y = np.asarray(path.vertices).T
@@ -150,18 +162,18 @@ def _band(shape: PolyCollection) -> Artist:
             low, high = float(y[place == k].min()), float(y[place == k].max())
             rows.append((one, 0.5 * (low + high), low, high))
     colours = shape.get_facecolor()
-    return "band", str(shape.get_label()), "", _hex(colours[0]), rows
+    return "band", str(shape.get_label()), "", _hex_colour(colours[0]), rows
 
 
-def _arrows(arrows: Quiver) -> Artist:
+def _arrow_points(arrows: Quiver) -> ArtistPoints:
     """Arrows with angles and scale_units "xy" as lines with gaps between them."""
     start = np.asarray(arrows.XY)
     end = start + np.column_stack([arrows.U, arrows.V]) / float(arrows.scale or 1.0)
     rows = (row for a, b in zip(start, end, strict=True) for row in (a, b, ("", "")))
-    return "line", str(arrows.get_label()), "", _hex(arrows.get_facecolor()[0]), rows
+    return "line", str(arrows.get_label()), "", _hex_colour(arrows.get_facecolor()[0]), rows
 
 
-def _coloured(lines: LineCollection) -> Artist:
+def _coloured_line_points(lines: LineCollection) -> ArtistPoints:
     values = lines.get_array()
     segments = [] if values is None else lines.get_segments()  # error bars have no values
     middles = [np.asarray(s).mean(axis=0) for s in segments]
@@ -172,7 +184,7 @@ def _coloured(lines: LineCollection) -> Artist:
     return "points", str(lines.get_label()), str(lines.get_gid() or ""), "", rows
 
 
-def _mesh(mesh: QuadMesh) -> Artist:
+def _mesh_points(mesh: QuadMesh) -> ArtistPoints:
     corners = np.asarray(mesh.get_coordinates())
     centres = 0.25 * (corners[1:, 1:] + corners[:-1, 1:] + corners[1:, :-1] + corners[:-1, :-1])
     values: Float = np.ma.filled(np.ma.asarray(mesh.get_array(), dtype=float), np.nan).ravel()
@@ -181,20 +193,20 @@ def _mesh(mesh: QuadMesh) -> Artist:
     return "points", str(mesh.get_label()), "", "", rows
 
 
-def _xy(line: Line2D) -> tuple[Float, Float]:
+def _line_xy(line: Line2D) -> tuple[Float, Float]:
     x, y = (np.atleast_1d(np.asarray(v, dtype=float)) for v in line.get_data())
     return x, y
 
 
-def _look(line: Line2D) -> tuple[str, str]:
-    return _hex(line.get_color()), str(line.get_linestyle())
+def _line_kind(line: Line2D) -> tuple[str, str]:
+    return _hex_colour(line.get_color()), str(line.get_linestyle())
 
 
-def _hex(colour: Any) -> str:
+def _hex_colour(colour: Any) -> str:
     return str(to_hex(colour))
 
 
-def _rounded(value: Any) -> Number:
+def _rounded_text(value: Any) -> Number:
     """Value with five significant digits; empty for NaN."""
     if isinstance(value, str):
         return value

@@ -76,7 +76,9 @@ def angles_deg(trials: Iterable[Trial]) -> tuple[float, ...]:
 
 def speed_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
     """Mean steady speed of straight runs, m/s, per power and head length."""
-    return _means(campaign, straight_trials(campaign), lambda s: (s.speed_m_s, s.speed_std_m_s))
+    return _condition_means(
+        campaign, straight_trials(campaign), lambda s: (s.speed_m_s, s.speed_std_m_s)
+    )
 
 
 def radius_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
@@ -84,10 +86,12 @@ def radius_means(campaign: Campaign) -> tuple[ConditionMean, ...]:
 
     Good steady turns only; all turns of a condition that has no good one.
     """
-    return _means(campaign, turning_trials(campaign), lambda s: (s.radius_m, s.radius_std_m))
+    return _condition_means(
+        campaign, turning_trials(campaign), lambda s: (s.radius_m, s.radius_std_m)
+    )
 
 
-def _means(
+def _condition_means(
     campaign: Campaign, trials: Iterable[Trial], read: Callable[[Steady], tuple[float, float]]
 ) -> tuple[ConditionMean, ...]:
     groups: dict[tuple[float, float, float], list[Steady]] = {}
@@ -97,11 +101,11 @@ def _means(
     return tuple(
         found
         for key, rows in sorted(groups.items())
-        if (found := _mean(key, rows, read)) is not None
+        if (found := _condition_mean(key, rows, read)) is not None
     )
 
 
-def _mean(
+def _condition_mean(
     key: tuple[float, float, float],
     rows: list[Steady],
     read: Callable[[Steady], tuple[float, float]],

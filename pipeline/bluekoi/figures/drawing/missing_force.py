@@ -106,8 +106,11 @@ def force_of_effects(campaign: Campaign, one: MissingForce) -> Float:
     if not fitted:
         return np.full_like(one.force, np.nan)
     power = f"{campaign.study.trial(one.trial_id).power_pct:g}"
-    models = [_parameters(_without_effects(fitted), power), _parameters(fitted, power)]
-    before, after = _rates(campaign, one, models)
+    models = [
+        _identified_parameters(_without_effects(fitted), power),
+        _identified_parameters(fitted, power),
+    ]
+    before, after = _recorded_rates(campaign, one, models)
     robot = campaign.study.setup.robot
     inertia = np.array([robot.mass_kg, robot.mass_kg, robot.yaw_inertia_kg_m2])
     return np.asarray(1000 * inertia * (after - before))
@@ -138,7 +141,7 @@ def _missing_force(name: str, entry: Mapping[str, Any], track: Track) -> Missing
     )
 
 
-def _parameters(fitted: Mapping[str, Mapping[str, float]], power: str) -> Float:
+def _identified_parameters(fitted: Mapping[str, Mapping[str, float]], power: str) -> Float:
     """Full parameter vector of a fit; `C_Da@75` applies to trials at 75 % power."""
     coefficients: dict[str, float] = {}
     effects: dict[str, dict[str, float]] = {}
@@ -152,7 +155,9 @@ def _parameters(fitted: Mapping[str, Mapping[str, float]], power: str) -> Float:
     return np.asarray(plates().values(coefficients, effects))
 
 
-def _rates(campaign: Campaign, one: MissingForce, models: list[Float]) -> tuple[Float, Float]:
+def _recorded_rates(
+    campaign: Campaign, one: MissingForce, models: list[Float]
+) -> tuple[Float, Float]:
     """Derivatives of surge, sway and yaw rate of two models in the measured motion, (n, 3) each."""
     kernel, n = compiled(plates()), len(one.motion)
     trial = campaign.study.trial(one.trial_id)

@@ -50,8 +50,8 @@ class Sweep:
 def fitted_powers(campaign: Campaign) -> dict[float, PowerFit]:
     """Results of the paper's steps at each tested power; empty before the tuning."""
     steps = campaign.coefficients.get("paper_steps", {})
-    rows = [_tuned(float(power), entry) for power, entry in steps.items()]
-    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_power)}
+    rows = [_fits_by_power(float(power), entry) for power, entry in steps.items()]
+    return {row.power_pct: row for row in sorted((r for r in rows if r), key=_fit_of_power)}
 
 
 def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
@@ -63,8 +63,8 @@ def with_extrapolated_powers(campaign: Campaign) -> dict[float, PowerFit]:
     if len(known) < 2:
         return known
     added = [p for p in EXTENDED_POWERS_PCT if p not in known]
-    rows = [*known.values(), *(_extrapolated(known, p) for p in added)]
-    return {row.power_pct: row for row in sorted(rows, key=_power)}
+    rows = [*known.values(), *(_extrapolated_fit(known, p) for p in added)]
+    return {row.power_pct: row for row in sorted(rows, key=_fit_of_power)}
 
 
 def simulate_from_rest(
@@ -84,7 +84,7 @@ def simulate_from_rest(
 def speed_from_rest(campaign: Campaign, row: PowerFit, times: Float) -> Sweep:
     """Speed of a straight run from rest of the 1x head at times (n,), m/s."""
     head = campaign.study.setup.robot.head_length_m
-    lanes = _values(row)[:LANES]
+    lanes = _coefficient_values(row)[:LANES]
     short = LANES - len(lanes)
     values = np.vstack([lanes, np.repeat(lanes[:1], short, axis=0)]).T[None]
     fixed = in_lanes(constants(campaign.study.setup, head)[None])
@@ -105,7 +105,7 @@ def turn_radii(
         Condition(row.flap_hz, math.radians(angle), length, campaign.study.setup)
         for length, angle in zip(head_lengths_m, angles_deg, strict=True)
     ]
-    found = steady_states(conditions, _values(row)).radius_m
+    found = steady_states(conditions, _coefficient_values(row)).radius_m
     return _with_band(np.where(np.isfinite(found), found, np.nan))
 
 
@@ -130,7 +130,7 @@ def radii_over_length(
     return turn_radii(campaign, row, lengths, [angle_deg] * len(lengths))
 
 
-def _values(row: PowerFit) -> Float:
+def _coefficient_values(row: PowerFit) -> Float:
     """Parameter vectors (1 + draws, parameters), the best estimate first."""
     count = len(next(iter(row.draws.values()), ()))
     drawn = [{name: float(v[k]) for name, v in row.draws.items()} for k in range(count)]
@@ -149,11 +149,11 @@ def _with_band(values: Float) -> Sweep:
     return Sweep(best, best * np.exp(-spread), best * np.exp(spread))
 
 
-def _power(row: PowerFit) -> float:
+def _fit_of_power(row: PowerFit) -> float:
     return row.power_pct
 
 
-def _tuned(power: float, entry: Mapping[str, object]) -> PowerFit | None:
+def _fits_by_power(power: float, entry: Mapping[str, object]) -> PowerFit | None:
     cells = entry.get("coefficients")
     flap_hz = entry.get("flap_hz")
     if not isinstance(cells, Mapping) or not isinstance(flap_hz, (int, float)):
@@ -162,10 +162,12 @@ def _tuned(power: float, entry: Mapping[str, object]) -> PowerFit | None:
     if any(value is None for value in values.values()):
         return None
     best = {k: float(v) for k, v in values.items()}
-    return PowerFit(power, float(flap_hz), best, True, _draws(entry.get("ensemble"), best))
+    return PowerFit(
+        power, float(flap_hz), best, True, _coefficient_draws(entry.get("ensemble"), best)
+    )
 
 
-def _draws(ensemble: object, best: Mapping[str, float]) -> dict[str, Float]:
+def _coefficient_draws(ensemble: object, best: Mapping[str, float]) -> dict[str, Float]:
     """Draws by name, at most `BAND_DRAWS`; constant for coefficients that were not fitted."""
     if not isinstance(ensemble, Mapping):
         return {}
@@ -174,7 +176,7 @@ def _draws(ensemble: object, best: Mapping[str, float]) -> dict[str, Float]:
     return {name: given.get(name, np.full(len(rows), value)) for name, value in best.items()}
 
 
-def _extrapolated(known: Mapping[float, PowerFit], power: float) -> PowerFit:
+def _extrapolated_fit(known: Mapping[float, PowerFit], power: float) -> PowerFit:
     """Coefficients of an untested power; the constant ones come from the nearest tested power."""
     rows = list(known.values())
     nearest = min(rows, key=lambda row: abs(row.power_pct - power))

@@ -4,7 +4,7 @@ import math
 
 from numba import njit
 
-from validation.generators.concealed.swimmer.quantities import Body, Command, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws, TrialCommand
 
 __all__ = ["frequency", "head_angle", "thrust"]
 
@@ -12,7 +12,7 @@ FIRST_ORDER, CRITICAL, RATE = 0, 1, 2
 
 
 @njit(cache=True)
-def head_angle(g: Laws, c: Command, t: float) -> float:
+def head_angle(g: HiddenLaws, c: TrialCommand, t: float) -> float:
     """Head angle (rad): offset, and the servo's way there.
 
     FIRST_ORDER `1 - exp(-t/T)`; CRITICAL `1 - (1 + 2t/T) exp(-2t/T)`; RATE: 45 deg in `2 T`.
@@ -30,7 +30,7 @@ def head_angle(g: Laws, c: Command, t: float) -> float:
 
 
 @njit(cache=True)
-def frequency(g: Laws, c: Command, t: float) -> float:
+def frequency(g: HiddenLaws, c: TrialCommand, t: float) -> float:
     """Beat frequency (Hz): `1 - exp(-t/T)`, `tanh(t/T)` or a ramp over `2 T`."""
     if g.spin_s <= 0.0:
         return c.flap_hz
@@ -43,7 +43,7 @@ def frequency(g: Laws, c: Command, t: float) -> float:
 
 
 @njit(cache=True)
-def supply(g: Laws, t: float) -> float:
+def battery_factor(g: HiddenLaws, t: float) -> float:
     """Factor on the thrust of a sagging pack: `1 - kt`, `1/(1 + kt)` or `exp(-kt)`."""
     x = g.sag_per_s * max(t, 0.0)
     if g.sag_law == 0:
@@ -52,7 +52,7 @@ def supply(g: Laws, t: float) -> float:
 
 
 @njit(cache=True)
-def slip(g: Laws, f: float, u: float) -> float:
+def advance_factor(g: HiddenLaws, f: float, u: float) -> float:
     """Factor on the thrust with the advance `J = u/f` (m): `1 - kJ`, `exp(-kJ)`, `1 - (kJ)^2`."""
     if g.slip_per_m <= 0.0:
         return 1.0
@@ -63,9 +63,13 @@ def slip(g: Laws, f: float, u: float) -> float:
 
 
 @njit(cache=True)
-def thrust(b: Body, g: Laws, c: Command, t: float, f: float, u: float, beat: float) -> float:
+def thrust(
+    b: BodyParameters, g: HiddenLaws, c: TrialCommand, t: float, f: float, u: float, beat: float
+) -> float:
     """Thrust (N) along the core: eq. 1 with its pulse twice a beat and what takes from it."""
     area = c.head_length_m * b.head_span_m
     lost = g.thrust_area * (c.head_length_m - b.head_1x_m) * b.head_span_m
     size = 0.5 * b.density_kg_m3 * b.C_T * f * f * (area - lost)
-    return size * (1 + b.pulse * math.cos(2 * beat)) * supply(g, t) * slip(g, f, u)
+    return (
+        size * (1 + b.pulse * math.cos(2 * beat)) * battery_factor(g, t) * advance_factor(g, f, u)
+    )

@@ -13,53 +13,57 @@ from scipy.interpolate import CubicSpline
 from bluekoi.synthetic.laws import Recoil
 from bluekoi.synthetic.tank import TrialMotion
 from validation.generators.concealed.swimmer.drive import frequency, head_angle, thrust
-from validation.generators.concealed.swimmer.extras import drag_over_speed, other_moment, tether
-from validation.generators.concealed.swimmer.plates import cross_flow, fin, head_plate
-from validation.generators.concealed.swimmer.quantities import Body, Command, Laws
-from validation.generators.concealed.swimmer.water import water
+from validation.generators.concealed.swimmer.further_forces import (
+    drag_over_speed,
+    further_yaw_moment,
+    tether_force,
+)
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws, TrialCommand
+from validation.generators.concealed.swimmer.plates import crossflow_force, fin_force, head_plate
+from validation.generators.concealed.swimmer.water import water_velocity
 
 __all__ = ["STATES", "rates", "states", "swim"]
 
 STATES = 9
 STEP_S = 1 / 480
-KEEP = 2
+KEEP_EVERY_STEPS = 2
 
 
 @njit(cache=True)
-def _relative(
-    b: Body, g: Laws, eddies: np.ndarray, t: float, s: np.ndarray, x: float
+def _relative_velocity(
+    b: BodyParameters, g: HiddenLaws, eddies: np.ndarray, t: float, s: np.ndarray, x: float
 ) -> tuple[float, float]:
     """Velocity (core frame) of the centre of mass against the water at station x of the core."""
     cp, sp = math.cos(s[2]), math.sin(s[2])
-    wx, wy = water(b, g, eddies, t, s[0] + x * cp, s[1] + x * sp)
+    wx, wy = water_velocity(b, g, eddies, t, s[0] + x * cp, s[1] + x * sp)
     return s[3] - (wx * cp + wy * sp), s[4] - (wy * cp - wx * sp)
 
 
 @njit(cache=True)
-def _load(
-    b: Body, g: Laws, c: Command, eddies: np.ndarray, t: float, s: np.ndarray
+def _forces(
+    b: BodyParameters, g: HiddenLaws, c: TrialCommand, eddies: np.ndarray, t: float, s: np.ndarray
 ) -> tuple[float, float, float, float]:
     """Surge, sway (N), yaw (N m), and what the lagging lift tends to."""
     phi, f = head_angle(g, c, t), frequency(g, c, t)
     back = b.body_length_m - b.head_1x_m - b.hinge_to_com_m
-    u, v = _relative(b, g, eddies, t, s, 0.0)
-    uh, vh = _relative(b, g, eddies, t, s, b.hinge_to_com_m + 0.5 * c.head_length_m)
-    vt = _relative(b, g, eddies, t, s, -back)[1]
+    u, v = _relative_velocity(b, g, eddies, t, s, 0.0)
+    uh, vh = _relative_velocity(b, g, eddies, t, s, b.hinge_to_com_m + 0.5 * c.head_length_m)
+    vt = _relative_velocity(b, g, eddies, t, s, -back)[1]
     T = thrust(b, g, c, t, f, u, s[6])
     X, Y, N, aim = head_plate(b, g, c, phi, uh, vh, s[7], s[8])
     V = math.sqrt(u * u + v * v)
     k = drag_over_speed(b, g, c, t, s[0], s[1], s[2] - c.psi + c.turned, V)
     X, Y = X + T - k * u, Y - k * v + g.jet * math.sin(phi) * T
-    N += other_moment(g, T, phi, u, V, s[5], c.head_length_m / b.head_1x_m)
+    N += further_yaw_moment(g, T, phi, u, V, s[5], c.head_length_m / b.head_1x_m)
     N -= b.C_Md * s[5] * abs(s[5])
     if g.fin_m2 != 0.0:
-        dY, dN = fin(b, g, u, v, vt - v, s[5])
+        dY, dN = fin_force(b, g, u, v, vt - v, s[5])
         Y, N = Y + dY, N + dN
     if g.cross != 0.0:
-        dY, dN = cross_flow(b, g, v, vt - v, s[5])
+        dY, dN = crossflow_force(b, g, v, vt - v, s[5])
         Y, N = Y + dY, N + dN
     if g.tether_n_m != 0.0:
-        px, py = tether(g, s[0], s[1])
+        px, py = tether_force(g, s[0], s[1])
         cp, sp = math.cos(s[2]), math.sin(s[2])
         X, Y = X + px * cp + py * sp, Y + py * cp - px * sp
     return X, Y, N, aim
@@ -67,10 +71,16 @@ def _load(
 
 @njit(cache=True)
 def rates(
-    b: Body, g: Laws, c: Command, eddies: np.ndarray, t: float, s: np.ndarray, out: np.ndarray
+    b: BodyParameters,
+    g: HiddenLaws,
+    c: TrialCommand,
+    eddies: np.ndarray,
+    t: float,
+    s: np.ndarray,
+    out: np.ndarray,
 ) -> None:
     """Write the state's derivative: Kirchhoff's equations in the core's frame."""
-    X, Y, N, aim = _load(b, g, c, eddies, t, s)
+    X, Y, N, aim = _forces(b, g, c, eddies, t, s)
     length = b.body_length_m + c.head_length_m - b.head_1x_m
     mx = b.mass_kg + g.added_surge_share * g.added_sway_kg
     my = b.mass_kg + g.added_sway_kg
@@ -95,7 +105,13 @@ def rates(
 
 @njit(cache=True)
 def states(
-    b: Body, g: Laws, c: Command, eddies: np.ndarray, steps: int, step_s: float, keep: int
+    b: BodyParameters,
+    g: HiddenLaws,
+    c: TrialCommand,
+    eddies: np.ndarray,
+    steps: int,
+    step_s: float,
+    keep: int,
 ) -> np.ndarray:
     """States `(steps // keep + 1, 9)` from the start, every `keep`-th step of `step_s` (RK4).
 
@@ -122,9 +138,9 @@ def states(
 
 
 def swim(
-    body: Body,
-    laws: Laws,
-    command: Command,
+    body: BodyParameters,
+    laws: HiddenLaws,
+    command: TrialCommand,
     duration_s: float,
     *,
     eddies: np.ndarray,
@@ -133,9 +149,9 @@ def swim(
     """The trial from release as a `TrialMotion`: place of the core's keypoint, velocity of the
     centre of mass in the pool frame.
     """
-    steps = math.ceil(duration_s / STEP_S / KEEP) * KEEP + KEEP
-    found = states(body, laws, command, eddies, steps, STEP_S, KEEP)
-    time_s = np.arange(len(found)) * (STEP_S * KEEP)
+    steps = math.ceil(duration_s / STEP_S / KEEP_EVERY_STEPS) * KEEP_EVERY_STEPS + KEEP_EVERY_STEPS
+    found = states(body, laws, command, eddies, steps, STEP_S, KEEP_EVERY_STEPS)
+    time_s = np.arange(len(found)) * (STEP_S * KEEP_EVERY_STEPS)
     velocity = (found[:, 3] + 1j * found[:, 4]) * np.exp(1j * found[:, 2])
     place = found[:, :2] - laws.com_shift_m * np.column_stack(
         [np.cos(found[:, 2]), np.sin(found[:, 2])]

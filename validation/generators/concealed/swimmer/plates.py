@@ -8,22 +8,22 @@ import math
 
 from numba import njit
 
-from validation.generators.concealed.swimmer.quantities import Body, Command, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws, TrialCommand
 
-__all__ = ["arm", "cross_flow", "fin", "head_plate", "kept_lift"]
+__all__ = ["aerodynamic_arm", "crossflow_force", "fin_force", "head_plate", "stall_lift_share"]
 
 FIN_STRIPS = 5
 CROSS_STRIPS = 12
 
 
 @njit(cache=True)
-def arm(b: Body, head_m: float) -> float:
+def aerodynamic_arm(b: BodyParameters, head_m: float) -> float:
     """Distance (m) from the centre of mass to a quarter of the body's length behind the nose."""
     return head_m + b.hinge_to_com_m - 0.25 * (b.body_length_m + head_m - b.head_1x_m)
 
 
 @njit(cache=True)
-def kept_lift(g: Laws, alpha: float) -> float:
+def stall_lift_share(g: HiddenLaws, alpha: float) -> float:
     """Share of the lift kept at an angle of attack (rad).
 
     stall_law 0: logistic loss about the onset; 1: loss that grows with the square of the excess
@@ -41,7 +41,7 @@ def kept_lift(g: Laws, alpha: float) -> float:
 
 
 @njit(cache=True)
-def sidedness(g: Laws, s2a: float) -> float:
+def port_starboard_factor(g: HiddenLaws, s2a: float) -> float:
     """Factor on the lift of one side: `1 + k sign`, or `1 + k tanh(4 sin 2 alpha)`."""
     if g.side == 0.0:
         return 1.0
@@ -52,7 +52,14 @@ def sidedness(g: Laws, s2a: float) -> float:
 
 @njit(cache=True)
 def head_plate(
-    b: Body, g: Laws, c: Command, phi: float, u: float, v: float, z1: float, z2: float
+    b: BodyParameters,
+    g: HiddenLaws,
+    c: TrialCommand,
+    phi: float,
+    u: float,
+    v: float,
+    z1: float,
+    z2: float,
 ) -> tuple[float, float, float, float]:
     """Surge, sway (N), yaw moment (N m) of the head plate, and the lift variable it tends to.
 
@@ -70,17 +77,19 @@ def head_plate(
     elif g.lag != 0.0:
         lagged = s - g.lag * (s - z1)
     k = 0.5 * b.density_kg_m3 * c.head_length_m * b.head_span_m
-    L = k * b.C_La * lagged * kept_lift(g, alpha) * sidedness(g, s / (V * V))
+    L = k * b.C_La * lagged * stall_lift_share(g, alpha) * port_starboard_factor(g, s / (V * V))
     D = k * (b.C_D0 * V * V + 2.0 * b.C_Da * vh * vh)
     xh, yh = (-L * vh - D * uh) / V, (L * uh - D * vh) / V
     M = k * (b.C_Ma * s + g.moment_wave_m * V * V * math.sin(4 * alpha))
     X = xh * math.cos(phi) + yh * math.sin(phi)
     Y = yh * math.cos(phi) - xh * math.sin(phi)
-    return X, Y, M + yh * arm(b, c.head_length_m) - g.com_shift_m * Y, s
+    return X, Y, M + yh * aerodynamic_arm(b, c.head_length_m) - g.com_shift_m * Y, s
 
 
 @njit(cache=True)
-def fin(b: Body, g: Laws, u: float, v: float, dv: float, r: float) -> tuple[float, float]:
+def fin_force(
+    b: BodyParameters, g: HiddenLaws, u: float, v: float, dv: float, r: float
+) -> tuple[float, float]:
     """Sway (N) and yaw (N m) of core and tail as a fin of several strips about its arm.
 
     `dv`: change of the sideways flow from the centre of mass to the tail base (m/s), linear.
@@ -96,7 +105,9 @@ def fin(b: Body, g: Laws, u: float, v: float, dv: float, r: float) -> tuple[floa
 
 
 @njit(cache=True)
-def cross_flow(b: Body, g: Laws, v: float, dv: float, r: float) -> tuple[float, float]:
+def crossflow_force(
+    b: BodyParameters, g: HiddenLaws, v: float, dv: float, r: float
+) -> tuple[float, float]:
     """Sway (N) and yaw (N m) of sideways drag over the strips from hinge to tail base.
 
     cross_law 0: depth as the head's span all along; 1: depth that tapers to a third and widens

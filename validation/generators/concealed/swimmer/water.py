@@ -10,14 +10,14 @@ import numpy as np
 from numba import njit
 
 from bluekoi.synthetic.eddies import Eddy
-from validation.generators.concealed.swimmer.quantities import Body, Laws
+from validation.generators.concealed.swimmer.inputs import BodyParameters, HiddenLaws
 
-__all__ = ["as_rows", "eddy_flow", "gyre_flow", "water"]
+__all__ = ["eddies_as_rows", "eddy_flow", "gyre_flow", "water_velocity"]
 
 CELL, GAUSSIAN, SCULLY = 0, 1, 2
 
 
-def as_rows(eddies: tuple[Eddy, ...]) -> np.ndarray:
+def eddies_as_rows(eddies: tuple[Eddy, ...]) -> np.ndarray:
     """Eddies `(n, 7)` as the compiled laws take them."""
     rows = [
         (e.amplitude_m2_s, *e.wavenumber, e.phase[0], e.phase[1], e.phase[2], e.rate_rad_s)
@@ -41,7 +41,7 @@ def eddy_flow(eddies: np.ndarray, t: float, x: float, y: float) -> tuple[float, 
 
 
 @njit(cache=True)
-def gyre_flow(b: Body, g: Laws, x: float, y: float) -> tuple[float, float]:
+def gyre_flow(b: BodyParameters, g: HiddenLaws, x: float, y: float) -> tuple[float, float]:
     """One eddy that fills the pool, `gyre` (m/s) its speed half way to the long walls.
 
     CELL: stream function `sin(pi x/L) sin(pi y/W)`; GAUSSIAN: `z exp(-|z|^2/c^2)`;
@@ -61,8 +61,8 @@ def gyre_flow(b: Body, g: Laws, x: float, y: float) -> tuple[float, float]:
 
 
 @njit(cache=True)
-def water(
-    b: Body, g: Laws, eddies: np.ndarray, t: float, x: float, y: float
+def water_velocity(
+    b: BodyParameters, g: HiddenLaws, eddies: np.ndarray, t: float, x: float, y: float
 ) -> tuple[float, float]:
     """Velocity of the water (m/s, pool frame): eddies, current, gyre, sloshing of the pool."""
     u, v = eddy_flow(eddies, t, x, y)

@@ -1,0 +1,119 @@
+"""The sets of causes that a search has fitted, each under its own noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .expansion import Expansion, expand_about
+from .problem import Problem
+from .refit import FittedSet, fit_own_noise, fit_set, likeliest_start
+from .set_score import ScoredSet, score, with_discrepancy
+
+MAX_LOG_ODDS_TO_REFIT = 20.0
+"""Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
+costs a set up to that much."""
+MAX_NESTED_LOG_LIK_LOSS = 1.0
+"""A set is at least as likely as a part of it. A fit that is e^1 times less likely is repeated from
+where the further cause is absent."""
+MAX_LOG_ODDS_TO_REFIT_NESTED = float(np.log(3000))
+"""As `MAX_LOG_ODDS_TO_REFIT`, for a set that adds a cause to a probable set and whose fit began at
+the final noise of that set. Left as it is, it has posterior odds below 1 / 3000; that changes a
+probability by a fiftieth of its Monte Carlo error (`posterior.BOOTSTRAP_SAMPLES`)."""
+
+
+@dataclass
+class FittedSets:
+    """All sets fitted so far.
+
+    started_twice: sets whose noise has been estimated from both starts on a part of the trials.
+    """
+
+    problem: Problem
+    sets: dict[frozenset[str], ScoredSet] = field(default_factory=dict)
+    full: dict[frozenset[str], Expansion] = field(default_factory=dict)
+    converged: set[frozenset[str]] = field(default_factory=set)
+    started_twice: frozenset[frozenset[str]] = frozenset()
+
+    @property
+    def best(self) -> ScoredSet:
+        """The most probable set."""
+        return max(self.sets.values(), key=lambda s: s.log_posterior)
+
+    def add(
+        self,
+        causes: Sequence[str],
+        near: FittedSet,
+        start: dict[str, float] | None = None,
+        *,
+        refit: bool = False,
+    ) -> ScoredSet | None:
+        """Fit a set, begun at another's values and noise, under its own noise; None where it runs
+        away. refit: also a set that has been fitted; its better fit is kept.
+        """
+        key = frozenset(causes)
+        before = self.sets.get(key)
+        if before is not None and not refit:
+            return before
+        self.problem.progress(" + ".join(causes) or "baseline")
+        known = {**near.fit.by_label(), **(start or {})}
+        for cause in key - near.key:
+            known |= likeliest_start(self.problem, near, cause)
+        left = self.shared_discrepancy(near, key)
+        stds = {label: std for label, std in near.deviations.items() if label in left}
+        model = fit_set(self.problem, causes, near.noise, known, discrepancy=left,
+                       deviations=stds)  # fmt: skip
+        if near.key < key and model.log_joint < near.log_joint - MAX_NESTED_LOG_LIK_LOSS:
+            absent = {f.label: 0.0 for cause in key - near.key
+                      for f in self.problem.by_name[cause].strengths}  # fmt: skip
+            model = fit_set(self.problem, causes, near.noise, {**known, **absent}, discrepancy=left,
+                           deviations=stds)  # fmt: skip
+        if not model.usable:
+            return before
+        found = score(self.problem, fit_own_noise(self.problem, model, most=1))
+        found = with_discrepancy(self.problem, found, most=1)
+        if before is None or found.log_joint > before.log_joint:
+            self.sets[key] = found
+            self.full.pop(key, None)
+            self.converged.discard(key)
+        return self.sets[key]
+
+    def shared_discrepancy(self, near: FittedSet, causes: frozenset[str]) -> dict[str, float]:
+        """What the formulas of another set's causes leave that these causes may leave as well."""
+        by_name = self.problem.by_name
+        covered = {f.label for term in self.problem.candidates if term.name not in causes
+                   and any(self.problem.covers(by_name[c], term) for c in causes)
+                   for f in term.strengths}  # fmt: skip
+        return {label: v for label, v in near.discrepancy.items() if label in covered}
+
+    def converge(self) -> None:
+        """Fit noise and numbers of the probable sets until they no longer improve."""
+        while todo := [k for k, s in self.sets.items() if k not in self.converged
+                       and s.log_posterior > self.best.log_posterior - self._reach(k)]:  # fmt: skip
+            key = max(todo, key=lambda k: self.sets[k].log_posterior)
+            self.converged.add(key)
+            twice = key not in self.started_twice
+            model = fit_own_noise(self.problem, self.sets[key].model, two_starts=twice)
+            found = self.sets[key]
+            if model is not found.model:
+                found = score(self.problem, model)
+            found = with_discrepancy(self.problem, found)
+            if found is not self.sets[key]:
+                self.sets[key] = found
+                self.full.pop(key, None)
+
+    def _reach(self, key: frozenset[str]) -> float:
+        """How much less probable than the best a set may be for its fit to be continued."""
+        likely = self.best.log_posterior - MAX_LOG_ODDS_TO_REFIT_NESTED
+        nested = any(other < key and self.sets[other].log_posterior > likely
+                     for other in self.converged)  # fmt: skip
+        return MAX_LOG_ODDS_TO_REFIT_NESTED if nested else MAX_LOG_ODDS_TO_REFIT
+
+    def expansion(self, scored: ScoredSet) -> Expansion:
+        """Expansion about a set in the numbers of all candidates."""
+        key = scored.model.key
+        if key not in self.full:
+            self.full[key] = expand_about(self.problem, scored.model)
+        return self.full[key]

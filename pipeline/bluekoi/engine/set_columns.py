@@ -1,0 +1,205 @@
+"""Columns of an expansion that make up a set of causes, with the priors of their numbers.
+
+The discrepancy of a set consists of residual terms in the channels of its causes
+(`Problem.covers`). In each channel it is as strong as the share `DISCREPANCY_SHARE` of the cause's
+force (Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001), 425).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Float
+from ..fitting import Free
+from .candidates import Candidate, form_precision, has_single_sign, parameter_of
+from .expansion import Expansion
+from .problem import Problem
+
+DISCREPANCY_SHARE = 0.2
+"""Prior standard deviation of a cause's discrepancy relative to its force in each channel
+(assumed). `python -m validation discrepancy` measures how far its forms differ: 0.04 in the median
+of 17 causes."""
+MIN_INFORMATION = 1e-12
+"""Below any information that trials have; keeps quotients of zeros finite."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns (p,) of an expansion that make up a set, coefficients first, and their priors.
+
+    count: of coefficients. blocks: cause -> positions of its strengths among the columns.
+    precision (p,): 1 / magnitude^2 of strengths, 1 / variance of forms and discrepancy, 0 of
+    coefficients. gaussian (p,): whether the prior is normal (forms, discrepancy). included (p,):
+    whether the expansion's likelihood includes that prior. signed: cause -> whether its strength
+    has one sign. at (p,): strengths and discrepancy at the expansion, 0 elsewhere. held (p,):
+    columns at a bound that the gradient pushes against. sizes: cause -> plausible magnitudes.
+    """
+
+    columns: np.ndarray
+    count: int
+    blocks: dict[str, np.ndarray]
+    precision: Float
+    gaussian: np.ndarray
+    included: np.ndarray
+    signed: dict[str, bool]
+    at: Float
+    held: np.ndarray
+    sizes: dict[str, Float]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One column of a set: its place in the expansion, prior precision, value at the expansion."""
+
+    index: int
+    precision: float
+    gaussian: bool
+    at: float = 0.0
+    included: bool = False
+
+
+def layout_of_set(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> Layout:
+    """`Layout` of a set of causes in an expansion about any set."""
+    values, count = expansion.model.fit.values, len(problem.coefficients)
+    columns = [_Column(i, 0.0, gaussian=False, at=float(values[i])) for i in range(count)]
+    blocks: dict[str, np.ndarray] = {}
+    for cause in causes:
+        inside = cause in expansion.model.causes
+        strengths, forms = (_fitted_columns if inside else _further_columns)(
+            problem, expansion, problem.by_name[cause]
+        )
+        blocks[cause] = np.arange(len(columns), len(columns) + len(strengths))
+        columns += [*strengths, *forms]
+    columns += _discrepancy(problem, expansion, causes)
+    columns += _tolerances(problem, expansion, causes)
+    system = problem.kernel.system
+    return Layout(
+        columns=np.array([c.index for c in columns]),
+        count=count,
+        blocks=blocks,
+        precision=np.array([c.precision for c in columns]),
+        gaussian=np.array([c.gaussian for c in columns]),
+        included=np.array([c.included for c in columns]),
+        signed={c: has_single_sign(system, problem.by_name[c]) for c in causes},
+        at=np.array([c.at for c in columns]),
+        held=np.array([_is_held(problem, expansion, c.index) for c in columns]),
+        sizes={c: plausible_sizes(problem, c)[: len(blocks[c])] for c in causes},
+    )
+
+
+def _fitted_columns(
+    problem: Problem, expansion: Expansion, candidate: Candidate
+) -> tuple[list[_Column], list[_Column]]:
+    """Strengths and forms of a cause that is in the expanded set.
+
+    The likelihood of a fit includes normal priors of forms; one that is uniform between bounds
+    counts by its width alone.
+    """
+    model, system = expansion.model, problem.kernel.system
+    place = {f.label: i for i, f in enumerate(model.fit.free)}
+    own = [f for f in candidate.strengths if f.label in place]
+    sizes = plausible_sizes(problem, candidate.name)[: len(own)]
+    strengths = [_Column(place[f.label], size**-2.0, False, float(model.fit.values[place[f.label]]))
+                 for f, size in zip(own, sizes, strict=True)]  # fmt: skip
+    free = [f for f in candidate.forms if f.label in place]
+    forms = [_Column(place[f.label], float(precision), True,
+                     included=bool(np.isfinite(parameter_of(system, f).spread)))
+             for f, precision in zip(free, form_precision(system, free), strict=True)]  # fmt: skip
+    return strengths, forms
+
+
+def _further_columns(
+    problem: Problem, expansion: Expansion, candidate: Candidate
+) -> tuple[list[_Column], list[_Column]]:
+    """Strengths of a cause that is not in the expanded set, and the differences of its forms, which
+    are as large as the strength.
+    """
+    columns = expansion.strengths[candidate.name]
+    sizes = plausible_sizes(problem, candidate.name)
+    strengths = [_Column(i, float(size**-2.0), False)
+                 for i, size in zip(columns, sizes, strict=True)]  # fmt: skip
+    forms = expansion.forms[candidate.name]
+    if not forms:
+        return strengths, []
+    size = _expected_strength(problem, expansion, candidate)
+    return strengths, [_Column(i, size**-2.0, gaussian=True) for i in forms]
+
+
+def _expected_strength(problem: Problem, expansion: Expansion, candidate: Candidate) -> float:
+    """Size of the strength of a cause that is not in the expanded set: one Newton step, within once
+    and ten times its plausible magnitude. A law of another form than the leading one may have no
+    strength at the leading one; its forms must not be scaled to nothing with it.
+    """
+    columns = [*range(len(expansion.own)), expansion.strengths[candidate.name][0]]
+    H = expansion.hessian.sum(axis=0)[np.ix_(columns, columns)]
+    g = expansion.gradient.sum(axis=0)[columns]
+    step = np.linalg.lstsq(H + 1e-9 * np.diag(np.diag(H)), g, rcond=1e-12)[0][-1]
+    size = float(plausible_sizes(problem, candidate.name)[0])
+    return float(np.clip(abs(step), size, 10.0 * size))
+
+
+def plausible_sizes(problem: Problem, cause: str) -> Float:
+    """Plausible magnitudes (strengths,) of a cause; of residual terms as `Problem` states them."""
+    system, candidate = problem.kernel.system, problem.by_name[cause]
+    if cause in problem.residual_sizes:
+        return np.array(problem.residual_sizes[cause])
+    return np.array([parameter_of(system, f).typical for f in candidate.strengths])
+
+
+def _discrepancy(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+    """Residual terms that may stem from the formula of one of the causes: their prior deviation
+    makes their force `DISCREPANCY_SHARE` times that of the cause in the same channel.
+    """
+    model = expansion.model
+    found: dict[int, tuple[float, float]] = {}
+    for cause in (c for c in causes if c in model.causes and not problem.by_name[c].is_residual):
+        candidate = problem.by_name[cause]
+        for other in problem.candidates:
+            known = other.name not in causes and other.name in expansion.strengths
+            if not known or not problem.covers(candidate, other):
+                continue
+            for free, column in zip(other.strengths, expansion.strengths[other.name], strict=True):
+                deviation = DISCREPANCY_SHARE * _relative_size(expansion, candidate, free, column)
+                at = model.discrepancy.get(free.label, 0.0)
+                found[column] = max(found.get(column, (MIN_INFORMATION, at)), (deviation, at))
+    return [_Column(i, std**-2.0, gaussian=True, at=at) for i, (std, at) in found.items()]
+
+
+def _relative_size(expansion: Expansion, cause: Candidate, term: Free, column: int) -> float:
+    """Strength at which a residual term has the force of a cause in the term's channel; of a cause
+    without force (an error of the camera), at which it is as visible as the cause.
+    """
+    own, unit = expansion.forces[cause.name], expansion.forces[term.label]
+    if own.any():
+        channel = int(np.argmax(unit))
+        return float(own[channel] / max(unit[channel], MIN_INFORMATION))
+    information = np.einsum("tpp->p", expansion.hessian)
+    model = expansion.model
+    place = {f.label: i for i, f in enumerate(model.fit.free)}
+    columns = [place[f.label] for f in cause.strengths if f.label in place]
+    visible = float(np.sum(information[columns] * model.fit.values[columns] ** 2))
+    return float(np.sqrt(visible / max(information[column], MIN_INFORMATION)))
+
+
+def _tolerances(problem: Problem, expansion: Expansion, causes: Sequence[str]) -> list[_Column]:
+    """Strengths that are 0 only within the tolerance of careful work, of causes not in the set."""
+    return [
+        _Column(column, problem.tolerances[free.name] ** -2.0, gaussian=True)
+        for name, columns in expansion.strengths.items()
+        if name not in causes
+        for free, column in zip(problem.by_name[name].strengths, columns, strict=True)
+        if free.name in problem.tolerances
+    ]
+
+
+def _is_held(problem: Problem, expansion: Expansion, column: int) -> bool:
+    """Whether a fitted number stands at a bound that the gradient pushes against."""
+    free = expansion.model.fit.free
+    if column >= len(free):
+        return False
+    p, value = parameter_of(problem.kernel.system, free[column]), expansion.model.fit.values[column]
+    g = float(expansion.gradient[:, column].sum())
+    return bool((value <= p.lower and g <= 0) or (value >= p.upper and g >= 0))

@@ -1,0 +1,109 @@
+"""Log posterior of a fitted set of causes, its discrepancy integrated out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..fitting import cov_hc2
+from .evidence import discrepancy_at_best, log_evidence, log_prior
+from .expansion import Expansion, expand_about
+from .problem import Problem
+from .refit import MOST_NOISE_ROUNDS, FittedSet, fit_own_noise, fit_set
+from .set_columns import Layout, layout_of_set
+
+MAX_LOG_STD_CHANGE = 0.3
+"""Relative change of the discrepancy's prior deviations for which a set is not fitted again."""
+
+
+@dataclass(frozen=True)
+class ScoredSet:
+    """A fitted set with its expansion in its own numbers and discrepancy, and log posterior."""
+
+    model: FittedSet
+    expansion: Expansion
+    layout: Layout
+    log_posterior: float
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """Names of the set's causes."""
+        return self.model.causes
+
+    @property
+    def log_joint(self) -> float:
+        """Log likelihood at the fit with the prior of its discrepancy: two fits of one set are
+        compared by it, since evidence extrapolated from a poor fit is uncertain.
+        """
+        if not np.isfinite(self.log_posterior):
+            return -np.inf
+        own = self.layout.gaussian & ~self.layout.included
+        return self.model.log_likelihood - 0.5 * float(
+            self.layout.precision[own] @ self.layout.at[own] ** 2)  # fmt: skip
+
+    @property
+    def overdispersion(self) -> float:
+        """Mean generalised design effect tr(H C) / p of the set's numbers (Rao and Scott 1981): how
+        many times more they vary between trials than one Fisher matrix H says; C is HC2.
+        """
+        move = ~self.model.at_bound
+        if not move.any():
+            return 1.0
+        H = self.model.fit.normal.hessian.sum(axis=0)[np.ix_(move, move)]
+        C = cov_hc2(self.model.fit.normal, move)[np.ix_(move, move)]
+        return float(np.trace(H @ C) / move.sum())
+
+
+def with_discrepancy(
+    problem: Problem, scored: ScoredSet, *, most: int = MOST_NOISE_ROUNDS
+) -> ScoredSet:
+    """A set fitted together with what its causes' formulas leave, where that fits better: such a
+    remainder is not random. most: rounds of noise and numbers.
+    """
+    if not (scored.expansion.usable and np.isfinite(scored.log_posterior)):
+        return scored
+    left = discrepancy_at_best(problem, scored.expansion, scored.layout)
+    known = scored.model.deviations
+    if not left or not np.isfinite(list(left.values())).all():
+        return scored
+    stds = {label: std for label, (_, std) in left.items()}
+    same = stds.keys() == known.keys()
+    if same and all(
+        abs(np.log(std / known[label])) < MAX_LOG_STD_CHANGE for label, std in stds.items()
+    ):
+        return scored
+    model = scored.model
+    again = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+                   free=model.fit.free, discrepancy={k: v for k, (v, _) in left.items()},
+                   deviations=stds)  # fmt: skip
+    if not again.usable:
+        return scored
+    other = score(problem, fit_own_noise(problem, again, most=most, two_starts=False))
+    return max(scored, other, key=lambda s: s.log_joint)
+
+
+def score(problem: Problem, model: FittedSet) -> ScoredSet:
+    """Log posterior of a fitted set, its causes' discrepancy integrated out."""
+    causes = [problem.by_name[c] for c in model.causes]
+    covered = [c for c in problem.candidates if any(problem.covers(own, c) for own in causes)
+               or any(f.name in problem.tolerances for f in c.strengths)]  # fmt: skip
+    expansion = at_optimum(problem, expand_about(problem, model, covered))
+    lay = layout_of_set(problem, expansion, model.causes)
+    value = log_evidence(expansion, lay) + log_prior(problem, model.causes)
+    return ScoredSet(model, expansion, lay, value if np.isfinite(value) else -np.inf)
+
+
+def at_optimum(problem: Problem, expansion: Expansion) -> Expansion:
+    """An expansion whose gradient in fitted numbers of the observations alone is 0, as at a fit.
+
+    With the filter's gains held, a number that scales the observations has a gradient that no refit
+    follows: the innovations' covariance would go along.
+    """
+    seen = {e.name for e in problem.kernel.system.effects if set(e.hooks) == {"observe"}}
+    model = expansion.model
+    own = [k for k, (f, held) in enumerate(zip(model.fit.free, model.at_bound, strict=True))
+           if not held and f.name.partition(".")[0] in seen]  # fmt: skip
+    gradient = expansion.gradient.copy()
+    gradient[:, own] -= gradient[:, own].mean(axis=0)
+    return replace(expansion, gradient=gradient)

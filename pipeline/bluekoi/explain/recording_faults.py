@@ -1,0 +1,60 @@
+"""Duplicate recordings, and single samples that cannot be measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..data import Float
+from ..errors import Finding
+
+if TYPE_CHECKING:
+    from .trials import Trial
+
+SPIKE_RANGES, MIN_SPIKE_SAMPLES = 10.0, 20
+"""A single sample that lies further from both its neighbours than so many times the range of all
+others is no measurement; asked of columns with so many samples."""
+
+
+def duplicate_recordings(trials: Sequence[Trial]) -> list[Finding]:
+    """Trials that hold the samples of a trial before: evidence must not count twice."""
+    out = []
+    for k, t in enumerate(trials):
+        first = next((o for o in trials[:k] if _has_same_samples(o, t)), None)
+        if first is not None:
+            out.append(Finding(t.source or t.name, "", f"the samples of {first.name}",
+                               "a recording of its own", "Remove one of the two."))  # fmt: skip
+    return out
+
+
+def _has_same_samples(a: Trial, b: Trial) -> bool:
+    if len(a.times) != len(b.times) or a.times[0] - b.times[0] != a.times[-1] - b.times[-1]:
+        return False
+    pairs = [(np.asarray(x[n], dtype=float), np.asarray(y[n], dtype=float))
+             for x, y in ((a.observed, b.observed), (a.inputs, b.inputs)) for n in x]  # fmt: skip
+    moved = any(np.nanmax(x) > np.nanmin(x) for x, _ in pairs[: len(a.observed)])
+    return moved and all(np.array_equal(x, y, equal_nan=True) for x, y in pairs)
+
+
+def spike_findings(file: str, name: str, column: Float) -> list[Finding]:
+    """The sample of an observation that lies far beyond all others, such as a code for nothing
+    seen.
+    """
+    rows = np.flatnonzero(np.isfinite(column))
+    x = column[rows]
+    if len(x) < MIN_SPIKE_SAMPLES:
+        return []
+    step = np.diff(x)
+    out_and_back = step[:-1] * step[1:] < 0.0
+    size = np.where(out_and_back, np.minimum(np.abs(step[:-1]), np.abs(step[1:])), 0.0)
+    far = np.concatenate([[False], size > 0.1 * size.max(), [False]])
+    rest = float(np.ptp(x[~far]))
+    spikes = np.flatnonzero(size > SPIKE_RANGES * rest) + 1
+    if not (rest > 0.0 and len(spikes)):
+        return []
+    k = int(spikes[0])
+    return [Finding(file, f"{name}, sample {rows[k]}", f"{x[k]:g}",
+                    f"a value near the others, {x[~far].min():g} to {x[~far].max():g}",
+                    "Leave the cell empty where nothing was seen.")]  # fmt: skip

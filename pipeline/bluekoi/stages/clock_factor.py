@@ -1,0 +1,154 @@
+"""Frame rates that are wrong by a factor, found from tail beat and motor log and corrected.
+
+With a frame rate stated r times too high the tail beats r times as fast in the video as the motor
+does. The ratio is a direct measurement of the clock. Where the trials of one stated frame rate
+agree on a ratio far from 1, both fits run in true time,
+
+    t_true = r t_recording,    speed_true = speed_recording / r,
+
+and the search reports `clock_error` with k = r - 1. A ratio near 1 stays with the search. Files of
+tracks, steady states and model paths keep the time of the recording.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from ..campaign import Campaign
+from ..data import Flapping, Pose, Steady, Track
+from ..measurement import clock_error
+from ..motor import common_clock_ratio, flapping_compared_with_video
+from ..motor.clock_comparison import SAME_CLOCK_TOLERANCE
+from ..study import Study
+
+CLOCK_STD_SHARE = 0.003  # ASSUME tail beat and motor log are compared to 0.3 % at best
+CLOCK_CAUSE = "clock_error"
+
+
+@dataclass(frozen=True)
+class ClockFactor:
+    """Stated over true frame rate, with its standard deviation."""
+
+    value: float
+    std: float
+
+    @property
+    def sigmas(self) -> float:
+        """Distance from 1 in standard deviations."""
+        return abs(self.value - 1.0) / self.std
+
+
+def clock_factors(study: Study, flapping: Mapping[str, Flapping]) -> dict[str, ClockFactor]:
+    """Trial -> factor of its frame rate, for trials whose clock is wrong by more than 25 %.
+
+    A factor counts where most trials with one `fps` in trials.csv whose motor frequency is logged,
+    or stated where no trial has a log, agree on it, or,
+    failing that, most of all trials. It then holds for all trials of that `fps`.
+    """
+    groups: dict[float | None, list[str]] = {}
+    for name in flapping:
+        groups.setdefault(study.trial(name).fps, []).append(name)
+    every = _common_factor(flapping, list(flapping))
+    found = {fps: _common_factor(flapping, names) or every for fps, names in groups.items()}
+    wrong = {fps: f for fps, f in found.items() if f and abs(f.value - 1) > SAME_CLOCK_TOLERANCE}
+    return {name: factor for fps, factor in wrong.items() for name in groups[fps]}
+
+
+def _common_factor(flapping: Mapping[str, Flapping], names: list[str]) -> ClockFactor | None:
+    known = [f for n in names if (f := flapping[n]).source != "video"]
+    common = common_clock_ratio([f for f in known if f.source == "motor_log"] or known)
+    return (
+        ClockFactor(common[0], float(np.hypot(common[1], CLOCK_STD_SHARE * common[0])))
+        if common
+        else None
+    )
+
+
+def correct_clock(
+    campaign: Campaign, flapping: Mapping[str, Flapping]
+) -> tuple[Campaign, dict[str, Flapping], dict[str, ClockFactor]]:
+    """Campaign and flapping frequencies with the factors of `clock_factors` taken out."""
+    factors = clock_factors(campaign.study, flapping)
+    if not factors:
+        return campaign, dict(flapping), factors
+    r = {name: factor.value for name, factor in factors.items()}
+    corrected = replace(
+        campaign,
+        tracks={n: _track_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.tracks.items()},
+        poses={n: _pose_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.poses.items()},
+        steady={n: _steady_in_true_time(v, r.get(n, 1.0)) for n, v in campaign.steady.items()},
+    )
+    beats = {n: _flapping_in_true_time(f, r[n]) if n in r else f for n, f in flapping.items()}
+    return corrected, beats, factors
+
+
+def _track_in_true_time(track: Track, r: float) -> Track:
+    rates = [f.name for f in fields(Track) if f.name.startswith(("speed", "vx", "vy", "yaw_rate"))]
+    changed: dict[str, Any] = {name: getattr(track, name) / r for name in rates}
+    return replace(track, time_s=r * track.time_s, **changed)
+
+
+def _pose_in_true_time(pose: Pose, r: float) -> Pose:
+    return replace(pose, time_s=r * pose.time_s)
+
+
+def _steady_in_true_time(row: Steady, r: float) -> Steady:
+    return replace(
+        row,
+        speed_m_s=row.speed_m_s / r,
+        speed_std_m_s=row.speed_std_m_s / r,
+        steady_from_s=r * row.steady_from_s,
+        steady_to_s=r * row.steady_to_s,
+    )
+
+
+def _flapping_in_true_time(flapping: Flapping, r: float) -> Flapping:
+    """Frequencies with the ratio of clocks divided by r; the beat's lag is unknown after that."""
+    bare = replace(flapping, ratio=np.nan, ratio_std=np.nan, video_hz=np.nan, video_hz_std=np.nan,
+                   beat_lag_rad=np.nan, beat_lag_std_rad=np.nan, agrees=True)  # fmt: skip
+    return flapping_compared_with_video(bare, flapping.ratio / r, flapping.ratio_std / r)
+
+
+def with_clock_cause(
+    content: Mapping[str, Any], factors: Mapping[str, ClockFactor], trials: int
+) -> dict[str, Any]:
+    """mismatch.json with `clock_error` as its first cause; unchanged where no factor is known.
+
+    The factor is that of most trials; what the search found of the clock besides is included.
+    """
+    if not factors:
+        return dict(content)
+    factor = max(factors.values(), key=list(factors.values()).count)
+    alike = sorted(n for n, f in factors.items() if f == factor)
+    fine = next((c for c in content["causes"] if c["name"] == CLOCK_CAUSE), None)
+    value = factor.value * (1 + (fine["parameters"]["rate_error"]["value"] if fine else 0.0))
+    all_trials = len(alike) == trials
+    of = "" if all_trials else f" in {len(alike)} of {trials} trials"
+    said = f"fps is {value:.4g} times the true frame rate{of}"
+    cause = {
+        "name": CLOCK_CAUSE,
+        "kind": clock_error.KIND,
+        "channels": list(clock_error.CHANNELS),
+        "regime": clock_error.REGIME if all_trials else f"trials {', '.join(alike)}",
+        "parameters": {"rate_error": {"value": value - 1, "std": factor.std, "unit": "1"}},
+        "weight": 1.0,
+        "credible_set": [CLOCK_CAUSE],
+        "log_evidence_gain": 0.5 * factor.sigmas**2,
+        "sentence": f"The frame rate is wrong by a factor: {said}. The tail beats "
+        f"{factor.value:.4g} times as fast in the video as the motor does.",
+    }
+    others = [c for c in content["causes"] if c is not fine]
+    rest = f" In true time: {content['sentence']}"
+    return {
+        **content,
+        "verdict": clock_error.KIND,
+        "sentence": f"Measurement error: clock_error, {said}.{rest}",
+        "causes": [cause, *others],
+        "rivals": [r for r in content["rivals"] if r["name"] != CLOCK_CAUSE],
+        "probabilities": {**content["probabilities"], CLOCK_CAUSE: 1.0},
+        "clock_factor": {n: f.value for n, f in sorted(factors.items())},
+    }

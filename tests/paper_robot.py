@@ -1,0 +1,20 @@
+"""The paper's robot and a camera above it, for tests of the model."""
+
+from __future__ import annotations
+
+from bluekoi.study import Setup
+
+PAPER_SETUP = Setup.model_validate(
+    {
+        "robot": {
+            "mass_kg": 0.68,
+            "yaw_inertia_kg_m2": 0.0095,
+            "body_length_m": 0.331,
+            "head_length_m": 0.12,
+            "head_span_m": 0.069,
+            "hinge_to_com_m": 0.04,
+            "tail_length_m": 0.066,
+        },
+        "camera": {"pool_corners_px": [[300, 900], [1600, 900], [1600, 100], [300, 100]]},
+    }
+)

@@ -1,0 +1,70 @@
+"""Small keypoint studies for tests of the stages and of the workflow."""
+
+from __future__ import annotations
+
+import atexit
+import csv
+import shutil
+import tempfile
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+from bluekoi.synthetic.design import StudyDesign, numbered_plans
+from bluekoi.synthetic.laws import Coefficients, Tank, published_model_tank
+from validation.tracking_noise import keypoint_study
+
+TABLE_1 = {
+    50: Coefficients(C_Da=0.3, C_Md=0.145),
+    75: Coefficients(C_Da=2.5, C_Md=0.130),
+    100: Coefficients(C_Da=4.0, C_Md=0.104),
+}
+SMALL_STUDY_TRIALS = (
+    "T09",
+    "T10",
+    "T11",
+)  # full power, so the shortest: straight, 30 degrees, -45 degrees
+
+
+def published_model_design(seed: int = 12, *, table_1: bool = False) -> StudyDesign:
+    """12 trials of the paper's bare model in still water; Table I per power if asked.
+
+    With the common coefficients the radii do not depend on power (docs/paper.md, Audit: Power).
+    """
+    settings = ((0.0, 0.12), (30.0, 0.12), (-45.0, 0.12), (45.0, 0.175))
+    plans = numbered_plans((50, 75, 100), settings)
+    at = TABLE_1 if table_1 else {}
+    name = "table_1" if table_1 else "bare"
+    return StudyDesign(name, plans, published_model_tank(Tank()), seed, coefficients_at=at)
+
+
+def small_study(folder: Path) -> Path:
+    """A study of three keypoint trials, simulated from the bare model, in `folder`."""
+    for made, place in zip(
+        _simulated_small_study(), (folder, folder.with_name("truth")), strict=True
+    ):
+        shutil.copytree(made, place, dirs_exist_ok=True)
+    return folder
+
+
+@cache
+def _simulated_small_study() -> tuple[Path, Path]:
+    """The small study and its truth, simulated once in a process; half a second."""
+    root = tempfile.mkdtemp(prefix="bluekoi-small-study-")
+    atexit.register(shutil.rmtree, root, ignore_errors=True)
+    made = Path(root, "study"), Path(root, "truth")
+    design = published_model_design()
+    plans = tuple(plan for plan in design.plans if plan.trial_id in SMALL_STUDY_TRIALS)
+    keypoint_study(replace(design, plans=plans), *made)
+    return made
+
+
+def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
+    """Change cells of trials.csv: `edit_rows(study, T09={"fps": "30"})`."""
+    with (study / "trials.csv").open(newline="") as lines:
+        rows = list(csv.DictReader(lines))
+    names = list(dict.fromkeys([*rows[0], *(n for change in cells.values() for n in change)]))
+    with (study / "trials.csv").open("w", newline="") as out:
+        writer = csv.DictWriter(out, names, restval="")
+        writer.writeheader()
+        writer.writerows([row | cells.get(row["trial_id"], {}) for row in rows])

@@ -1,0 +1,153 @@
+"""Slips in recordings and models of `bluekoi explain` that end in a plausible wrong result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bluekoi.errors import InputError
+from bluekoi.explain import Stage, Trial, load_model, read_trials
+from bluekoi.explain.diagnosis import compiling, runs_away
+from bluekoi.explain.numbers import Number, at_bounds
+from bluekoi.explain.prediction import Run, runaways
+from bluekoi.explain.trials import time_unit_warnings, validated_trials, warnings_of
+
+MODEL = load_model(Path(__file__).parent / "cart_model.py")
+TIMES = 0.05 * np.arange(60)
+COLUMNS = """columns:
+  time: {column: t, unit: s}
+  position: {column: x, unit: m}
+  push: {column: u, unit: N}
+"""
+
+
+def cart_trial(name: str = "a", shift: float = 0.0) -> Trial:
+    return Trial(name, TIMES, {"position": np.sin(TIMES + shift)}, {"push": np.cos(TIMES)})
+
+
+def write_data_folder(folder: Path, settings: str, header: str = "t,x,u") -> Path:
+    rows = "\n".join(f"{t:.2f},{np.sin(t):.4f},1.5" for t in TIMES)
+    (folder / "run.csv").write_text(f"{header}\n{rows}\n")
+    (folder / "data.yaml").write_text(settings)
+    return folder
+
+
+def refusal_message(folder: Path) -> str:
+    """The one message that a folder is refused with."""
+    with pytest.raises(InputError) as raised:
+        validated_trials(MODEL, read_trials(MODEL, folder))
+    assert len(raised.value.findings) == 1
+    return str(raised.value)
+
+
+def test_a_copy_of_a_recording_is_refused():
+    assert validated_trials(MODEL, [cart_trial("a"), cart_trial("b", 0.1)])
+    later = replace(cart_trial("b"), times=TIMES + 1.0)
+    with pytest.raises(InputError, match=r"b: found the samples of a; .* Remove one of the two"):
+        validated_trials(MODEL, [cart_trial("a"), later])
+
+
+def test_two_recordings_at_rest_are_no_copies():
+    rest = {"position": np.zeros(60)}
+    assert validated_trials(MODEL, [replace(cart_trial(n), observed=rest) for n in "ab"])
+
+
+@pytest.mark.parametrize("code", [99999.0, -9999.0, -1e6])
+def test_a_code_for_nothing_seen_is_refused(code):
+    x = cart_trial().observed["position"].copy()
+    x[[20, 41]] = code
+    with pytest.raises(InputError, match=r"position, sample 20: .*Leave the cell empty"):
+        validated_trials(MODEL, [replace(cart_trial(), observed={"position": x})])
+
+
+@pytest.mark.parametrize("x", [np.where(TIMES < 1.0, 0.0, 50.0), np.where(TIMES == 1.0, 5.0, 0.0),
+                               np.where(TIMES == 1.0, 5.0, np.sin(TIMES))])  # fmt: skip
+def test_steps_rest_and_moderate_outliers_are_no_codes(x):
+    assert validated_trials(MODEL, [replace(cart_trial(), observed={"position": x})])
+
+
+@pytest.mark.parametrize(
+    ("settings", "header", "message"),
+    [
+        (COLUMNS.replace("column: u", "column: x"), "t,x,u",
+         "columns: found 'x' in m as position and 'x' in N as push; expected one unit of a column"),
+        (COLUMNS.replace("column: t", "column: x"), "t,x,u", "'x' in s as time"),
+        (COLUMNS + "constants: {mass: 3}\n", "t,x,u",
+         "data.yaml: constants: found 'mass'; expected a constant of the model. The model has no"),
+        (COLUMNS + "trials: [{file: run.csv, start_s: 2, end_s: 1}]\n", "t,x,u",
+         "found an end at 1 s before the start at 2 s"),
+        (COLUMNS.replace("  time", "\ttime"), "t,x,u", "Indent by spaces, not by tabs."),
+        (COLUMNS, "t,x", "columns must be apart by semicolons"),
+        (COLUMNS, "t,x,x", "found two columns 'x'"),
+    ],
+    ids=["output as input", "position as time", "unknown constant", "end before start", "tab",
+         "decimal commas", "a name twice"],
+)  # fmt: skip
+def test_each_slip_has_one_message_that_leads_to_its_fix(settings, header, message, tmp_path):
+    assert message in refusal_message(write_data_folder(tmp_path, settings, header))
+
+
+def test_samples_further_apart_than_ten_time_constants_are_reported():
+    assert time_unit_warnings([cart_trial()], 20.0) == []
+    (sentence,) = time_unit_warnings([replace(cart_trial(), times=1000.0 * TIMES)], 0.3)
+    assert "check the unit of time" in sentence
+
+
+@pytest.mark.parametrize(("level", "more"), [(0.0, "; right column?"), (25.0, "")])
+def test_an_input_of_one_value_is_reported(level, more):
+    assert warnings_of(MODEL, [cart_trial()]) == []
+    one = [replace(cart_trial(n), inputs={"push": np.full(60, level)}) for n in "ab"]
+    warning = (
+        f"Input push is {level:g} throughout: how forces depend on it is not determined{more}."
+    )
+    assert warnings_of(MODEL, one) == [warning]
+    other = replace(one[1], inputs={"push": np.full(60, 3.0)})
+    assert warnings_of(MODEL, [one[0], other]) == []
+
+
+@pytest.mark.parametrize("far", [100.0, np.inf, np.nan])
+def test_a_free_run_that_leaves_its_recording_is_named(far):
+    seen = np.column_stack([TIMES, np.where(TIMES < 1.0, np.nan, 0.0)])
+    near = Run("a", TIMES, seen + 1.0, seen, {}, {})
+    away = Run("b", TIMES, seen + far, seen, {}, {})
+    (sentence,) = runaways({("baseline", "start"): [near, away], ("extended", "start"): [near]})
+    assert sentence.startswith("Free runs of the baseline model leave b by more than 10 times")
+
+
+def test_a_number_at_its_bound_asks_for_the_units():
+    (sentence,) = at_bounds([Number("M", 1.0, np.nan, "kg", "lower")])
+    assert "M stands at its lower bound, 1 kg" in sentence
+    assert "check the units of the columns" in sentence
+
+
+@pytest.mark.parametrize(
+    ("equation", "found"),
+    [(lambda v, c: (-c * v**0.5 if v >= 0 else np.nan,), r"nan at v = -0\.\d+, c = 0.5"),
+     (lambda v, c: (1.0 / (c - 0.5) + v,), r"ZeroDivisionError: .*, at v = ")],
+    ids=["root of a negative speed", "division by zero"],
+)  # fmt: skip
+def test_the_equation_that_makes_a_model_run_away_is_named(equation, found):
+    states = (MODEL.states[0], replace(MODEL.states[1], rate_of="position"))
+    stages = (Stage("force", ("F",), equation, open=True), *MODEL.stages[1:])
+    error = runs_away(replace(MODEL, states=states, stages=stages), [cart_trial()])
+    assert error.findings[0].where.startswith("stage force")
+    with pytest.raises(InputError, match=found):
+        raise error
+    assert "Check signs and units" in str(runs_away(MODEL, [cart_trial()]))
+
+
+def test_the_equation_that_does_not_compile_is_named():
+    def pushed(v, c):
+        return (float(f"{-c * v}"),)
+
+    model = replace(MODEL, stages=(Stage("force", ("F",), pushed, open=True), *MODEL.stages[1:]))
+    with (
+        pytest.raises(InputError, match=r"stage force: pushed: found .*without texts, lists"),
+        compiling(model),
+    ):
+        raise ValueError("could not convert")
+    with pytest.raises(ZeroDivisionError), compiling(MODEL):
+        raise ZeroDivisionError

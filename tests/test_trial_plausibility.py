@@ -1,0 +1,380 @@
+"""A trial that contradicts its row of trials.csv is refused with a message; the others go on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from exact_campaign import exact_campaign
+
+from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.camera.length_warnings import deviations_from_majority, length_warnings
+from bluekoi.data import Flapping, Pose, Steady, Track
+from bluekoi.errors import InputError
+from bluekoi.files import read_json
+from bluekoi.keypoints.deeplabcut import read
+from bluekoi.motor import clock_ratio, flapping_compared_with_video
+from bluekoi.motor.power_consistency import power_warnings
+from bluekoi.pose import rigid_pose
+from bluekoi.preparation.input_check import file_findings
+from bluekoi.stages.geometry import geometry
+from bluekoi.stages.head_angle_sign import sign_finding
+from bluekoi.stages.keypoints import keypoints
+from bluekoi.stages.plausibility import first_jump, plausibility_findings
+from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
+from bluekoi.stages.tuning import campaign_series
+from bluekoi.study import load_study
+from bluekoi.study.consistency_rules import robot_warnings
+from small_studies import edit_trials_csv, small_study
+
+
+@pytest.fixture(scope="module")
+def study_with_turn(tmp_path_factory):
+    """A study with three good trials and the positions of its turn T10 (30 degrees, 1x head)."""
+    study = load_study(small_study(tmp_path_factory.mktemp("plausible") / "study"))
+    trial = study.trial("T10")
+    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    depth = study.setup.robot.keypoint_depth_m
+    return study, trial, map_keypoints(pool_camera(study.setup), found, depth)
+
+
+def finding_messages(study, trial, positions):
+    pose = rigid_pose(positions, study.setup.robot, trial.head_length_m)
+    return [str(one) for one in plausibility_findings(study, trial, positions, pose)]
+
+
+def test_a_good_trial_passes(study_with_turn):
+    assert finding_messages(*study_with_turn) == []
+
+
+def test_scale_errors_are_left_to_the_search(study_with_turn):
+    study, trial, positions = study_with_turn
+    assert finding_messages(study, trial, replace(positions, xy_m=1.2 * positions.xy_m)) == []
+
+
+def test_another_head_s_length_is_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    (text,) = finding_messages(study, trial.model_copy(update={"head_length_m": 0.175}), positions)
+    assert "head_tip to hinge of 120 mm; expected 175 mm" in text.replace(" in the pool", "")
+
+
+def test_the_wrong_side_is_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    (text,) = finding_messages(study, trial.model_copy(update={"head_angle_deg": -30.0}), positions)
+    assert "a head angle of 30 degrees" in text
+    assert "expected head_angle_deg -30" in text
+    assert "The sign is the other one: write head_angle_deg 30" in text
+    assert "are x and y exchanged" in text
+    (text,) = finding_messages(study, trial.model_copy(update={"head_angle_deg": -60.0}), positions)
+    assert "Is it another trial's row?" in text
+
+
+def test_a_filmed_trial_that_is_right_with_the_other_sign_is_told_so(study_with_turn, monkeypatch):
+    """The robot in the picture has its head at 30 degrees."""
+    study, trial, _ = study_with_turn
+    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    asked = []
+
+    def detect(study, trial, threads):
+        asked.append(trial.head_angle_deg)
+        return found, {}
+
+    monkeypatch.setattr("bluekoi.stages.head_angle_sign.detect_in_footage", detect)
+    camera, depth = pool_camera(study.setup), study.setup.robot.keypoint_depth_m
+
+    def finding(angle: float, **changed):
+        other = {"source": "v.mp4", "head_angle_deg": angle, **changed}
+        return sign_finding(study, trial.model_copy(update=other), camera, depth)
+
+    text = str(finding(-30.0))
+    assert "trial T10, column head_angle_deg: found -30" in text
+    assert "Write 30" in text
+    assert asked == [30]
+    assert finding(-60.0) is None
+    assert finding(-30.0, head_length_m=0.175) is None
+    assert finding(0.0) is None
+    assert finding(-30.0, source=trial.source) is None
+    assert asked == [30, 60, 30]
+
+
+def test_exchanged_keypoints_are_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    names = ("tail_base", "core_center", "hinge", "head_tip", "tail_tip")
+    texts = finding_messages(study, trial, replace(positions, names=names))
+    assert "core_center to tail_base of 120 mm" in " ".join(texts)
+    assert "each keypoint bear its own name" in texts[0]
+
+
+def test_a_cut_in_the_recording_is_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    xy = positions.xy_m.copy()
+    xy[60:] += (0.3, 0.1)
+    (text,) = finding_messages(study, trial, replace(positions, xy_m=xy))
+    assert "jumps 0.3" in text
+    assert "keypoints/T10.csv" in text
+
+
+def test_hinge_and_core_exchanged_are_named_though_their_distance_is_right(study_with_turn):
+    study, trial, positions = study_with_turn
+    names = ("head_tip", "core_center", "hinge", "tail_base", "tail_tip")
+    assert set(names) == set(positions.names)
+    texts = finding_messages(study, trial, replace(positions, names=names))
+    assert any("hinge, core_center and tail_base in another order" in text for text in texts)
+
+
+def test_a_slow_robot_at_a_much_too_high_frame_rate_does_not_swim_backwards(study_with_turn):
+    """Steps between frames are then noise, which has no direction."""
+    study, trial, positions = study_with_turn
+    noise = np.random.default_rng(3).normal(0, 4e-3, positions.xy_m.shape)
+    fast = replace(positions, xy_m=positions.xy_m + noise, time_s=positions.time_s / 64)
+    pose = rigid_pose(fast, study.setup.robot, trial.head_length_m)
+    assert [
+        str(f) for f in plausibility_findings(study, trial, fast, pose) if "backwards" in str(f)
+    ] == []
+
+
+def test_a_robot_that_swims_backwards_is_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    back = replace(positions, xy_m=positions.xy_m[::-1].copy())
+    assert "a robot that swims backwards for 1." in finding_messages(study, trial, back)[0]
+
+
+def test_an_outlier_that_comes_back_or_a_gap_is_no_jump():
+    t = np.arange(100) / 30
+    way = np.column_stack([0.5 * t, 0 * t])
+    assert first_jump(t, way, 0.15) is None
+    spike = way.copy()
+    spike[40] += 1.0
+    assert first_jump(t, spike, 0.15) is None
+    kept = (t < 1) | (t > 2)
+    assert first_jump(t[kept], way[kept], 0.15) is None
+    cut = way + np.where(t > 1.5, 0.4, 0)[:, None]
+    assert first_jump(t, cut, 0.15) == 45
+
+
+def test_a_frame_rate_that_is_double_is_remarked(study_with_turn):
+    study, trial, positions = study_with_turn
+    assert trial_flapping(study, trial, positions).agrees
+    fast = replace(positions, time_s=positions.time_s / 2)
+    found = trial_flapping(study, trial, fast)
+    assert not found.agrees
+    assert found.ratio == pytest.approx(2.0, rel=1e-3)
+    assert f"motor = {found.ratio:.4f}" in found.remarks[-1]
+    assert "check fps" in found.remarks[-1]
+
+
+def test_noise_without_a_beat_gives_no_ratio_of_clocks(study_with_turn):
+    _, _, positions = study_with_turn
+    motor = Flapping(5.0, 0.01, "motor_log")
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(0, 5e-4, positions.xy_m.shape)
+        still = replace(positions, xy_m=positions.xy_m[:1] + noise)
+        assert np.isnan(clock_ratio(still, motor)).all()
+
+
+def test_a_robot_that_never_moved_and_another_s_log_are_kept_from_the_fits():
+    base = exact_campaign(powers=(100,))
+    poses = {name: _pose_of_track(track) for name, track in base.tracks.items()}
+    still = base.analysed[0].trial_id
+    flap = {"flap_hz": 5.8, "flap_hz_std": 0.01, "source": "motor_log", "video_hz": None,
+            "video_hz_std": None, "agrees": True}  # fmt: skip
+    statuses = {name: {"ok": True, "flapping": flap} for name in base.tracks}
+    odd = base.analysed[-1].trial_id
+    statuses[odd] = {"ok": True, "flapping": {**flap, "agrees": False}}
+    steady = {**base.steady, still: replace(base.steady[still], quality="no_data")}
+    given = replace(base, poses=poses, statuses=statuses, steady=steady)
+    used = [s.name for s in campaign_series(given)]
+    assert used == [trial.trial_id for trial in base.analysed[1:-1]]
+
+
+def test_trials_that_agree_on_a_wrong_clock_stay_in_the_fits():
+    base = exact_campaign(powers=(100,))
+    poses = {name: _pose_of_track(track) for name, track in base.tracks.items()}
+    flap = {"flap_hz": 5.8, "flap_hz_std": 0.01, "source": "motor_log", "video_hz": None,
+            "video_hz_std": None, "ratio": 4.0, "ratio_std": 1e-3, "agrees": False}  # fmt: skip
+    statuses = {name: {"ok": True, "flapping": flap} for name in base.tracks}
+    odd = base.analysed[-1].trial_id
+    right = {**flap, "video_hz": 5.8, "video_hz_std": 0.001, "ratio": 1.0, "agrees": True}
+    statuses[odd] = {"ok": True, "flapping": right}
+    used = [s.name for s in campaign_series(replace(base, poses=poses, statuses=statuses))]
+    assert used == [trial.trial_id for trial in base.analysed[:-1]]
+
+
+def _pose_of_track(track: Track) -> Pose:
+    values = np.column_stack([track.x_m, track.y_m, track.heading_rad, track.head_angle_rad])
+    cov = np.tile(np.diag([1e-6, 1e-6, 1e-5, 1e-5]), (len(values), 1, 1))
+    return Pose(track.time_s, values, cov)
+
+
+SLOW_STEADY_STATE = Steady(
+    2.35, 0.24, 0.001, 0.4, 0.004, 40.0, 2.0, 4.0, "short_arc", "film for longer"
+)
+
+
+@pytest.mark.parametrize(("apart", "doubted"), [(2.0, True), (1.02, True), (1.004, False)])
+def test_a_clock_that_is_wrong_is_the_reason_to_doubt_a_steady_state(apart, doubted):
+    motor = Flapping(flap_hz=2.35, flap_hz_std=0.001, source="motor_log", remarks=("before",))
+    found = flapping_compared_with_video(motor, apart, 0.0006)
+    assert not found.agrees
+    reason = _with_clock_remark(SLOW_STEADY_STATE, found).reason
+    assert ("clocks disagree" in reason) == doubted
+    assert reason.endswith(SLOW_STEADY_STATE.reason)
+    assert _with_clock_remark(SLOW_STEADY_STATE, motor) is SLOW_STEADY_STATE
+
+
+def test_a_robot_outside_of_the_pool_is_named(study_with_turn):
+    study, trial, positions = study_with_turn
+    (text,) = finding_messages(
+        study, trial, replace(positions, xy_m=positions.xy_m + np.array([2.0, 0.0]))
+    )
+    assert "a robot outside of the pool, near x = 3" in text
+    assert "pool_corners_px those of this recording?" in text
+    inside = replace(positions, xy_m=positions.xy_m + np.array([0.2, 0.0]))
+    assert finding_messages(study, trial, inside) == []
+
+
+def test_parts_in_one_place_give_no_pose_and_no_traceback(tmp_path):
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    path = study / "keypoints/T10.csv"
+    head, rows = path.read_text().splitlines()[:3], path.read_text().splitlines()[3:]
+    same = [",".join([r.split(",")[0], *(5 * r.split(",")[1:4])]) for r in rows]
+    path.write_text("\n".join([*head, *same]) + "\n")
+    keypoints(study, results, "T10")
+    tracks(study, results, "T10")
+    status = read_json(results / "status/T10.json")
+    assert not status["ok"]
+    assert "several parts in one place" in status["message"]
+    assert "defect" not in status["message"]
+
+
+def test_rigid_lengths_of_another_size_are_a_warning_unless_the_verdict_says_why():
+    off = {"scale": 1.0068, "scale_std": 2e-4}
+    (text,) = length_warnings(off, {"causes": []})
+    assert "rigid lengths come out +0.7 +- 0.0 %" in text
+    assert "refractive_index" in text
+    assert length_warnings(off, {"causes": [{"name": "uncorrected_refraction"}]}) == []
+    assert len(length_warnings(off, {"causes": [{"name": "sinking", "weight": 0.39}]})) == 1
+    assert length_warnings({"scale": 1.004, "scale_std": 2e-4}, None) == []
+    assert length_warnings({"scale": 1.05, "scale_std": 0.02}, None) == []
+    assert (
+        length_warnings(None, None) == length_warnings({"scale": None, "scale_std": None}, {}) == []
+    )
+
+
+def test_an_error_of_the_camera_that_the_verdict_does_not_name_is_a_warning():
+    found = {"likely": "camera_shift", "rivals": ["lens_error"], "sentence": "turned by 0.02 rad"}
+    (text,) = length_warnings(found, {"causes": []})
+    assert "shows camera_shift, which the verdict does not name: turned by 0.02 rad" in text
+    assert length_warnings(found, {"causes": [{"name": "lens_error", "weight": 0.9}]}) == []
+    assert length_warnings(found | {"likely": "keypoint_bias", "rivals": []}, None) == []
+
+
+SPEED_DEVIATIONS = np.array([-0.07, -0.03, 0.13, 0.05, -0.05, -0.10, 0.02, 0.17, -0.17]) * 1e-2
+
+
+def test_up_to_half_of_the_trials_may_differ_from_the_others():
+    std = np.full(9, 6e-4)
+    assert not deviations_from_majority(SPEED_DEVIATIONS, std).any()
+    for wrong in ([3], [0, 2, 5, 7]):
+        shares = SPEED_DEVIATIONS.copy()
+        shares[wrong] += 0.015
+        off = deviations_from_majority(shares, std)
+        assert np.flatnonzero(off).tolist() == wrong
+        assert off[wrong] == pytest.approx(0.015, abs=0.003)
+    assert not deviations_from_majority(np.array([0.0, 0.1]), np.zeros(2)).any()
+    assert not deviations_from_majority(np.random.default_rng(0).normal(0, 0.01, 9), std).any()
+
+
+def test_a_keypoint_file_of_another_camera_is_a_warning(tmp_path):
+    """A picture zoomed by 3 %: as where one trial's file is turned, mirrored or cropped beside a
+    lens that is not above the middle of the pool."""
+    study, results = small_study(tmp_path / "study"), tmp_path / "results"
+    path = study / "keypoints/T11.csv"
+    head, rows = path.read_text().splitlines()[:3], path.read_text().splitlines()[3:]
+    table = np.array([[float(v or "nan") for v in row.split(",")] for row in rows])
+    for column, centre in ((1, 960), (2, 540)):
+        table[:, column::3] = centre + 1.03 * (table[:, column::3] - centre)
+    lines = [",".join(f"{v:.4f}" for v in row) for row in table]
+    path.write_text("\n".join([*head, *lines]) + "\n")
+    for trial in ("T09", "T10", "T11"):
+        keypoints(study, results, trial)
+    geometry(study, results)
+    (text,) = length_warnings(read_json(results / "geometry.json"), {"causes": []})
+    assert text.startswith("Trial T11: the robot's rigid lengths come out +3.")
+    assert "turned, mirrored, cropped, zoomed" in text
+
+
+def test_a_stated_frequency_that_contradicts_the_log_is_refused(tmp_path):
+    study = small_study(tmp_path / "study")
+    edit_trials_csv(study, T10={"flap_hz": "2.0"}, T11={"flap_hz": "5.9"})
+    (finding,) = file_findings(load_study(study))
+    assert str(finding).endswith(
+        "trials.csv: trial T10, flap_hz: found 2; expected 5.84 Hz, as motor/T10.csv has it. Leave "
+        "flap_hz empty where there is a log; is the log this trial's?"
+    )
+
+
+@pytest.mark.parametrize("density", [1e6, 0.998])
+def test_a_density_that_is_no_liquid_s_is_refused(tmp_path, density):
+    study = small_study(tmp_path / "study")
+    path = study / "study.yaml"
+    path.write_text(path.read_text().replace("1000.0", str(density)))
+    with pytest.raises(InputError, match=r"water\.density_kg_m3"):
+        load_study(study)
+
+
+def make_flapping(**hz):
+    return {name: {"ok": True, "flapping": {"flap_hz": value}} for name, value in hz.items()}
+
+
+def test_a_power_that_does_not_go_with_the_flapping_frequency_is_a_warning():
+    powers = {"A": 50.0, "B": 50.0, "C": 100.0, "D": 100.0}
+    assert power_warnings(make_flapping(A=2.35, B=2.4, C=5.8, D=5.6), powers) == []
+    wrong = make_flapping(A=2.35, B=5.8, C=5.8, D=5.6)
+    (text,) = power_warnings(wrong, powers)
+    assert text.startswith("Trials at 50 % power flap at 2.35 Hz (A) to 5.80 Hz (B).")
+    (text,) = power_warnings(make_flapping(A=5.8, B=5.8, C=2.4, D=2.4), powers)
+    assert "100 % power flap at 2.40 Hz, more slowly than those at 50 %" in text
+    assert power_warnings({name: {"ok": False} for name in powers}, powers) == []
+
+
+@pytest.mark.parametrize("change", [{"mass_kg": 6.8}, {"yaw_inertia_kg_m2": 0.0009}])
+def test_mass_and_inertia_that_are_not_one_body_s_are_a_warning(study_with_turn, change):
+    study, _, _ = study_with_turn
+    assert robot_warnings(study.setup) == []
+    robot = study.setup.robot.model_copy(update=change)
+    text, *_ = robot_warnings(study.setup.model_copy(update={"robot": robot}))
+    assert "a radius of gyration of 0.0" in text
+    assert "all coefficients are proportional to mass_kg" in text
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_head_span_that_is_not_the_body_s_height_is_a_warning(study_with_turn, factor):
+    """No motion shows it: coefficients of forces would come out inversely proportional."""
+    study, _, _ = study_with_turn
+    span = factor * study.setup.robot.head_span_m
+    robot = study.setup.robot.model_copy(update={"head_span_m": span})
+    (text,) = robot_warnings(study.setup.model_copy(update={"robot": robot}))
+    assert f"head_span_m {span:g}" in text
+    assert "inversely proportional to head_span_m" in text
+
+
+def test_a_copied_recording_is_no_further_trial(tmp_path):
+    study = small_study(tmp_path / "study")
+    copy, original = study / "keypoints/T11.csv", study / "keypoints/T10.csv"
+    copy.write_bytes(original.read_bytes())
+    (finding,) = file_findings(load_study(study))
+    assert "T11.csv, whole, as trial T10 has it (the same content as T10.csv)" in str(finding)
+
+
+def test_the_frame_rate_of_a_trial_without_a_log_is_checked_by_the_logs_of_its_power():
+    powers = dict.fromkeys("ABC", 50.0)
+    found = make_flapping(A=2.35, B=2.36, C=1.96)
+    for name, source in (("A", "motor_log"), ("B", "motor_log"), ("C", "video")):
+        found[name]["flapping"]["source"] = source
+    (text,) = power_warnings(found, powers)
+    assert text.startswith("Trial C, without a motor log, flaps 0.83 times as fast")
+    assert "Check fps" in text
+    found["C"]["flapping"]["source"] = "motor_log"
+    assert power_warnings(found, powers)[0].startswith("Trials at 50 % power flap at 1.96 Hz (C)")

@@ -29,6 +29,7 @@ from bluekoi.explain import (
     read_trials,
 )
 from bluekoi.explain.checks import checked_model
+from bluekoi.explain.results_json import sentence
 from bluekoi.explain.sampling import at_rate
 from bluekoi.explain.system_assembly import assemble_system
 from bluekoi.explain.trials import series_of, validated_trials
@@ -100,6 +101,10 @@ def test_a_complete_model_has_no_cause(cart_model):
     found = explain(cart_model, simulated_runs())
     assert found.verdict == "none"
     assert found.named == ()
+    assert sentence(found).startswith("No mismatch beyond the noise")
+    held = replace(found.held_out, noise_floor={k: v / 6 for k, v in
+                                                found.held_out.baseline.items()})  # fmt: skip
+    assert "wrong by 6.0 times the noise floor" in sentence(replace(found, held_out=held))
 
 
 def test_causes_of_the_site_are_not_applied_elsewhere(cart_model, cart_explanation):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -24,7 +26,7 @@ from bluekoi.stages.keypoints import keypoints
 from bluekoi.stages.plausibility import first_jump, plausibility_findings
 from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
 from bluekoi.stages.tuning import campaign_series
-from bluekoi.study import load_study
+from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.consistency_rules import robot_warnings
 from small_studies import edit_trials_csv, small_study
 
@@ -378,3 +380,24 @@ def test_the_frame_rate_of_a_trial_without_a_log_is_checked_by_the_logs_of_its_p
     assert "Check fps" in text
     found["C"]["flapping"]["source"] = "motor_log"
     assert power_warnings(found, powers)[0].startswith("Trials at 50 % power flap at 1.96 Hz (C)")
+
+
+def test_powers_that_are_fractions_are_doubted():
+    assert "is it a fraction? It is in percent" in power_warnings({}, {"A": 0.5, "B": 1.0})[0]
+    assert power_warnings({}, {"A": 0.5, "B": 50.0}) == []
+    assert power_warnings({}, {"A": 0.0}) == []
+
+
+def test_what_is_found_in_place_of_a_file_is_named(tmp_path):
+    study = load_study(small_study(tmp_path / "study"))
+    (path,) = study.paths(study.trial("T10"))
+    said = []
+    for make in (path.mkdir, partial(os.mkfifo, path), partial(path.symlink_to, path.name)):
+        path.rmdir() if path.is_dir() else path.unlink()
+        make()
+        said += [f.found for f in missing_files_of_trial(study, study.trial("T10"))]
+    path.unlink()
+    said += [f.found for f in missing_files_of_trial(study, study.trial("T10"))]
+    name = "'keypoints/T10.csv'"
+    assert said == [f"a folder {name}", f"a pipe or a device {name}, not a file",
+                    f"a link {name} that leads nowhere", f"no file {name}"]  # fmt: skip

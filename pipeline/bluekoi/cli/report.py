@@ -46,6 +46,9 @@ def report(ctx: click.Context, study: Path, results: Path | None, shown: bool) -
         summary_lines(read_json(found)) if found.is_file() else ["No search for causes yet."]
     ):
         click.echo(escape_control_characters(line))
+    done = folder / "outcome.json"  # of a run in which no trial failed
+    for text in read_json(done).get("warnings", ()) if done.is_file() else ():
+        click.echo(escape_control_characters(f"Warning: {text}"))
     page = folder / "report.html"
     if not page.is_file():
         click.echo(f"No report yet in {folder}; `bluekoi run {study}` makes it.", err=True)

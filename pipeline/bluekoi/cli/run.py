@@ -19,6 +19,9 @@ from .parameter_types import NonEmptyPath, StudyName
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 EXIT_SOME_TRIALS_FAILED = 3
 """Exit code of a run in which some trials failed and the others finished."""
+EXIT_RUN_FAILED = 1
+MAX_FAILED_TRIALS_SHOWN = 12
+"""Lines on trials after a run that ended early."""
 EXIT_TERMINATED = 128 + signal.SIGTERM
 """Exit code of a run that was ended by SIGTERM."""
 
@@ -118,7 +121,25 @@ def run(
     if returned == 0 and not dry and (bad := _failed_trial_lines(folder, study)):
         click.echo("\n".join(bad), err=True)
         ctx.exit(EXIT_SOME_TRIALS_FAILED)
-    ctx.exit(_exit_code(returned, folder))
+    code = _exit_code(returned, folder)
+    if code == EXIT_RUN_FAILED and not dry:
+        for line in _lines_before_failure(folder, study):
+            click.echo(line, err=True)
+    ctx.exit(code)
+
+
+def _lines_before_failure(results: Path, study: str) -> list[str]:
+    """What is wrong with the trials of a run that a later stage ended: they may be why. Nothing
+    where the study cannot be read.
+    """
+    from ..errors import InputError  # noqa: PLC0415
+
+    try:
+        bad = _failed_trial_lines(results, study)
+    except InputError:
+        return []
+    more = len(bad) - MAX_FAILED_TRIALS_SHOWN
+    return [*bad[:MAX_FAILED_TRIALS_SHOWN], *([f"... and {more} more trials"] if more > 0 else [])]
 
 
 def _requested_results_folder(study: str, results: Path | None, further: tuple[str, ...]) -> Path:
@@ -188,4 +209,5 @@ def _exit_code(returned: int, results: Path) -> int:
 
     last = Layout(results).last_results
     complained = not (results / "outcome.json").is_file()
-    return EXIT_SOME_TRIALS_FAILED if complained and all(path.is_file() for path in last) else 1
+    some_failed = complained and all(path.is_file() for path in last)
+    return EXIT_SOME_TRIALS_FAILED if some_failed else EXIT_RUN_FAILED

@@ -124,9 +124,14 @@ def _sets_to_verify(few: FittedSets) -> list[ScoredSet]:
 
 
 def _search_on_trials(problem: Problem, start: dict[str, float]) -> FittedSets:
-    """All sets that were worth a fit."""
+    """All sets that were worth a fit.
+
+    Raises: LinAlgError where the model without causes has no finite fit.
+    """
     first = fit_own_noise(problem, fit_set(problem, (), problem.noise, start))
     expansion = expand_about(problem, first)
+    if not expansion.usable:
+        raise np.linalg.LinAlgError("the model without causes runs away")
     problem = replace(problem, residual_sizes=plausible_residual_magnitudes(problem, expansion))
     visited = FittedSets(problem)
     visited.sets[frozenset()] = score(problem, first)

@@ -16,6 +16,8 @@ from .prediction import Predicted
 
 MIN_RIVAL_PROBABILITY = 0.02
 """Probability from which an alternative is listed."""
+MAX_NOISE_FLOOR_RATIO = 1.5
+"""Ratio of errors of free runs to the noise floor above which they are reported as excessive."""
 
 
 def explanation_json(found: Explanation) -> dict[str, Any]:
@@ -56,6 +58,12 @@ def explanation_json(found: Explanation) -> dict[str, Any]:
 
 def sentence(found: Explanation) -> str:
     """The verdict in a sentence or two."""
+    if found.verdict == "none" and (excess := error_over_floor(found)) > MAX_NOISE_FLOOR_RATIO:
+        return (
+            f"No candidate has a probability above 1/2, but free runs are wrong by {excess:.1f} "
+            "times the noise floor: something is missing that no candidate describes, or a unit, a "
+            "sign or the time of the recordings is wrong."
+        )
     if found.verdict == "none":
         return "No mismatch beyond the noise: no candidate has a probability above 1/2."
     said = [f"{c.name} ({c.probability:.2f}): {found.model.by_name[c.name].statement}"
@@ -63,6 +71,14 @@ def sentence(found: Explanation) -> str:
     if found.verdict == UNEXPLAINED:
         said.append(f"A force acts that no candidate describes ({found.unexplained:.2f}).")
     return " ".join(said)
+
+
+def error_over_floor(found: Explanation) -> float:
+    """Largest ratio of the error of free runs of the baseline to the noise floor; 0 unknown."""
+    held = found.held_out
+    ratios = [held.baseline[n] / floor for n, floor in held.noise_floor.items()
+              if n in held.baseline and floor > 0 and np.isfinite(held.baseline[n])]  # fmt: skip
+    return max(ratios, default=0.0)
 
 
 def causes(found: Explanation) -> list[dict[str, Any]]:

@@ -128,7 +128,8 @@ def marginal_products(products: Float, stds: Float) -> tuple[Float, Float]:
     scaled = products[:, :, kept:] * stds[:, None, :]  # P_z D^1/2
     inner = np.eye(q) + scaled[:, kept:] * stds[:, :, None]
     solved = np.linalg.solve(inner, np.swapaxes(scaled[:, :kept], 1, 2))
-    constant = -0.5 * np.linalg.slogdet(inner)[1]
+    with np.errstate(invalid="ignore"):  # of a trial in which the model runs away
+        constant = -0.5 * np.linalg.slogdet(inner)[1]
     return products[:, :kept, :kept] - scaled[:, :kept] @ solved, constant
 
 

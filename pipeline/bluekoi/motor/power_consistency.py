@@ -18,9 +18,10 @@ CHECK_POWER_REMEDY = "Check power_pct, and whether the motor logs are those of t
 def power_warnings(
     statuses: Mapping[str, Mapping[str, Any]], powers: Mapping[str, float]
 ) -> list[str]:
-    """A sentence for each power whose trials flap at different frequencies or, where they agree,
-    more slowly than at a lower power. statuses: content of status/ID.json by trial id; powers:
-    trial id -> power_pct.
+    """A sentence for powers that seem to be fractions, and for each power whose trials flap at
+    different frequencies or, where they agree, more slowly than at a lower power.
+
+    statuses: content of status/ID.json by trial id; powers: trial id -> power_pct.
     """
     groups: dict[float, dict[str, float]] = {}
     for name, status in statuses.items():
@@ -33,9 +34,20 @@ def power_warnings(
     same = {power: {n: v for n, v in hz.items() if n not in unlogged}
             for power, hz in groups.items()}  # fmt: skip
     return [
+        *_fraction_warnings(powers),
         *_different_frequency_warnings(same),
         *unlogged.values(),
         *_falling_frequency_warnings(groups),
+    ]
+
+
+def _fraction_warnings(powers: Mapping[str, float]) -> list[str]:
+    """A sentence where no trial has more than one percent of the power."""
+    if not powers or not 0 < max(powers.values()) <= 1:
+        return []
+    return [
+        f"power_pct is at most {max(powers.values()):g} in all trials: is it a fraction? It is in "
+        "percent, 50 for half of the power."
     ]
 
 

@@ -22,7 +22,7 @@ def steady(study: Path, results: Path) -> None:
     if not good:
         found = f"none of {len(ids)} trials that went well"
         raise input_error(
-            results / "status", "", found, "one or more", "See what each trial says below."
+            results / "status", "", found, "one or more", "What is wrong with each of them follows."
         )
     rows = {name: read_steady(layout.trial_steady(name))[name] for name in good}
     write_steady(layout.steady, rows)

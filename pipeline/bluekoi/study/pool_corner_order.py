@@ -7,6 +7,10 @@ EXPECTED_CORNERS = (
     "the images of pool (0,0), (length,0), (length,width), (0,width) "
     "in this order, seen from above (counter-clockwise in the pool, image v downwards)"
 )
+CLOCKWISE_CORNERS = (
+    "these go round the other way: swap the second and the fourth, "
+    "or, if each pair is written as [v, u], write it as [u, v]"
+)
 
 
 def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
@@ -18,7 +22,7 @@ def corner_problems(corners: tuple[Corner, ...]) -> list[str]:
     if all(turn < 0 for turn in turns):
         return []
     if all(turn > 0 for turn in turns):
-        return [EXPECTED_CORNERS + "; these go round the other way: swap the second and the fourth"]
+        return [f"{EXPECTED_CORNERS}; {CLOCKWISE_CORNERS}"]
     return [EXPECTED_CORNERS + "; these cross over or lie on a line"]
 
 

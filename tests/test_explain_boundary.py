@@ -286,3 +286,10 @@ def test_the_tutorials_model_is_the_examples(tmp_path):
     assert [c.name for c in written.causes] == [c.name for c in example.causes][:2]
     for one, other in zip(written.causes, example.causes, strict=False):
         assert one.parameters == other.parameters
+
+
+def test_a_model_file_that_ends_the_program_is_refused(tmp_path):
+    path = tmp_path / "model.py"
+    path.write_text("import sys\nsys.exit(0)\n")
+    with pytest.raises(InputError, match=r"line 2: found SystemExit: 0; expected a file that runs"):
+        load_model(path)

@@ -75,14 +75,14 @@ def _importing(path: Path, root: Path) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # sys.exit would end the command without a word
         raise input_error(path, _line(error, path), f"{type(error).__name__}: {error}",
                           "a file that runs") from None  # fmt: skip
     finally:
         sys.path.remove(str(root))
 
 
-def _line(error: Exception, path: Path) -> str:
+def _line(error: BaseException, path: Path) -> str:
     """Where in the file an error was raised."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f"line {error.lineno}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -18,11 +19,13 @@ from hypothesis.extra import numpy as arrays
 
 from bluekoi.errors import InputError
 from bluekoi.explain import Model, Observation, Trial, load_model, read_trials
+from bluekoi.explain.checks import checked_model
 from bluekoi.explain.feedback import explained_by_innovations
 from bluekoi.explain.trials import time_unit_warnings, validated_trials
 
 CART = Path(__file__).parent / "cart_model.py"
 MODEL = load_model(CART)
+DRIVE = load_model(Path(__file__).parents[1] / "examples/drive/model.py")
 SAMPLE_COUNT = 20
 FEW_EXAMPLES = settings(max_examples=150, deadline=None,
                suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
@@ -293,3 +296,16 @@ def test_a_model_file_that_ends_the_program_is_refused(tmp_path):
     path.write_text("import sys\nsys.exit(0)\n")
     with pytest.raises(InputError, match=r"line 2: found SystemExit: 0; expected a file that runs"):
         load_model(path)
+
+
+def test_a_number_that_no_equation_computes_with_is_refused():
+    """Its argument is there, but the trials say nothing on it."""
+
+    def dry(v: float, F_c: float, v_s: float) -> tuple[float]:
+        return (-F_c * math.copysign(1.0, v),)
+
+    cause = replace(next(c for c in DRIVE.causes if c.name == "coulomb_friction"),
+                    hooks={"force": dry})  # fmt: skip
+    with pytest.raises(InputError, match="coulomb_friction: v_s: found a number that no equation"):
+        checked_model(replace(DRIVE, causes=(cause,)))
+    checked_model(DRIVE)

@@ -21,6 +21,7 @@ from .model import (
     State,
     arguments,
 )
+from .unused_numbers import check_unused_numbers
 
 MAX_STATES = 14
 """States of the model with its random forces and errors: sixteen lanes less two."""
@@ -36,7 +37,7 @@ def checked_model(model: Model) -> None:
         checks = _check_names, _check_stages, _check_causes, _check_coefficients
         findings = [f for check in checks for f in check(model)]
     if not findings:
-        findings = [*_check_calls(model)]
+        findings = [*check_unused_numbers(model), *_check_calls(model)]
     if findings:
         raise InputError(findings)
 

@@ -89,7 +89,8 @@ def compiling(model: Model) -> Iterator[None]:
                 raise input_error(
                     f"model '{model.name}'", f"{where}: {function.__name__}", fault,
                     "arithmetic, abs and functions of math, which numba can compile",
-                    "Write the equation without texts, lists, objects and other functions.",
+                    "Write the equation without texts, lists, objects and other functions; "
+                    "import modules at the top of the file.",
                 ) from None  # fmt: skip
         raise
 

@@ -133,3 +133,12 @@ def _current_umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def found_instead_of_file(path: Path, name: str) -> str:
+    """What is at a path where no regular file is, with its name."""
+    if path.is_dir():
+        return f"a folder {name}"
+    if path.exists():
+        return f"a pipe or a device {name}, not a file"
+    return f"a link {name} that leads nowhere" if path.is_symlink() else f"no file {name}"

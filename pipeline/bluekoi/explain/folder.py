@@ -21,7 +21,7 @@ import yaml
 
 from ..data import Float
 from ..errors import Finding, InputError, did_you_mean, input_error
-from ..files import read_text
+from ..files import found_instead_of_file, read_text
 from .model import Model
 from .trials import FIT_ROLE, Trial
 from .units import conversion_factor
@@ -192,7 +192,8 @@ def _cells(path: Path) -> pd.DataFrame:
     then follow a comma. A repeated name keeps its place with a suffix.
     """
     if not path.is_file():
-        raise input_error(path, "", "no such file", "the csv that data.yaml names")
+        found = found_instead_of_file(path, "of that name")
+        raise input_error(path, "", found, "the csv that data.yaml names")
     try:
         head = path.read_text(encoding="utf-8-sig").partition("\n")[0]
         separator = next((s for s in CSV_SEPARATORS if s in head), ",")

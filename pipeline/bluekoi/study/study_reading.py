@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import Finding, InputError
+from ..files import found_instead_of_file
 from .study_yaml import read_setup
 from .trials_csv import read_trials
 from .types import Study, Trial
@@ -50,21 +51,12 @@ def missing_files_of_trial(study: Study, trial: Trial) -> list[Finding]:
         Finding(
             str(study.root / "trials.csv"),
             f"trial {trial.trial_id}",
-            _found_instead_of_file(path, f"'{_path_from_csv_cell(path, study.root)}'"),
+            found_instead_of_file(path, f"'{_path_from_csv_cell(path, study.root)}'"),
             "a file at that path, relative to the study folder or absolute",
         )
         for path in paths
         if not path.is_file()
     ]
-
-
-def _found_instead_of_file(path: Path, name: str) -> str:
-    """What is at a path where no file is."""
-    if path.is_dir():
-        return f"a folder {name}"
-    if path.exists():
-        return f"a pipe or a device {name}, not a file"
-    return f"a link {name} that leads nowhere" if path.is_symlink() else f"no file {name}"
 
 
 def _path_from_csv_cell(path: Path, root: Path) -> Path:

@@ -192,7 +192,8 @@ def _cells(path: Path) -> pd.DataFrame:
     then follow a comma. A repeated name keeps its place with a suffix.
     """
     if not path.is_file():
-        found = found_instead_of_file(path, "of that name")
+        there = path.exists() or path.is_symlink()
+        found = found_instead_of_file(path, "of that name") if there else "no such file"
         raise input_error(path, "", found, "the csv that data.yaml names")
     try:
         head = path.read_text(encoding="utf-8-sig").partition("\n")[0]

@@ -12,13 +12,11 @@ from bluekoi.campaign import Campaign
 from bluekoi.data import Float, Steady, Track
 from bluekoi.model import COEFFICIENTS, FLAP_HZ, TABLE_1
 from bluekoi.study import Camera, Robot, Setup, Study, Trial
+from paper_robot import PAPER_ROBOT
 
 POOL_CORNERS_PX = ((360.0, 930.0), (1660.0, 930.0), (1660.0, 130.0), (360.0, 130.0))
 """500 px a metre, straight from above, no lens: pool (x, y) is at (360 + 500 x, 930 - 500 y)."""
-ROBOT = Robot(
-    mass_kg=0.68, yaw_inertia_kg_m2=0.0095, body_length_m=0.331, head_length_m=0.12,
-    head_span_m=0.069, hinge_to_com_m=0.04, tail_length_m=0.066,
-)  # fmt: skip
+ROBOT = Robot(**PAPER_ROBOT)
 SPEED_M_S = {50: 0.225, 75: 0.381, 100: 0.552}
 INF, NAN = float("inf"), float("nan")
 

@@ -10,6 +10,10 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.data import Positions
+from bluekoi.keypoints.deeplabcut import read
+from bluekoi.study import Study, Trial
 from bluekoi.synthetic.design import StudyDesign, numbered_plans
 from bluekoi.synthetic.laws import Coefficients, Tank, published_model_tank
 from validation.tracking_noise import keypoint_study
@@ -60,7 +64,7 @@ def _simulated_small_study() -> tuple[Path, Path]:
 
 
 def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
-    """Change cells of trials.csv: `edit_rows(study, T09={"fps": "30"})`."""
+    """Change cells of trials.csv: `edit_trials_csv(study, T09={"fps": "30"})`."""
     with (study / "trials.csv").open(newline="") as lines:
         rows = list(csv.DictReader(lines))
     names = list(dict.fromkeys([*rows[0], *(n for change in cells.values() for n in change)]))
@@ -68,3 +72,11 @@ def edit_trials_csv(study: Path, **cells: dict[str, str]) -> None:
         writer = csv.DictWriter(out, names, restval="")
         writer.writeheader()
         writer.writerows([row | cells.get(row["trial_id"], {}) for row in rows])
+
+
+def mapped_turn(study: Study) -> tuple[Study, Trial, Positions]:
+    """A small study, its turn T10 (30 degrees, 1x head), and that trial's keypoints in the pool."""
+    trial = study.trial("T10")
+    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
+    depth = study.setup.robot.keypoint_depth_m
+    return study, trial, map_keypoints(pool_camera(study.setup), found, depth)

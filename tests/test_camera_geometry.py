@@ -20,16 +20,8 @@ from bluekoi.camera.whole_length import systematic_length_error_share, whole_len
 from bluekoi.data import Positions
 from bluekoi.errors import InputError
 from bluekoi.study import Robot
+from paper_robot import PAPER_ROBOT
 
-ROBOT = {
-    "mass_kg": 0.68,
-    "yaw_inertia_kg_m2": 0.0095,
-    "body_length_m": 0.331,
-    "head_length_m": 0.12,
-    "head_span_m": 0.069,
-    "hinge_to_com_m": 0.04,
-    "tail_length_m": 0.066,
-}
 PARTS = ("head_tip", "hinge", "core_center", "tail_base")
 DEPTH_M = 0.04
 LENS = Lens(
@@ -99,7 +91,7 @@ def geometry_check(believed: PoolCamera, **made):
         mapped_trials(believed, **made),
         depth_m=DEPTH_M,
         head_lengths_m=[0.12] * 12,
-        robot=Robot(**ROBOT),
+        robot=Robot(**PAPER_ROBOT),
     )
 
 
@@ -143,7 +135,7 @@ def whole_length_check(believed: PoolCamera, given: tuple[str, ...] = (), **made
         xy = np.concatenate([one.xy_m, end[:, None]], axis=1)
         ones, cov = np.ones((120, 5)), np.full((120, 5, 2, 2), np.nan)
         trials.append(Positions(one.time_s, (*PARTS, "tail_tip"), xy, cov, ones))
-    lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**ROBOT))
+    lengths = whole_lengths(trials, seen, [0.12] * 12, Robot(**PAPER_ROBOT))
     geometry = CameraGeometry(believed, DEPTH_M)
     return check_rigid_distances(
         geometry, lengths, min_share=systematic_length_error_share(geometry, lengths), given=given
@@ -244,7 +236,7 @@ def test_depth_comes_from_the_same_distances_with_an_honest_std():
     for seed in range(4):
         trials = mapped_trials(TRUTH, seed=seed, depth_m=0.07)
         depth, std = estimate_depth(
-            TRUTH, trials, depth_m=DEPTH_M, head_lengths_m=[0.12] * 12, robot=Robot(**ROBOT)
+            TRUTH, trials, depth_m=DEPTH_M, head_lengths_m=[0.12] * 12, robot=Robot(**PAPER_ROBOT)
         )
         pulls.append((depth - 0.07) / std)
         assert std < 0.004
@@ -256,7 +248,7 @@ def test_trials_without_rigid_pairs_are_a_fault():
     blind = replace(trials[0], likelihood=np.zeros((120, 4)))
     with pytest.raises(InputError, match="no two neighbouring rigid keypoints"):
         check_camera_geometry(
-            TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**ROBOT)
+            TRUTH, [blind], depth_m=DEPTH_M, head_lengths_m=[0.12], robot=Robot(**PAPER_ROBOT)
         )
 
 

@@ -24,16 +24,8 @@ from bluekoi.data import Keypoints
 from bluekoi.errors import InputError
 from bluekoi.study import Setup
 from bluekoi.study.recording_pixels import setup_in_film_pixels, to_study_pixels
+from paper_robot import PAPER_ROBOT
 
-ROBOT = {
-    "mass_kg": 0.68,
-    "yaw_inertia_kg_m2": 0.0095,
-    "body_length_m": 0.331,
-    "head_length_m": 0.12,
-    "head_span_m": 0.069,
-    "hinge_to_com_m": 0.04,
-    "tail_length_m": 0.066,
-}
 MATRIX = [[1130.0, 0.0, 955.0], [0.0, 1130.0, 542.0], [0.0, 0.0, 1.0]]
 LENS = Lens("pinhole", np.array(MATRIX), np.array([-0.12, 0.03, 0.0004, -0.0003, 0]), (1920, 1080))
 CORNERS_M = pool_rectangle(2.6, 1.6, 0.0)
@@ -67,7 +59,7 @@ def setup_for(camera: PoolCamera, **changes) -> Setup:
         "distortion": camera.lens.distortion.tolist(),
         "pool_corners_px": camera.corners_px.tolist(),
     } | changes
-    return Setup.model_validate({"robot": ROBOT, "camera": section})
+    return Setup.model_validate({"robot": PAPER_ROBOT, "camera": section})
 
 
 def pool_points(n: int = 60) -> np.ndarray:

@@ -7,6 +7,7 @@ import inspect
 
 import numpy as np
 import pytest
+from candidate_causes import MEASUREMENT, PHYSICS
 
 from bluekoi import effects, measurement
 from bluekoi.fitting.side_measurements import predicted
@@ -15,17 +16,6 @@ from bluekoi.model import TABLE_1, effect_names, plates, residual, simulate
 from bluekoi.model.equations import flow
 from paper_robot import PAPER_SETUP
 
-CONTRACT_CAUSES = {
-    "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",
-    "uniform_current", "pool_gyre", "wall_effect", "stall", "servo_lag", "motor_spin_up",
-    "battery_sag", "trim_moment", "head_angle_offset", "crossflow_drag", "thrust_line_offset",
-    "thrust_area", "lift_lag", "wave_drag", "coulomb_friction", "wake_reentry", "sinking",
-    "centre_of_mass_shift", "port_starboard_asymmetry",
-}  # fmt: skip
-MEASUREMENT = {
-    "scale_error", "clock_error", "camera_shift", "uncorrected_refraction", "lens_error",
-    "time_offset", "keypoint_bias",
-}  # fmt: skip
 ONE_SIDED = {
     "head_angle_offset", "trim_moment", "uniform_current", "pool_gyre", "wall_effect",
     "port_starboard_asymmetry", "keypoint_bias", "camera_shift", "scale_error", "lens_error",
@@ -51,7 +41,7 @@ def simulated_path(effect: Effect | None, side: float = 1.0, **given: float) -> 
 
 
 def test_the_folders_hold_every_name_of_the_contract() -> None:
-    assert set(effect_names(effects)) >= CONTRACT_CAUSES
+    assert set(effect_names(effects)) >= PHYSICS
     assert set(effect_names(measurement)) >= MEASUREMENT
 
 
@@ -61,7 +51,7 @@ def test_statement_units_bounds_and_source(effect: Effect) -> None:
     assert effect.statement.endswith(".")
     assert len(effect.statement) > 30
     assert "Source:" in (module.__doc__ or "")
-    assert set(effect.confused_with) <= CONTRACT_CAUSES | MEASUREMENT
+    assert set(effect.confused_with) <= PHYSICS | MEASUREMENT
     for p in effect.parameters:
         assert p.unit
         assert p.meaning

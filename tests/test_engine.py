@@ -33,6 +33,7 @@ from bluekoi.engine.subset import designed_subset
 from bluekoi.fitting import Free, Noise, Series
 from bluekoi.fitting.normal import marginal_products
 from bluekoi.integrate import Effect, Parameter, Stage, System, compiled
+from validation.search_limits import round_gains
 
 
 def one_strength(size: float, *, signed: bool = False) -> Layout:
@@ -206,6 +207,22 @@ def test_a_set_is_at_least_as_likely_as_its_parts() -> None:
     pairs = [(part, whole) for part in likely for whole in likely if part < whole]
     assert pairs
     assert all(likely[whole] > likely[part] - 1.0 for part, whole in pairs)
+
+
+def test_further_rounds_of_noise_and_parameters_do_not_make_a_set_less_probable() -> None:
+    problem = driven_mass_problem(driven_mass_trials(0.3, 0.1))
+    gains = round_gains(search_sets(problem), {"c": 1.0})
+    assert len(gains) > 1
+    assert min(gains) > -0.1
+
+
+def test_without_its_limit_the_posterior_keeps_every_set() -> None:
+    visited = search_sets(driven_mass_problem(driven_mass_trials(0.3, 0.1)))
+    sets = list(visited.sets.values())
+    kept = posterior(visited.problem, sets, max_log_odds=5.0)
+    whole = posterior(visited.problem, sets, max_log_odds=np.inf)
+    assert len(kept.sets) < len(whole.sets) == len(sets)
+    assert whole.inclusion == pytest.approx(kept.inclusion, abs=0.01)
 
 
 def test_strengths_of_probable_causes_are_those_that_acted() -> None:

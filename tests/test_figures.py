@@ -22,6 +22,7 @@ from PIL import Image
 
 from bluekoi import figures
 from bluekoi.campaign import Campaign
+from bluekoi.effects import tail_fin_lift
 from bluekoi.errors import InputError
 from bluekoi.figures import mismatch_dependence
 from bluekoi.figures.drawing import groups
@@ -265,6 +266,30 @@ def test_the_force_of_the_effect_equals_the_missing_moment(complete_campaign):
         assert force_of_effects(complete_campaign, one)[:, 2] == pytest.approx(-20 * rate, abs=1e-3)
         assert force_of_effects(complete_campaign, one)[:, :2] == pytest.approx(0, abs=1e-3)
         assert one.force[:, 2] == pytest.approx(-20 * rate)
+
+
+def test_the_force_of_an_effect_includes_the_build_up_of_its_lift(complete_campaign):
+    """At the end of a steady turn a fin whose lift builds up has its full lift.
+
+    To 5 %: with this fin the model does not turn like this, and between two steps it is the model
+    that moves.
+    """
+    fin = {p.name: p.start for p in tail_fin_lift.PARAMETERS}
+    reported = complete_campaign.mismatch_detail["coefficients"]["before"]
+    found = reported | {f"tail_fin_lift.{name}": {"value": v} for name, v in fin.items()}
+    detail = complete_campaign.mismatch_detail | {"coefficients": {"after": found}}
+    with_fin = replace(complete_campaign, mismatch_detail=detail)
+    one = missing_forces(complete_campaign)["T02"]
+    surge, _, yaw_rate = one.motion[-1, 3:6]
+    rho = complete_campaign.study.setup.water.density_kg_m3
+    law = tail_fin_lift.force(
+        rho, surge, yaw_rate, -fin["arm"] * yaw_rate, fin["lift_area"], fin["arm"],
+        fin["half_length"], fin["sideways_flow_share"], fin["axial_share"],
+    )  # fmt: skip
+    assert abs(law[1]) > 1e-3
+    assert force_of_effects(with_fin, one)[-1] == pytest.approx(
+        1000 * np.array(law), rel=0.05, abs=1e-3
+    )
 
 
 def test_motion_variables_of_a_steady_turn(complete_campaign):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -137,8 +138,7 @@ def published_model_study(tmp_path_factory: pytest.TempPathFactory) -> MeasuredS
 
 def test_nothing_hidden_is_none(published_model_study: MeasuredStudy) -> None:
     m = published_model_study
-    found = find_mismatch(m.study, m.series, m.steady, progress=lambda _: None)
-    result = to_json_types(mismatch_json(found, m.study, m.series))
+    result = _search_result(m, m.series)
     assert result["verdict"] == "none"
     assert result["causes"] == []
 
@@ -147,13 +147,7 @@ def test_a_camera_displaced_in_one_trial_is_found(published_model_study: Measure
     """From the middle of one trial on all is seen 9 mm away, as by a camera that was pushed."""
     displaced_series = [one if k != 3 else _displaced_pose(one, np.array([0.008, -0.004]))
                for k, one in enumerate(published_model_study.series)]  # fmt: skip
-    found = find_mismatch(
-        published_model_study.study,
-        displaced_series,
-        published_model_study.steady,
-        progress=lambda _: None,
-    )
-    result = to_json_types(mismatch_json(found, published_model_study.study, displaced_series))
+    result = _search_result(published_model_study, displaced_series)
     assert result["verdict"] == "measurement"
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
@@ -172,13 +166,7 @@ def test_displacements_in_several_trials_are_one_camera_s(
     sizes = {1: (0.006, -0.003), 4: (-0.004, 0.006), 6: (0.001, 0.007)}
     displaced_series = [_displaced_pose(one, np.array(sizes[k])) if k in sizes else one
                for k, one in enumerate(published_model_study.series)]  # fmt: skip
-    found = find_mismatch(
-        published_model_study.study,
-        displaced_series,
-        published_model_study.steady,
-        progress=lambda _: None,
-    )
-    result = to_json_types(mismatch_json(found, published_model_study.study, displaced_series))
+    result = _search_result(published_model_study, displaced_series)
     assert [c["name"] for c in result["causes"]] == ["camera_shift"]
     size = result["causes"][0]["parameters"]
     off = [np.hypot(size["dx"]["value"] - x, size["dy"]["value"] - y) for x, y in sizes.values()]
@@ -236,6 +224,12 @@ def test_the_largest_of_many_exponential_ratios_is_tested_by_its_share() -> None
     draws = np.random.default_rng(4).exponential(7.0, (4000, 20))
     rate = np.mean([fisher_p_value(row) < 0.05 for row in draws])
     assert rate == pytest.approx(0.05, abs=0.012)
+
+
+def _search_result(m: MeasuredStudy, series: list[Series]) -> dict[str, Any]:
+    """mismatch.json of a study's trials as they are in `series`."""
+    found = find_mismatch(m.study, series, m.steady, progress=lambda _: None)
+    return to_json_types(mismatch_json(found, m.study, series))
 
 
 def _displaced_pose(one: Series, by: np.ndarray) -> Series:
@@ -363,10 +357,7 @@ def test_a_late_start_is_reported_with_its_delay(published_model_study: Measured
     """0.8 s: far from where a single start of the fit would lead."""
     rng = np.random.default_rng(5)
     late = [_late_recording(one, 24, rng) for one in published_model_study.series[::2]]
-    found = find_mismatch(
-        published_model_study.study, late, published_model_study.steady, progress=lambda _: None
-    )
-    result = to_json_types(mismatch_json(found, published_model_study.study, late))
+    result = _search_result(published_model_study, late)
     assert "time_offset" in {c["name"] for c in result["causes"]}
     assert "motor_spin_up" not in {c["name"] for c in result["causes"]}
     offset = next(c for c in result["causes"] if c["name"] == "time_offset")
@@ -459,12 +450,9 @@ def test_a_log_ahead_of_the_video_is_a_time_offset_that_no_path_shows(
     values = np.array([s.evidence["delay"] for s in series])
     assert values[:, 0] == pytest.approx(0.25, abs=0.01)
     assert np.sum(values[:, 1] ** -2.0) ** -0.5 == pytest.approx(0.03, abs=0.01)
-    found = find_mismatch(
-        published_model_study.study, series, published_model_study.steady, progress=lambda _: None
-    )
-    wrote = to_json_types(mismatch_json(found, published_model_study.study, series))
-    assert [c["name"] for c in wrote["causes"]] == ["time_offset"]
-    size = wrote["causes"][0]["parameters"]["log_lead"]
+    result = _search_result(published_model_study, series)
+    assert [c["name"] for c in result["causes"]] == ["time_offset"]
+    size = result["causes"][0]["parameters"]["log_lead"]
     assert size["value"] == pytest.approx(0.25, abs=0.02)
     assert 0.02 < size["std"] < 0.05
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from candidate_causes import LEFT_RIGHT_ASYMMETRIC_CAUSES, MEASUREMENT, PHYSICS
 from click.testing import CliRunner
 
 from bluekoi.cli import main
@@ -42,15 +43,6 @@ from validation.generators.coupled_bodies.robots import (
 PAPER_ROBOT = Robot(mass=0.68, inertia=0.0095, core_share=0.85, body_length=0.331, head_length=0.12,
               span=0.069, hinge_to_com=0.04, tail_length=0.066, depth=0.04, C_T=4.5e-3, C_D0=0.5,
               C_Da=4.0, C_La=3.14, C_Ma=0.1, C_Md=0.104)  # fmt: skip
-PHYSICS = {
-    "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",
-    "uniform_current", "pool_gyre", "wall_effect", "stall", "servo_lag", "motor_spin_up",
-    "battery_sag", "trim_moment", "head_angle_offset", "crossflow_drag", "thrust_line_offset",
-    "thrust_area", "lift_lag", "wave_drag", "coulomb_friction", "wake_reentry", "sinking",
-    "centre_of_mass_shift", "port_starboard_asymmetry",
-}  # fmt: skip
-MEASUREMENT = {"scale_error", "clock_error", "camera_shift", "uncorrected_refraction",
-               "lens_error", "time_offset", "keypoint_bias"}  # fmt: skip
 POOL = (3.6, 2.2, 0.4)
 
 
@@ -151,17 +143,6 @@ def test_integration_is_of_fourth_order():
     fine = end(1 / 640)
     ratio = np.linalg.norm(end(1 / 80) - fine) / np.linalg.norm(end(1 / 160) - fine)
     assert 13 < ratio < 20
-
-
-LEFT_RIGHT_ASYMMETRIC_CAUSES = {
-    "trim_moment",
-    "port_starboard_asymmetry",
-    "head_angle_offset",
-    "uniform_current",
-    "pool_gyre",
-    "wall_effect",
-    "unexplained",
-}
 
 
 def random_states(count: int) -> np.ndarray:

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
+from candidate_causes import LEFT_RIGHT_ASYMMETRIC_CAUSES, MEASUREMENT, PHYSICS
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
@@ -36,24 +37,6 @@ TABLE_1_COEFFICIENTS = {
     "C_Md": 0.104,
 }
 PAPER_ROBOT = Robot(0.68, 0.0095, 0.331, 0.12, 0.069, 0.04, 0.066, 0.04, TABLE_1_COEFFICIENTS)
-PHYSICS = {
-    "tail_fin_lift", "added_mass", "viscous_drag", "linear_yaw_damping", "thrust_loss_with_speed",
-    "uniform_current", "pool_gyre", "wall_effect", "stall", "servo_lag", "motor_spin_up",
-    "battery_sag", "trim_moment", "head_angle_offset", "crossflow_drag", "thrust_line_offset",
-    "thrust_area", "lift_lag", "wave_drag", "coulomb_friction", "wake_reentry", "sinking",
-    "centre_of_mass_shift", "port_starboard_asymmetry",
-}  # fmt: skip
-MEASUREMENT = {"scale_error", "clock_error", "camera_shift", "uncorrected_refraction",
-               "lens_error", "time_offset", "keypoint_bias"}  # fmt: skip
-LEFT_RIGHT_ASYMMETRIC_CAUSES = {
-    "trim_moment",
-    "port_starboard_asymmetry",
-    "head_angle_offset",
-    "uniform_current",
-    "pool_gyre",
-    "wall_effect",
-    UNLISTED_NAME,
-}
 MOTION_FORMS = [f for f in CATALOGUE if f.stage not in OPTICAL_STAGES]
 
 

@@ -7,16 +7,9 @@ from bluekoi.data import PARTS, Positions
 from bluekoi.errors import InputError
 from bluekoi.pose import rigid_pose, unwrapped
 from bluekoi.study import Robot
+from paper_robot import PAPER_ROBOT
 
-ROBOT = Robot(
-    mass_kg=0.68,
-    yaw_inertia_kg_m2=0.0095,
-    body_length_m=0.331,
-    head_length_m=0.12,
-    head_span_m=0.069,
-    hinge_to_com_m=0.04,
-    tail_length_m=0.066,
-)
+ROBOT = Robot(**PAPER_ROBOT)
 HEAD_M = 0.12
 
 

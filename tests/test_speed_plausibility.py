@@ -10,10 +10,8 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bluekoi.camera import map_keypoints, pool_camera
 from bluekoi.errors import InputError
 from bluekoi.files import read_json, write_json
-from bluekoi.keypoints.deeplabcut import read
 from bluekoi.motor.swimming_plausibility import (
     PLAUSIBLE_RANGES,
     implausible_numbers,
@@ -30,7 +28,7 @@ from bluekoi.stages.status import with_numerical_failures_explained
 from bluekoi.stages.tracks import tracks, trial_flapping
 from bluekoi.steady import steady_state
 from bluekoi.study import load_study
-from small_studies import SMALL_STUDY_TRIALS, edit_trials_csv, small_study
+from small_studies import SMALL_STUDY_TRIALS, edit_trials_csv, mapped_turn, small_study
 
 QUALITIES = {"good", "short_arc", "straight", "not_steady", "no_data"}
 
@@ -38,11 +36,7 @@ QUALITIES = {"good", "short_arc", "straight", "not_steady", "no_data"}
 @pytest.fixture(scope="module")
 def mapped_study(tmp_path_factory):
     """A study with its trial T10 mapped into the pool."""
-    study = load_study(small_study(tmp_path_factory.mktemp("swimming") / "study"))
-    trial = study.trial("T10")
-    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
-    depth = study.setup.robot.keypoint_depth_m
-    return study, trial, map_keypoints(pool_camera(study.setup), found, depth)
+    return mapped_turn(load_study(small_study(tmp_path_factory.mktemp("swimming") / "study")))
 
 
 def analyse_trial(study, trial, positions):

@@ -13,18 +13,11 @@ from hypothesis import strategies as st
 
 from bluekoi.errors import InputError
 from bluekoi.study import Camera, Robot, Trial, load_study, missing_files
+from paper_robot import PAPER_ROBOT
 
 SETUP = {
     "pool": {"length_m": 2.6, "width_m": 1.6, "depth_m": 0.3},
-    "robot": {
-        "mass_kg": 0.68,
-        "yaw_inertia_kg_m2": 0.0095,
-        "body_length_m": 0.331,
-        "head_length_m": 0.12,
-        "head_span_m": 0.069,
-        "hinge_to_com_m": 0.04,
-        "tail_length_m": 0.066,
-    },
+    "robot": PAPER_ROBOT,
     "camera": {
         "image_size_px": [1920, 1080],
         "matrix": [[1130.0, 0, 955.0], [0, 1130.0, 542.0], [0, 0, 1]],

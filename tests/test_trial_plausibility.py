@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from exact_campaign import exact_campaign
 
-from bluekoi.camera import map_keypoints, pool_camera
+from bluekoi.camera import pool_camera
 from bluekoi.camera.length_warnings import deviations_from_majority, length_warnings
 from bluekoi.data import Flapping, Pose, Steady, Track
 from bluekoi.errors import InputError
@@ -28,17 +28,13 @@ from bluekoi.stages.tracks import _with_clock_remark, tracks, trial_flapping
 from bluekoi.stages.tuning import campaign_series
 from bluekoi.study import load_study, missing_files_of_trial
 from bluekoi.study.consistency_rules import robot_warnings
-from small_studies import edit_trials_csv, small_study
+from small_studies import edit_trials_csv, mapped_turn, small_study
 
 
 @pytest.fixture(scope="module")
 def study_with_turn(tmp_path_factory):
     """A study with three good trials and the positions of its turn T10 (30 degrees, 1x head)."""
-    study = load_study(small_study(tmp_path_factory.mktemp("plausible") / "study"))
-    trial = study.trial("T10")
-    found = read(study.paths(trial)[0], trial, study.setup.bodyparts)
-    depth = study.setup.robot.keypoint_depth_m
-    return study, trial, map_keypoints(pool_camera(study.setup), found, depth)
+    return mapped_turn(load_study(small_study(tmp_path_factory.mktemp("plausible") / "study")))
 
 
 def finding_messages(study, trial, positions):

@@ -115,6 +115,23 @@ def discrepancy(folder: Path) -> None:
 
 
 @main.command()
+@FOLDER_ARGUMENT
+@click.option("--only", default="", help="Only studies whose name contains this.")
+def limits(folder: Path, only: str) -> None:
+    """Measure what the limits of the search leave out, in the measured studies of FOLDER."""
+    from .search_limits import limit_effects, limit_line, limit_summary  # noqa: PLC0415  compiles the model
+
+    found = []
+    for name in study_runs.measured_names(folder):
+        if only in name:
+            found.append(limit_effects(folder / "studies" / name, folder / "tracks" / name))
+            click.echo(limit_line(found[-1]))
+    if not found:
+        raise click.ClickException(f"{folder}: no measured study whose name contains '{only}'.")
+    click.echo(limit_summary(found))
+
+
+@main.command()
 @FOLDERS_ARGUMENT
 def drift(folders: tuple[Path, ...]) -> None:
     """Count drifting trials that are reported in the measured studies of FOLDERS, with and without

@@ -28,9 +28,9 @@ from .problem import Problem
 from .set_columns import Layout
 
 RIDGE = 1e-10  # beside ones on the diagonal, for columns that are nearly the same
-LOG_PROBABILITY_OF_IMPOSSIBLE = (
-    -50.0
-)  # log probability of what cannot be; finite, so that differences are defined
+LOG_PROBABILITY_OF_IMPOSSIBLE = -50.0
+"""Log probability of a cause whose strength is held at 0. Finite, so that differences are
+defined, and so low that no such set is named."""
 
 
 def log_evidence(expansion: Expansion, lay: Layout) -> float:

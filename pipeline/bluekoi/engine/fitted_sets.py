@@ -13,11 +13,13 @@ from .refit import FittedSet, fit_own_noise, fit_set, likeliest_start
 from .set_score import ScoredSet, score, with_discrepancy
 
 MAX_LOG_ODDS_TO_REFIT = 20.0
-"""Sets e^20 times less probable than the best are not fitted further: noise estimated in one round
-costs a set up to that much."""
+"""Sets e^20 times less probable than the best after one round of noise and parameters are not
+fitted further. From the noise of the model without causes, further rounds raise the log posterior
+of a set by 5.9 in the median and by 34.9 at most (36 sets of six studies, `python -m validation
+limits`). A search loses less, because its fits begin at the noise of a probable set."""
 MAX_NESTED_LOG_LIK_LOSS = 1.0
-"""A set is at least as likely as a part of it. A fit that is e^1 times less likely is repeated from
-where the further cause is absent."""
+"""A set is at least as likely as a part of it, up to the accuracy of a fit. A fit that is e^1 times
+less likely has ended at a worse maximum: it is repeated from where the further cause is absent."""
 MAX_LOG_ODDS_TO_REFIT_NESTED = float(np.log(3000))
 """As `MAX_LOG_ODDS_TO_REFIT`, for a set that adds a cause to a probable set and whose fit began at
 the final noise of that set. Left as it is, it has posterior odds below 1 / 3000; that changes a

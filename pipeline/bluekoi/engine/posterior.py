@@ -29,7 +29,10 @@ BOOTSTRAP_SAMPLES = 1000
 BOOTSTRAP_SEED = 20240517
 """The same samples in each run, so that the same recordings give the same verdict."""
 MAX_LOG_ODDS_KEPT = 200.0
-"""Sets e^200 times less probable than the best are left out."""
+"""Sets e^200 times less probable than the best are left out, to save time. Without the limit no
+probability changes by more than 1e-4 in six studies (`python -m validation limits`); samples of
+trials shift log odds by some tens.
+"""
 
 
 @dataclass(frozen=True)
@@ -47,12 +50,17 @@ class Posterior:
 
 
 def posterior(
-    problem: Problem, sets: Sequence[ScoredSet], draws: int = BOOTSTRAP_SAMPLES
+    problem: Problem,
+    sets: Sequence[ScoredSet],
+    draws: int = BOOTSTRAP_SAMPLES,
+    max_log_odds: float = MAX_LOG_ODDS_KEPT,
 ) -> Posterior:
-    """`Posterior` over the fitted sets."""
+    """`Posterior` over the fitted sets; draws: bootstrap samples. max_log_odds: log odds against
+    the best above which a set is left out.
+    """
     useful = [s for s in sets if np.isfinite(s.log_posterior)]
     best = max(s.log_posterior for s in useful)
-    useful = [s for s in useful if s.log_posterior > best - MAX_LOG_ODDS_KEPT]
+    useful = [s for s in useful if s.log_posterior > best - max_log_odds]
     n = len(problem.series)
     weights = n * np.random.default_rng(BOOTSTRAP_SEED).dirichlet(np.ones(n), size=draws)
     trials = np.array([s.expansion.log_likelihood for s in useful])  # (sets, trials)

@@ -17,9 +17,9 @@ class View:
 
     x_cam, y_cam: point of the pool below the camera (m). bend: growth of the displacement by
     refraction, `1 + bend rho^2` (1/m2). x_lens, y_lens (m), Q_lens (m2), ax_lens, ay_lens (m3):
-    `camera.displacement.ErrorForms`. t_shift: time from which the camera is displaced (s).
-    x_shift, y_shift: displacement beside that of the most clearly displaced trial (1, as a complex
-    number). ahead: distance of the observed nose from the core's centre (m).
+    `camera.error_displacement.CameraErrorConstants`. t_shift: time from which the camera is
+    displaced (s). x_shift, y_shift: displacement beside that of the most clearly displaced trial
+    (1, as a complex number). ahead: distance of the observed nose from the core's centre (m).
     """
 
     x_cam: float = 0.0

@@ -110,7 +110,7 @@ def shift_roll(px: Array, t: Array, k: int, s: float, p: ShapeParameters, camera
     return np.stack([turned.real, turned.imag], -1) + camera.matrix[:2, 2]
 
 
-def shift_creep(px: Array, t: Array, k: int, s: float, p: ShapeParameters, camera: Camera) -> Array:
+def shift_drift(px: Array, t: Array, k: int, s: float, p: ShapeParameters, camera: Camera) -> Array:
     """The camera sinks on its stand: s px in 8 s, in every trial."""
     return px + s * (np.clip(t, 0, None) / 8)[..., None] * _direction(p)
 
@@ -213,7 +213,7 @@ FORMS: tuple[Form, ...] = (
     _bias("tip", bias_head_tip, 3e-4, 0.03),
     _shift("translation", shift_displacement, 0.1, 40, **SEED, **WAY),
     _shift("rotation", shift_roll, 0.1, 60, **SEED),
-    _shift("drift", shift_creep, 0.1, 60, **WAY),
+    _shift("drift", shift_drift, 0.1, 60, **WAY),
     _shift("several", shift_repeated, 0.1, 25, **SEED, **WAY),
     _scale("uniform", scale_uniform, 5e-4, 0.2),
     _scale("length", scale_length, 5e-4, 0.2),

@@ -128,7 +128,7 @@ MEASUREMENT: dict[str, tuple[Form, ...]] = {
     "scale_error": _forms("pool_lengths unequal_sides corners",
         ("factor", "1", 0.005, 0.2), signed=True),
     "clock_error": _forms("factor second_day lost_frames", ("factor", "1", 0.001, 0.25)),
-    "camera_shift": _forms("knock height_between_days loosening", ("shift", "m", 0.001, 0.4)),
+    "camera_shift": _forms("step height_between_days loosening", ("shift", "m", 0.001, 0.4)),
     "uncorrected_refraction": (
         Form(1, "depth", ("deficit", "m", 0.01, 0.2)),
         Form(2, "index_and_depth", ("share_of_refraction_ignored", "1", 0.05, 1.0))),

@@ -132,8 +132,8 @@ def true_optics(world: StudyWorld, n_trial: int, late: bool) -> tuple[cam.Camera
     active, c = world.by_name(), world.camera
     depth, index, n = world.depth, world.index, len(world.trials)
     if (e := active.get("camera_shift")) is not None:
-        knocked = n_trial + late > n // 2
-        share = (float(knocked), float(world.trials[n_trial].day > 0), n_trial / (n - 1))
+        displaced = n_trial + late > n // 2
+        share = (float(displaced), float(world.trials[n_trial].day > 0), n_trial / (n - 1))
         move = e.strength * share[e.form.code - 1]
         rot = np.array([0.3, -0.2, 0.1]) * move
         lift = (0.2, 1.0, 0.4)[e.form.code - 1]

@@ -10,8 +10,8 @@ frequency errors of each trial with their known spreads, starting states by the 
 prior. Nuisances of a measurement error are the same.
 
 ``sigma_path`` is this number. For errors of reporting and for sinking, ``sigma`` adds what the
-body's apparent size, the recoil frequency or the label geometry shows (see ``static_sigma`` in
-studies.py).
+body's apparent size, the recoil frequency or the label geometry shows (see
+``length_and_label_sigma`` in observe.py).
 
 Check by brute force (tests, ``test_detector_against_brute_force``): 6000 sampled
 linearised paths under water motion and tracking errors give an open-loop covariance; inverted in

@@ -1244,9 +1244,9 @@ FORMS: tuple[Form, ...] = (
             ("scale_error", 2, "corners", "factor", "1", 3e-3, 0.12, "marks on the inner rim"),
             ("clock_error", 0, "all_trials", "factor", "1", 1e-3, 0.08, "wrong frame rate"),
             ("clock_error", 1, "half_of_trials", "factor", "1", 1e-3, 0.08, "two cameras"),
-            ("camera_shift", 0, "knock_within_trials", "shift", "px", 0.3, 60, "knocked mount"),
-            ("camera_shift", 1, "creep", "shift", "px", 0.3, 80, "slow mount, px in 5 s"),
-            ("camera_shift", 2, "roll_creep", "roll", "deg", 0.02, 5, "slow mount, degrees in 5 s"),
+            ("camera_shift", 0, "step_within_trials", "shift", "px", 0.3, 60, "displaced mount"),
+            ("camera_shift", 1, "drift", "shift", "px", 0.3, 80, "slow mount, px in 5 s"),
+            ("camera_shift", 2, "roll_drift", "roll", "deg", 0.02, 5, "slow mount, degrees in 5 s"),
             ("uncorrected_refraction", 0, "index_one", "depth", "m", 0.03, 0.2, "dry calibration"),
             (
                 "uncorrected_refraction",

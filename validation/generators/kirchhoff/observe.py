@@ -95,12 +95,12 @@ def pixels_after_camera_shift(
     study: StudyTruth, pixels: np.ndarray, t: np.ndarray, trial: np.ndarray
 ) -> np.ndarray:
     """Pixels (N, 2) after movements of the camera at recording time ``t`` (N,)."""
-    knock, creep, roll = (study.report("camera_shift", k) for k in range(3))
+    step, drift, roll = (study.report("camera_shift", k) for k in range(3))
     when = study.trials.duration[trial] * (0.35 + 0.3 * ((trial * 0.618) % 1))
-    knocked = knock * (t > when) * (trial % 3 != 0)
+    displaced = step * (t > when) * (trial % 3 != 0)
     direction = 2.4 * trial
-    move = np.column_stack([np.cos(direction), np.sin(direction)]) * knocked[:, None]
-    move = move + np.outer(creep * t / 5, [0.6, -0.8])
+    move = np.column_stack([np.cos(direction), np.sin(direction)]) * displaced[:, None]
+    move = move + np.outer(drift * t / 5, [0.6, -0.8])
     turn = np.exp(1j * np.radians(roll) * t / 5)
     middle = np.array(study.camera.size) / 2
     d = ((pixels - middle) @ np.array([1, 1j])) * turn

@@ -12,7 +12,7 @@ Lengths between keypoints (1 mm tolerance in common, 0.3 mm per trial) and the r
 against the log (0.3 % per trial) are added, for they alone show a wrong scale or clock. Recoil is
 taken as filtered out. Each change is finite for the effect and linear for the rest.
 
-Brute force check (`brute_force`, kept in the test): one trial with a weak fin or viscous drag;
+Check by simulation (in the test): one trial with a weak fin or viscous drag;
 thousands of simulated runs with gusts and starting rates give the covariance of the whole
 trajectory, without linearisation or filter. The whitened norm of the simulated difference, without
 nuisances, is compared with this filter's.

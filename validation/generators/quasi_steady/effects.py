@@ -337,7 +337,7 @@ FORMS: list[Form] = [
         laws.NO_FORCE,
         ("angle_deg", "deg"),
         (0.2, 1e-3, 3.0),
-        ["knock", "creep"],
+        ["step", "drift"],
         a=("axis_rad", "rad", 0.0, 6.28),
         b=("share_of_trial", "1", 0.4, 0.7),
         kind="measurement",

@@ -54,7 +54,7 @@ def keypoint_depth(lab: Lab, effects: Sequence[Effect], times: np.ndarray) -> np
 
 
 def camera_rotation(trial: Trial, effects: Sequence[Effect], times: np.ndarray) -> np.ndarray:
-    """Rotation vectors (n, 3) of a camera knocked in a third of the trials, or creeping in all."""
+    """Rotation vectors (n, 3) of a camera displaced in every third trial, or drifting in all."""
     out = np.zeros((len(times), 3))
     for e in effects:
         if e.form.cause == "camera_shift":

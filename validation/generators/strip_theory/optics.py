@@ -82,7 +82,7 @@ def keypoint_depth(t: Floats, depth: float, P: Floats) -> Floats:
 
 
 def camera_shift_share(run: SimulatedTrial, t: Floats) -> Floats:
-    """Share of the camera's displacement: 1 knock within one trial, 2 creep over the session."""
+    """Share of the camera's displacement: 1 a step within one trial, 2 a drift over the session."""
     when = run.trial.order + t / max(run.times[-1], 1e-9)
     if run.P[KEYS.SHIFT_FORM] == 2:
         return when / run.trial.session

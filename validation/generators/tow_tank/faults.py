@@ -56,7 +56,7 @@ def _displaced_image(m: FrameTimes, k: float, p: Shape, times: int = 1) -> Array
     return _jolt_displacement(m, p, times) * k * np.exp(1j * p["towards"])
 
 
-def _creeping_camera(m: FrameTimes, k: float, p: Shape) -> Array:
+def _drifting_camera(m: FrameTimes, k: float, p: Shape) -> Array:
     rate = 0.0 if m.draw(p) > p["share"] else 1.0
     return rate * k * m.t / 8 * np.exp(1j * p["towards"])
 
@@ -130,7 +130,7 @@ FAULTS: list[Form] = [
         {
             "translation": _displaced_image,
             "rotation": lambda m, k, p: _jolt_displacement(m, p) * k,
-            "drift": _creeping_camera,
+            "drift": _drifting_camera,
             "several": lambda m, k, p: _displaced_image(m, k, p, 3),
         },
         _JOLT_RANGES,

@@ -62,7 +62,7 @@ CAUSES = (
              "amplitude", "N or N m", 0.004, 0.3, (-3.1, 3.1)),
     _measurement_cause("scale_error", "tape one_side corners", "factor", "1", 0.04, 0.15),
     _measurement_cause("clock_error", "constant session_drift", "factor", "1", 0.01, 0.05),
-    _measurement_cause("camera_shift", "bump creep sway", "shift", "px", 3.0, 60.0, signed=False),
+    _measurement_cause("camera_shift", "step drift sway", "shift", "px", 3.0, 60.0, signed=False),
     _measurement_cause("uncorrected_refraction", "index depth", "share", "1", 0.6, 1.0, signed=False),
     _measurement_cause("lens_error", "radial decentering principal_point", "edge_displacement", "px", 8.0, 120.0),
     _measurement_cause("time_offset", "constant session_drift alternating", "offset", "s", 0.05, 0.8, signed=False),

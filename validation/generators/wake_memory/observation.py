@@ -83,7 +83,7 @@ def keypoint_depths(depth: float, p: Array, path: Array, times: Array) -> Array:
 def camera_displacement_px(
     errors: dict[str, tuple[int, float]], order: float, times: Array
 ) -> Array:
-    """Displacement (px) by a moved camera: 1 bumps in some trials; 2 creep; 3 sway, 4.1 s."""
+    """Displacement (px) by a moved camera: 1 steps in some trials; 2 drift; 3 sway, 4.1 s."""
     form, size = errors.get("camera_shift", (0, 0.0))
     if form == 1:
         number = round(order * 100)

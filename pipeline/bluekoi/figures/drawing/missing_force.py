@@ -40,6 +40,8 @@ VARIABLE_LABELS = {
 """Variable -> label of its axis."""
 DERIVATIVE_STEP_S = 1e-6
 """Interval over which the model's accelerations are taken."""
+STEPS_PER_FRAME = 4
+"""Steps of an effect's own states between frames; the motion is the measured one at each."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,11 @@ def _identified_parameters(fitted: Mapping[str, Mapping[str, float]], power: str
 def _recorded_rates(
     campaign: Campaign, one: MissingForce, models: list[Float]
 ) -> tuple[Float, Float]:
-    """Derivatives of surge, sway and yaw rate of two models in the measured motion, (n, 3) each."""
+    """Derivatives of surge, sway and yaw rate of two models in the measured motion, (n, 3) each.
+
+    States of the effects, such as the lift of a fin that follows the flow, start at 0 and follow
+    the measured motion.
+    """
     kernel, n = compiled(plates()), len(one.motion)
     trial = campaign.study.trial(one.trial_id)
     state = np.zeros((n, len(kernel.system.all_states), LANES))
@@ -169,14 +175,30 @@ def _recorded_rates(
         campaign.study.setup, trial.head_length_m, heading_rad=float(one.motion[0, 2])
     )
     inputs = [trial.head_angle_rad, campaign.steady[one.trial_id].flap_hz]
-    _, states = propagate(
-        kernel,
-        state,
-        np.repeat(values[None], n, axis=0),
-        in_lanes(np.tile(fixed, (n, 1))),
-        times=one.motion[:, 6:] + np.array([[0.0, DERIVATIVE_STEP_S]]),
-        inputs=np.tile(inputs, (n, 2, 1)),
-        keep_states=True,
-    )
-    change = (states[:, 1, 3:6, :2] - one.motion[:, 3:6, None]) / DERIVATIVE_STEP_S
+
+    def states_after(rows: slice, seconds: Float) -> Float:
+        """States (m, states, 16) after an interval (m, 1) from each of some frames."""
+        count = len(seconds)
+        _, states = propagate(
+            kernel,
+            state[rows],
+            np.repeat(values[None], count, axis=0),
+            in_lanes(np.tile(fixed, (count, 1))),
+            times=one.motion[rows, 6:] + np.hstack([np.zeros_like(seconds), seconds]),
+            inputs=np.tile(inputs, (count, 2, 1)),
+            keep_states=True,
+        )
+        return np.asarray(states[:, 1])
+
+    _, effects = kernel.system.named_values(models[1])
+    names = [name for effect in effects for name in kernel.system.effect(effect).states]
+    own = [kernel.system.all_states.index(name) for name in names]
+    for i in range(n - 1 if own else 0):
+        seconds = (one.motion[i + 1 : i + 2, 6:] - one.motion[i : i + 1, 6:]) / STEPS_PER_FRAME
+        at_frame = state[i, own]
+        for _ in range(STEPS_PER_FRAME):
+            state[i, own] = states_after(slice(i, i + 1), seconds)[0, own]
+        state[i, own], state[i + 1, own] = at_frame, state[i, own]
+    after = states_after(slice(None), np.full((n, 1), DERIVATIVE_STEP_S))
+    change = (after[:, 3:6, :2] - one.motion[:, 3:6, None]) / DERIVATIVE_STEP_S
     return change[..., 0], change[..., 1]

@@ -1,0 +1,90 @@
+"""What the limits of the finder's search and posterior leave out, in measured studies.
+
+For each set of causes that a search has fitted to the end: by how much its log posterior exceeds
+that after a single round of noise and numbers (`MAX_LOG_ODDS_TO_REFIT`). And by how much the
+inclusion probabilities change if no set is left out of the posterior (`MAX_LOG_ODDS_KEPT`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from bluekoi.campaign import load_campaign
+from bluekoi.engine import posterior, search_sets
+from bluekoi.engine.fitted_sets import FittedSets
+from bluekoi.engine.refit import fit_own_noise, fit_set
+from bluekoi.engine.set_score import score
+from bluekoi.integrate import compiled
+from bluekoi.mismatch.find import SEARCH_RATE_HZ
+from bluekoi.mismatch.robot_problem import robot_problem
+from bluekoi.model import plates
+from bluekoi.stages.tuning import campaign_flapping, campaign_series
+from bluekoi.study import load_study
+from bluekoi.tuning import downsampled, tune
+
+
+@dataclass(frozen=True)
+class LimitEffects:
+    """One study: log posterior that further rounds of a fit add (sets,), sets below the limit of
+    the posterior, and the largest change of an inclusion probability without that limit.
+    """
+
+    study: str
+    round_gains: tuple[float, ...]
+    sets_left_out: int
+    probability_change: float
+
+
+def limit_effects(study: Path, results: Path) -> LimitEffects:
+    """`LimitEffects` of a measured study, all of whose trials are fitted."""
+    campaign = load_campaign(results, load_study(study), measured=True)
+    series = campaign_series(campaign, campaign_flapping(campaign))
+    kernel, baseline = compiled(plates()), tune(downsampled(series))
+    problem = robot_problem(kernel, downsampled(series, SEARCH_RATE_HZ), baseline, displaced=(),
+                            progress=lambda _: None)  # fmt: skip
+    start = baseline.fit.by_label()
+    visited = search_sets(problem, start)
+    sets = list(visited.sets.values())
+    limited, all_sets = (posterior(visited.problem, sets, **limit)
+                         for limit in ({}, {"max_log_odds": np.inf}))  # fmt: skip
+    change = max((abs(p - limited.inclusion.get(name, 0.0))
+                  for name, p in all_sets.inclusion.items()), default=0.0)  # fmt: skip
+    return LimitEffects(study.name, round_gains(visited, start),
+                        len(all_sets.sets) - len(limited.sets), change)  # fmt: skip
+
+
+def round_gains(visited: FittedSets, start: Mapping[str, float]) -> tuple[float, ...]:
+    """Log posterior of the sets fitted to the end, less that after one round from the start."""
+    problem, out = visited.problem, []
+    for key in visited.converged:
+        final = visited.sets[key]
+        once = fit_set(
+            problem, final.causes, problem.noise, {**start, **final.model.fit.by_label()}
+        )
+        if once.usable and np.isfinite(final.log_posterior):
+            one_round = score(problem, fit_own_noise(problem, once, most=1))
+            out.append(final.log_posterior - one_round.log_posterior)
+    return tuple(gain for gain in out if np.isfinite(gain))
+
+
+def limit_line(found: LimitEffects) -> str:
+    """A line on one study."""
+    return (
+        f"{found.study}: {len(found.round_gains)} sets fitted to the end, further rounds add "
+        f"{max(found.round_gains, default=0.0):.1f} at most; {found.sets_left_out} sets left out, "
+        f"probabilities change by {found.probability_change:.4f} without the limit"
+    )
+
+
+def limit_summary(found: Sequence[LimitEffects]) -> str:
+    """A line on all studies."""
+    gains = np.array([gain for one in found for gain in one.round_gains])
+    return (
+        f"{len(found)} studies: {len(gains)} sets, further rounds add {np.median(gains):.1f} in "
+        f"the median, {gains.max():.1f} at most; probabilities change by "
+        f"{max(one.probability_change for one in found):.4f} at most"
+    )

@@ -50,7 +50,7 @@ def test_init_fills_in_what_the_files_say_and_check_lists_the_rest(lab_folder):
     assert missing.exit_code == 1
     assert "pool.length_m" in missing.output
     assert "unknown" not in missing.output
-    assert "pool.length_m: found nothing; expected a valid number" in missing.output
+    assert "pool.length_m: found nothing; expected a number" in missing.output
     assert "`bluekoi pool STUDY` draws a frame with ruled lines" in missing.output
 
 

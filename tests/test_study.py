@@ -169,8 +169,9 @@ def test_a_misspelt_section_names_the_nearest(tmp_path):
         ("robot: {mass_kg: 1, mass_kg: 2}", "'mass_kg' stands twice"),
         ("a: !!python/object/apply:os.system ['true']", "no readable yaml"),
         ("a: [", "no readable yaml"),
-        ("[" * 5000, "no readable yaml"),
-        ("a: 2026-13-45", "no readable yaml"),
+        ("[" * 5000, "no readable yaml (brackets nested too deeply)"),
+        ("a: 2026-13-45", "a date that does not exist"),
+        ("a: " + "9" * 5000, "a number of thousands of digits"),
         ("x: " + "y" * 300_000, "300"),
     ],
 )
@@ -188,6 +189,22 @@ def test_yaml_that_doubles_itself_is_refused_quickly(tmp_path):
     found = findings_of(write_study(tmp_path / "s", bomb))
     assert all(len(str(finding)) < 500 for finding in found)
     assert any("an unknown key" in str(finding) for finding in found)
+
+
+def test_decimal_commas_are_recognised(tmp_path):
+    """In every row one message, whether the cells are quoted or not."""
+    rows = [f"T0{i},k/T0{i}.csv,100,30,0.12,29,97,,,," for i in range(1, 6)]
+    found = str(InputError(findings_of(write_study(tmp_path / "a", rows=rows))))
+    assert "rows 2 to 6 (T01 to T05), number of cells: found 11; expected 10" in found
+    assert "Decimals are written with a point" in found
+    quoted = ['T01,k/T01.csv,100,30,0.12,"29,97",,,,']
+    finding = only_finding(write_study(tmp_path / "b", rows=quoted))
+    assert "found '29,97'; expected a number. Decimals are written with a point" in str(finding)
+
+
+def test_a_negative_power_is_perhaps_a_head_angle(tmp_path):
+    folder = write_study(tmp_path / "s", rows=["T01,k/T01.csv,-30,75,0.12,30,,,,"])
+    assert "power_pct and head_angle_deg exchanged?" in str(only_finding(folder))
 
 
 @pytest.mark.parametrize(
@@ -210,9 +227,9 @@ def test_yaml_that_doubles_itself_is_refused_quickly(tmp_path):
         ([TRIAL_ROW.rsplit(",", 1)[0] + ",held_out"], "role", "one or more to fit"),
         (["T01,k.csv,100,30,0.12,0,,,,"], "row 2 (T01), fps", "greater than 0"),
         (["T01,k.csv,100,300,0.12,30,,,,"], "row 2 (T01), head_angle_deg", "less than or equal"),
-        (["T01,k.csv,100,30"], "row 2", "10 cells, as the header"),
+        (["T01,k.csv,100,30"], "row 2 (T01), number of cells", "10, as in the header"),
         ([TRIAL_ROW, "", TRIAL_ROW.replace("T01,", "t01,", 1)], "trial_id", "each trial_id once"),
-        (["", "", "T09,k.csv,x,30,0.12,30,,,,"], "row 4 (T09), power_pct", "valid number"),
+        (["", "", "T09,k.csv,x,30,0.12,30,,,,"], "row 4 (T09), power_pct", "a number"),
         ([], "", "a header and a row a trial"),
     ],
 )
@@ -243,7 +260,7 @@ def test_an_empty_or_missing_trials_file(tmp_path):
     (folder / "trials.csv").write_text("")
     assert "an empty file" in str(only_finding(folder))
     (folder / "trials.csv").write_bytes(b"\xff\xfe\x00trial_id")
-    assert "no readable csv" in str(only_finding(folder))
+    assert "no readable csv (byte 1 is not UTF-8)" in str(only_finding(folder))
     (folder / "trials.csv").unlink()
     assert "no such file" in str(only_finding(folder))
     assert "no such folder" in str(only_finding(tmp_path / "nowhere"))

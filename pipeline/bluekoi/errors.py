@@ -93,6 +93,19 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"Did you mean '{close[0]}'?" if close else f"Known: {', '.join(names)}."
 
 
+def unreadable_reason(error: Exception) -> str:
+    """Why a text file could not be parsed, without words that only a programmer understands."""
+    if isinstance(error, UnicodeDecodeError):
+        return f"byte {error.start + 1} is not UTF-8"
+    if isinstance(error, RecursionError):
+        return "brackets nested too deeply"
+    if isinstance(error, ValueError) and "integer string conversion" in str(error):
+        return "a number of thousands of digits"
+    if isinstance(error, ValueError) and "must be in" in str(error):
+        return f"a date that does not exist: {error}"
+    return " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
+
+
 def escape_control_characters(text: str) -> str:
     """`text` with the control characters of hostile input made harmless for a terminal."""
     lines = text.splitlines()

@@ -18,13 +18,14 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 from ruamel.yaml.error import YAMLError
 
-from ..errors import input_error
+from ..errors import input_error, unreadable_reason
 from ..files import atomic_write, read_text
 from ..study.key_reference import keys
 from .prefill import blank_study_yaml, study_files, trial_rows, trials_csv
 
 STUDY_FILES = ("study.yaml", "trials.csv")
 """Files of a study, in the order of their texts."""
+LEFT_REMEDY = "Mend it in an editor; it was left as it is."
 BACKUP_FOLDER = ".backup"
 """Folder in the study to which a file is copied before it is changed."""
 REQUIRED_KEYS = {key.name for key in keys() if key.default == "required"}
@@ -109,7 +110,7 @@ def study_file_texts(folder: Path) -> tuple[str | None, str | None]:
             return None
         except (OSError, UnicodeDecodeError) as error:
             raise input_error(folder / name, "", f"no readable text ({error})", "a file in UTF-8",
-                              "Mend it in an editor; it was left as it is.") from error  # fmt: skip
+                              LEFT_REMEDY) from error  # fmt: skip
 
     return text(STUDY_FILES[0]), text(STUDY_FILES[1])
 
@@ -131,14 +132,14 @@ def _yaml_document(folder: Path, text: str | None) -> CommentedMap:
     try:
         content = _round_trip_yaml().load(blank_study_yaml() if text is None else text)
     except (YAMLError, ValueError, RecursionError) as error:
-        raise input_error(folder / STUDY_FILES[0], "", f"no readable yaml ({error})", "yaml",
-                          "Mend it in an editor; it was left as it is.") from error  # fmt: skip
+        found = f"no readable yaml ({unreadable_reason(error)})"
+        raise input_error(folder / STUDY_FILES[0], "", found, "yaml", LEFT_REMEDY) from error
     if content is None:
         content = _round_trip_yaml().load(blank_study_yaml())
     if not isinstance(content, CommentedMap):
         raise input_error(folder / STUDY_FILES[0], "", "no keys",
                           "keys pool, robot, camera and others",
-                          "Mend it in an editor; it was left as it is.")  # fmt: skip
+                          LEFT_REMEDY)  # fmt: skip
     return content
 
 
@@ -151,14 +152,14 @@ def _trials_table(folder: Path, text: str | None) -> tuple[list[str], list[dict[
             row for row in csv.reader(io.StringIO(text, newline="")) if any(map(str.strip, row))
         ]
     except csv.Error as error:
-        raise input_error(folder / STUDY_FILES[1], "", f"no readable csv ({error})", "a csv file",
-                          "Mend it in an editor; it was left as it is.") from error  # fmt: skip
+        found = f"no readable csv ({unreadable_reason(error)})"
+        raise input_error(folder / STUDY_FILES[1], "", found, "a csv file", LEFT_REMEDY) from error
     header = [cell.strip() for cell in lines[0]] if lines else []
     if len(set(header)) < len(header) or any(len(row) > len(header) for row in lines):
         raise input_error(folder / STUDY_FILES[1], "",
                           "a column twice, or a row longer than the header",
                           "a column for each cell",
-                          "Mend it in an editor; it was left as it is.")  # fmt: skip
+                          LEFT_REMEDY)  # fmt: skip
     rows = [dict(zip(header, map(str.strip, row), strict=False)) for row in lines[1:]]
     return header, rows
 

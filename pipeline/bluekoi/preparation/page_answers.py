@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from ..camera.lens_calibration import calibrate_files, calibration_from_profile, camera_section
 from ..camera.pool_corner_check import compare_corners, edge_points_px, grid_px
-from ..errors import Finding, InputError, input_error
+from ..errors import Finding, InputError, input_error, unreadable_reason
 from ..files import read_text, to_json_types
 from ..footage import open_recording
 from ..motor import flapping_from_log
@@ -246,7 +246,9 @@ def _camera_content(path: Path) -> dict[str, Any]:
     try:
         content = yaml.safe_load(read_text(path, MAX_CAMERA_BYTES))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise input_error(path, "", f"no readable yaml ({error})", "a camera section") from error
+        raise input_error(
+            path, "", f"no readable yaml ({unreadable_reason(error)})", "a camera section"
+        ) from error
     camera = content.get("camera") if isinstance(content, dict) else None
     if not isinstance(camera, dict) or "matrix" not in camera:
         raise input_error(path, "camera", "no matrix", "a file that `bluekoi calibrate` wrote")

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
-from ..errors import Finding
+from ..errors import Finding, unreadable_reason
 from ..files import read_text
 from .setup import Setup
 from .validation_messages import findings_from_validation_error, shortened_repr
@@ -71,8 +71,8 @@ def _yaml_content(path: Path, findings: list[Finding]) -> dict[str, Any] | None:
         findings.append(Finding(str(path), "", "no such file", "a study.yaml in the study folder"))
         return None
     except READ_ERRORS as error:
-        reason = " ".join(str(error).replace('in "<unicode string>", ', "in ").split())
-        findings.append(Finding(str(path), "", f"no readable yaml ({reason})", "yaml in UTF-8"))
+        found = f"no readable yaml ({unreadable_reason(error)})"
+        findings.append(Finding(str(path), "", found, "yaml in UTF-8"))
         return None
     if not isinstance(content, dict):
         found = "an empty file" if content is None else shortened_repr(content)

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from ..errors import Finding, did_you_mean
+from ..errors import Finding, did_you_mean, unreadable_reason
 from ..files import read_text
 from .image_files import names_images
 from .types import KEYPOINT_SUFFIXES, VIDEO_SUFFIXES, Trial
-from .validation_messages import findings_from_validation_error
+from .validation_messages import DECIMAL_POINT_REMEDY, findings_from_validation_error
 
 MAX_CSV_BYTES, MAX_TRIALS = 10_000_000, 10_000
 """Ten times the largest study that was tried; a larger file is hardly a list of trials."""
@@ -65,7 +65,7 @@ def _read_numbered_rows(path: Path, findings: list[Finding]) -> Rows:
         return []
     except READ_ERRORS as error:
         remedy = "Save it as CSV UTF-8." if isinstance(error, UnicodeDecodeError) else ""
-        found = f"no readable csv ({error})"
+        found = f"no readable csv ({unreadable_reason(error)})"
         findings.append(Finding(str(path), "", found, "a csv file in UTF-8", remedy))
         return []
     if len(rows) > MAX_TRIALS + 1:
@@ -84,7 +84,8 @@ def _header_findings(path: str, number: int, names: list[str]) -> list[Finding]:
     known = list(Trial.model_fields)
     required = [name for name, info in Trial.model_fields.items() if info.is_required()]
     if len(names) == 1 and (";" in names[0] or "\t" in names[0]):
-        return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas")]
+        return [Finding(path, where, f"one column '{names[0]}'", "columns separated by commas",
+                        DECIMAL_POINT_REMEDY)]  # fmt: skip
     unknown = [
         Finding(
             path, where, f"unknown column '{name}'", "a known column", did_you_mean(name, known)
@@ -108,8 +109,10 @@ def _parse_trial(
     path: str, number: int, names: list[str], row: list[str], *, findings: list[Finding]
 ) -> Trial | None:
     if len(row) != len(names):
-        found = f"{len(row)} cells"
-        findings.append(Finding(path, f"row {number}", found, f"{len(names)} cells, as the header"))
+        where = f"row {number} ({row[0].strip()[:40]}), number of cells"
+        expected = f"{len(names)}, as in the header"
+        remedy = DECIMAL_POINT_REMEDY if len(row) > len(names) else ""
+        findings.append(Finding(path, where, str(len(row)), expected, remedy))
         return None
     cells = {n: cell.strip() for n, cell in zip(names, row, strict=True) if cell.strip()}
     try:

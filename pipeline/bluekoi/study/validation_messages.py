@@ -4,7 +4,9 @@ remedy.
 
 from __future__ import annotations
 
+import re
 import reprlib
+from datetime import date
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -17,6 +19,9 @@ REMEDIES = {
     "read four [u, v]."
 }
 """Key of study.yaml that is empty -> where its value comes from."""
+DECIMAL_POINT_REMEDY = "Decimals are written with a point: 29.97, not 29,97."
+EXCHANGED_REMEDY = "Are the columns power_pct and head_angle_deg exchanged?"
+DECIMAL_COMMA_PATTERN = re.compile(r"\s*[-+]?\d+,\d+\s*")
 _SHORT_REPR = reprlib.Repr()
 _SHORT_REPR.maxstring = _SHORT_REPR.maxother = 110
 _SHORT_REPR.maxlevel = 3
@@ -62,7 +67,15 @@ def _finding_from_item(
     if item["input"] is None:
         remedy = REMEDIES.get(where, "")
         return Finding(path, where, "nothing", _expected_text(item), remedy)
-    return Finding(path, where, shortened_repr(item["input"]), _expected_text(item))
+    return Finding(path, where, shortened_repr(item["input"]), _expected_text(item), _remedy(item))
+
+
+def _remedy(item: dict[str, Any]) -> str:
+    """What a value of this kind is usually due to, where that is known."""
+    if DECIMAL_COMMA_PATTERN.fullmatch(str(item["input"])):
+        return DECIMAL_POINT_REMEDY
+    negative = item["type"] == "greater_than_equal"
+    return EXCHANGED_REMEDY if negative and item["loc"] == ("power_pct",) else ""
 
 
 def _expected_text(item: dict[str, Any]) -> str:
@@ -73,6 +86,8 @@ def _expected_text(item: dict[str, Any]) -> str:
         return f"{count} entries, not {limits.get('actual_length')}"
     if item["type"] in ("model_type", "dict_type", "model_attributes_type"):
         return "keys with values below it"
+    if item["type"] in ("float_parsing", "float_type", "int_parsing", "int_type"):
+        return "a number"
     if item["type"] == "tuple_type":
         return "a list in brackets"
     return str(item["msg"]).removeprefix("Value error, ").removeprefix("Input should be ")
@@ -89,5 +104,7 @@ def _keys_of_same_section(model: type[BaseModel], location: tuple[Any, ...]) -> 
 
 
 def shortened_repr(value: Any) -> str:
-    """`value` as Python writes it, cut short however deep or long it is."""
+    """`value` as Python writes it, cut short; a date as yaml writes it."""
+    if isinstance(value, date):
+        return f"the date {value.isoformat()}"
     return _SHORT_REPR.repr(value)

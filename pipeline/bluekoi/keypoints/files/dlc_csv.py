@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from ...errors import InputError, input_error
+from ...errors import InputError, input_error, unreadable_reason
 from .table import Table, build_table, frame_numbers
 
 HEADER_ROWS = ("scorer", "individuals", "bodyparts", "coords")
@@ -49,7 +49,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
             rows = [(i, row) for i, row in enumerate(csv.reader(lines), start=1) if any(row)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise input_error(
-            path, "", f"no readable csv ({error})", "a DeepLabCut csv in UTF-8"
+            path, "", f"no readable csv ({unreadable_reason(error)})", "a DeepLabCut csv in UTF-8"
         ) from error
     if not rows:
         raise input_error(path, "", "an empty file", "a DeepLabCut csv")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RectBivariateSpline
 from scipy.special import ndtr
-from test_camera_geometry import LENS, ROBOT, TRUTH
+from test_camera_geometry import LENS, TRUTH
 
 from bluekoi.camera import map_to_pool, pool_to_pixels
 from bluekoi.camera.pool_corner_check import pool_corners_picture
@@ -16,6 +16,7 @@ from bluekoi.camera.pool_edge_check import compare_pool_edges
 from bluekoi.footage import encode_h264
 from bluekoi.stages.pool_edges import check_pool_edges
 from bluekoi.study import Setup, load_study
+from paper_robot import PAPER_ROBOT
 from small_studies import edit_trials_csv, small_study
 
 RIM_M = 0.025
@@ -60,7 +61,7 @@ def setup_with(corners_px: np.ndarray, *, matrix: bool = True) -> Setup:
     }
     if not matrix:
         camera = {k: v for k, v in camera.items() if k not in ("matrix", "distortion")}
-    return Setup.model_validate({"robot": ROBOT, "camera": camera})
+    return Setup.model_validate({"robot": PAPER_ROBOT, "camera": camera})
 
 
 def corner_errors_px(found_px: np.ndarray) -> np.ndarray:

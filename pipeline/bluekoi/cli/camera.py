@@ -83,7 +83,7 @@ def pool(
     if frame and not frame.exists() and (study / frame).exists():
         frame = study / frame
     _refuse_overwriting(out, (".png",), (frame,) if frame else ())
-    confirmed = True
+    confirmed = None
     if not lacks_pool_corners(study / "study.yaml"):
         refuse_study_files(study, (out,))
     if lacks_pool_corners(study / "study.yaml"):
@@ -101,9 +101,9 @@ def pool(
     for sentence in sentences:
         click.echo(sentence)
     click.echo(f"Drawn: {out}")
-    if not confirmed:
-        click.echo("The corners given are not confirmed.")
-        ctx.exit(1)
+    if confirmed is not None:
+        click.echo(f"The corners given are {'confirmed' if confirmed else 'not confirmed'}.")
+        ctx.exit(0 if confirmed else 1)
 
 
 def _refuse_overwriting(out: Path, suffixes: tuple[str, ...], inputs: Sequence[Path]) -> None:

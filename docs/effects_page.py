@@ -18,9 +18,22 @@ FOLDERS = {"effects": "Physics", "measurement": "Measurement errors"}
 HEAD = """# Candidate causes
 
 Made by `python docs/effects_page.py` from the files of `pipeline/bluekoi/effects/` and
-`pipeline/bluekoi/measurement/`; edit those. The finder refits each candidate together with the
-coefficients of the published model. Axes: surge forward, sway to the left, yaw counter-clockwise;
-`u`, `v` velocity along and across the core, `r` yaw rate, `rho` water density.
+`pipeline/bluekoi/measurement/`; edit those.
+
+A candidate is a physical effect that may be missing from the published model of the robot, or a
+possible error of the measurement. The finder (search for missing causes) fits each candidate
+together with the coefficients of the model.
+
+The axes are surge forward, sway to the left and yaw counter-clockwise. In the formulas, `u` and `v`
+are the velocity along and across the core (the rigid body behind the head), `V` the speed, `r` the
+yaw rate, `rho` the density of the water, `A` the area of the head plate, `T` the thrust, `f` the
+flapping frequency, `phi` the head angle, `alpha` the angle of attack of the head plate, and `X`,
+`Y`, `N` are forces in surge and sway and the yaw moment. In moments of the head, `q` is
+1/2 rho A V^2. The coefficients `C_...` are those of the paper ([The model](paper.md)).
+
+In the tables, "start" is the value from which a fit starts, and "from" and "to" are the bounds of a
+parameter. Many formulas contain "the part w" or a similar share: 0 gives the simple form of the
+effect, and 1 replaces it by the other form.
 """
 
 
@@ -40,10 +53,10 @@ def _entry(name: str, module: ModuleType) -> Iterator[str]:
     yield f"### `{name}`\n"
     yield f"{module.STATEMENT}\n"
     yield _as_markdown(module.__doc__ or "")
-    yield f"Acts on {', '.join(module.CHANNELS)}; visible in: {module.REGIME}."
+    yield f"Acts in {', '.join(module.CHANNELS)}. Visible in: {module.REGIME}."
     if module.CONFUSED_WITH:
         others = ", ".join(f"`{other}`" for other in module.CONFUSED_WITH)
-        yield f"Easily confused with {others}."
+        yield f"Similar candidates, easily confused with it: {others}."
     yield "\n| parameter | symbol | unit | start | from | to | meaning |"
     yield "|---|---|---|---|---|---|---|"
     for one in module.PARAMETERS:

@@ -1,11 +1,19 @@
 """Added mass of the water around the body.
 
-Kirchhoff's equations with added masses A11 (surge), A22 (sway) and added yaw inertia A66 in the
-frame of the core. The cross terms are (m + A22) v r in surge, -(m + A11) u r in sway, and in yaw
-the Munk moment -(A22 - A11) u v, which turns a long body across the flow.
-A11 and A66 go with A22 by the proportions of a slender body (A11 = c A22, c = 0.1;
-A66 = j A22 L^2/12 with the body length L, j = 1). On a body that sheds vortices at its tail, only
-the share e of the Munk moment acts. The added inertia also acts when the robot starts from rest.
+A body that accelerates in water must also accelerate the water around it. Kirchhoff's equations
+describe this by the added masses A11 (surge) and A22 (sway) and the added yaw inertia A66, in the
+axes of the core.
+
+With the mass m of the robot, the equations contain the cross terms (m + A22) v r in surge and -(m +
+A11) u r in sway. In yaw they contain the Munk moment -(A22 - A11) u v, which turns a long body
+across the flow.
+
+A11 and A66 are computed from A22: A11 = c A22 and A66 = j A22 L^2/12, with the body length L. A
+slender body has c = 0.1 and j = 1. If a body sheds vortices at its tail, only the share e of the
+Munk moment acts.
+
+The added mass and inertia also act when the robot starts from rest.
+
 Source: Fossen, Handbook of Marine Craft Hydrodynamics (2011), sec. 6.3; Newman (1977), sec. 4.13.
 """
 

@@ -1,13 +1,19 @@
 """Thrust that falls during a trial with the supply voltage.
 
-    dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,  t since the start of the trial, f_1 = 3.5 Hz
+With the thrust T, the flapping frequency f, and the time t since the start of the trial, the change
+of the thrust is
 
-The change of thrust is -k t T at first (for w = 0 at all times) and approaches -k T / w, because
-the voltage settles under load. With e > 0 the loss is larger at a higher flapping frequency. Thrust
-is proportional to f^2; therefore a motor log shows half of the relative loss as a falling
-frequency.
-Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries,
-ch. 2).
+    dT = -k T (f / f_1)^e (1 - exp(-w t)) / w,   f_1 = 3.5 Hz
+
+At the frequency f_1, the change of the thrust is -k t T at first. It approaches -k T / w later,
+because the voltage settles under load. With w = 0 it is -k t T at all times. With e > 0, the loss
+is larger at a higher flapping frequency.
+
+Thrust is proportional to f^2. Therefore a motor log shows the effect as a falling frequency, whose
+relative loss is half that of the thrust.
+
+Source: own statement; terminal voltage falls with charge drawn (Linden, Handbook of Batteries, ch.
+2).
 """
 
 from __future__ import annotations

@@ -1,11 +1,16 @@
 """A centre of mass displaced from the stated position.
 
+If the centre of mass is displaced, forces act at other distances from it and cause the yaw moment
+
     N = -d (Y_h cos phi - X_h sin phi) + s X,   X = T + X_h cos phi + Y_h sin phi
 
-X_h, Y_h: force on the head along and across it. d is the shift towards the head: the arm of the
-head's side forces is shorter by d. s is the shift to the left: forces along the core act at the
-distance s from the centre of mass and turn the robot. The keypoint core_center lies at (-d, -s)
-from the centre of mass.
+X_h and Y_h are the forces on the head along and across the head, phi is the head angle, and T the
+thrust. d is the shift of the centre of mass towards the head. It shortens the arm of the side
+forces of the head by d. s is the shift to the left. Forces along the core then act at the distance
+s from the centre of mass and turn the robot.
+
+The keypoint core_center lies at (-d, -s) from the true centre of mass.
+
 Source: rigid-body statics.
 """
 

@@ -1,12 +1,17 @@
 """Friction force independent of speed.
 
+The friction force F acts against the velocity v of the robot, with the speed V = |v|:
+
     F = -F_c (1 + s exp(-(V / V_s)^2)) v / sqrt(V^2 + c^2),  V_s = 0.1 m/s
 
-v is the velocity. Below the speed c the force falls smoothly to 0 at rest; with a large c it rises
-gradually with the speed, like V / (V + c). s is the excess of static over sliding friction
-(Stribeck).
+At speeds well above c, the force is the constant F_c. Below the speed c, it falls smoothly to 0 at
+rest. With a large c, it rises gradually with the speed. s is the excess of static over sliding
+friction (Stribeck effect).
+
+In a pool, such a force comes from a tether, from the floor, or from the film on the water surface.
+
 Source: Armstrong-Helouvry, Dupont and Canudas de Wit, Automatica 30 (1994), 1083, sec. 2 (Coulomb
-and Stribeck friction); here a tether, the floor, or the film on the surface.
+and Stribeck friction).
 """
 
 from __future__ import annotations

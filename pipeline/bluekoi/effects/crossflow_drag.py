@@ -1,14 +1,21 @@
 """Cross-flow drag of core and tail by strip theory.
 
+A section of the body at the distance x ahead of the centre of mass moves sideways with the speed w
+= v + x r. The side force dY on a section of the length dx, and the yaw moment N of all sections,
+are
+
     dY = -1/2 rho C d_x w ((1 - e) |w| + e (|w| w_1)^(1/2)) dx,  w = v + x r,  w_1 = 0.1 m/s
     N = integral x dY
 
-Integrated over the body from the hinge to the tail base (five Gauss points), and over the tail
-behind it as one strip. d_x is the vertical depth of the body at x; it falls linearly from (1 + q)
-times the head's span at the hinge to (1 - q) times the span at the tail base. The depth of the tail
-is `tail_depth` spans (w in the table). The force is quadratic in the sideways speed w; the part e
-grows as its power 3/2, as with a drag coefficient that falls with the Reynolds number. The force
-vanishes in straight swimming.
+The force is quadratic in w. The part e of it grows as w^(3/2) instead, as with a drag coefficient
+that falls with the Reynolds number. C is the drag coefficient. The force vanishes in straight
+swimming.
+
+d_x is the vertical depth of the body at x. It falls linearly from (1 + q) times the span of the
+head at the hinge to (1 - q) times this span at the tail base. The force is integrated from the
+hinge to the tail base (five Gauss points). The tail behind it is one strip, with a depth of
+`tail_depth` times the span of the head.
+
 Source: Hoerner (1965), ch. 3; Fossen (2011), sec. 6.4.3 (cross-flow drag, ITTC strip form).
 """
 

@@ -1,9 +1,13 @@
 """Constant offset of the head angle.
 
+The true head angle phi differs from the commanded one:
+
     phi = commanded + d ((1 - g - b) + g commanded / phi_1 + b sign(commanded)),  phi_1 = 35 deg
 
-The error of the head angle phi is a constant offset d, a gain error (the part g) or backlash (the
-part b), by which a turned head stays behind the command.
+d is the size of the error. By default, the error is a constant offset. The part g of it is a gain
+error, in proportion to the commanded angle. The part b is backlash: its sign is that of the
+commanded angle.
+
 Source: own statement (servo horn or push rod set one notch off; length of the horn; play).
 """
 

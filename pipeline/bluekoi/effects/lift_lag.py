@@ -1,13 +1,19 @@
 """Lift that follows the angle of attack with a delay.
 
-Lift approaches its steady value over the time in which the flow passes the plate:
+The lift of the head plate does not follow the angle of attack alpha and the speed V at once. It
+approaches its steady value while the robot travels some head lengths h. The lagging quantities z
+and y follow
 
     z' = (V^(2 - e) sin 2 alpha - z) V / (s h),    y' = (z - y) V / (s h)
 
-In the lift L, the share k of V^2 sin 2 alpha is replaced by k V^e ((1 - w) z + w y). w = 0 is a
-first-order lag, w = 1 two in series (the flow turns, then the circulation follows). With e = 0 the
-force lags, with e = 1 the circulation, with e = 2 the lift coefficient. The share m k of the moment
-q C_Ma sin 2 alpha lags as well. h is the head length. The effect vanishes in steady motion.
+In the formula of the lift, the share k of V^2 sin 2 alpha is replaced by k V^e ((1 - w) z + w y).
+The yaw moment q C_Ma sin 2 alpha of the head lags in the same way, with the share m k. The effect
+vanishes in steady motion.
+
+w = 0 is a first-order lag. w = 1 is two lags in series: the flow turns, and then the circulation
+follows. The exponent e says what lags: the force (e = 0), the circulation (e = 1), or the lift
+coefficient (e = 2).
+
 Source: Leishman, Principles of Helicopter Aerodynamics (2006), sec. 8.10 (Wagner's indicial lift)
 and ch. 9 (lags of pressure and boundary layer in series).
 """

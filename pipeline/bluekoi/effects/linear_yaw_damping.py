@@ -1,10 +1,16 @@
 """Yaw damping in proportion to the yaw rate.
 
+With the yaw rate r and the speed V, the yaw moment is
+
     N = -N_r r ((1 - p - q) + p (|r| / r_1)^(1/2) + q V / V_1),  r_1 = 0.5 rad/s, V_1 = 0.3 m/s
 
-The part p grows as r^(3/2), as skin friction of a laminar boundary layer on the turning body; the
-part q as V r, as the lift that turning gives to sections of a body that swims ahead.
-It vanishes without rotation. Relative to the quadratic term C_Md it is largest in slow turns.
+By default (p = q = 0), the moment is proportional to r. The part p grows as r^(3/2), as for skin
+friction of a laminar boundary layer on the turning body. The part q grows as V r, as for the lift
+that turning gives to sections of a body that swims ahead.
+
+The moment vanishes without rotation. Relative to the quadratic damping of the model, C_Md r |r|, it
+is largest in slow turns.
+
 Source: Fossen (2011), sec. 6.4 (linear damping, potential and skin friction); Schlichting and
 Gersten, Boundary-Layer Theory (2017), sec. 6.5; Newman (1977), sec. 7.9 (lift of a slender body).
 """

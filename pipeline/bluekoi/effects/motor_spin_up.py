@@ -1,12 +1,18 @@
 """Spin-up of the motor.
 
-    f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
-    z = max(1 - t / (2 tau), 0),  t since the start, 0 during the dead time t_d
+With the time t since the motor was started, and t = 0 during the dead time t_d, the flapping
+frequency is
 
-w = 0 is a first-order motor. w = 1 is a motor with a controller that reaches full frequency after
-2 tau, by a linear ramp (q = 0) or a smooth one (q = 1). In all these forms the lost time is
-k (tau + t_d): the phase stays behind that of a motor with immediate full speed by f times this
-time. A motor log shows it (`motor/spin_up.py`).
+    f(t) = f (1 - k ((1 - w) exp(-t / tau) + w ((1 - q) z + q z^2 (3 - 2 z)))),
+    z = max(1 - t / (2 tau), 0)
+
+k is the share of the frequency that is missing at the start, and tau the time constant. w = 0 is a
+first-order motor. w = 1 is a motor with a controller, which reaches the full frequency after 2 tau:
+by a linear ramp (q = 0) or by a smooth one (q = 1).
+
+In all these forms, the motor loses the time k (tau + t_d): its phase stays behind that of a motor
+with immediate full speed by f times this time. A motor log shows this lost time
+(`motor/spin_up.py`).
 
 Source: Nise (2015), sec. 2.8 (motor with load, first order).
 """

@@ -1,14 +1,19 @@
 """One eddy that fills the pool.
 
-The stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses the
-walls; G is the largest speed along the long walls. The part b of the flow is instead a vortex about
-the middle of the pool with the azimuthal velocity
+There are two forms of the rotation of the water in a pool of length L and width W. In the first
+form, the stream function is proportional to sin(pi x / L) sin(pi y / W), so that no water crosses
+the walls. G is the largest speed along the long walls.
 
-    v = 2 G (r / a) / (1 + (r / a)^2),  largest at the radius a of its core
+The part b of the flow has the second form, a vortex about the middle of the pool. At the distance r
+from the middle, its azimuthal velocity is
 
-which is a rigid rotation if a is large. Source: Batchelor, An Introduction to Fluid Dynamics
-(1967), sec. 7.4 (cell); Scully, MIT ASRL TR 178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1
-(vortex).
+    v = 2 G (r / a) / (1 + (r / a)^2)
+
+It is largest at r = a, the radius of the vortex core. With a large a, the water rotates like a
+rigid body.
+
+Source: Batchelor, An Introduction to Fluid Dynamics (1967), sec. 7.4 (cell); Scully, MIT ASRL TR
+178-1 (1975), and Kaufmann, Ing.-Arch. 31 (1962), 1 (vortex).
 """
 
 from __future__ import annotations

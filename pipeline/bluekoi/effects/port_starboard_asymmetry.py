@@ -1,13 +1,16 @@
 """Forces that differ between the two sides.
 
-The head's lift is (1 + k) times as large with the flow from one side and (1 - k) from the other:
+The lift L of the head is (1 + k) times as large if the flow comes from one side, and (1 - k) times
+as large if it comes from the other. At the angle of attack alpha, the change of the lift is
 
     dL = k |L| s / sqrt(s^2 + w^2) to the left of the flow,  s = |sin 2 alpha|
 
-With w > 0 the difference is smaller at small angles of attack. The part m of the moment
-q C_Ma sin 2 alpha differs in the same way. The yaw damping C_Md r |r| differs by the share n, and
-the head's drag C_Da (1 - cos 2 alpha) by the share g. The effect vanishes at zero angle of attack
-without rotation.
+With w > 0, the sides differ less at small angles of attack. The part m of the moment q C_Ma sin 2
+alpha differs between the sides in the same way. The yaw damping C_Md r |r| differs by the share n,
+and the drag C_Da (1 - cos 2 alpha) of the head by the share g.
+
+The effect vanishes at zero angle of attack without rotation.
+
 Source: own statement (asymmetric hull or head cap).
 """
 

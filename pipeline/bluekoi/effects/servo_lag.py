@@ -1,10 +1,17 @@
 """Delay of the head servo.
 
+At the time t since the start of the trial, the head angle is
+
     phi(t) = phi (1 - k exp(-(t / T)^n)),  T = tau (1 - q + q |phi| / 45 deg)
 
-n = 1 and q = 0 is a first-order lag. For a servo of limited rate, n is larger and q = 1: the time
-is proportional to the angle. While the servo moves, the core turns by the share c of the change,
-psi' = r + c phi', and the head by the rest. With c = 1 the head keeps its direction, as in Eq. 8.
+phi on the right-hand side is the commanded angle, and k the share of it that is missing at the
+start. n = 1 and q = 0 is a first-order lag with the time constant tau. A servo with a limited rate
+has a larger n, and q = 1: the time is then proportional to the angle.
+
+While the servo moves, the core turns by the share c of the change of the head angle, psi' = r + c
+phi', and the head by the rest. psi is the heading of the core and r the yaw rate. With c = 1 the
+head keeps its direction, as in Eq. 8 of the paper.
+
 Source: Nise, Control Systems Engineering (2015), sec. 4.3 (first-order response).
 """
 

@@ -1,7 +1,9 @@
 """Lift lost at a high angle of attack.
 
-The head plate loses the share k w(alpha) of its lift, where w rises from 0 to 1 as |sin alpha| goes
-from s0 to s0 + b, and the share m k w of its moment q C_Ma sin 2 alpha; none at small angles.
+The head plate loses the share k w(alpha) of its lift at the angle of attack alpha. w rises from 0
+to 1 as |sin alpha| rises from s0 to s0 + b. At small angles there is no loss. The head also loses
+the share m k w(alpha) of its yaw moment q C_Ma sin 2 alpha.
+
 Source: Abbott and von Doenhoff, Theory of Wing Sections (1959), sec. 4.1 (stalled flow); Hoerner
 and Borst, Fluid-Dynamic Lift (1975), ch. 4.
 """

@@ -1,26 +1,34 @@
 """Core and tail as a fin.
 
-A low-aspect-ratio fin at the distance a behind the centre of mass has the sideways speed v - a r
-and the side force of a thin wing at a small angle. On a long fin this speed varies along the fin.
-It is represented by two stations, at a - b and a + b, with the same mean and spread:
+The fin has a low aspect ratio and lies at the distance a behind the centre of mass. It moves
+sideways with the speed v - a r, and its side force is that of a thin wing at a small angle. On a
+long fin, the sideways speed varies along the fin. The fin is therefore represented by two stations,
+at a - b and a + b, with the same mean and spread. A station at x has the sideways speed w, the side
+force dY and the force along the body dX; Y and N are side force and yaw moment of the fin:
 
     dY = -1/2 rho S/2 sqrt(u^2 + p w^2) w,  w = v - x r,  x = a -+ b,   Y = sum dY,  N = -sum x dY
     dX = g dY w u / (u^2 + w^2)
 
-with S = C_La,fin x area. The circulation follows the flow while the fin travels s head lengths h:
-in w, the speed w_a = v - a r at the middle is replaced by z,
+S is the lift slope times the area of the fin. The force vanishes in straight swimming, which it
+stabilises. With p = 0, it also vanishes without forward speed.
+
+The circulation builds up while the fin travels s head lengths h: in the formula for w, the speed
+w_a = v - a r at the middle of the fin is replaced by z, with
 
     z' = (w_a - z) V_a / (s h),   V_a^2 = u^2 + w_a^2
 
-p = 0 is the law of a wing at small angles. p is larger if the sideways flow contributes to the
-dynamic pressure, or with cross-flow drag; it is smaller for a fin that stalls gradually. g is the
-part of the force along the body: g > 0 is induced drag, g < 0 leading-edge suction (g = -1: the
-force is normal to the flow). A thin wing builds up half of its lift at once and the rest over a few
-chords, a wing of low aspect ratio faster. The force vanishes in straight swimming, which it
-stabilises, and for p = 0 without forward speed.
+A thin wing builds up half of its lift at once and the rest over a few chords. A wing of low aspect
+ratio is faster.
+
+p = 0 is the formula for a wing at small angles. p is larger if the sideways flow contributes to the
+dynamic pressure, or if there is cross-flow drag. p is smaller for a fin that stalls gradually.
+
+g is the part of the force along the body. g > 0 is induced drag. g < 0 is leading-edge suction;
+with g = -1, the force is normal to the flow.
+
 Source: Newman, Marine Hydrodynamics (1977), sec. 5.15 (lifting bodies of small aspect ratio);
-Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio);
-R. T. Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio).
+Hoerner and Borst, Fluid-Dynamic Lift (1975), ch. 17 (the nonlinear part at low aspect ratio); R. T.
+Jones, NACA report 681 (1940) (growth of lift on wings of finite aspect ratio).
 """
 
 from __future__ import annotations

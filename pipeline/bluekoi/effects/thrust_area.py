@@ -1,9 +1,14 @@
 """Thrust that does not grow with the head area.
 
+In Eq. 1 of the paper as printed, the thrust T is proportional to the area A of the head plate, so
+that a longer head gives more thrust. This effect changes the thrust by
+
     dT = -k T (1 - A_1 / A)
 
-As printed, Eq. 1 scales thrust with the head plate's area A; with k = 1 it scales with the area
-A_1 of the 1x head, for which the effect vanishes. Source: audit of Eq. 1, docs/paper.md.
+A_1 is the area of the 1x head, for which the effect vanishes. With k = 1, the thrust is
+proportional to A_1 for every head.
+
+Source: audit of Eq. 1, docs/paper.md.
 """
 
 from __future__ import annotations

@@ -1,11 +1,18 @@
 """Thrust that misses the centre of mass when the head is turned.
 
+At the head angle phi, the thrust T causes the yaw moment
+
     N = T d (sin(phi) + w (phi - sin(phi)))
 
-Turning the head by phi moves its mass, and with it the centre of mass, to one side: by sin(phi) for
-a hinge (w = 0). w is the part proportional to phi, as for a body that bends along an arc. w < 0
-describes a tail jet that is deflected by the turned head (sin 2 phi, up to 45 degrees). The moment
-vanishes with a straight head. Source: rigid-body statics; in Eq. 8, T acts at the centre of mass.
+The reason is that a turned head moves its mass, and with it the centre of mass, to one side. In Eq.
+8 of the paper, T acts at the centre of mass. d is the distance between the line of thrust and the
+centre of mass at a head angle of 90 degrees. The moment vanishes with a straight head.
+
+For a hinge, the distance is proportional to sin(phi) (w = 0). The part w is proportional to phi, as
+for a body that bends along an arc. w < 0 describes a tail jet that is deflected by the turned head
+(sin 2 phi, up to 45 degrees).
+
+Source: rigid-body statics.
 """
 
 from __future__ import annotations

@@ -1,10 +1,16 @@
 """Thrust that falls with forward speed.
 
+With the surge velocity u, the flapping frequency f and the area A of the head plate, the change of
+the thrust T is
+
     dT = -k rho A f u ((1 - w) + w (u / f) / J_1) (f / f_1)^q,  J_1 = 0.15 m, f_1 = 3.5 Hz
 
-Thrust falls with the advance per beat, u / f: linearly, and in the part w with its square. With
-q = 0 the loss depends on the advance, as for a propeller; with q = 1 (w = 0) or 2 (w = 1) the lost
-share of the thrust depends on the speed only. The loss vanishes at rest.
+u / f is the advance, the distance that the robot swims in one tail beat. The thrust falls linearly
+with the advance; the part w falls with the square of the advance. The loss vanishes at rest.
+
+With q = 0, the relative loss depends only on the advance, as for a propeller. With q = 1 (for w =
+0) or q = 2 (for w = 1), it depends only on the speed.
+
 Source: Carlton, Marine Propellers and Propulsion (2012), sec. 6.1 (open-water curves);
 Triantafyllou et al., J. Fluids Struct. 7 (1993), 205 (Strouhal number of fish tails).
 """

@@ -1,10 +1,15 @@
 """Constant yaw moment of an asymmetric robot.
 
+With the speed V, the flapping frequency f and the area A of the head plate, the yaw moment is
+
     N = 1/2 rho A c V0^2 ((1 - w) (V / V0)^(2 p) + w (f / f0)^2),   V0 = 0.3 m/s, f0 = 3.5 Hz
 
-p = 1 describes an asymmetric hull. The part w is proportional to the thrust, as for a misaligned
-tail. The moment vanishes if robot and tail are at rest. It turns a robot with a straight head
-always to the same side.
+c is the size of the moment as a length. p = 1 describes an asymmetric hull, whose moment is
+proportional to V^2. The part w is proportional to the thrust, as for a misaligned tail.
+
+The moment turns a robot with a straight head always to the same side. It vanishes if robot and tail
+are at rest.
+
 Source: Fossen (2011), sec. 7.1 (asymmetric hull terms).
 """
 

@@ -1,10 +1,13 @@
 """Uniform current in the pool.
 
+At the time t of a trial, the water has the velocity
+
     w = (c_x (1 + a eta), c_y (1 + a xi)) (1 + b (t - 3 s) / 3 s)
 
-All forces depend on the velocity relative to the water. xi = 2 x / L - 1 and eta = 2 y / W - 1 are
-0 in the middle of the pool and 1 at its walls: a is the shear across the current. b is the relative
-change of the current during a trial.
+in the axes of the pool. All forces depend on the velocity of the robot relative to the water. With
+the position (x, y), the length L and the width W of the pool, xi = 2 x / L - 1 and eta = 2 y / W -
+1; they are 0 in the middle of the pool and 1 at its walls. a is the shear: the relative change of
+the current across its direction. b is the relative change of the current during a trial.
 
 Source: Fossen (2011), sec. 8.3 (relative velocity in an irrotational current).
 """

@@ -1,10 +1,15 @@
 """Skin friction of a laminar boundary layer.
 
+At the speed V, the drag against the direction of motion v_hat is
+
     D = -k V^(3/2) ((1 - w) + w (V_1 / V)^(1/2)) v_hat,  V_1 = 0.3 m/s
 
-Laminar flow (w = 0): c_f ~ Re^(-1/2), so that the force grows as V^(3/2). The part w grows as V, as
-in creeping flow. The part h acts at the head plate, at the distance l ahead of the centre of mass,
-like all drag in the paper; the rest acts at the centre of mass. The force vanishes at rest.
+In laminar flow, the friction coefficient is proportional to Re^(-1/2), so that the drag grows as
+V^(3/2) (w = 0). The part w grows as V, as in creeping flow. The drag vanishes at rest.
+
+The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass, like
+all drag in the paper. The rest acts at the centre of mass.
+
 Source: Schlichting and Gersten, Boundary-Layer Theory (2017), sec. 6.5 (plate friction).
 """
 

@@ -1,10 +1,15 @@
 """Drag changed by the own wake after a full circle.
 
-After about one circle (earlier in a tight one, because a wake is wider than the body) the robot
-swims in water that it has set in motion. The drag changes by the share -k, smoothly from n_1 - b/2
-to n_1 + b/2 turns, and by g k more with each further turn. If the wake decays (a > 0), the change
-is multiplied by (age / 6 s)^-a with the age 2 pi / |r|. The part j is proportional to the speed
-instead of its square, as in moving water. The effect vanishes in straight runs and short arcs.
+After about one circle, the robot swims in water that it has set in motion. In a tight circle this
+happens earlier, because the wake is wider than the body. The effect vanishes in straight runs and
+short arcs.
+
+The drag 1/2 rho A V^2 at the speed V changes by the share -k. The change builds up smoothly from
+n_1 - b/2 to n_1 + b/2 turns. With each further turn, the drag changes by g k more. If the wake
+decays (a > 0), the change is multiplied by (age / 6 s)^-a, where the age of the wake is the
+duration 2 pi / |r| of one turn at the yaw rate r. The part j of the change is proportional to the
+speed instead of its square, as in moving water.
+
 Source: Tennekes and Lumley, A First Course in Turbulence (1972), sec. 4.4 (momentum wake behind a
 self-propelled body) and 4.2 (a wake that fades with its age).
 """

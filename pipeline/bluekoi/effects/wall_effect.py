@@ -1,11 +1,18 @@
 """Forces close to a wall of the pool.
 
-    n(d) = (1 - w) exp(-d / s) + w / (1 + (d / s)^2),  d: distance from the wall
-    drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m),  q = rho V^2 / 2
+At the distance d from a wall, the force and the moment of this wall are proportional to n(d). With
+q = rho V^2 / 2 at the speed V, and the area A of the head plate:
 
-summed over the four walls. The part w falls as the square of the distance, like the effect of an
-image behind the wall in two dimensions. g is the attraction by this image, and j the force that
-turns the robot if it acts 0.1 m ahead of the centre of mass. The effect vanishes away from walls.
+    n(d) = (1 - w) exp(-d / s) + w / (1 + (d / s)^2)
+    drag k n q A,  attraction g n q A,  moment towards the wall j n q A (0.1 m)
+
+The contributions of the four walls are added. s is the distance over which the effect decays; the
+effect vanishes far from the walls. The part w falls as the square of the distance. This is the
+effect of an image of the body behind the wall in two-dimensional flow.
+
+g is the attraction by this image. j is the force that causes the same moment if it acts 0.1 m ahead
+of the centre of mass.
+
 Source: Hoerner, Fluid-Dynamic Drag (1965), ch. 8 (blockage); Newman (1977), ch. 4 (images).
 """
 

@@ -1,15 +1,19 @@
 """Wave drag close to the surface.
 
+At the speed V, the drag against the direction of motion v_hat is
+
     D = -k V^4 ((1 - w) + w (V / V_1)^2) (1 + g R(V)) v_hat,  V_1 = 0.4 m/s
     R = 1 / (1 + ((V - V_c) / 0.08 m/s)^2)^2
 
-Below the hull speed, wave drag rises faster than the square of the speed; w is the part that grows
-as V^6. Interference of bow and stern waves gives a hump of the height g at the speed V_c. The part
-h acts at the head plate, at the distance l ahead of the centre of mass, the rest at the centre of
-mass.
+Below the hull speed, wave drag rises faster than the square of the speed: here as V^4, and the part
+w as V^6. Interference of bow and stern waves causes a hump of the relative height g at the speed
+V_c.
 
-Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1;
-Hoerner (1965), ch. 11.
+The part h of the drag acts at the head plate, at the distance l ahead of the centre of mass. The
+rest acts at the centre of mass.
+
+Source: Faltinsen, Hydrodynamics of High-Speed Marine Vehicles (2005), sec. 4.1; Hoerner (1965), ch.
+11.
 """
 
 from __future__ import annotations

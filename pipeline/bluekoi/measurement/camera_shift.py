@@ -1,9 +1,12 @@
 """A camera that was moved between or during trials.
 
-From the time t_shift of a trial on, all positions are displaced by (dx, dy). If the camera moved in
-several trials, (dx, dy) is the displacement in the trial that determines it best. The displacements
-of the other trials relative to it are fixed at their first estimates: a rotation and scale
-(x_shift, y_shift), which is (1, 0) for a single trial.
+From the time t_shift of a trial on, all positions are displaced by (dx, dy).
+
+If the camera moved in several trials, (dx, dy) is the displacement in the trial that determines it
+best. The displacements in the other trials are proportional to it, with a rotation and scale
+(x_shift, y_shift) that is fixed at its first estimate. For a single trial, (x_shift, y_shift) is
+(1, 0).
+
 Source: own statement.
 """
 

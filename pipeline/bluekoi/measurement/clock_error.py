@@ -1,7 +1,8 @@
 """A wrong frame rate.
 
-True time runs 1 + k (1 + d (t - 3 s) / 3 s) times as fast as the recording's time t; d is the drift
-of an unsteady clock.
+With the recorded time t, the true time runs 1 + k (1 + d (t - 3 s) / 3 s) times as fast as t. k is
+the error of the frame rate. d is the drift of an unsteady clock.
+
 Source: own statement (30 for 29.97, or a frame rate typed in wrongly).
 """
 

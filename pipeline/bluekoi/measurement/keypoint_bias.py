@@ -1,8 +1,11 @@
 """Constant offset of a keypoint on the body.
 
-The pose is fitted to all keypoints. An offset of one of them therefore shifts the fitted core
-centre by (bx, by) along and across the core, the core's heading by bpsi and the head angle by bphi.
+The pose of the robot is fitted to all keypoints. A constant offset of one keypoint on the body
+therefore changes the whole pose: it shifts the core centre by (bx, by) along and across the core,
+the heading of the core by bpsi, and the head angle by bphi.
+
 The offset along the core is at most 2 cm; a larger one is a `centre_of_mass_shift`.
+
 Source: own statement.
 """
 

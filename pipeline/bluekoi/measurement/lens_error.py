@@ -1,13 +1,18 @@
 """Residual lens distortion.
 
+A point at the position `true` on the water is measured at the position
+
     seen = true + k [(rho^2 - q Q) (true - c) + a] + (p_x, p_y) (rho^2 - q Q)
 
-rho is the distance of `true` from c, the point where the lens axis meets the water. k is the radial
-distortion and p = (p_x, p_y) the tangential one, of a lens whose elements are not aligned. The
-camera pose was fitted to the pool corners and compensates part of the error: Q and a describe that
-part. Q, a and c are computed from the camera of the study with a changed first distortion
-coefficient (camera/error_displacement.py), for which q = 1. Of the tangential distortion
-2 (p . d) d + rho^2 p with d = true - c, the pose compensates the first term, a tilt.
+c is the point where the lens axis meets the water, and rho the distance of `true` from c. k is the
+radial distortion. p = (p_x, p_y) is the tangential distortion of a lens whose elements are not
+aligned.
+
+The pose of the camera is fitted to the pool corners and compensates part of the lens error. Q and a
+describe this part. Q, a and c are computed from the camera of the study with a changed first
+distortion coefficient (camera/error_displacement.py); this corresponds to q = 1. The tangential
+distortion is 2 (p . d) d + rho^2 p, with d = true - c. Its first term is a tilt, which the pose
+compensates.
 
 Source: Brown, Photogrammetric Engineering 37 (1971), 855 (radial and tangential distortion).
 """

@@ -1,10 +1,16 @@
 """A wrong scale from pixels to metres.
 
-    seen - c = ((1 + k (1 + a)) x, (1 + k (1 - a)) y),  x, y = true - c, c the middle of the pool
+With the distances x, y of a point from the middle c of the pool, the point is measured at the
+position
 
-a is 1 or -1 if only one side of the pool was stated wrong. If a detector places the keypoints at
-stated lengths behind the nose, the error applies to the nose, which lies at the distance `ahead` in
-front of the core's centre.
+    seen - c = ((1 + k (1 + a)) x, (1 + k (1 - a)) y),  x, y = true - c
+
+k is the scale error. With a = 1 or a = -1, only the length or only the width of the pool was stated
+wrongly.
+
+If a detector places the keypoints at stated lengths behind the nose, the error applies to the
+position of the nose. The nose lies at the distance `ahead` in front of the core centre.
+
 Source: own statement (pool dimensions or corner marks wrong).
 """
 

@@ -1,9 +1,12 @@
 """Video, commands and motor log that do not start together.
 
 The motion starts with full thrust at the time d after the start of the video, or after the start
-that the motor log shows. A video that starts during the motion has no effect, because the initial
-state of each trial is free. If the motor log is the time e ahead of the video, this is visible only
-in the phase of the tail beat (`motor/log_video_delay.py`).
+that the motor log shows. If the video starts while the robot already moves, there is no effect,
+because the initial state of each trial is a free parameter.
+
+e is the time by which the clock of the motor log is ahead of the video. It is visible only in the
+phase of the tail beat (`motor/log_video_delay.py`).
+
 Source: own statement.
 """
 

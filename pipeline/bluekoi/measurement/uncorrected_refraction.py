@@ -1,12 +1,14 @@
 """Refraction at the surface not corrected, or for a wrong depth.
 
-c = (x_c, y_c) is the point below the camera. A keypoint that lies deeper than assumed appears
-closer to it:
+A keypoint that lies deeper than assumed appears closer to the point c = (x_c, y_c) below the
+camera. At the position `true`, it is measured at
 
     seen = true - k (true - c) (1 + q b rho^2),  rho = |true - c|
 
-b follows from the camera's height and the stated index (camera/error_displacement.py). q = 1 if
+k is the relative shift near c. b describes its increase with the distance from c; it follows from
+the height of the camera and the stated refractive index (camera/error_displacement.py). q = 1 if
 only the index or only the depth is wrong.
+
 Source: Snell's law to second order in the angle; Treibitz et al., IEEE TPAMI 34 (2012), 51.
 """
 

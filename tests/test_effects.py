@@ -172,13 +172,22 @@ def test_fin_whose_force_stands_across_the_flow_does_no_work_there() -> None:
     assert pytest.approx((lift * 0.4 * 0.25 / (0.4**2 + 0.25**2), -lift)) == (X, Y)
 
 
+def test_build_up_of_a_fin_has_a_slope_where_lift_follows_at_once() -> None:
+    """Fits end at s = 0; without a slope there, nothing but the prior would act on s."""
+    fin, motion = plates().effect("tail_fin_lift"), np.array([0.4, 0.1, 0.0])
+    at = [call_effect(fin, "rates", motion, s=s, z_fin=0.0)[0] for s in (0.0, 0.01)]
+    assert at[1] < 0.9 * at[0]
+
+
 def test_lift_of_a_fin_builds_up_over_its_head_lengths_of_travel() -> None:
-    """A fin set to 0.1 m/s sideways at 0.4 m/s, s = 1: z grows as 0.1 (1 - exp(-V t / h))."""
+    """A fin set to 0.1 m/s sideways at 0.4 m/s, s = 1: z grows as 0.1 (1 - exp(-t / T)), with
+    T = h / V + 1/60 s.
+    """
     fin = plates().effect("tail_fin_lift")
     motion, V, z, step = np.array([0.4, 0.1, 0.0]), np.hypot(0.4, 0.1), 0.0, 1e-4
     for _ in range(3000):
         z += step * call_effect(fin, "rates", motion, s=1.0, z_fin=z)[0]
-    assert z == pytest.approx(0.1 * (1 - np.exp(-V * 0.3 / 0.12)), rel=1e-3)
+    assert z == pytest.approx(0.1 * (1 - np.exp(-0.3 / (0.12 / V + 1 / 60))), rel=1e-3)
     whole = call_effect(fin, "force", motion, b=0.0, p=0.0)
     part = call_effect(fin, "force", motion, b=0.0, p=0.0, z_fin=z)
     assert part[1] == pytest.approx(whole[1] * z / 0.1)

@@ -15,10 +15,10 @@ stabilises. With p = 0, it also vanishes without forward speed.
 The circulation builds up while the fin travels s head lengths h: in the formula for w, the speed
 w_a = v - a r at the middle of the fin is replaced by z, with
 
-    z' = (w_a - z) V_a / (s h),   V_a^2 = u^2 + w_a^2
+    z' = (w_a - z) / (s h / V_a + 1/60 s),   V_a^2 = u^2 + w_a^2
 
 A thin wing builds up half of its lift at once and the rest over a few chords. A wing of low aspect
-ratio is faster.
+ratio is faster. The lag is at least 1/60 s, which the integrator can follow.
 
 p = 0 is the formula for a wing at small angles. p is larger if the sideways flow contributes to the
 dynamic pressure, or if there is cross-flow drag. p is smaller for a fin that stalls gradually.
@@ -83,7 +83,10 @@ def force(
 def own_rates(
     uc: float, vc: float, rc: float, h: float, z_fin: float, a: float, s: float
 ) -> tuple[float]:
-    """Derivative of z (m/s2); not faster than the integrator follows."""
+    """Derivative of z (m/s2), not faster than the integrator follows.
+
+    Smooth in s at 0, where a fit ends if the lift follows at once.
+    """
     w = vc - a * rc
-    rate = min(math.sqrt(uc * uc + w * w) / (s * h + 1e-9), 60.0)
-    return ((w - z_fin) * rate,)
+    V = math.sqrt(uc * uc + w * w + 1e-12)
+    return ((w - z_fin) * V / (s * h + V / 60.0),)

@@ -111,7 +111,7 @@ def fit_set(
     known: Mapping[str, float],
     *,
     at_start: FilterResults | None = None,
-    passes: int = 2,
+    passes: int = 4,
     iterations: int = 12,
     free: Sequence[Free] | None = None,
     discrepancy: Mapping[str, float] | None = None,
@@ -131,21 +131,22 @@ def fit_set(
     start = {f.label: left.get(f.label, known.get(f.label, float(point[slot[f.name]])))
              for f in frees}  # fmt: skip
     local = replace(problem, base=point)
+
+    def filtered(values: Float) -> FilterResults:
+        return filter_all(problem.kernel, problem.series, local.points(frees, values), noise)
+
     found = None
-    predictor = None
+    predictor = at_start or filtered(np.array([start[f.label] for f in frees]))
     for _ in range(passes):
         found = fit(problem.kernel, problem.series, point, frees, noise, start=start,
                     iterations=iterations, tolerance=STEP_TOLERANCE_STDS, predictor=predictor,
-                    at_start=at_start, spreads=deviations)  # fmt: skip
-        at_start = None
+                    spreads=deviations)  # fmt: skip
         moved = _moved_to_start(found, start)
         start = found.by_label()
-        predictor = filter_all(problem.kernel, problem.series,
-                               local.points(frees, found.values), noise)  # fmt: skip
+        predictor = filtered(found.values)
         if moved < 1.0:
             break
     assert found is not None
-    assert predictor is not None
     values = found.values[: len(own)]
     left |= {label: start[label] for label in deviations or {}}
     point = start_values(problem, causes, known, left)
@@ -196,7 +197,7 @@ def without_discrepancy(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted to a problem's trials with the formulas of its causes alone, under its own
     noise.
     """
-    plain = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    plain = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=model.fit.free)  # fmt: skip
     return fit_own_noise(problem, plain, most=2)
 
@@ -241,7 +242,7 @@ def is_likelier_under(problem: Problem, model: FittedSet, noise: Noise) -> bool:
 def _fit_under_small_forces(problem: Problem, model: FittedSet) -> FittedSet:
     """A set fitted under small random forces."""
     noise = small_force_noise(problem, model.noise)
-    return fit_set(problem, model.causes, noise, model.fit.by_label(), passes=1,
+    return fit_set(problem, model.causes, noise, model.fit.by_label(),
                    free=model.fit.free, discrepancy=model.discrepancy,
                    deviations=model.deviations)  # fmt: skip
 
@@ -261,7 +262,7 @@ def _noise_and_fit_round(
                       line_searches=not near, max_trials=MAX_SEARCH_TRIALS,
                       passes=passes)  # fmt: skip
     known = found.passes if len(found.passes) == len(points) else None
-    again = fit_set(problem, model.causes, found.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, found.noise, model.fit.by_label(),
                    free=model.fit.free, discrepancy=model.discrepancy, at_start=known,
                    deviations=model.deviations)  # fmt: skip
     return max(model, again, key=lambda m: m.log_joint)

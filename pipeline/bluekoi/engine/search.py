@@ -175,7 +175,7 @@ def _keep_better_noise(visited: FittedSets, scored: ScoredSet, source: FittedSet
     """Keep the refit of a set from another's noise where that fits better."""
     problem, model = visited.problem, scored.model
     left = visited.shared_discrepancy(source, model.key)
-    again = fit_set(problem, model.causes, source.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, source.noise, model.fit.by_label(),
                    free=model.fit.free, discrepancy=left or model.discrepancy,
                    deviations=model.deviations)  # fmt: skip
     if again.log_joint <= model.log_joint:
@@ -211,7 +211,7 @@ def _fit_further_under_small_forces(visited: FittedSets, scored: ScoredSet) -> N
     """
     problem = visited.problem
     model = fit_set(problem, scored.causes, small_force_noise(problem, scored.model.noise),
-                   scored.model.fit.by_label(), passes=1, free=scored.model.fit.free,
+                   scored.model.fit.by_label(), free=scored.model.fit.free,
                    discrepancy=scored.model.discrepancy,
                    deviations=scored.model.deviations)  # fmt: skip
     if not model.usable:

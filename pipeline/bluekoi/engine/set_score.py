@@ -74,7 +74,7 @@ def with_discrepancy(
     ):
         return scored
     model = scored.model
-    again = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    again = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=model.fit.free, discrepancy={k: v for k, (v, _) in left.items()},
                    deviations=stds)  # fmt: skip
     if not again.usable:

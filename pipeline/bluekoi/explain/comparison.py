@@ -137,7 +137,7 @@ def errors_of_sets(
 
 def refitted(problem: Problem, model: FittedSet) -> FittedSet:
     """The same set under the same noise, fitted to other trials; itself where that runs away."""
-    found = fit_set(problem, model.causes, model.noise, model.fit.by_label(), passes=1,
+    found = fit_set(problem, model.causes, model.noise, model.fit.by_label(),
                    free=[f for f in model.fit.free if f.group is None
                          or f.group in {s.group for s in problem.series}])  # fmt: skip
     if not found.usable:

@@ -23,6 +23,8 @@ DAMPING, DAMPED_TOLERANCE = 1e-4, 0.3
 """Marquardt's parameter at the start, and the part of the tolerance at which a step that is damped
 more than that ends a fit.
 """
+FAILED_STEP_TOLERANCE = 2.0
+"""Part of the tolerance at which an undamped step that fails ends a fit."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,7 @@ class Fit:
 def fit(
     kernel: Kernel, series: Sequence[Series], base: Float, free: Sequence[Free], noise: Noise, *,
     start: Mapping[str, float] | None = None, iterations: int = 25, tolerance: float = 1e-3,
-    predictor: FilterResults | None = None, at_start: FilterResults | None = None,
-    spreads: Mapping[str, float] | None = None,
+    predictor: FilterResults | None = None, spreads: Mapping[str, float] | None = None,
 ) -> Fit:  # fmt: skip
     """Levenberg-Marquardt on the prediction errors, within the parameters' bounds.
 
@@ -63,8 +64,9 @@ def fit(
     gain follows from the quadratic model of the last normal equations. A step that is small because
     it is damped ends the fit at `DAMPED_TOLERANCE` of that, and is not taken: there the quadratic
     model has failed.
-    predictor, spreads: as in `normal_equations`. at_start: the filter's pass at the start, where
-    known.
+    An undamped step that fails and is at most `FAILED_STEP_TOLERANCE` of the tolerance ends the fit
+    where it is: the differences are no more exact than that.
+    predictor, spreads: as in `normal_equations`.
     """
     slots = slots_by_name(kernel)
     parameters = [kernel.system.parameters[slots[f.name]] for f in free]
@@ -72,8 +74,8 @@ def fit(
     given = start or {}
     x = np.array([given.get(f.label, given.get(f.name, base[slots[f.name]])) for f in free])
     x = np.clip(x, lower, upper)
-    normal = normal_equations(kernel, series, base, free, x, noise=noise,
-                              predictor=predictor or at_start, spreads=spreads)  # fmt: skip
+    normal = normal_equations(kernel, series, base, free, x, noise=noise, predictor=predictor,
+                              spreads=spreads)  # fmt: skip
     damping, outcome, count = DAMPING, STALLED, 0
     while normal.usable and count < iterations and damping < 1e8:
         count += 1
@@ -91,6 +93,9 @@ def fit(
         gain = candidate.log_likelihood.sum() - normal.log_likelihood.sum()
         if candidate.usable and gain >= -1e-9:
             x, normal, damping = trial, candidate, max(damping * 0.2, 1e-9)
+        elif undamped and _is_small(normal, trial - x, FAILED_STEP_TOLERANCE * tolerance):
+            outcome = CONVERGED
+            break
         else:
             damping *= 8.0
     bound = (x <= lower) | (x >= upper)

@@ -72,7 +72,8 @@ def _finding_from_item(
 
 def _remedy(item: dict[str, Any]) -> str:
     """What a value of this kind is usually due to, where that is known."""
-    if DECIMAL_COMMA_PATTERN.fullmatch(str(item["input"])):
+    value = item["input"]
+    if isinstance(value, str) and DECIMAL_COMMA_PATTERN.fullmatch(value):
         return DECIMAL_POINT_REMEDY
     negative = item["type"] == "greater_than_equal"
     return EXCHANGED_REMEDY if negative and item["loc"] == ("power_pct",) else ""
